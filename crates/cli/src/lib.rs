@@ -1,0 +1,1 @@
+//! The command line as a library: arguments and writers in, exit code out.

@@ -1,0 +1,1 @@
+//! From recordings to FRFs: direct, best linear approximation, excerpts, comparison.

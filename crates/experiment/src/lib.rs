@@ -1,0 +1,1 @@
+//! One description, the whole workflow: design, run, estimate.

@@ -1,0 +1,1 @@
+//! MCAP, CSV, NPZ and JSON in and out.

@@ -1,0 +1,1 @@
+//! A flexible-joint robot in software: friction, spring, RK4, sensors, controller, testbeds.

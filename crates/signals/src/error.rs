@@ -1,0 +1,107 @@
+//! What can be wrong with an excitation, a record or an FRF: found and needed values in every message.
+
+use thiserror::Error;
+
+/// Errors of the `signals` crate. Every variant says what was found and what was needed.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum SignalError {
+    /// A parameter lies outside its range, is NaN or infinite.
+    #[error("{name} is {found}, needed: {needed}")]
+    Parameter {
+        /// The parameter's name, unit included.
+        name: &'static str,
+        /// The value given.
+        found: f64,
+        /// The range or property needed.
+        needed: &'static str,
+    },
+    /// The band reaches past the Nyquist frequency of the sampling.
+    #[error(
+        "high_hz = {high_hz} Hz is not below the Nyquist frequency {nyquist_hz} Hz of sample_time_s = {sample_time_s}; \
+         lower high_hz or sample faster"
+    )]
+    AboveNyquist {
+        /// Upper end of the band in Hz.
+        high_hz: f64,
+        /// Nyquist frequency in Hz.
+        nyquist_hz: f64,
+        /// Sample time in s.
+        sample_time_s: f64,
+    },
+    /// The band holds no line of the grid.
+    #[error("no {grid} line lies between {low_hz} Hz and {high_hz} Hz at f0 = {fundamental_hz} Hz; widen the band or lower resolution_hz")]
+    EmptyBand {
+        /// Kind of the grid.
+        grid: &'static str,
+        /// Lower end of the band in Hz.
+        low_hz: f64,
+        /// Upper end of the band in Hz.
+        high_hz: f64,
+        /// Line spacing in Hz.
+        fundamental_hz: f64,
+    },
+    /// A line is not one of the period's DFT bins below Nyquist.
+    #[error("line {line} is not between 1 and {highest}, the lines of a period of {n_samples} samples below Nyquist")]
+    LineOffGrid {
+        /// The line asked for.
+        line: usize,
+        /// Highest usable line.
+        highest: usize,
+        /// Samples per period.
+        n_samples: usize,
+    },
+    /// An array has the wrong shape.
+    #[error("{name} has shape {found:?}, needed {needed}")]
+    Shape {
+        /// Name of the array.
+        name: &'static str,
+        /// Its shape.
+        found: Vec<usize>,
+        /// What was needed, in words and numbers.
+        needed: String,
+    },
+    /// Samples that are NaN or infinite.
+    #[error("{name}: {count} samples are NaN or infinite, the first in channel {channel} at sample {sample}; drop or repair them first")]
+    NotFinite {
+        /// Name of the signal.
+        name: &'static str,
+        /// How many.
+        count: usize,
+        /// Channel of the first one.
+        channel: usize,
+        /// Sample of the first one.
+        sample: usize,
+    },
+    /// A plan was asked for a run that it does not hold.
+    #[error("the plan holds no run {id}; it has {n_realizations} realizations, {n_experiments} experiments, {n_repetitions} repetitions{glides}")]
+    NoSuchRun {
+        /// The run asked for.
+        id: String,
+        /// Realizations of the plan.
+        n_realizations: usize,
+        /// Experiments of the plan.
+        n_experiments: usize,
+        /// Repetitions of the plan.
+        n_repetitions: usize,
+        /// Says whether glide runs exist.
+        glides: &'static str,
+    },
+}
+
+/// A parameter that must be a finite number above zero.
+pub(crate) fn positive(name: &'static str, found: f64) -> Result<(), SignalError> {
+    if found.is_finite() && found > 0.0 {
+        Ok(())
+    } else {
+        Err(SignalError::Parameter { name, found, needed: "a finite number above 0" })
+    }
+}
+
+/// A parameter that must be a finite number, zero or above.
+pub(crate) fn not_negative(name: &'static str, found: f64) -> Result<(), SignalError> {
+    if found.is_finite() && found >= 0.0 {
+        Ok(())
+    } else {
+        Err(SignalError::Parameter { name, found, needed: "a finite number, 0 or above" })
+    }
+}

@@ -1,0 +1,161 @@
+//! The frequency response matrix with its uncertainty: what every estimator returns.
+
+use ndarray::{Array2, Array3, Axis};
+use num_complex::Complex64;
+
+use crate::SignalError;
+
+/// How well the entries of an FRF are known: variances *of the averaged FRF*, with the degrees of freedom behind them.
+///
+/// The covariance is that of vec(G), the columns of G stacked: row and column `input * n_outputs + output`, so that its
+/// diagonal holds the variances. E|dG|^2 is meant: real and imaginary part together.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Uncertainty {
+    /// Covariance of vec(G), `(frequency, n_outputs n_inputs, n_outputs n_inputs)`, squared units of G.
+    pub covariance: Array3<Complex64>,
+    /// Complex degrees of freedom of the estimate: n_p (n_q - 1) for noise, n_p - 1 for the total.
+    pub degrees_of_freedom: usize,
+}
+
+/// A frequency response matrix, `(frequency, output, input)`, with what is known about its uncertainty.
+///
+/// A variance that was not measured is `None`, never zero.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frf {
+    /// Frequencies in Hz, rising.
+    pub frequency_hz: Vec<f64>,
+    /// Response, `(frequency, output, input)`; rad/s per N m for motor torque to motor velocity.
+    pub response: Array3<Complex64>,
+    /// Measurement noise of the averaged FRF; `None` with one period.
+    pub noise: Option<Uncertainty>,
+    /// Measurement noise and nonlinear distortion of the averaged FRF; `None` with one realization.
+    pub total: Option<Uncertainty>,
+    /// 2-norm condition number of U per frequency; `None` where no U was inverted (an analytic FRF).
+    pub condition: Option<Vec<f64>>,
+}
+
+impl Frf {
+    /// An FRF without uncertainty: an analytic one, or one that was measured once.
+    ///
+    /// # Errors
+    /// [`SignalError::Shape`] if the response has not one matrix per frequency.
+    pub fn new(frequency_hz: Vec<f64>, response: Array3<Complex64>) -> Result<Self, SignalError> {
+        let frf = Self { frequency_hz, response, noise: None, total: None, condition: None };
+        frf.check()?;
+        Ok(frf)
+    }
+
+    /// Checks that every array has one entry per frequency, and covariances the size of vec(G).
+    ///
+    /// # Errors
+    /// [`SignalError::Shape`].
+    pub fn check(&self) -> Result<(), SignalError> {
+        let (lines, entries) = (self.frequency_hz.len(), self.n_outputs() * self.n_inputs());
+        let shape = |name, found: &[usize], needed| Err(SignalError::Shape { name, found: found.to_vec(), needed });
+        if self.response.len_of(Axis(0)) != lines || entries == 0 {
+            return shape("response", self.response.shape(), format!("({lines}, outputs, inputs), one matrix per frequency"));
+        }
+        for (name, known) in [("noise covariance", &self.noise), ("total covariance", &self.total)] {
+            if let Some(known) = known
+                && known.covariance.shape() != [lines, entries, entries]
+            {
+                return shape(name, known.covariance.shape(), format!("({lines}, {entries}, {entries})"));
+            }
+        }
+        match &self.condition {
+            Some(condition) if condition.len() != lines => shape("condition", &[condition.len()], format!("({lines})")),
+            _ => Ok(()),
+        }
+    }
+
+    /// Number of frequencies.
+    #[must_use]
+    pub fn n_frequencies(&self) -> usize {
+        self.frequency_hz.len()
+    }
+
+    /// Number of outputs.
+    #[must_use]
+    pub fn n_outputs(&self) -> usize {
+        self.response.len_of(Axis(1))
+    }
+
+    /// Number of inputs.
+    #[must_use]
+    pub fn n_inputs(&self) -> usize {
+        self.response.len_of(Axis(2))
+    }
+
+    /// Noise variance of every entry of the averaged FRF, `(frequency, output, input)`; `None` if it was not measured.
+    #[must_use]
+    pub fn noise_variance(&self) -> Option<Array3<f64>> {
+        self.noise.as_ref().map(|noise| self.entries_of(noise))
+    }
+
+    /// Total variance of every entry of the averaged FRF, `(frequency, output, input)`; `None` if it was not measured.
+    #[must_use]
+    pub fn total_variance(&self) -> Option<Array3<f64>> {
+        self.total.as_ref().map(|total| self.entries_of(total))
+    }
+
+    /// Level of the stochastic nonlinear distortion of one realization, `n_p (total - noise)` per entry, floored at 0
+    /// (the noise alone may exceed the total by chance), `(frequency, output, input)`; `None` unless both are known.
+    #[must_use]
+    pub fn nonlinear_variance(&self) -> Option<Array3<f64>> {
+        let realizations = (self.total.as_ref()?.degrees_of_freedom + 1) as f64;
+        let (total, noise) = (self.total_variance()?, self.noise_variance()?);
+        Some((total - noise).mapv(|difference| (realizations * difference).max(0.0)))
+    }
+
+    /// Magnitude of one entry in dB over frequency.
+    #[must_use]
+    pub fn magnitude_db(&self, output: usize, input: usize) -> Vec<f64> {
+        (0..self.n_frequencies()).map(|k| 20.0 * self.response[[k, output, input]].norm().log10()).collect()
+    }
+
+    /// Phase of one entry in degrees over frequency, in (-180, 180].
+    #[must_use]
+    pub fn phase_deg(&self, output: usize, input: usize) -> Vec<f64> {
+        (0..self.n_frequencies()).map(|k| self.response[[k, output, input]].arg().to_degrees()).collect()
+    }
+
+    /// The matrix at one frequency, `(output, input)`.
+    #[must_use]
+    pub fn at(&self, frequency: usize) -> Array2<Complex64> {
+        self.response.index_axis(Axis(0), frequency).to_owned()
+    }
+
+    /// The diagonal of the covariances, sorted back into `(frequency, output, input)`.
+    fn entries_of(&self, known: &Uncertainty) -> Array3<f64> {
+        let outputs = self.n_outputs();
+        Array3::from_shape_fn(self.response.dim(), |(k, output, input)| {
+            let entry = input * outputs + output;
+            known.covariance[[k, entry, entry]].re
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn frf() -> Frf {
+        let response = Array3::from_shape_fn((2, 2, 1), |(k, o, _)| Complex64::new(k as f64, o as f64));
+        Frf::new(vec![1.0, 2.0], response).expect("shapes agree")
+    }
+
+    #[test]
+    fn shapes_are_checked_and_unmeasured_variance_is_none() {
+        assert!(Frf::new(vec![1.0], Array3::zeros((2, 1, 1))).is_err());
+        assert_eq!(frf().noise_variance(), None);
+        assert_eq!(frf().nonlinear_variance(), None);
+    }
+
+    #[test]
+    fn the_diagonal_of_the_covariance_lands_on_its_entry() {
+        let covariance = Array3::from_shape_fn((2, 2, 2), |(_, i, j)| Complex64::from((10 * i + j) as f64));
+        let known = Frf { noise: Some(Uncertainty { covariance, degrees_of_freedom: 3 }), ..frf() };
+        let variance = known.noise_variance().expect("was given");
+        assert_eq!((variance[[0, 0, 0]], variance[[1, 1, 0]]), (0.0, 11.0));
+    }
+}

@@ -1,0 +1,144 @@
+//! A record: what one run of a testbed measured.
+
+use ndarray::{Array2, ArrayView2};
+use serde::{Deserialize, Serialize};
+
+use crate::{SignalError, error::positive};
+
+/// Whether the recorded plant input is what the controller commanded or what the drive measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum InputKind {
+    /// The command, after limits and quantisation.
+    #[default]
+    Commanded,
+    /// A measurement, with the sensor's noise.
+    Measured,
+}
+
+/// Something that happened during a run, at `time_s` after its first sample.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Event {
+    /// Time after the first sample of the run in s.
+    pub time_s: f64,
+    /// What happened.
+    #[serde(flatten)]
+    pub kind: EventKind,
+}
+
+/// What can happen during a run.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "event", rename_all = "kebab-case")]
+pub enum EventKind {
+    /// A measured period begins (0 is the first after the lead-in).
+    PeriodStart {
+        /// Number of the period.
+        period: usize,
+    },
+    /// A quantity reached its limit.
+    Limit {
+        /// Channel, from 0.
+        channel: usize,
+        /// Which quantity, with unit: `effort_nm`, `velocity_rad_s`, ...
+        quantity: String,
+        /// The value reached.
+        value: f64,
+        /// The limit.
+        limit: f64,
+    },
+    /// The run was stopped before its end.
+    Stopped {
+        /// Why.
+        reason: String,
+    },
+}
+
+/// What one run measured: `(channel, sample)` arrays on a common clock.
+///
+/// Sampling convention: `y[k]` is what the sensor says at `t_k = k sample_time_s`, just before `u[k]` acts; `u[k]` is
+/// applied on `[t_k, t_k + sample_time_s)`. A shift by one sample is a phase error of `360 f sample_time_s` degrees.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Record {
+    /// Sample time in s.
+    pub sample_time_s: f64,
+    /// Plant input (motor torque in N m on the joint side), `(input, sample)`.
+    pub u: Array2<f64>,
+    /// Plant output (motor velocity in rad/s on the joint side), `(output, sample)`.
+    pub y: Array2<f64>,
+    /// Reference that was injected, `(input, sample)`, where there is one besides `u`.
+    pub r: Option<Array2<f64>>,
+    /// Motor position in rad on the joint side, `(output, sample)`, where it was measured.
+    pub position_rad: Option<Array2<f64>>,
+    /// Whether `u` was commanded or measured.
+    pub input_kind: InputKind,
+    /// What happened during the run, in order of time.
+    pub events: Vec<Event>,
+}
+
+impl Record {
+    /// Checks shapes, the sample time and that every sample is finite.
+    ///
+    /// # Errors
+    /// [`SignalError::Parameter`], [`SignalError::Shape`] or [`SignalError::NotFinite`], naming the signal.
+    pub fn check(&self) -> Result<(), SignalError> {
+        positive("sample_time_s", self.sample_time_s)?;
+        let samples = self.u.ncols();
+        let signals = [("u", Some(&self.u)), ("y", Some(&self.y)), ("r", self.r.as_ref()), ("position_rad", self.position_rad.as_ref())];
+        for (name, signal) in signals {
+            let Some(signal) = signal else { continue };
+            if signal.nrows() == 0 || signal.ncols() != samples {
+                let needed = format!("(channel, {samples}) with at least one channel, as many samples as u");
+                return Err(SignalError::Shape { name, found: signal.shape().to_vec(), needed });
+            }
+            check_finite(name, signal.view())?;
+        }
+        Ok(())
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn n_samples(&self) -> usize {
+        self.u.ncols()
+    }
+}
+
+/// Refuses NaN and infinite samples with their count and first place.
+///
+/// # Errors
+/// [`SignalError::NotFinite`].
+pub fn check_finite(name: &'static str, signal: ArrayView2<f64>) -> Result<(), SignalError> {
+    let mut bad = signal.indexed_iter().filter(|(_, value)| !value.is_finite());
+    match bad.next() {
+        None => Ok(()),
+        Some(((channel, sample), _)) => Err(SignalError::NotFinite { name, count: 1 + bad.count(), channel, sample }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::array;
+
+    fn record() -> Record {
+        Record {
+            sample_time_s: 1e-3,
+            u: array![[1.0, 2.0, 3.0]],
+            y: array![[1.0, 2.0, 3.0], [4.0, 5.0, 6.0]],
+            r: None,
+            position_rad: None,
+            input_kind: InputKind::Commanded,
+            events: Vec::new(),
+        }
+    }
+
+    #[test]
+    fn a_sound_record_passes_and_flaws_are_named() {
+        assert_eq!(record().check(), Ok(()));
+        let short = Record { y: array![[1.0, 2.0]], ..record() };
+        assert!(matches!(short.check(), Err(SignalError::Shape { name: "y", .. })));
+        let mut holed = record();
+        holed.y[[1, 2]] = f64::NAN;
+        holed.y[[1, 1]] = f64::INFINITY;
+        assert_eq!(holed.check(), Err(SignalError::NotFinite { name: "y", count: 2, channel: 1, sample: 1 }));
+    }
+}

@@ -1,0 +1,1 @@
+//! The Python extension module `frfid._core`: the façade, seen from numpy.
