@@ -29,7 +29,9 @@ pub enum SignalError {
         sample_time_s: f64,
     },
     /// The band holds no line of the grid.
-    #[error("no {grid} line lies between {low_hz} Hz and {high_hz} Hz at f0 = {fundamental_hz} Hz; widen the band or lower resolution_hz")]
+    #[error(
+        "no {grid} line lies between {low_hz} Hz and {high_hz} Hz at f0 = {fundamental_hz} Hz; widen the band or lower resolution_hz"
+    )]
     EmptyBand {
         /// Kind of the grid.
         grid: &'static str,
@@ -61,7 +63,9 @@ pub enum SignalError {
         needed: String,
     },
     /// Samples that are NaN or infinite.
-    #[error("{name}: {count} samples are NaN or infinite, the first in channel {channel} at sample {sample}; drop or repair them first")]
+    #[error(
+        "{name}: {count} samples are NaN or infinite, the first in channel {channel} at sample {sample}; drop or repair them first"
+    )]
     NotFinite {
         /// Name of the signal.
         name: &'static str,
@@ -73,7 +77,9 @@ pub enum SignalError {
         sample: usize,
     },
     /// A plan was asked for a run that it does not hold.
-    #[error("the plan holds no run {id}; it has {n_realizations} realizations, {n_experiments} experiments, {n_repetitions} repetitions{glides}")]
+    #[error(
+        "the plan holds no run {id}; it has {n_realizations} realizations, {n_experiments} experiments, {n_repetitions} repetitions{glides}"
+    )]
     NoSuchRun {
         /// The run asked for.
         id: String,
@@ -87,6 +93,9 @@ pub enum SignalError {
         glides: &'static str,
     },
 }
+
+/// Longest signal in samples that a design may ask for: 2^26 doubles are half a gigabyte per channel.
+pub(crate) const LONGEST_SIGNAL: f64 = (1u64 << 26) as f64;
 
 /// A parameter that must be a finite number above zero.
 pub(crate) fn positive(name: &'static str, found: f64) -> Result<(), SignalError> {

@@ -53,7 +53,11 @@ impl Frf {
         let (lines, entries) = (self.frequency_hz.len(), self.n_outputs() * self.n_inputs());
         let shape = |name, found: &[usize], needed| Err(SignalError::Shape { name, found: found.to_vec(), needed });
         if self.response.len_of(Axis(0)) != lines || entries == 0 {
-            return shape("response", self.response.shape(), format!("({lines}, outputs, inputs), one matrix per frequency"));
+            return shape(
+                "response",
+                self.response.shape(),
+                format!("({lines}, outputs, inputs), one matrix per frequency"),
+            );
         }
         for (name, known) in [("noise covariance", &self.noise), ("total covariance", &self.total)] {
             if let Some(known) = known

@@ -5,12 +5,29 @@
 //! sample)`, FRFs `(frequency, output, input)`. The DFT has no factor forward and 1/N back, so the physical single-sided
 //! amplitude of a line is 2|X|/N. Equation numbers are those of Saupe and Knoblach, MSSP 52-53 (2015) 60-72, cited SK15.
 
+mod chirp;
 mod error;
 mod frf;
+mod grid;
+mod harmonic_sum;
+mod low_crest;
+mod multisine;
+mod phasing;
+mod plan;
+pub mod power;
+mod profile;
+pub mod random;
 mod record;
 mod testbed;
 
+pub use chirp::Chirp;
 pub use error::SignalError;
 pub use frf::{Frf, Uncertainty};
-pub use record::{Event, EventKind, InputKind, Record};
+pub use grid::{GridDesign, GridKind, LineGrid};
+pub use low_crest::low_crest_phases;
+pub use multisine::{Draw, Multisine, Phases, Realization};
+pub use phasing::Phasing;
+pub use plan::{Excitation, Injection, Plan};
+pub use profile::Profile;
+pub use record::{Event, EventKind, InputKind, Record, check_finite};
 pub use testbed::{Run, RunId, RunKind, Testbed, TestbedError};

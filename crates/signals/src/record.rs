@@ -83,7 +83,12 @@ impl Record {
     pub fn check(&self) -> Result<(), SignalError> {
         positive("sample_time_s", self.sample_time_s)?;
         let samples = self.u.ncols();
-        let signals = [("u", Some(&self.u)), ("y", Some(&self.y)), ("r", self.r.as_ref()), ("position_rad", self.position_rad.as_ref())];
+        let signals = [
+            ("u", Some(&self.u)),
+            ("y", Some(&self.y)),
+            ("r", self.r.as_ref()),
+            ("position_rad", self.position_rad.as_ref()),
+        ];
         for (name, signal) in signals {
             let Some(signal) = signal else { continue };
             if signal.nrows() == 0 || signal.ncols() != samples {

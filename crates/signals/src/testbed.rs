@@ -78,7 +78,9 @@ pub enum TestbedError {
     #[error(transparent)]
     Run(#[from] SignalError),
     /// The simulation left the numbers: the first quantity that was not finite.
-    #[error("run {run}: {quantity} of channel {channel} is no longer finite at {time_s} s; lower the amplitude or the gains")]
+    #[error(
+        "run {run}: {quantity} of channel {channel} is no longer finite at {time_s} s; lower the amplitude or the gains"
+    )]
     Diverged {
         /// The run.
         run: RunId,

@@ -1,0 +1,340 @@
+//! The experiment plan: which runs are done, and what each of them injects.
+
+use ndarray::{Array2, Array3, Axis, s};
+use serde::{Deserialize, Serialize};
+
+use crate::error::positive;
+use crate::{Chirp, Draw, Multisine, Phasing, Run, RunId, RunKind, SignalError};
+
+/// What excites the machine.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Excitation {
+    /// A periodic multisine, repeated back to back.
+    Multisine {
+        /// Lines, amplitude shape and phases.
+        #[serde(flatten)]
+        signal: Multisine,
+        /// Largest value per channel, in the unit of the injected quantity.
+        peak: Vec<f64>,
+    },
+    /// A chirp, once per run.
+    Chirp(Chirp),
+}
+
+/// The quantity the reference stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Injection {
+    /// Motor torque in N m: open loop.
+    #[default]
+    Torque,
+    /// Reference velocity in rad/s: closed loop; a constant velocity is part of the reference.
+    Velocity,
+}
+
+/// A campaign: realizations x experiments x repetitions, each run a lead-in and one or more periods back to back.
+///
+/// The plan is a description: [`Plan::reference`] makes the signals from the seed when they are needed, so a campaign of any
+/// length costs the memory of one realization.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// Seed of the random phases.
+    pub seed: u64,
+    /// Sample time in s.
+    pub sample_time_s: f64,
+    /// Number of inputs of the machine.
+    pub n_inputs: usize,
+    /// What excites the machine.
+    pub excitation: Excitation,
+    /// Phases between channels and experiments.
+    pub phasing: Phasing,
+    /// What the reference stands for.
+    pub injection: Injection,
+    /// Draws of the random phases, n_p; 1 for a chirp.
+    pub n_realizations: usize,
+    /// Separate runs of the same reference.
+    pub n_repetitions: usize,
+    /// Measured periods back to back in each run; 1 for a chirp. The estimator's n_q is `n_repetitions n_periods`.
+    pub n_periods: usize,
+    /// Samples before the first measured period: the multisine's own continuation backwards, rest before a chirp.
+    pub lead_in_samples: usize,
+    /// Constant velocity in rad/s on which every run rides, per channel; zeros for none.
+    pub velocity_rad_s: Vec<f64>,
+    /// Runs of the constant velocity alone; 0 for none.
+    pub n_glides: usize,
+}
+
+impl Plan {
+    /// Checks every number of the plan against the others.
+    ///
+    /// # Errors
+    /// [`SignalError`] naming the first value out of range.
+    pub fn check(&self) -> Result<(), SignalError> {
+        positive("sample_time_s", self.sample_time_s)?;
+        let counts = [
+            ("n_inputs", self.n_inputs),
+            ("realizations", self.n_realizations),
+            ("repetitions", self.n_repetitions),
+            ("periods", self.n_periods),
+        ];
+        for (name, count) in counts {
+            positive(name, count as f64)?;
+        }
+        if self.velocity_rad_s.len() != self.n_inputs || self.velocity_rad_s.iter().any(|v| !v.is_finite()) {
+            let needed = format!("one finite velocity for each of the {} inputs", self.n_inputs);
+            return Err(SignalError::Shape { name: "velocity_rad_s", found: vec![self.velocity_rad_s.len()], needed });
+        }
+        match &self.excitation {
+            Excitation::Multisine { peak, .. } if peak.len() != self.n_inputs => {
+                let needed = format!("one peak for each of the {} inputs", self.n_inputs);
+                Err(SignalError::Shape { name: "peak", found: vec![peak.len()], needed })
+            }
+            Excitation::Multisine { signal, .. } => signal.grid.check(),
+            Excitation::Chirp(chirp) => {
+                for (name, count) in [("realizations", self.n_realizations), ("periods", self.n_periods)] {
+                    if count != 1 {
+                        return Err(SignalError::Parameter {
+                            name,
+                            found: count as f64,
+                            needed: "1 with a chirp: it has no random phases and no period",
+                        });
+                    }
+                }
+                chirp.check()
+            }
+        }
+    }
+
+    /// Experiments per realization: the columns of U, as many as inputs.
+    #[must_use]
+    pub fn n_experiments(&self) -> usize {
+        self.n_inputs
+    }
+
+    /// Samples of one period (of the whole chirp with its tail).
+    ///
+    /// # Errors
+    /// [`SignalError`] for a chirp of impossible length.
+    pub fn period_samples(&self) -> Result<usize, SignalError> {
+        match &self.excitation {
+            Excitation::Multisine { signal, .. } => Ok(signal.grid.n_samples),
+            Excitation::Chirp(chirp) => chirp.n_samples(self.sample_time_s),
+        }
+    }
+
+    /// Samples of one run, lead-in included.
+    ///
+    /// # Errors
+    /// As [`Plan::period_samples`].
+    pub fn run_samples(&self) -> Result<usize, SignalError> {
+        Ok(self.lead_in_samples + self.n_periods * self.period_samples()?)
+    }
+
+    /// Every run, glides first, then realization by realization.
+    pub fn run_ids(&self) -> impl Iterator<Item = RunId> + use<> {
+        let (n_experiments, n_repetitions) = (self.n_experiments(), self.n_repetitions);
+        let glides = (0..self.n_glides).map(|repetition| RunId {
+            kind: RunKind::Glide,
+            realization: 0,
+            experiment: 0,
+            repetition,
+        });
+        let runs = (0..self.n_realizations).flat_map(move |realization| {
+            (0..n_experiments).flat_map(move |experiment| {
+                (0..n_repetitions).map(move |repetition| RunId {
+                    kind: RunKind::Excitation,
+                    realization,
+                    experiment,
+                    repetition,
+                })
+            })
+        });
+        glides.chain(runs)
+    }
+
+    /// Number of runs, glides included.
+    #[must_use]
+    pub fn n_runs(&self) -> usize {
+        self.n_glides + self.n_realizations * self.n_experiments() * self.n_repetitions
+    }
+
+    /// Time on the robot in s: all runs, without the way back to the start.
+    ///
+    /// # Errors
+    /// As [`Plan::period_samples`].
+    pub fn robot_time_s(&self) -> Result<f64, SignalError> {
+        Ok(self.n_runs() as f64 * self.run_samples()? as f64 * self.sample_time_s)
+    }
+
+    /// One period of every experiment of a realization, `(experiment, input, sample)`, without the constant velocity.
+    ///
+    /// # Errors
+    /// [`SignalError`] if the plan's numbers do not fit together.
+    pub fn period(&self, realization: usize) -> Result<Array3<f64>, SignalError> {
+        self.check()?;
+        match &self.excitation {
+            Excitation::Multisine { signal, peak } => {
+                let draw = Draw { seed: self.seed, realization, phasing: self.phasing, peak };
+                Ok(signal.realize(&draw)?.signal)
+            }
+            Excitation::Chirp(chirp) => chirp.sample(self.sample_time_s, self.n_inputs, self.phasing),
+        }
+    }
+
+    /// The run of this name, with its reference from lead-in to end.
+    ///
+    /// # Errors
+    /// [`SignalError::NoSuchRun`], or [`SignalError`] if the plan's numbers do not fit together.
+    pub fn run(&self, id: RunId) -> Result<Run, SignalError> {
+        let count = match id.kind {
+            RunKind::Excitation => [self.n_realizations, self.n_experiments(), self.n_repetitions],
+            RunKind::Glide => [1, 1, self.n_glides],
+        };
+        if id.realization >= count[0] || id.experiment >= count[1] || id.repetition >= count[2] {
+            return Err(self.no_such_run(id));
+        }
+        let reference = match id.kind {
+            RunKind::Excitation => self.extended(&self.period(id.realization)?.index_axis_move(Axis(0), id.experiment)),
+            RunKind::Glide => Array2::zeros((self.n_inputs, self.run_samples()?)),
+        };
+        Ok(self.riding(id, reference))
+    }
+
+    /// All runs of one realization, by experiment and repetition: the phases are drawn once.
+    ///
+    /// # Errors
+    /// As [`Plan::run`].
+    pub fn realization_runs(&self, realization: usize) -> Result<Vec<Run>, SignalError> {
+        let period = self.period(realization)?;
+        let ids = self.run_ids().filter(|id| id.kind == RunKind::Excitation && id.realization == realization);
+        Ok(ids
+            .map(|id| self.riding(id, self.extended(&period.index_axis(Axis(0), id.experiment).to_owned())))
+            .collect())
+    }
+
+    /// Lead-in and periods from one period.
+    fn extended(&self, period: &Array2<f64>) -> Array2<f64> {
+        let n = period.ncols();
+        let lead_in = self.lead_in_samples;
+        let mut reference = Array2::zeros((self.n_inputs, lead_in + self.n_periods * n));
+        let periodic = matches!(self.excitation, Excitation::Multisine { .. });
+        for (k, mut column) in reference.axis_iter_mut(Axis(1)).enumerate() {
+            if periodic || k >= lead_in {
+                // backwards from the first measured period: sample lead_in is sample 0 of the period
+                column.assign(&period.slice(s![.., (k + n - lead_in % n) % n]));
+            }
+        }
+        reference
+    }
+
+    fn riding(&self, id: RunId, mut reference: Array2<f64>) -> Run {
+        if self.injection == Injection::Velocity {
+            for (mut row, velocity) in reference.rows_mut().into_iter().zip(&self.velocity_rad_s) {
+                row += *velocity;
+            }
+        }
+        Run { id, sample_time_s: self.sample_time_s, reference, velocity_rad_s: self.velocity_rad_s.clone() }
+    }
+
+    fn no_such_run(&self, id: RunId) -> SignalError {
+        SignalError::NoSuchRun {
+            id: id.to_string(),
+            n_realizations: self.n_realizations,
+            n_experiments: self.n_experiments(),
+            n_repetitions: self.n_repetitions,
+            glides: if self.n_glides > 0 { " and glides" } else { ", no glides" },
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{GridDesign, GridKind, Phases, Profile};
+
+    fn plan() -> Plan {
+        let design = GridDesign {
+            low_hz: 1.0,
+            high_hz: 60.0,
+            sample_time_s: 1e-3,
+            resolution_hz: 1.0,
+            n_lines: Some(20),
+            kind: GridKind::Odd,
+            seed: 0,
+        };
+        let grid = design.design().expect("sound");
+        let signal = Multisine { grid, shape: Profile::constant(1.0), phases: Phases::Random };
+        Plan {
+            seed: 3,
+            sample_time_s: 1e-3,
+            n_inputs: 2,
+            excitation: Excitation::Multisine { signal, peak: vec![1.0, 2.0] },
+            phasing: Phasing::Orthogonal,
+            injection: Injection::Torque,
+            n_realizations: 3,
+            n_repetitions: 2,
+            n_periods: 2,
+            lead_in_samples: 100,
+            velocity_rad_s: vec![0.0, 0.0],
+            n_glides: 1,
+        }
+    }
+
+    #[test]
+    fn a_run_is_its_period_continued_both_ways() {
+        let (plan, n) = (plan(), plan().period_samples().expect("sound"));
+        let id = RunId { kind: RunKind::Excitation, realization: 1, experiment: 1, repetition: 0 };
+        let (run, period) = (plan.run(id).expect("in the plan"), plan.period(1).expect("sound"));
+        assert_eq!(run.reference.ncols(), 100 + 2 * n);
+        for (k, column) in run.reference.axis_iter(Axis(1)).enumerate() {
+            assert_eq!(column, period.slice(s![1, .., (k + n - 100) % n]));
+        }
+        let all = plan.realization_runs(1).expect("sound");
+        assert_eq!((all.len(), &all[2]), (4, &run));
+        assert_eq!((plan.run_ids().count(), plan.n_runs()), (13, 13));
+    }
+
+    #[test]
+    fn a_chirp_rests_before_its_start_and_rides_on_the_velocity() {
+        let chirp = Chirp {
+            low_hz: 1.0,
+            high_hz: 60.0,
+            duration_s: 2.0,
+            amplitude: vec![Profile::constant(0.1)],
+            fade_s: 0.0,
+            tail_s: 0.5,
+        };
+        let plan = Plan {
+            excitation: Excitation::Chirp(chirp),
+            injection: Injection::Velocity,
+            n_realizations: 1,
+            n_periods: 1,
+            velocity_rad_s: vec![0.25, 0.0],
+            ..plan()
+        };
+        let run = plan
+            .run(RunId { kind: RunKind::Excitation, realization: 0, experiment: 0, repetition: 0 })
+            .expect("in the plan");
+        assert_eq!(run.reference.ncols(), 2600);
+        assert!(run.reference.slice(s![0, ..101]).iter().all(|&r| r == 0.25));
+        assert_eq!(run.reference[[1, 2599]], 0.0);
+        let glide = plan
+            .run(RunId { kind: RunKind::Glide, realization: 0, experiment: 0, repetition: 0 })
+            .expect("in the plan");
+        assert!(glide.reference.row(0).iter().all(|&r| r == 0.25));
+    }
+
+    #[test]
+    fn runs_and_numbers_that_do_not_fit_are_refused() {
+        let missing = RunId { kind: RunKind::Excitation, realization: 3, experiment: 0, repetition: 0 };
+        assert!(matches!(plan().run(missing), Err(SignalError::NoSuchRun { .. })));
+        for bad in [
+            Plan { n_inputs: 1, ..plan() },
+            Plan { n_realizations: 0, ..plan() },
+            Plan { velocity_rad_s: vec![f64::NAN, 0.0], ..plan() },
+        ] {
+            assert!(bad.check().is_err());
+        }
+    }
+}
