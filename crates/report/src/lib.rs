@@ -1,1 +1,21 @@
 //! Figures and the HTML report.
+//!
+//! Plain structs go in, pictures ([`Figure`]: SVG and PNG) and one self-contained HTML page come out. Nothing here reads or
+//! writes files; the same inputs give the same bytes.
+
+mod axis;
+mod bode;
+mod curve;
+mod dash;
+mod error;
+mod figure;
+mod legend;
+mod panel;
+mod phase;
+mod signals;
+
+pub use bode::{bode, bode_matrix};
+pub use curve::{Band, Curve, Labels, Style};
+pub use error::ReportError;
+pub use figure::Figure;
+pub use signals::{LineRole, SpectralLine, TimePanel, Trace, spectrum, time_series};

@@ -1,0 +1,228 @@
+//! Axes: ranges that end on round numbers, and ticks that have room.
+
+/// Least distance in pixels of labelled ticks: on a logarithmic axis, a linear horizontal and a vertical one.
+const ROOM_LOG: f64 = 30.0;
+const ROOM_X: f64 = 45.0;
+const ROOM_Y: f64 = 24.0;
+/// Least distance of a label at the end of a frequency axis from its neighbours.
+const ROOM_END: f64 = 18.0;
+
+/// One axis: its range, what is labelled, and the finer grid.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Axis {
+    low: f64,
+    high: f64,
+    log: bool,
+    /// Labelled values with their labels.
+    pub ticks: Vec<(f64, String)>,
+    /// Values with a fine grid line only.
+    pub minor: Vec<f64>,
+}
+
+impl Axis {
+    /// A logarithmic frequency axis over positive values, `length` pixels long: from and to round numbers, labelled at
+    /// 1-2-5 or at decades, whatever has room.
+    pub fn frequency(values: impl Iterator<Item = f64>, length: f64) -> Self {
+        let (low, high) = round_outward(extent(values.filter(|&hz| hz > 0.0)).unwrap_or((1.0, 10.0)));
+        let per_decade = length / (high / low).log10();
+        let within = |value: &f64| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(value);
+        let digits = |set: &[f64]| -> Vec<f64> {
+            decades(low, high)
+                .flat_map(|ten| set.iter().map(move |m| m * ten).collect::<Vec<_>>())
+                .filter(within)
+                .collect()
+        };
+        let minor = digits(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
+        let mut labelled = if per_decade * (10f64 / 9.0).log10() > ROOM_LOG {
+            minor.clone()
+        } else if per_decade * 2f64.log10() > ROOM_LOG {
+            digits(&[1.0, 2.0, 5.0])
+        } else {
+            let every = (ROOM_LOG / per_decade).ceil() as i32;
+            decades(low, high)
+                .filter(|ten| within(ten) && (ten.log10().round() as i32).rem_euclid(every) == 0)
+                .collect()
+        };
+        if labelled.len() < 3 && (high / low) < 10.0 {
+            return Self { log: true, ..Self::linear_within(low, high, length) };
+        }
+        let room = |end: f64| labelled.iter().all(|hz| (hz / end).log10().abs() * per_decade > ROOM_END);
+        let ends: Vec<f64> = [low, high].into_iter().filter(|&end| room(end)).collect();
+        labelled.extend(ends);
+        labelled.sort_by(f64::total_cmp);
+        Self {
+            low,
+            high,
+            log: true,
+            ticks: labelled.into_iter().map(|hz| (hz, label(hz, digits_of(hz)))).collect(),
+            minor,
+        }
+    }
+
+    /// A linear axis that covers the values and ends on ticks, `length` pixels high.
+    pub fn linear(values: impl Iterator<Item = f64>, length: f64) -> Self {
+        let (low, high) = widened(extent(values).unwrap_or((0.0, 1.0)));
+        let step = round_step((high - low) * 1.25 * ROOM_Y / length);
+        Self::ending_on((low / step).floor() * step, (high / step).ceil() * step, step, step / 2.0)
+    }
+
+    /// A linear axis that ends exactly where the values do, as time does, `length` pixels long.
+    pub fn exact(values: impl Iterator<Item = f64>, length: f64) -> Self {
+        let (low, high) = widened(extent(values).unwrap_or((0.0, 1.0)));
+        Self::linear_within(low, high, length)
+    }
+
+    /// A phase axis in degrees, `length` pixels high: labelled at multiples of 45 or 90, at most from -180 to 180.
+    pub fn degrees(values: impl Iterator<Item = f64>, length: f64) -> Self {
+        let (low, high) = extent(values).unwrap_or((-180.0, 180.0));
+        let snapped = |step: f64| {
+            ((((low - 3.0) / step).floor() * step).max(-180.0), (((high + 3.0) / step).ceil() * step).min(180.0))
+        };
+        let (low, high) = snapped(45.0);
+        let fits = |step: f64, low: f64, high: f64| (high - low) / step * ROOM_Y <= length;
+        if fits(45.0, low, high) && high - low <= 270.0 {
+            return Self::ending_on(low, high, 45.0, 15.0);
+        }
+        let (low, high) = (((low / 90.0).floor() * 90.0), ((high / 90.0).ceil() * 90.0));
+        let step = if fits(90.0, low, high) { 90.0 } else { 180.0 };
+        Self::ending_on(low, high, step, step / 2.0)
+    }
+
+    fn linear_within(low: f64, high: f64, length: f64) -> Self {
+        let step = round_step((high - low) * ROOM_X / length);
+        let axis = Self::ending_on((low / step).ceil() * step, (high / step).floor() * step, step, step / 5.0);
+        Self { low, high, ..axis }
+    }
+
+    fn ending_on(low: f64, high: f64, step: f64, fine: f64) -> Self {
+        let multiples = |step: f64| {
+            let (first, last) = ((low / step).round() as i64, (high / step).round() as i64);
+            (first..=last).map(move |k| k as f64 * step)
+        };
+        let ticks = multiples(step).map(|value| (value, label(value, digits_of(step)))).collect();
+        Self { low, high, log: false, ticks, minor: multiples(fine).collect() }
+    }
+
+    /// Where a value lies on the axis: 0 at its low end, 1 at its high end.
+    pub fn share(&self, value: f64) -> f64 {
+        if self.log {
+            (value / self.low).ln() / (self.high / self.low).ln()
+        } else {
+            (value - self.low) / (self.high - self.low)
+        }
+    }
+
+    /// Whether a value lies on the axis.
+    pub fn holds(&self, value: f64) -> bool {
+        (-1e-6..=1.0 + 1e-6).contains(&self.share(value))
+    }
+}
+
+/// Smallest and largest of the finite values.
+pub(crate) fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    values.filter(|value| value.is_finite()).fold(None, |range, value| match range {
+        None => Some((value, value)),
+        Some((low, high)) => Some((f64::min(low, value), f64::max(high, value))),
+    })
+}
+
+/// A range that is not a point.
+fn widened((low, high): (f64, f64)) -> (f64, f64) {
+    let size = low.abs().max(high.abs());
+    if high - low > 1e-9 * size.max(f64::MIN_POSITIVE) {
+        (low, high)
+    } else if size == 0.0 {
+        (-1.0, 1.0)
+    } else {
+        (low - 0.1 * size, high + 0.1 * size)
+    }
+}
+
+/// The range with both ends rounded outward to as few digits as widen it by at most a tenth of its decades.
+fn round_outward((low, high): (f64, f64)) -> (f64, f64) {
+    let (low, high) = if high / low < 1.02 { (low / 1.1, high * 1.1) } else { (low, high) };
+    let span = (high / low).ln();
+    for digits in 0..4 {
+        let unit = |value: f64| 10f64.powi(value.log10().floor() as i32 - digits);
+        let (down, up) = ((low / unit(low) + 1e-9).floor() * unit(low), (high / unit(high) - 1e-9).ceil() * unit(high));
+        if (up / down).ln() <= 1.1 * span {
+            return (down, up);
+        }
+    }
+    (low, high)
+}
+
+/// The powers of ten around a range.
+fn decades(low: f64, high: f64) -> impl Iterator<Item = f64> {
+    (low.log10().floor() as i32..=high.log10().ceil() as i32).map(|power| 10f64.powi(power))
+}
+
+/// The next step of 1, 2, 5, 10, ... at or above a length.
+fn round_step(least: f64) -> f64 {
+    let ten = 10f64.powi(least.max(1e-300).log10().floor() as i32);
+    [1.0, 2.0, 5.0].into_iter().map(|m| m * ten).find(|step| *step >= least * (1.0 - 1e-9)).unwrap_or(10.0 * ten)
+}
+
+/// Decimals needed to print multiples of a step.
+fn digits_of(step: f64) -> usize {
+    (0..12).find(|&digits| (step * 10f64.powi(digits) - (step * 10f64.powi(digits)).round()).abs() < 1e-6).unwrap_or(12)
+        as usize
+}
+
+/// A tick label with a true minus sign; powers of ten where there would be many zeros.
+fn label(value: f64, decimals: usize) -> String {
+    let text = if value.abs() >= 1e5 || (decimals > 4 && value != 0.0) {
+        format!("{value:.1e}").replace(".0e", "e")
+    } else {
+        format!("{value:.decimals$}")
+    };
+    let text = if text.trim_start_matches('-').trim_matches(['0', '.']).is_empty() {
+        text.trim_start_matches('-').to_owned()
+    } else {
+        text
+    };
+    text.replace('-', "\u{2212}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn labels(axis: &Axis) -> Vec<&str> {
+        axis.ticks.iter().map(|(_, label)| label.as_str()).collect()
+    }
+
+    #[test]
+    fn the_papers_band_runs_from_1_to_60_hz_in_1_2_5() {
+        let axis = Axis::frequency([1.058, 59.977].into_iter(), 500.0);
+        assert_eq!((axis.low, axis.high), (1.0, 60.0));
+        assert_eq!(labels(&axis), ["1", "2", "5", "10", "20", "50", "60"]);
+        assert_eq!(axis.minor.len(), 9 + 6);
+    }
+
+    #[test]
+    fn wide_bands_are_labelled_by_decades_and_narrow_ones_linearly() {
+        assert_eq!(
+            labels(&Axis::frequency([0.01, 1000.0].into_iter(), 300.0)),
+            ["0.01", "0.1", "1", "10", "100", "1000"]
+        );
+        assert_eq!(labels(&Axis::frequency([48.2, 52.9].into_iter(), 300.0)), ["48", "49", "50", "51", "52", "53"]);
+    }
+
+    #[test]
+    fn degrees_end_on_45_and_never_pass_180() {
+        assert_eq!(labels(&Axis::degrees([-90.0, 73.0].into_iter(), 160.0)), ["−135", "−90", "−45", "0", "45", "90"]);
+        assert_eq!(labels(&Axis::degrees([-179.0, 178.0].into_iter(), 160.0)), ["−180", "−90", "0", "90", "180"]);
+        assert_eq!(labels(&Axis::degrees([-179.0, 178.0].into_iter(), 80.0)), ["−180", "0", "180"]);
+    }
+
+    #[test]
+    fn linear_axes_survive_constants_and_nothing() {
+        assert_eq!(labels(&Axis::linear([0.0, 0.0].into_iter(), 60.0)), ["−1", "0", "1"]);
+        assert_eq!(
+            labels(&Axis::linear([0.006, -0.006].into_iter(), 100.0)),
+            ["−0.010", "−0.005", "0.000", "0.005", "0.010"]
+        );
+        assert!(!Axis::linear(std::iter::once(f64::NAN), 100.0).ticks.is_empty());
+    }
+}

@@ -1,0 +1,152 @@
+//! What is drawn in a Bode diagram: FRFs, how each is drawn, and the names of the channels.
+
+use frfid_signals::{Frf, Uncertainty};
+
+use crate::ReportError;
+use crate::figure::{Marker, Pen};
+
+/// How an FRF is drawn.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Style {
+    /// A thin black line: the truth, or whatever the others are compared with.
+    Reference,
+    /// A coloured line, for estimates on a dense grid (chirp).
+    Line,
+    /// Coloured markers at the lines, for estimates on a sparse grid (multisine).
+    Markers,
+}
+
+/// Which 95 % region is shaded around a curve.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Band {
+    /// None.
+    #[default]
+    None,
+    /// That of the measurement noise.
+    Noise,
+    /// That of noise and nonlinear distortion together.
+    Total,
+}
+
+/// One FRF of a figure or report.
+#[derive(Debug, Clone)]
+pub struct Curve<'a> {
+    /// Name in the legend.
+    pub label: String,
+    /// The FRF.
+    pub frf: &'a Frf,
+    /// How it is drawn.
+    pub style: Style,
+    /// What is shaded around it; nothing where that variance was not measured.
+    pub band: Band,
+}
+
+/// Names of the channels and the unit of the gain, as they appear in titles and on axes.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Labels {
+    /// One name per input (`τ₁`).
+    pub inputs: Vec<String>,
+    /// One name per output (`q̇₁`).
+    pub outputs: Vec<String>,
+    /// Unit of the FRF, to which 0 dB refers: `rad/s per N m`.
+    pub gain_unit: String,
+}
+
+impl Labels {
+    /// Motor torques `τ1`, `τ2`, ... to motor velocities `dq1/dt`, `dq2/dt`, ... in rad/s per N m.
+    #[must_use]
+    pub fn torque_to_velocity(n_outputs: usize, n_inputs: usize) -> Self {
+        let inputs = (1..=n_inputs).map(|k| format!("τ{k}")).collect();
+        let outputs = (1..=n_outputs).map(|k| format!("dq{k}/dt")).collect();
+        Self { inputs, outputs, gain_unit: "rad/s per N m".to_owned() }
+    }
+
+    /// Title of one entry: `τ1 → dq2/dt`.
+    pub(crate) fn entry(&self, output: usize, input: usize) -> String {
+        let name = |names: &[String], k: usize| names.get(k).cloned().unwrap_or_else(|| (k + 1).to_string());
+        format!("{} → {}", name(&self.inputs, input), name(&self.outputs, output))
+    }
+}
+
+/// The ink of one curve, told apart by colour, dash and marker so that it survives a black-and-white printer.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Ink {
+    pub pen: Option<Pen>,
+    pub marker: Option<Marker>,
+    pub color: &'static str,
+}
+
+/// Dark members of the colour-blind safe palette of Okabe and Ito.
+pub(crate) const COLORS: [&str; 5] = ["#d55e00", "#0072b2", "#009e73", "#aa3377", "#8c6d00"];
+const DASHES: [&str; 4] = ["", "7 3", "7 2 2 2", "2 2"];
+const MARKERS: [Marker; 4] = [Marker::Dot, Marker::Diamond, Marker::Square, Marker::Ring];
+
+/// One ink per style: each colour once, each dash once among the lines and each marker once among the markers, as far as
+/// they reach.
+pub(crate) fn inks(styles: impl Iterator<Item = Style>) -> Vec<Ink> {
+    let (mut lines, mut markers) = (0, 0);
+    let mut ink = |style| {
+        let color = COLORS[(lines + markers) % COLORS.len()];
+        match style {
+            Style::Reference => {
+                Ink { pen: Some(Pen { color: "#000000", width: 1.0, dash: "" }), marker: None, color: "#000000" }
+            }
+            Style::Line => {
+                lines += 1;
+                Ink {
+                    pen: Some(Pen { color, width: 1.8, dash: DASHES[(lines - 1) % DASHES.len()] }),
+                    marker: None,
+                    color,
+                }
+            }
+            Style::Markers => {
+                markers += 1;
+                Ink { pen: None, marker: Some(MARKERS[(markers - 1) % MARKERS.len()]), color }
+            }
+        }
+    };
+    styles.map(&mut ink).collect()
+}
+
+/// Refuses no curves, curves of different sizes, labels that do not fit them, and frequencies a logarithmic axis cannot
+/// hold. Returns the number of outputs and inputs.
+pub(crate) fn check(figure: &'static str, curves: &[Curve], labels: &Labels) -> Result<(usize, usize), ReportError> {
+    let first = curves.first().ok_or(ReportError::Empty { figure, missing: "curves" })?.frf;
+    let (outputs, inputs) = (first.n_outputs(), first.n_inputs());
+    let size = |what: String, found_outputs, found_inputs| {
+        let fits = (found_outputs, found_inputs) == (outputs, inputs);
+        if fits { Ok(()) } else { Err(ReportError::Size { what, found_outputs, found_inputs, outputs, inputs }) }
+    };
+    for Curve { label, frf, .. } in curves {
+        size(format!("curve \"{label}\""), frf.n_outputs(), frf.n_inputs())?;
+        frf.check()?;
+        if let Some(&found) = frf.frequency_hz.iter().find(|hz| !(hz.is_finite() && **hz > 0.0)) {
+            let needed = "finite and above 0 (the frequency axis is logarithmic)";
+            return Err(ReportError::Value { what: format!("a frequency_hz of curve \"{label}\""), found, needed });
+        }
+    }
+    if curves.iter().all(|curve| curve.frf.frequency_hz.is_empty()) {
+        return Err(ReportError::Empty { figure, missing: "frequencies" });
+    }
+    size("the list of channel names".to_owned(), labels.outputs.len(), labels.inputs.len())?;
+    Ok((outputs, inputs))
+}
+
+/// Radius of the 95 % region of an entry, |dG|^2 <= variance F95(2, 2 dof), as a factor on its standard deviation.
+///
+/// The F distribution with 2 and 2 nu degrees of freedom has the closed tail P(F > f) = (1 + f/nu)^-nu.
+pub(crate) fn radius_of_95_percent(known: &Uncertainty) -> f64 {
+    let dof = known.degrees_of_freedom as f64;
+    (dof * (20f64.powf(1.0 / dof) - 1.0)).sqrt()
+}
+
+/// Radius of the 95 % region of one entry over frequency, for the band asked for; `None` where it was not measured.
+pub(crate) fn region(curve: &Curve, output: usize, input: usize) -> Option<Vec<f64>> {
+    let (known, variance) = match curve.band {
+        Band::None => return None,
+        Band::Noise => (curve.frf.noise.as_ref()?, curve.frf.noise_variance()?),
+        Band::Total => (curve.frf.total.as_ref()?, curve.frf.total_variance()?),
+    };
+    let factor = radius_of_95_percent(known);
+    Some((0..curve.frf.n_frequencies()).map(|k| factor * variance[[k, output, input]].max(0.0).sqrt()).collect())
+}

@@ -1,0 +1,146 @@
+//! One framed plot with its two axes.
+
+use crate::axis::Axis;
+use crate::curve::Ink;
+use crate::figure::{Align, Figure, Pen, Point, Rect};
+
+/// Room for labels to the left, right and below the panels, and between them, in pixels.
+pub(crate) const LEFT: f64 = 72.0;
+pub(crate) const RIGHT: f64 = 16.0;
+pub(crate) const BELOW: f64 = 46.0;
+pub(crate) const GAP: f64 = 16.0;
+/// Font sizes in pixels.
+pub(crate) const TICK_SIZE: u32 = 12;
+pub(crate) const LABEL_SIZE: u32 = 13;
+
+const GRID: Pen = Pen { color: "#c8c8c8", width: 0.8, dash: "" };
+const FINE_GRID: Pen = Pen { color: "#e8e8e8", width: 0.6, dash: "" };
+const FRAME: Pen = Pen { color: "#000000", width: 1.0, dash: "" };
+
+/// A rectangle of the picture with a horizontal and a vertical axis.
+pub(crate) struct Panel {
+    pub rect: Rect,
+    pub x: Axis,
+    pub y: Axis,
+}
+
+impl Panel {
+    /// Draws grid, curves and frame, in this order: markers may reach over the frame, lines are clipped.
+    pub fn draw(&self, figure: &mut Figure, curves: impl FnOnce(&mut Figure)) {
+        self.grid(figure, self.x.minor.iter(), self.y.minor.iter(), FINE_GRID);
+        self.grid(figure, self.x.ticks.iter().map(|(x, _)| x), self.y.ticks.iter().map(|(y, _)| y), GRID);
+        curves(figure);
+        let Rect { x, y, width, height } = self.rect;
+        let corners = vec![(x, y), (x + width, y), (x + width, y + height), (x, y + height), (x, y), (x + width, y)];
+        figure.line(corners, FRAME);
+    }
+
+    /// Writes the tick labels and the label below the panel.
+    pub fn label_x(&self, figure: &mut Figure, label: &str) {
+        let below = self.rect.y + self.rect.height;
+        for (value, text) in &self.x.ticks {
+            figure.text((self.at(*value, 0.0).0, below + 16.0), text, TICK_SIZE, Align::Center);
+        }
+        figure.text((self.rect.x + self.rect.width / 2.0, below + 36.0), label, LABEL_SIZE, Align::Center);
+    }
+
+    /// Writes the tick labels and the label to the left of the panel.
+    pub fn label_y(&self, figure: &mut Figure, label: &str) {
+        for (value, text) in &self.y.ticks {
+            let y = self.rect.y + self.rect.height * (1.0 - self.y.share(*value));
+            figure.text((self.rect.x - 6.0, y + 4.0), text, TICK_SIZE, Align::Right);
+        }
+        figure.upward_text((self.rect.x - 54.0, self.rect.y + self.rect.height / 2.0), label, LABEL_SIZE);
+    }
+
+    /// Draws a curve through finite values, with line, markers or both.
+    pub fn curve(&self, figure: &mut Figure, values: &[(f64, f64)], ink: &Ink) {
+        if let Some(pen) = ink.pen {
+            figure.clipped(self.rect, |figure| {
+                for run in values.split(|(_, y)| !y.is_finite()) {
+                    figure.line(thinned(run.iter().map(|&(x, y)| self.at(x, y))), pen);
+                }
+            });
+        }
+        if let Some(marker) = ink.marker {
+            let radius = if values.len() > 200 { 1.6 } else { 2.6 };
+            for &(x, y) in values.iter().filter(|(x, y)| self.x.holds(*x) && self.y.holds(*y)) {
+                figure.marker(self.at(x, y), marker, radius, ink.color);
+            }
+        }
+    }
+
+    /// Shades the area between two curves over the same abscissae.
+    pub fn band(&self, figure: &mut Figure, low: &[(f64, f64)], high: &[(f64, f64)], color: &str) {
+        let there = low.iter().map(|&(x, y)| self.at(x, y));
+        let back = high.iter().rev().map(|&(x, y)| self.at(x, y));
+        let outline: Vec<Point> = there.chain(back).collect();
+        figure.clipped(self.rect, |figure| figure.area(&outline, color, 0.22));
+    }
+
+    /// Where a pair of values lies in the picture; far outside the panel it is brought near its edge.
+    pub fn at(&self, x: f64, y: f64) -> Point {
+        let Rect { x: left, y: top, width, height } = self.rect;
+        (left + width * self.x.share(x).clamp(-2.0, 3.0), top + height * (1.0 - self.y.share(y).clamp(-2.0, 3.0)))
+    }
+
+    fn grid<'a>(
+        &self,
+        figure: &mut Figure,
+        xs: impl Iterator<Item = &'a f64>,
+        ys: impl Iterator<Item = &'a f64>,
+        pen: Pen,
+    ) {
+        let Rect { x: left, y: top, width, height } = self.rect;
+        for &value in xs {
+            let x = left + width * self.x.share(value);
+            figure.line(vec![(x, top), (x, top + height)], pen);
+        }
+        for &value in ys {
+            let y = top + height * (1.0 - self.y.share(value));
+            figure.line(vec![(left, y), (left + width, y)], pen);
+        }
+    }
+}
+
+/// A polyline without the points nobody sees: of all points within half a pixel, the first, lowest, highest and last.
+fn thinned(points: impl Iterator<Item = Point>) -> Vec<Point> {
+    let mut kept: Vec<Point> = Vec::new();
+    let mut column: Vec<Point> = Vec::new();
+    for point in points {
+        if column.first().is_some_and(|first| (point.0 - first.0).abs() >= 0.5) {
+            kept.append(&mut outline(&column));
+            column.clear();
+        }
+        column.push(point);
+    }
+    kept.append(&mut outline(&column));
+    kept
+}
+
+/// First, lowest, highest and last of the points of a column, in their order.
+fn outline(column: &[Point]) -> Vec<Point> {
+    if column.len() <= 4 {
+        return column.to_vec();
+    }
+    let by_height = |a: &usize, b: &usize| column[*a].1.total_cmp(&column[*b].1);
+    let mut kept = vec![0, column.len() - 1];
+    kept.extend((0..column.len()).min_by(by_height));
+    kept.extend((0..column.len()).max_by(by_height));
+    kept.sort_unstable();
+    kept.dedup();
+    kept.into_iter().map(|k| column[k]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn thinning_keeps_the_extremes() {
+        let dense = (0..10_000).map(|k| (f64::from(k) * 1e-2, f64::from((k * 37) % 1000)));
+        let kept = thinned(dense);
+        assert!(kept.len() <= 4 * 210, "{}", kept.len());
+        assert!(kept.iter().any(|p| p.1 == 0.0) && kept.iter().any(|p| p.1 == 999.0));
+    }
+}
