@@ -1,1 +1,20 @@
 //! From recordings to FRFs: direct, best linear approximation, excerpts, comparison.
+//!
+//! Equation numbers are those of Saupe and Knoblach, MSSP 52-53 (2015) 60-72, cited SK15. Shapes, units and the DFT follow
+//! `frfid_signals`. Nothing here knows files, clocks or chance.
+
+mod bla;
+mod campaign;
+mod error;
+mod indirect;
+mod line_dft;
+mod right_division;
+mod singular;
+#[cfg(test)]
+mod testing;
+
+pub use bla::{Averaging, BlaOptions, estimate_bla};
+pub use campaign::{Campaign, Place, RunSpectra};
+pub use error::{Deficiency, DeficientLine, EstimateError};
+pub use line_dft::LineDft;
+pub use singular::{condition_number, singular_values};

@@ -1,0 +1,160 @@
+//! What can keep an estimate from being made: found and needed values in every message.
+
+use std::fmt;
+
+use frfid_signals::SignalError;
+use thiserror::Error;
+
+use crate::Place;
+
+/// Errors of the `estimate` crate. Every variant says what was found and what was needed. Channels, experiments, periods
+/// and realizations count from 0.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum EstimateError {
+    /// Samples, shapes, lines or parameters that are already wrong as signals.
+    #[error(transparent)]
+    Signal(#[from] SignalError),
+    /// Lines or frequencies that do not rise.
+    #[error("{name} must rise: entry {index} is {found} after {before}; sort them and drop duplicates")]
+    NotRising {
+        /// Name of the list.
+        name: &'static str,
+        /// The first offending entry.
+        index: usize,
+        /// Its value.
+        found: f64,
+        /// The value before it.
+        before: f64,
+    },
+    /// Fewer experiments than inputs: U has no right inverse.
+    #[error(
+        "{found} experiments for {needed} inputs; at least as many experiments as inputs are needed to tell the inputs apart"
+    )]
+    TooFewExperiments {
+        /// Experiments given.
+        found: usize,
+        /// Inputs, the number needed.
+        needed: usize,
+    },
+    /// Runs of the campaign that were never given.
+    #[error("{} runs are missing, the first is realization {}, experiment {}, period {}; give them or drop the incomplete blocks", .missing.len(), .missing[0].realization, .missing[0].experiment, .missing[0].period)]
+    Incomplete {
+        /// Every missing run, in order; never empty.
+        missing: Vec<Place>,
+    },
+    /// A run was given twice.
+    #[error("realization {}, experiment {}, period {} was given twice", .0.realization, .0.experiment, .0.period)]
+    Duplicate(Place),
+    /// A list without entries.
+    #[error("{0}: none was given, at least one is needed")]
+    EmptyList(
+        /// Name of the list.
+        &'static str,
+    ),
+    /// On some lines the inputs of the experiments do not span the input space.
+    #[error("{} of the lines cannot be inverted; {}", .0.len(), .0[0])]
+    RankDeficient(
+        /// Every such line, in order of frequency; never empty.
+        Vec<DeficientLine>,
+    ),
+    /// A recording that had to be periodic is not.
+    #[error(
+        "not periodic: the best period tried ({period} samples) leaves {residual:.1e} of the power unexplained, at most {limit:.1e} is allowed; \
+             a periodic estimator does not apply, use an excerpt or non-periodic method"
+    )]
+    NotPeriodic {
+        /// The best period found, in samples; 0 if there was no candidate.
+        period: usize,
+        /// Share of the power that does not repeat.
+        residual: f64,
+        /// Largest share allowed.
+        limit: f64,
+    },
+    /// A frequency is no line of the period.
+    #[error(
+        "{frequency_hz} Hz is no line of a period of {n_samples} samples; the nearest line is {nearest_hz} Hz, and a period of {offered_samples} samples would have it"
+    )]
+    OffGrid {
+        /// The frequency asked for, in Hz.
+        frequency_hz: f64,
+        /// Samples per period.
+        n_samples: usize,
+        /// Nearest line of this period in Hz.
+        nearest_hz: f64,
+        /// Nearest period, in samples, that has the frequency among its lines.
+        offered_samples: usize,
+    },
+    /// A frequency the chirp never reaches, or too close to the ends of the recording.
+    #[error("{frequency_hz} Hz: {reason}; the recording holds {low_s} s to {high_s} s")]
+    OutsideChirp {
+        /// The frequency asked for, in Hz.
+        frequency_hz: f64,
+        /// What is wrong.
+        reason: &'static str,
+        /// Start of the recording in s.
+        low_s: f64,
+        /// End of the recording in s.
+        high_s: f64,
+    },
+}
+
+/// A line on which U cannot be inverted, and why.
+#[derive(Debug, Clone, PartialEq)]
+pub struct DeficientLine {
+    /// Frequency in Hz.
+    pub frequency_hz: f64,
+    /// 2-norm condition number of U with rows scaled to equal norm; infinite for an exact zero.
+    pub condition: f64,
+    /// The largest condition allowed.
+    pub limit: f64,
+    /// What makes it so.
+    pub cause: Deficiency,
+}
+
+/// Why inputs cannot be told apart.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Deficiency {
+    /// An input without any power on the line.
+    InputSilent {
+        /// Input channel.
+        input: usize,
+    },
+    /// The two most similar experiments; correlation 1 means they differ by a factor only.
+    ExperimentsAlike {
+        /// The two experiments.
+        pair: (usize, usize),
+        /// |u_m^H u_n| / (|u_m| |u_n|).
+        correlation: f64,
+    },
+}
+
+impl fmt::Display for DeficientLine {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} Hz: condition number {:.1e}, at most {:.1e} is allowed; ",
+            self.frequency_hz, self.condition, self.limit
+        )?;
+        match self.cause {
+            Deficiency::InputSilent { input } => write!(f, "input {input} is not excited there"),
+            Deficiency::ExperimentsAlike { pair: (m, n), correlation } => {
+                write!(f, "experiments {m} and {n} are the most alike (correlation {correlation:.6})")
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_deficient_line_names_frequency_condition_and_experiments() {
+        let cause = Deficiency::ExperimentsAlike { pair: (0, 2), correlation: 1.0 };
+        let line = DeficientLine { frequency_hz: 5.0, condition: f64::INFINITY, limit: 1e10, cause };
+        let text = EstimateError::RankDeficient(vec![line]).to_string();
+        for part in ["1 of the lines", "5 Hz", "inf", "1.0e10", "experiments 0 and 2"] {
+            assert!(text.contains(part), "{text}");
+        }
+    }
+}

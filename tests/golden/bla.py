@@ -1,0 +1,127 @@
+"""Golden numbers for the best linear approximation, by numpy: writes bla.json beside this file.
+
+Run: python tests/golden/bla.py   (numpy only). tests/bla.rs makes the same signals from the same formula.
+"""
+
+import json
+import pathlib
+
+import numpy as np
+
+PRIME = 1_000_003
+
+# name: n_p, n_ex, n_q, n_u, n_y, samples per period, lines
+CASES = {
+    "three_by_two": (3, 3, 2, 3, 2, 2500, [1, 11, 250, 1249]),
+    "more_experiments_than_inputs": (2, 4, 3, 2, 3, 19838, [3, 1000, 9918]),
+    "one_realization": (1, 1, 5, 1, 1, 8192, [41, 307, 4095]),
+    "one_period": (4, 2, 1, 2, 2, 12288, [13, 737, 6143]),
+}
+
+
+def noise(*indices):
+    """Numbers in [-0.5, 0.5) out of integer arithmetic alone: a hash of the flat index, the same in every language."""
+    k = np.asarray(indices[0], dtype=np.int64)
+    for index in indices[1:]:
+        k = (k * 31 + np.asarray(index, dtype=np.int64) * 7919 + 17) % PRIME
+        k = (k * k + 12345) % PRIME
+    k = (k * k * 3 + 5 * k + 1) % PRIME
+    return k / PRIME - 0.5
+
+
+def signal(kind, shape):
+    """(realization, experiment, period, channel, sample): what repeats every period plus a tenth of what does not."""
+    p, m, q, c, k = np.ogrid[tuple(slice(n) for n in shape)]
+    return noise(kind, p, m, c, k) + 0.1 * noise(kind + 10, p, m, q, c, k) + 3.0
+
+
+def vec(matrix):
+    return matrix.T.reshape(-1)
+
+
+def covariance_of_mean(samples):
+    samples = np.array(samples)
+    n = len(samples)
+    deviation = samples - samples.mean(axis=0)
+    return np.einsum("qi,qj->ij", deviation, deviation.conj()) / (n * (n - 1))
+
+
+def block_average(blocks):
+    """Mean and covariances of the FRFs blocks[p][q]."""
+    per_realization = [np.mean(periods, axis=0) for periods in blocks]
+    n_p, n_q = len(blocks), len(blocks[0])
+    noise_covariance = total = None
+    if n_q > 1:
+        noise_covariance = sum(covariance_of_mean([vec(g) for g in periods]) for periods in blocks) / n_p**2
+    if n_p > 1:
+        total = covariance_of_mean([vec(g) for g in per_realization])
+    return np.mean(per_realization, axis=0), noise_covariance, total
+
+
+def mean_of_frfs(u, y):
+    n_p, n_q = u.shape[:2]
+    g = [[y[p, q] @ np.linalg.pinv(u[p, q]) for q in range(n_q)] for p in range(n_p)]
+    condition = max(np.linalg.cond(u[p, q]) for p in range(n_p) for q in range(n_q))
+    return *block_average(g), condition
+
+
+def mean_of_spectra(u, y):
+    n_p, n_q = u.shape[:2]
+    mean_u, mean_y = u.mean(axis=1), y.mean(axis=1)
+    g = [mean_y[p] @ np.linalg.pinv(mean_u[p]) for p in range(n_p)]
+    terms = [[g[p] + (y[p, q] - g[p] @ u[p, q]) @ np.linalg.pinv(mean_u[p]) for q in range(n_q)] for p in range(n_p)]
+    mean, noise_covariance, total = block_average(terms)
+    return np.mean(g, axis=0), noise_covariance, total, max(np.linalg.cond(mean_u[p]) for p in range(n_p))
+
+
+def joint_input_output(u, y, r):
+    n_p, n_q = u.shape[:2]
+    r_h = r.conj().swapaxes(-1, -2)
+    s_u, s_y = (u @ r_h).sum(axis=(0, 1)), (y @ r_h).sum(axis=(0, 1))
+    inverse = np.linalg.inv(s_u)
+    g = s_y @ inverse
+    d = np.array([[vec((y[p, q] - g @ u[p, q]) @ r_h[p, q] @ inverse) for q in range(n_q)] for p in range(n_p)])
+    noise_covariance = total = None
+    if n_q > 1:
+        e = d - d.mean(axis=1, keepdims=True)
+        noise_covariance = n_q / (n_q - 1) * np.einsum("pqi,pqj->ij", e, e.conj())
+    if n_p > 1:
+        e = d.sum(axis=1)
+        total = n_p / (n_p - 1) * np.einsum("pi,pj->ij", e, e.conj())
+    scale = np.sqrt((np.abs(r) ** 2).sum(axis=(0, 1, 3)))
+    return g, noise_covariance, total, np.linalg.cond(s_u / scale)
+
+
+def numbers(array):
+    """Row-major list re, im, re, im, ...; None stays None."""
+    if array is None or array[0] is None:
+        return None
+    array = np.ascontiguousarray(array, dtype=complex)
+    return array.view(float).ravel().tolist()
+
+
+def main():
+    golden = []
+    for name, (n_p, n_ex, n_q, n_u, n_y, n, lines) in CASES.items():
+        u, y, r = (signal(kind, (n_p, n_ex, n_q, c, n)) for kind, c in ((1, n_u), (2, n_y), (3, n_u)))
+        # (line, realization, period, channel, experiment)
+        u, y, r = (np.fft.fft(x)[..., lines].transpose(4, 0, 2, 3, 1) for x in (u, y, r))
+        methods = {
+            "frfs": [mean_of_frfs(u[k], y[k]) for k in range(len(lines))],
+            "spectra": [mean_of_spectra(u[k], y[k]) for k in range(len(lines))],
+            "indirect": [joint_input_output(u[k], y[k], r[k]) for k in range(len(lines))],
+        }
+        for method, results in methods.items():
+            response, noise_covariance, total, condition = zip(*results)
+            golden.append({
+                "case": name, "method": method,
+                "n_p": n_p, "n_ex": n_ex, "n_q": n_q, "n_u": n_u, "n_y": n_y, "n_samples": n, "lines": lines,
+                "response": numbers(response), "noise": numbers(noise_covariance), "total": numbers(total),
+                "condition": [float(c) for c in condition],
+            })  # fmt: skip
+    rows = ",\n".join(json.dumps(entry) for entry in golden)
+    pathlib.Path(__file__).with_suffix(".json").write_text(f"[\n{rows}\n]\n")
+
+
+if __name__ == "__main__":
+    main()
