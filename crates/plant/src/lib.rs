@@ -1,1 +1,34 @@
 //! A flexible-joint robot in software: friction, spring, RK4, sensors, controller, testbeds.
+//!
+//! Everything on the joint side of the gear, SI units inside, Hz for public frequencies. The numeric core knows no files,
+//! no clock and no global random state. Equation numbers are those of Saupe and Knoblach, MSSP 52-53 (2015) 60-72 (SK15).
+
+pub mod dynamics;
+mod error;
+mod exit;
+mod friction;
+mod joint;
+mod lane;
+mod linear;
+mod motion;
+mod ripple;
+mod root;
+mod segment;
+mod simulate;
+mod spring;
+mod trajectory;
+mod truth;
+
+pub use dynamics::{Drive, Inertia, Links, Machine};
+pub use error::PlantError;
+pub use friction::{Friction, Slip};
+pub use joint::SingleJoint;
+pub use lane::Lane;
+pub use linear::{Hold, StateSpace};
+pub use motion::Motion;
+pub use ripple::Ripple;
+pub use segment::Segment;
+pub use simulate::{Clock, Torque, simulate, trajectory};
+pub use spring::{Branch, Spring};
+pub use trajectory::Trajectory;
+pub use truth::Velocity;

@@ -1,0 +1,68 @@
+//! What can be wrong with a plant, a controller or a simulation.
+
+use frfid_signals::{RunId, SignalError, TestbedError};
+use thiserror::Error;
+
+/// Errors of the `plant` crate.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum PlantError {
+    /// A parameter or an array does not fit.
+    #[error(transparent)]
+    Signal(#[from] SignalError),
+    /// Samples say nothing about the torque between them unless a hold does.
+    #[error(
+        "a sampled torque cannot be simulated with hold \"continuous\"; needed: \"zoh\" or \"linear\" (or a torque given as a function of time)"
+    )]
+    NoHold,
+    /// The simulation left the numbers.
+    #[error("{quantity} of channel {channel} is no longer finite at {time_s} s; lower the amplitude or the gains")]
+    Diverged {
+        /// The first quantity that was not finite.
+        quantity: &'static str,
+        /// Channel, from 0.
+        channel: usize,
+        /// Time in s after the first sample.
+        time_s: f64,
+    },
+    /// Modes changed too often within one step of the integrator.
+    #[error(
+        "more than {limit} changes between stick, slip and the branches of the spring within one step at {time_s} s; lower max_step_s"
+    )]
+    Chatter {
+        /// Number of changes allowed in a step.
+        limit: usize,
+        /// Time in s after the first sample.
+        time_s: f64,
+    },
+}
+
+impl PlantError {
+    /// The same error as a testbed reports it, with the run in which it happened.
+    #[must_use]
+    pub fn in_run(self, run: RunId) -> TestbedError {
+        match self {
+            Self::Signal(error) => TestbedError::Run(error),
+            Self::Diverged { quantity, channel, time_s } => TestbedError::Diverged { run, quantity, channel, time_s },
+            error @ (Self::NoHold | Self::Chatter { .. }) => TestbedError::Foreign { run, source: Box::new(error) },
+        }
+    }
+}
+
+/// A parameter that must be a finite number above zero.
+pub(crate) fn positive(name: &'static str, found: f64) -> Result<(), SignalError> {
+    require(name, found, found > 0.0, "a finite number above 0")
+}
+
+/// A parameter that must be a finite number, zero or above.
+pub(crate) fn not_negative(name: &'static str, found: f64) -> Result<(), SignalError> {
+    require(name, found, found >= 0.0, "a finite number, 0 or above")
+}
+
+/// A parameter that must be a finite number.
+pub(crate) fn finite(name: &'static str, found: f64) -> Result<(), SignalError> {
+    require(name, found, true, "a finite number")
+}
+
+fn require(name: &'static str, found: f64, fits: bool, needed: &'static str) -> Result<(), SignalError> {
+    if fits && found.is_finite() { Ok(()) } else { Err(SignalError::Parameter { name, found, needed }) }
+}
