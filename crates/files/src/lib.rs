@@ -1,1 +1,30 @@
-//! MCAP, CSV, NPZ and JSON in and out.
+//! Runs, plans and robot logs in MCAP (ROS 2), CSV and NPZ; results in JSON.
+//!
+//! Every file is written to `NAME.part`, synced and renamed, and never replaces another unless told so. Every reader expects
+//! cut, flipped and hostile files: no panic, no memory beyond a stated limit, and nothing lost without a [`Loss`] that says
+//! which samples are gone and why.
+
+mod atomic;
+mod bytes;
+mod cdr;
+mod error;
+mod joint_state;
+mod loss;
+mod mcap_chunk;
+mod mcap_open;
+mod mcap_read;
+mod mcap_record;
+mod mcap_summary;
+mod mcap_write;
+mod run_file;
+mod run_read;
+#[cfg(test)]
+mod run_tests;
+mod structure;
+mod topics;
+
+pub use atomic::{Overwrite, part_path};
+pub use error::FileError;
+pub use loss::Loss;
+pub use run_file::{RunFile, write_run};
+pub use run_read::read_run;

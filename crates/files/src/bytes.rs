@@ -1,0 +1,71 @@
+//! A cursor over bytes that came from a file: every step is checked against the bytes left before anything is allocated.
+
+/// More bytes were asked for than are left.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error("needs {needed} bytes at offset {at}, {left} are left")]
+pub struct Short {
+    /// Offset of the read.
+    pub at: usize,
+    /// Bytes needed.
+    pub needed: u64,
+    /// Bytes left.
+    pub left: usize,
+}
+
+/// The bytes and the place of the next read.
+#[derive(Debug, Clone)]
+pub(crate) struct Bytes<'a> {
+    all: &'a [u8],
+    at: usize,
+}
+
+impl<'a> Bytes<'a> {
+    pub(crate) fn new(all: &'a [u8]) -> Self {
+        Self { all, at: 0 }
+    }
+
+    pub(crate) fn at(&self) -> usize {
+        self.at
+    }
+
+    pub(crate) fn left(&self) -> usize {
+        self.all.len() - self.at
+    }
+
+    pub(crate) fn rest(&self) -> &'a [u8] {
+        &self.all[self.at..]
+    }
+
+    /// The next `count` bytes; a count read from the file may be any number.
+    pub(crate) fn take(&mut self, count: u64) -> Result<&'a [u8], Short> {
+        let short = Short { at: self.at, needed: count, left: self.left() };
+        let count = usize::try_from(count).map_err(|_| short.clone())?;
+        let taken = self.rest().get(..count).ok_or(short)?;
+        self.at += count;
+        Ok(taken)
+    }
+
+    pub(crate) fn array<const N: usize>(&mut self) -> Result<[u8; N], Short> {
+        let mut array = [0; N];
+        array.copy_from_slice(self.take(N as u64)?);
+        Ok(array)
+    }
+
+    pub(crate) fn u16(&mut self) -> Result<u16, Short> {
+        self.array().map(u16::from_le_bytes)
+    }
+
+    pub(crate) fn u32(&mut self) -> Result<u32, Short> {
+        self.array().map(u32::from_le_bytes)
+    }
+
+    pub(crate) fn u64(&mut self) -> Result<u64, Short> {
+        self.array().map(u64::from_le_bytes)
+    }
+
+    /// A length-prefixed text; bytes that are not UTF-8 are replaced, never refused.
+    pub(crate) fn text(&mut self) -> Result<String, Short> {
+        let length = self.u32()?;
+        Ok(String::from_utf8_lossy(self.take(u64::from(length))?).into_owned())
+    }
+}

@@ -1,0 +1,102 @@
+//! What can be wrong with a file: its path, what was found, what was needed, what to do.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use thiserror::Error as ThisError;
+
+/// Errors of the `files` crate.
+#[derive(Debug, ThisError)]
+pub enum FileError {
+    /// The operating system refused to open or read.
+    #[error("{}: cannot {action}: {reason}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What was tried.
+        action: &'static str,
+        /// The operating system's reason.
+        reason: String,
+    },
+    /// The output exists and was not to be replaced.
+    #[error("{} exists; choose another name or say that it may be replaced (--force)", path.display())]
+    Exists {
+        /// The file.
+        path: PathBuf,
+    },
+    /// A half-written file of an earlier, killed run lies in the way.
+    #[error(
+        "{} is left from a run that did not finish; salvage it (frfid recover), delete it, or say that it may be replaced (--force)",
+        path.display()
+    )]
+    Leftover {
+        /// The half-written file.
+        path: PathBuf,
+    },
+    /// Another process is writing the same file.
+    #[error("{} is being written by another process", path.display())]
+    Busy {
+        /// The file being written.
+        path: PathBuf,
+    },
+    /// Writing failed; what was written so far was kept.
+    #[error("{}: cannot write: {reason}; the first {saved_bytes} bytes are kept in {}", path.display(), part.display())]
+    Write {
+        /// The file that was to be written.
+        path: PathBuf,
+        /// Where the bytes written so far are.
+        part: PathBuf,
+        /// How many bytes these are.
+        saved_bytes: u64,
+        /// The whole chain of reasons, down to the operating system's.
+        reason: String,
+    },
+    /// The file is of another kind.
+    #[error("{}: found {found}, needed {needed}; {advice}", path.display())]
+    Format {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        found: String,
+        /// What it should be.
+        needed: &'static str,
+        /// Which tool converts it, or what else to do.
+        advice: String,
+    },
+    /// The content contradicts itself or what was asked for.
+    #[error("{}: {what}: found {found}, needed {needed}", path.display())]
+    Content {
+        /// The file.
+        path: PathBuf,
+        /// Which part of it, down to topic, message and field.
+        what: String,
+        /// What was found.
+        found: String,
+        /// What was needed.
+        needed: String,
+    },
+    /// What was to be written does not fit together.
+    #[error("{what}: found {found}, needed {needed}")]
+    Shape {
+        /// Which part.
+        what: &'static str,
+        /// What was given.
+        found: String,
+        /// What was needed.
+        needed: String,
+    },
+}
+
+/// An error with all its causes, outermost first: some libraries hide the operating system's reason in the last one.
+pub(crate) fn chain(error: &(dyn Error + 'static)) -> String {
+    let mut text = error.to_string();
+    let mut cause = error.source();
+    while let Some(error) = cause {
+        let next = error.to_string();
+        if !text.contains(&next) {
+            text = format!("{text}: {next}");
+        }
+        cause = error.source();
+    }
+    text
+}

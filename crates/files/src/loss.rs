@@ -1,0 +1,80 @@
+//! What could not be read of a recording, so that the periods it hits can be dropped.
+
+use std::fmt;
+
+use crate::mcap_read::Damage;
+
+/// A part of a recording that is missing, damaged or not a number: the samples at times in `[from_s, to_s)`.
+///
+/// An empty range (`from_s == to_s`) takes no sample away: something else in the file is damaged.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loss {
+    /// Topic or column, or `file` for damage to the file itself.
+    pub topic: String,
+    /// Begin in s after the first sample.
+    pub from_s: f64,
+    /// End in s after the first sample, not included.
+    pub to_s: f64,
+    /// What happened.
+    pub reason: String,
+}
+
+/// For people: `/joint_states 1.024 s to 2.048 s: 1024 samples are missing`.
+impl fmt::Display for Loss {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {} s to {} s: {}", self.topic, self.from_s, self.to_s, self.reason)
+    }
+}
+
+/// Damage to the file as a loss of no sample yet; the samples missing because of it are found one by one.
+pub(crate) fn of_file(damage: Damage, start_ns: u64) -> Loss {
+    let at_s = damage.times_ns.map_or(0.0, |(from, _)| (from as f64 - start_ns as f64) / 1e9);
+    Loss { topic: "file".into(), from_s: at_s, to_s: at_s, reason: damage.reason }
+}
+
+/// Something other than a sample is lost.
+pub(crate) fn of_nothing(topic: &str, reason: &str) -> Loss {
+    Loss { topic: topic.into(), from_s: 0.0, to_s: 0.0, reason: reason.into() }
+}
+
+/// The runs of samples for which `is_lost` holds, as losses of `topic`.
+pub(crate) fn gaps(
+    topic: &str,
+    n_samples: usize,
+    sample_time_s: f64,
+    reason: &str,
+    is_lost: impl Fn(usize) -> bool,
+) -> Vec<Loss> {
+    let mut losses = Vec::new();
+    let mut k = 0;
+    while k < n_samples {
+        let from = k;
+        while k < n_samples && is_lost(k) {
+            k += 1;
+        }
+        if k > from {
+            losses.push(Loss {
+                topic: topic.into(),
+                from_s: from as f64 * sample_time_s,
+                to_s: k as f64 * sample_time_s,
+                reason: format!("{} samples {reason}", k - from),
+            });
+        }
+        k += 1;
+    }
+    losses
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbouring_lost_samples_are_one_gap() {
+        let lost = [true, false, true, true, false, true];
+        let gaps = gaps("/t", lost.len(), 0.5, "are missing", |k| lost[k]);
+        let ranges: Vec<_> = gaps.iter().map(|gap| (gap.from_s, gap.to_s)).collect();
+        assert_eq!(ranges, [(0.0, 0.5), (1.0, 2.0), (2.5, 3.0)]);
+        assert_eq!(gaps[1].to_string(), "/t 1 s to 2 s: 2 samples are missing");
+    }
+}

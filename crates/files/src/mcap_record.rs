@@ -1,0 +1,103 @@
+//! The records of an MCAP file that we read ourselves (<https://mcap.dev/spec>), bounds-checked; chunks are unpacked by the
+//! `mcap` crate.
+
+use std::collections::BTreeMap;
+
+use crate::bytes::{Bytes, Short};
+
+/// A message type as the file describes it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Schema {
+    pub(crate) name: String,
+    pub(crate) encoding: String,
+    pub(crate) text: Vec<u8>,
+}
+
+/// A topic as the file describes it.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Channel {
+    pub(crate) schema_id: u16,
+    pub(crate) topic: String,
+    pub(crate) encoding: String,
+    pub(crate) metadata: BTreeMap<String, String>,
+}
+
+/// One message.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Message<'a> {
+    pub(crate) channel_id: u16,
+    pub(crate) sequence: u32,
+    pub(crate) log_time_ns: u64,
+    pub(crate) publish_time_ns: u64,
+    pub(crate) data: &'a [u8],
+}
+
+/// An attached file. Its name comes from the file and is never used as a path.
+#[derive(Debug, Clone)]
+pub(crate) struct Attachment<'a> {
+    pub(crate) log_time_ns: u64,
+    pub(crate) create_time_ns: u64,
+    pub(crate) name: String,
+    pub(crate) media_type: String,
+    pub(crate) data: &'a [u8],
+    pub(crate) is_sound: bool,
+}
+
+/// Where a chunk is and which log times it covers, as the index at the end of the file says.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct ChunkIndex {
+    pub(crate) from_ns: u64,
+    pub(crate) to_ns: u64,
+    pub(crate) offset: u64,
+    pub(crate) length: u64,
+}
+
+fn text_map(bytes: &mut Bytes) -> Result<BTreeMap<String, String>, Short> {
+    let length = bytes.u32()?;
+    let mut pairs = Bytes::new(bytes.take(u64::from(length))?);
+    let mut map = BTreeMap::new();
+    while pairs.left() > 0 {
+        map.insert(pairs.text()?, pairs.text()?);
+    }
+    Ok(map)
+}
+
+pub(crate) fn schema(body: &[u8]) -> Result<(u16, Schema), Short> {
+    let mut bytes = Bytes::new(body);
+    let (id, name, encoding, length) = (bytes.u16()?, bytes.text()?, bytes.text()?, bytes.u32()?);
+    Ok((id, Schema { name, encoding, text: bytes.take(u64::from(length))?.to_vec() }))
+}
+
+pub(crate) fn channel(body: &[u8]) -> Result<(u16, Channel), Short> {
+    let mut bytes = Bytes::new(body);
+    let (id, schema_id, topic, encoding) = (bytes.u16()?, bytes.u16()?, bytes.text()?, bytes.text()?);
+    Ok((id, Channel { schema_id, topic, encoding, metadata: text_map(&mut bytes)? }))
+}
+
+pub(crate) fn message(body: &[u8]) -> Result<Message<'_>, Short> {
+    let mut bytes = Bytes::new(body);
+    let (channel_id, sequence) = (bytes.u16()?, bytes.u32()?);
+    let (log_time_ns, publish_time_ns) = (bytes.u64()?, bytes.u64()?);
+    Ok(Message { channel_id, sequence, log_time_ns, publish_time_ns, data: bytes.rest() })
+}
+
+pub(crate) fn metadata(body: &[u8]) -> Result<(String, BTreeMap<String, String>), Short> {
+    let mut bytes = Bytes::new(body);
+    Ok((bytes.text()?, text_map(&mut bytes)?))
+}
+
+pub(crate) fn attachment(body: &[u8]) -> Result<Attachment<'_>, Short> {
+    let mut bytes = Bytes::new(body);
+    let (log_time_ns, create_time_ns) = (bytes.u64()?, bytes.u64()?);
+    let (name, media_type, length) = (bytes.text()?, bytes.text()?, bytes.u64()?);
+    let data = bytes.take(length)?;
+    let checked = &body[..bytes.at()];
+    let crc = bytes.u32()?;
+    let is_sound = crc == 0 || crc == crc32fast::hash(checked);
+    Ok(Attachment { log_time_ns, create_time_ns, name, media_type, data, is_sound })
+}
+
+pub(crate) fn chunk_index(body: &[u8]) -> Result<ChunkIndex, Short> {
+    let mut bytes = Bytes::new(body);
+    Ok(ChunkIndex { from_ns: bytes.u64()?, to_ns: bytes.u64()?, offset: bytes.u64()?, length: bytes.u64()? })
+}
