@@ -7,8 +7,8 @@ use frfid_signals::SignalError;
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
+use crate::EstimateError;
 use crate::line_dft::check_rising;
-use crate::{EstimateError, LineDft};
 
 /// Place of one run in a campaign; all indices from 0, sorted in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -32,19 +32,28 @@ pub struct RunSpectra {
     pub r: Option<Array2<Complex64>>,
 }
 
-impl RunSpectra {
-    /// Transforms one period of `u`, `y` and, if there is one, `r`, each `(channel, sample)`.
+/// What turns time series into spectra: [`crate::LineDft`] for periods, [`crate::Excerpts`] for chirps.
+pub trait Transform: Send + Sync {
+    /// Spectra of one run, `(channel, sample)` to `(channel, line)`, means removed.
     ///
     /// # Errors
-    /// As [`LineDft::transform`], naming the signal.
+    /// [`SignalError::Shape`] for another length, [`SignalError::NotFinite`]; both say `name`.
+    fn transform(&self, name: &'static str, signal: ArrayView2<f64>) -> Result<Array2<Complex64>, EstimateError>;
+}
+
+impl RunSpectra {
+    /// Transforms one run of `u`, `y` and, if there is one, `r`, each `(channel, sample)`.
+    ///
+    /// # Errors
+    /// As [`Transform::transform`], naming the signal.
     pub fn of(
-        dft: &LineDft,
+        transform: &dyn Transform,
         u: ArrayView2<f64>,
         y: ArrayView2<f64>,
         r: Option<ArrayView2<f64>>,
     ) -> Result<Self, EstimateError> {
-        let r = r.map(|r| dft.transform("r", r)).transpose()?;
-        Ok(Self { u: dft.transform("u", u)?, y: dft.transform("y", y)?, r })
+        let r = r.map(|r| transform.transform("r", r)).transpose()?;
+        Ok(Self { u: transform.transform("u", u)?, y: transform.transform("y", y)?, r })
     }
 
     /// Shapes of u, y and r.

@@ -84,6 +84,18 @@ pub enum EstimateError {
         /// Nearest period, in samples, that has the frequency among its lines.
         offered_samples: usize,
     },
+    /// A glide that moved the other way than the run.
+    #[error(
+        "channel {channel}: the glide moves at {glide_mean:.3e} on average, the run at {run_mean:.3e}; a glide in the direction of the run is needed"
+    )]
+    OtherDirection {
+        /// Output channel.
+        channel: usize,
+        /// Mean velocity of the run.
+        run_mean: f64,
+        /// Mean velocity of the glide.
+        glide_mean: f64,
+    },
     /// A frequency the chirp never reaches, or too close to the ends of the recording.
     #[error("{frequency_hz} Hz: {reason}; the recording holds {low_s} s to {high_s} s")]
     OutsideChirp {

@@ -5,7 +5,11 @@
 
 mod bla;
 mod campaign;
+mod chirp;
+mod confidence;
 mod error;
+mod excerpt;
+mod glide;
 mod indirect;
 mod line_dft;
 mod right_division;
@@ -14,7 +18,11 @@ mod singular;
 mod testing;
 
 pub use bla::{Averaging, BlaOptions, estimate_bla};
-pub use campaign::{Campaign, Place, RunSpectra};
+pub use campaign::{Campaign, Place, RunSpectra, Transform};
+pub use chirp::estimate_chirp;
+pub use confidence::{confidence_factor_95, f_quantile};
 pub use error::{Deficiency, DeficientLine, EstimateError};
+pub use excerpt::{ExcerptOptions, Excerpts};
+pub use glide::subtract_glide;
 pub use line_dft::LineDft;
 pub use singular::{condition_number, singular_values};

@@ -11,7 +11,7 @@ use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 use realfft::{RealFftPlanner, RealToComplex};
 
-use crate::EstimateError;
+use crate::{EstimateError, Transform};
 
 /// The DFT of periods of one length on one set of lines; planned once, used for every run, from any thread.
 #[derive(Clone)]
@@ -46,16 +46,14 @@ impl LineDft {
     /// # Errors
     /// [`SignalError::Parameter`] for a sample time that is not finite and above zero.
     pub fn frequency_hz(&self, sample_time_s: f64) -> Result<Vec<f64>, EstimateError> {
-        check_sample_time(sample_time_s)?;
+        check_positive("sample_time_s", sample_time_s)?;
         let period_s = self.n_samples() as f64 * sample_time_s;
         Ok(self.lines.iter().map(|&line| line as f64 / period_s).collect())
     }
+}
 
-    /// Spectra of one period, `(channel, sample)` to `(channel, line)`, means removed first.
-    ///
-    /// # Errors
-    /// [`SignalError::Shape`] for another length, [`SignalError::NotFinite`]; both say `name`.
-    pub fn transform(&self, name: &'static str, period: ArrayView2<f64>) -> Result<Array2<Complex64>, EstimateError> {
+impl Transform for LineDft {
+    fn transform(&self, name: &'static str, period: ArrayView2<f64>) -> Result<Array2<Complex64>, EstimateError> {
         if period.ncols() != self.n_samples() {
             let needed = format!("(channel, {})", self.n_samples());
             return Err(SignalError::Shape { name, found: period.shape().to_vec(), needed }.into());
@@ -91,12 +89,12 @@ pub(crate) fn check_rising(name: &'static str, mut list: impl Iterator<Item = f6
     Ok(())
 }
 
-/// Refuses a sample time that is not finite and above zero.
-pub(crate) fn check_sample_time(found: f64) -> Result<(), EstimateError> {
+/// Refuses a parameter that is not a finite number above zero.
+pub(crate) fn check_positive(name: &'static str, found: f64) -> Result<(), EstimateError> {
     if found.is_finite() && found > 0.0 {
         return Ok(());
     }
-    Err(SignalError::Parameter { name: "sample_time_s", found, needed: "a finite number above 0" }.into())
+    Err(SignalError::Parameter { name, found, needed: "a finite number above 0" }.into())
 }
 
 #[cfg(test)]

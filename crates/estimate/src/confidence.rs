@@ -1,0 +1,43 @@
+//! Confidence regions of FRF entries: circles in the complex plane.
+
+/// Quantile of the F distribution with 2 numerator and `denominator` degrees of freedom, in closed form:
+/// `F_p(2, m) = m/2 ((1 - p)^(-2/m) - 1)`.
+#[must_use]
+pub fn f_quantile(probability: f64, denominator: f64) -> f64 {
+    // expm1 keeps the digits for large m, where the quantile tends to -ln(1 - p)
+    0.5 * denominator * (-2.0 / denominator * (-probability).ln_1p()).exp_m1()
+}
+
+/// Factor from a variance to the squared radius of the 95 % region of an entry: `|dG|^2 <= variance F_95(2, 2 dof)`.
+///
+/// `degrees_of_freedom` are those of [`frfid_signals::Uncertainty`]: complex, hence two real ones each.
+#[must_use]
+pub fn confidence_factor_95(degrees_of_freedom: usize) -> f64 {
+    f_quantile(0.95, 2.0 * degrees_of_freedom as f64)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// scipy 1.17: `scipy.stats.f.ppf(p, 2, m)`.
+    #[test]
+    fn quantiles_are_those_of_scipy() {
+        for (probability, denominator, expected) in [
+            (0.95, 2.0, 18.999999999999982),
+            (0.95, 4.0, 6.944271909999155),
+            (0.95, 18.0, 3.554557145661787),
+            (0.95, 80.0, 3.110766166080458),
+            (0.95, 98.0, 3.0892030130201853),
+            (0.99, 5.0, 13.273933612004825),
+            (0.5, 1.0, 1.5),
+            (0.95, 1000000.0, 2.995741247983768),
+        ] {
+            let found = f_quantile(probability, denominator);
+            assert!(
+                (found / expected - 1.0).abs() < 1e-12,
+                "F_{probability}(2, {denominator}) = {found}, scipy {expected}"
+            );
+        }
+    }
+}
