@@ -1,1 +1,32 @@
-//! The Python extension module `frfid._core`: the façade, seen from numpy.
+//! The Python extension module `frfid._core`: the crates of the house, seen from numpy. No arithmetic happens here.
+
+mod array;
+mod bla;
+mod chirp;
+mod choice;
+mod error;
+mod frf;
+mod multisine;
+mod profile;
+mod record;
+
+/// Frequency response functions of flexible-joint robots, by experiment: the compiled part of the package `frfid`.
+#[pyo3::pymodule(gil_used = false)]
+mod _core {
+    #[pymodule_export]
+    use crate::bla::estimate_bla;
+    #[pymodule_export]
+    use crate::chirp::Chirp;
+    #[pymodule_export]
+    use crate::error::NumericalError;
+    #[pymodule_export]
+    use crate::frf::Frf;
+    #[pymodule_export]
+    use crate::multisine::Multisine;
+    #[pymodule_export]
+    use crate::record::Record;
+
+    #[pymodule_export]
+    #[expect(non_upper_case_globals, reason = "its name in Python")]
+    const __version__: &str = env!("CARGO_PKG_VERSION");
+}

@@ -1,0 +1,9 @@
+"""Frequency response functions of flexible-joint robots and positioning machines, by experiment.
+
+Time series are ``(channel, sample)``, responses ``(frequency, output, input)``, campaigns ``(realization, experiment, period,
+channel, sample)``. Frequencies are in Hz, everything else in SI units on the joint side of the gear.
+"""
+
+from ._core import Chirp, Frf, Multisine, NumericalError, Record, __version__, estimate_bla
+
+__all__ = ["Chirp", "Frf", "Multisine", "NumericalError", "Record", "__version__", "estimate_bla"]

@@ -1,0 +1,190 @@
+from typing import Any, Literal, TypeAlias, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ._frf import Plot
+
+__all__ = ["Chirp", "Frf", "Multisine", "NumericalError", "Record", "__version__", "estimate_bla"]
+
+__version__: str
+
+_Profile: TypeAlias = float | list[tuple[float, float]]
+_PerChannel: TypeAlias = float | list[float]
+_Mimo: TypeAlias = Literal["orthogonal", "sign-flip", "independent"]
+_Phases: TypeAlias = Literal["random", "low-crest"]
+
+class NumericalError(ArithmeticError): ...
+
+@final
+class Multisine:
+    def __new__(
+        cls,
+        *,
+        sample_time_s: float,
+        n_samples: int,
+        harmonics: ArrayLike,
+        detection: ArrayLike = ...,
+        shape: _Profile | None = None,
+        phases: _Phases = "random",
+    ) -> Multisine: ...
+    @staticmethod
+    def design(
+        *,
+        low_hz: float,
+        high_hz: float,
+        sample_time_s: float,
+        resolution_hz: float,
+        n_lines: int | None = None,
+        grid: Literal["odd", "full", "odd-random"] = "odd",
+        seed: int = 0,
+        shape: _Profile | None = None,
+        phases: _Phases = "random",
+    ) -> Multisine: ...
+    def realize(
+        self,
+        *,
+        seed: int,
+        n_inputs: int = 1,
+        peak: _PerChannel | None = None,
+        mimo: _Mimo = "orthogonal",
+        realization: int = 0,
+    ) -> NDArray[np.float64]: ...
+    @property
+    def lines_hz(self) -> NDArray[np.float64]: ...
+    @property
+    def harmonics(self) -> NDArray[np.int64]: ...
+    @property
+    def detection(self) -> NDArray[np.int64]: ...
+    @property
+    def fundamental_hz(self) -> float: ...
+    @property
+    def period_s(self) -> float: ...
+    @property
+    def n_samples(self) -> int: ...
+    @property
+    def sample_time_s(self) -> float: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
+
+@final
+class Chirp:
+    def __new__(
+        cls,
+        *,
+        low_hz: float,
+        high_hz: float,
+        duration_s: float,
+        amplitude: _Profile | list[_Profile] | None = None,
+        fade_s: float = 0.0,
+        tail_s: float = 0.0,
+    ) -> Chirp: ...
+    def sample(
+        self, *, sample_time_s: float, n_inputs: int = 1, mimo: Literal["sign-flip", "orthogonal"] = "sign-flip"
+    ) -> NDArray[np.float64]: ...
+    def frequency_at(self, time_s: float) -> float: ...
+    def instant_of(self, hz: float) -> float: ...
+    @property
+    def low_hz(self) -> float: ...
+    @property
+    def high_hz(self) -> float: ...
+    @property
+    def duration_s(self) -> float: ...
+    @property
+    def amplitude(self) -> list[list[tuple[float, float]]]: ...
+    @property
+    def fade_s(self) -> float: ...
+    @property
+    def tail_s(self) -> float: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
+
+@final
+class Record:
+    def __new__(
+        cls,
+        *,
+        sample_time_s: float,
+        u: ArrayLike,
+        y: ArrayLike,
+        r: ArrayLike | None = None,
+        position_rad: ArrayLike | None = None,
+        input_kind: Literal["commanded", "measured"] = "commanded",
+        events: list[Any] | None = None,
+    ) -> Record: ...
+    @property
+    def sample_time_s(self) -> float: ...
+    @property
+    def u(self) -> NDArray[np.float64]: ...
+    @property
+    def y(self) -> NDArray[np.float64]: ...
+    @property
+    def r(self) -> NDArray[np.float64] | None: ...
+    @property
+    def position_rad(self) -> NDArray[np.float64] | None: ...
+    @property
+    def input_kind(self) -> Literal["commanded", "measured"]: ...
+    @property
+    def events(self) -> list[Any]: ...
+    @property
+    def n_samples(self) -> int: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
+
+@final
+class Frf:
+    def __new__(
+        cls,
+        *,
+        frequency_hz: ArrayLike,
+        response: ArrayLike,
+        noise_covariance: ArrayLike | None = None,
+        noise_degrees_of_freedom: int | None = None,
+        total_covariance: ArrayLike | None = None,
+        total_degrees_of_freedom: int | None = None,
+        condition: ArrayLike | None = None,
+    ) -> Frf: ...
+    @property
+    def frequency_hz(self) -> NDArray[np.float64]: ...
+    @property
+    def response(self) -> NDArray[np.complex128]: ...
+    @property
+    def noise_variance(self) -> NDArray[np.float64] | None: ...
+    @property
+    def total_variance(self) -> NDArray[np.float64] | None: ...
+    @property
+    def nonlinear_variance(self) -> NDArray[np.float64] | None: ...
+    @property
+    def covariance(self) -> NDArray[np.complex128] | None: ...
+    @property
+    def noise_covariance(self) -> NDArray[np.complex128] | None: ...
+    @property
+    def total_covariance(self) -> NDArray[np.complex128] | None: ...
+    @property
+    def noise_degrees_of_freedom(self) -> int | None: ...
+    @property
+    def total_degrees_of_freedom(self) -> int | None: ...
+    @property
+    def condition(self) -> NDArray[np.float64] | None: ...
+    @property
+    def n_outputs(self) -> int: ...
+    @property
+    def n_inputs(self) -> int: ...
+    def to_control(self) -> Any: ...
+    def to_xarray(self) -> Any: ...
+    @property
+    def plot(self) -> Plot: ...
+    def _repr_html_(self) -> str: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
+
+def estimate_bla(
+    u: ArrayLike,
+    y: ArrayLike,
+    *,
+    sample_time_s: float,
+    harmonics: ArrayLike,
+    r: ArrayLike | None = None,
+    average: Literal["frfs", "spectra"] = "frfs",
+    max_condition: float | None = None,
+) -> Frf: ...

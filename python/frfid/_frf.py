@@ -1,0 +1,93 @@
+"""What an FRF becomes in other packages: python-control, xarray, matplotlib, a notebook."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from ._core import Frf
+
+
+def to_control(frf: Frf) -> Any:
+    import control  # type: ignore[import-untyped]
+
+    return control.FrequencyResponseData(np.moveaxis(frf.response, 0, -1), 2 * np.pi * frf.frequency_hz)
+
+
+def to_xarray(frf: Frf) -> Any:
+    import xarray
+
+    entries = ("frequency", "output", "input")
+    arrays: dict[str, tuple[Any, Any]] = {
+        "response": (entries, frf.response),
+        "noise_variance": (entries, frf.noise_variance),
+        "total_variance": (entries, frf.total_variance),
+        "condition": (("frequency",), frf.condition),
+    }
+    return xarray.Dataset(
+        {name: array for name, array in arrays.items() if array[1] is not None},
+        coords={"frequency": ("frequency", frf.frequency_hz, {"units": "Hz"})},
+    )
+
+
+class Plot:
+    """Plots of one FRF."""
+
+    def __init__(self, frf: Frf) -> None:
+        self._frf = frf
+
+    def bode(self, ax: Any = None, **line: Any) -> Any:
+        """Magnitude in dB and phase in degrees over frequency, one column for each input, a pair of rows for each output.
+
+        Parameters
+        ----------
+        ax : ndarray of matplotlib axes, shape (2 * n_outputs, n_inputs), optional
+            Axes of an earlier plot, to draw into again.
+        **line
+            Passed on to matplotlib, such as ``label``.
+
+        Returns
+        -------
+        ndarray of matplotlib axes, shape (2 * n_outputs, n_inputs)
+            Dashed lines in the magnitude axes are the standard deviations that were measured.
+        """
+        import matplotlib.pyplot as plt
+
+        frf = self._frf
+        rows, columns = 2 * frf.n_outputs, frf.n_inputs
+        if ax is None:
+            ax = plt.subplots(rows, columns, sharex=True, squeeze=False, figsize=(5 * columns, 2.5 * rows))[1]
+        axes = np.asarray(ax, dtype=object).reshape(rows, columns)
+        for output, column in np.ndindex(frf.n_outputs, columns):
+            magnitude, phase = axes[2 * output : 2 * output + 2, column]
+            entry = (slice(None), output, column)
+            (curve,) = magnitude.semilogx(frf.frequency_hz, _db(np.abs(frf.response[entry])), **line)
+            for variance in (frf.noise_variance, frf.total_variance):
+                if variance is not None:
+                    magnitude.semilogx(frf.frequency_hz, _db(np.sqrt(variance[entry])), "--", color=curve.get_color(), lw=0.8)
+            phase.semilogx(frf.frequency_hz, np.angle(frf.response[entry], deg=True), **line)
+            magnitude.set(ylabel="magnitude in dB", title=f"input {column + 1} to output {output + 1}")
+            phase.set(ylabel="phase in deg", xlabel="frequency in Hz" if output == frf.n_outputs - 1 else "")
+            for panel in (magnitude, phase):
+                panel.grid(True, which="both", alpha=0.3)
+        return axes
+
+
+def repr_html(frf: Frf) -> str:
+    measured = {name: getattr(frf, name) is not None for name in ("noise_variance", "total_variance")}
+    rows = {
+        "outputs x inputs": f"{frf.n_outputs} x {frf.n_inputs}",
+        "frequencies": f"{len(frf.frequency_hz)}, {frf.frequency_hz[0]:.4g} Hz to {frf.frequency_hz[-1]:.4g} Hz",
+        **{name.replace("_", " "): "measured" if known else "not measured" for name, known in measured.items()},
+        "condition of U": "-" if frf.condition is None else f"at most {frf.condition.max():.3g}",
+    }
+    cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows.items())
+    return f"<table><caption>frfid.Frf</caption>{cells}</table>"
+
+
+def _db(amplitude: Any) -> Any:
+    with np.errstate(divide="ignore"):  # an exact zero is a gap in the curve
+        return 20 * np.log10(amplitude)

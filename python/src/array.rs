@@ -1,0 +1,100 @@
+//! Arrays in and out: any real array in, without a copy where it is already float64; C-ordered numpy arrays out.
+
+use ndarray::{Array, Dimension};
+use num_complex::Complex64;
+use numpy::{
+    Element, IntoPyArray, PyArray, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArray, PyUntypedArray,
+    PyUntypedArrayMethods,
+};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::sync::PyOnceLock;
+
+/// Names of the axes of one shape an argument may have.
+pub type Axes = &'static [&'static str];
+
+/// The argument `name` as float64, of one of the `shapes`: integers and float32 are converted, anything else (complex, text,
+/// ragged lists, another number of axes) is a `ValueError` that tells what was found and needed.
+pub fn real<'py, D: Dimension>(
+    name: &str,
+    value: &Bound<'py, PyAny>,
+    shapes: &[Axes],
+) -> PyResult<PyReadonlyArray<'py, f64, D>> {
+    numbers(name, value, shapes, "iuf", "real numbers")
+}
+
+/// The argument `name` as complex128, of one of the `shapes`.
+pub fn complex<'py, D: Dimension>(
+    name: &str,
+    value: &Bound<'py, PyAny>,
+    shapes: &[Axes],
+) -> PyResult<PyReadonlyArray<'py, Complex64, D>> {
+    numbers(name, value, shapes, "iufc", "complex numbers")
+}
+
+fn numbers<'py, T: Element, D: Dimension>(
+    name: &str,
+    value: &Bound<'py, PyAny>,
+    shapes: &[Axes],
+    kinds: &str,
+    words: &str,
+) -> PyResult<PyReadonlyArray<'py, T, D>> {
+    let numpy = value.py().import("numpy")?;
+    let needed = || {
+        let shapes: Vec<String> = shapes.iter().map(|axes| format!("({})", axes.join(", "))).collect();
+        format!("needed {words} of shape {}", shapes.join(" or "))
+    };
+    let found = numpy
+        .call_method1("asarray", (value,))
+        .map_err(|error| PyValueError::new_err(format!("{name} is no regular array ({error}), {}", needed())))?
+        .cast_into::<PyUntypedArray>()?;
+    let kind = char::from(found.dtype().kind());
+    if !kinds.contains(kind) || shapes.iter().all(|axes| axes.len() != found.ndim()) {
+        let hint = if found.ndim() == 1 && shapes.iter().any(|axes| axes.len() == 2) {
+            format!("; a single channel is {name}[None, :]")
+        } else {
+            String::new()
+        };
+        return Err(PyValueError::new_err(format!(
+            "{name} has dtype {} and shape {}, {}{hint}",
+            found.dtype(),
+            found.getattr("shape")?,
+            needed(),
+        )));
+    }
+    let native = numpy.call_method1("require", (found, numpy::dtype::<T>(value.py()), "A"))?;
+    let native = native.cast_into::<PyArray<T, D>>()?;
+    // rust-numpy divides strides by the item size: a field of a packed structured array would be read from the wrong places
+    if native.strides().iter().all(|stride| stride.unsigned_abs() % size_of::<T>() == 0) {
+        return Ok(native.try_readonly()?);
+    }
+    let packed = numpy.call_method1("ascontiguousarray", (native,))?.cast_into::<PyArray<T, D>>()?;
+    Ok(packed.try_readonly()?)
+}
+
+/// A new C-ordered numpy array; the memory is handed over, not copied, if it is in this order already.
+pub fn c_ordered<T: Element + Clone, D: Dimension>(py: Python<'_>, array: Array<T, D>) -> Bound<'_, PyArray<T, D>> {
+    let ordered = if array.is_standard_layout() { array } else { array.as_standard_layout().into_owned() };
+    ordered.into_pyarray(py)
+}
+
+/// A numpy array made when it is first asked for, read-only and the same object from then on.
+pub struct Shared(PyOnceLock<Py<PyAny>>);
+
+impl Default for Shared {
+    fn default() -> Self {
+        Self(PyOnceLock::new())
+    }
+}
+
+impl Shared {
+    /// The array, from `make` the first time.
+    pub fn get<'py, T: Element + Clone, D: Dimension>(
+        &self,
+        py: Python<'py>,
+        make: impl FnOnce() -> Array<T, D>,
+    ) -> Bound<'py, PyAny> {
+        let made = || c_ordered(py, make()).readwrite().make_nonwriteable().as_any().clone().unbind();
+        self.0.get_or_init(py, made).bind(py).clone()
+    }
+}

@@ -1,0 +1,240 @@
+//! `frfid.Frf`.
+
+use frfid_signals::{Frf as Response, Uncertainty};
+use ndarray::{Array1, Ix1};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+use crate::array::{Axes, Shared, complex, real};
+use crate::error;
+
+const ENTRIES: Axes = &["frequency", "output * input", "output * input"];
+
+/// A frequency response matrix with what is known about its uncertainty.
+///
+/// All arrays are read-only. A variance that was not measured is None. Variances are those of the averaged response,
+/// E|dG|^2, real and imaginary part together.
+///
+/// Parameters
+/// ----------
+/// frequency_hz : array_like, shape (frequency,)
+///     Frequencies in Hz.
+/// response : array_like, shape (frequency, output, input)
+///     Response; rad/s per N m for motor torque to motor velocity.
+/// noise_covariance, total_covariance : array_like, shape (frequency, n_outputs * n_inputs, same), optional
+///     Covariance of vec(G), its columns stacked, from noise alone, and from noise and nonlinear distortion.
+/// noise_degrees_of_freedom, total_degrees_of_freedom : int, optional
+///     Complex degrees of freedom behind them.
+/// condition : array_like, shape (frequency,), optional
+///     Condition number of U.
+///
+/// Raises
+/// ------
+/// ValueError
+///     For shapes that do not fit together, or a covariance without its degrees of freedom.
+#[pyclass(frozen, module = "frfid")]
+pub struct Frf {
+    pub response: Response,
+    arrays: Arrays,
+}
+
+#[derive(Default)]
+struct Arrays {
+    frequency_hz: Shared,
+    response: Shared,
+    noise_variance: Shared,
+    total_variance: Shared,
+    nonlinear_variance: Shared,
+    noise_covariance: Shared,
+    total_covariance: Shared,
+    condition: Shared,
+}
+
+#[pymethods]
+impl Frf {
+    #[new]
+    #[pyo3(signature = (*, frequency_hz, response, noise_covariance = None, noise_degrees_of_freedom = None,
+                        total_covariance = None, total_degrees_of_freedom = None, condition = None))]
+    fn new(
+        frequency_hz: &Bound<'_, PyAny>,
+        response: &Bound<'_, PyAny>,
+        noise_covariance: Option<&Bound<'_, PyAny>>,
+        noise_degrees_of_freedom: Option<usize>,
+        total_covariance: Option<&Bound<'_, PyAny>>,
+        total_degrees_of_freedom: Option<usize>,
+        condition: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let response = Response {
+            frequency_hz: per_frequency("frequency_hz", frequency_hz)?,
+            response: complex("response", response, &[&["frequency", "output", "input"]])?.as_array().to_owned(),
+            noise: uncertainty("noise", noise_covariance, noise_degrees_of_freedom)?,
+            total: uncertainty("total", total_covariance, total_degrees_of_freedom)?,
+            condition: condition.map(|condition| per_frequency("condition", condition)).transpose()?,
+        };
+        response.check().map_err(error::signal)?;
+        Ok(response.into())
+    }
+
+    /// Frequencies in Hz, shape (frequency,).
+    #[getter]
+    fn frequency_hz<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        self.arrays.frequency_hz.get(py, || Array1::from(self.response.frequency_hz.clone()))
+    }
+
+    /// Response, complex128, shape (frequency, output, input).
+    #[getter]
+    fn response<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
+        self.arrays.response.get(py, || self.response.response.clone())
+    }
+
+    /// Noise variance of each entry of the averaged response, shape (frequency, output, input); None if not measured.
+    #[getter]
+    fn noise_variance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.response.noise_variance().map(|variance| self.arrays.noise_variance.get(py, || variance))
+    }
+
+    /// Variance of each entry from noise and nonlinear distortion, shape (frequency, output, input); None if not measured.
+    #[getter]
+    fn total_variance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.response.total_variance().map(|variance| self.arrays.total_variance.get(py, || variance))
+    }
+
+    /// Level of the stochastic nonlinear distortion of one realization, shape (frequency, output, input); None unless both
+    /// variances were measured.
+    #[getter]
+    fn nonlinear_variance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.response.nonlinear_variance().map(|variance| self.arrays.nonlinear_variance.get(py, || variance))
+    }
+
+    /// Covariance of vec(G), its columns stacked (index ``input * n_outputs + output``): the total one if it was measured,
+    /// else that of the noise, else None. Shape (frequency, n_outputs * n_inputs, n_outputs * n_inputs).
+    #[getter]
+    fn covariance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.total_covariance(py).or_else(|| self.noise_covariance(py))
+    }
+
+    /// Covariance of vec(G) from noise alone; None if not measured.
+    #[getter]
+    fn noise_covariance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        let known = self.response.noise.as_ref()?;
+        Some(self.arrays.noise_covariance.get(py, || known.covariance.clone()))
+    }
+
+    /// Covariance of vec(G) from noise and nonlinear distortion; None if not measured.
+    #[getter]
+    fn total_covariance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        let known = self.response.total.as_ref()?;
+        Some(self.arrays.total_covariance.get(py, || known.covariance.clone()))
+    }
+
+    /// Complex degrees of freedom of the noise variance; None if not measured.
+    #[getter]
+    fn noise_degrees_of_freedom(&self) -> Option<usize> {
+        self.response.noise.as_ref().map(|known| known.degrees_of_freedom)
+    }
+
+    /// Complex degrees of freedom of the total variance; None if not measured.
+    #[getter]
+    fn total_degrees_of_freedom(&self) -> Option<usize> {
+        self.response.total.as_ref().map(|known| known.degrees_of_freedom)
+    }
+
+    /// Condition number of U at each frequency, shape (frequency,); None where no U was inverted.
+    #[getter]
+    fn condition<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        let condition = self.response.condition.as_ref()?;
+        Some(self.arrays.condition.get(py, || Array1::from(condition.clone())))
+    }
+
+    /// Number of outputs.
+    #[getter]
+    fn n_outputs(&self) -> usize {
+        self.response.n_outputs()
+    }
+
+    /// Number of inputs.
+    #[getter]
+    fn n_inputs(&self) -> usize {
+        self.response.n_inputs()
+    }
+
+    /// The FRF as ``control.FRD``: rad/s, response (output, input, frequency). It has no room for the uncertainty.
+    fn to_control<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        in_python(slf, "to_control")
+    }
+
+    /// The FRF as ``xarray.Dataset`` with dimensions frequency, output and input; variances only where measured.
+    fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        in_python(slf, "to_xarray")
+    }
+
+    /// Plots: ``frf.plot.bode()``, with matplotlib.
+    #[getter]
+    fn plot<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        in_python(slf, "Plot")
+    }
+
+    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
+        in_python(slf, "repr_html")
+    }
+
+    fn __repr__(&self) -> String {
+        let hz = &self.response.frequency_hz;
+        let (low, high) = (hz.first().copied().unwrap_or(f64::NAN), hz.last().copied().unwrap_or(f64::NAN));
+        let measured = |known: &Option<Uncertainty>| if known.is_some() { "measured" } else { "None" };
+        format!(
+            "<frfid.Frf: {} outputs x {} inputs at {} frequencies from {low:.4} Hz to {high:.4} Hz, noise variance {}, \
+             total variance {}>",
+            self.n_outputs(),
+            self.n_inputs(),
+            hz.len(),
+            measured(&self.response.noise),
+            measured(&self.response.total)
+        )
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
+        let keywords = PyDict::new(py);
+        keywords.set_item("frequency_hz", self.frequency_hz(py))?;
+        keywords.set_item("response", self.response(py))?;
+        keywords.set_item("noise_covariance", self.noise_covariance(py))?;
+        keywords.set_item("noise_degrees_of_freedom", self.noise_degrees_of_freedom())?;
+        keywords.set_item("total_covariance", self.total_covariance(py))?;
+        keywords.set_item("total_degrees_of_freedom", self.total_degrees_of_freedom())?;
+        keywords.set_item("condition", self.condition(py))?;
+        Ok((PyTuple::empty(py), keywords))
+    }
+}
+
+impl From<Response> for Frf {
+    fn from(response: Response) -> Self {
+        Self { response, arrays: Arrays::default() }
+    }
+}
+
+/// What needs another Python package is written in Python.
+fn in_python<'py>(frf: &Bound<'py, Frf>, function: &str) -> PyResult<Bound<'py, PyAny>> {
+    frf.py().import("frfid._frf")?.call_method1(function, (frf,))
+}
+
+fn uncertainty(
+    name: &str,
+    covariance: Option<&Bound<'_, PyAny>>,
+    degrees: Option<usize>,
+) -> PyResult<Option<Uncertainty>> {
+    match (covariance, degrees) {
+        (None, None) => Ok(None),
+        (Some(covariance), Some(degrees_of_freedom)) => {
+            let covariance = complex(&format!("{name}_covariance"), covariance, &[ENTRIES])?.as_array().to_owned();
+            Ok(Some(Uncertainty { covariance, degrees_of_freedom }))
+        }
+        _ => Err(PyValueError::new_err(format!(
+            "{name}_covariance and {name}_degrees_of_freedom belong together: only one of them was given"
+        ))),
+    }
+}
+
+fn per_frequency(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+    Ok(real::<Ix1>(name, value, &[&["frequency"]])?.as_array().to_vec())
+}

@@ -1,0 +1,181 @@
+//! `frfid.Record`: one run or a batch of runs.
+
+use frfid_signals::{Event, InputKind, Record as Run};
+use ndarray::{Array2, Axis, Ix2, IxDyn};
+use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyTuple};
+
+use crate::array::{Axes, c_ordered, real};
+use crate::choice::{choice, from_python, to_python};
+use crate::error;
+
+const SHAPES: [Axes; 2] = [&["channel", "sample"], &["batch", "channel", "sample"]];
+
+/// What one run measured, or a batch of runs.
+///
+/// ``y[..., k]`` is what the sensor says at ``k * sample_time_s``, just before ``u[..., k]`` acts.
+///
+/// Parameters
+/// ----------
+/// sample_time_s : float
+///     Sample time in s.
+/// u, y : array_like, shape (channel, sample) or (batch, channel, sample)
+///     Plant input (motor torque in N m) and output (motor velocity in rad/s).
+/// r, position_rad : array_like, same number of samples, optional
+///     Reference that was injected, and motor position in rad.
+/// input_kind : {"commanded", "measured"}, optional
+///     Whether ``u`` is the command or a measurement.
+/// events : list of dict, optional
+///     What happened, in order of time: ``{"time_s": 0.5, "event": "stopped", "reason": "..."}``; a list of these per run
+///     for a batch.
+///
+/// Raises
+/// ------
+/// ValueError
+///     For shapes that do not fit together and samples that are not finite.
+#[pyclass(frozen, module = "frfid")]
+pub struct Record {
+    /// Sample time in s.
+    #[pyo3(get)]
+    sample_time_s: f64,
+    /// Plant input, shape (channel, sample) or (batch, channel, sample).
+    #[pyo3(get)]
+    u: Py<PyArrayDyn<f64>>,
+    /// Plant output, shape (channel, sample) or (batch, channel, sample).
+    #[pyo3(get)]
+    y: Py<PyArrayDyn<f64>>,
+    /// Reference, shape (channel, sample) or (batch, channel, sample), or None.
+    #[pyo3(get)]
+    r: Option<Py<PyArrayDyn<f64>>>,
+    /// Motor position in rad, shape (channel, sample) or (batch, channel, sample), or None.
+    #[pyo3(get)]
+    position_rad: Option<Py<PyArrayDyn<f64>>>,
+    input_kind: InputKind,
+    events: Vec<Vec<Event>>,
+}
+
+#[pymethods]
+impl Record {
+    #[new]
+    #[pyo3(signature = (*, sample_time_s, u, y, r = None, position_rad = None, input_kind = "commanded", events = None))]
+    #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
+    fn new(
+        py: Python<'_>,
+        sample_time_s: f64,
+        u: &Bound<'_, PyAny>,
+        y: &Bound<'_, PyAny>,
+        r: Option<&Bound<'_, PyAny>>,
+        position_rad: Option<&Bound<'_, PyAny>>,
+        input_kind: &str,
+        events: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let u = signal("u", u)?;
+        let shape = u.bind(py).shape();
+        let batch = shape.len() == 3;
+        let n_runs = if batch { shape[0] } else { 1 };
+        let like_u = |name: &str, value| {
+            let other = signal(name, value)?;
+            let found = other.bind(py).shape();
+            if found.len() != shape.len() || (batch && found[0] != n_runs) {
+                return Err(PyValueError::new_err(format!(
+                    "{name} has shape {found:?}, needed as many runs as u {shape:?}"
+                )));
+            }
+            Ok(other)
+        };
+        let events = match events {
+            None => vec![Vec::new(); n_runs],
+            Some(events) if batch => from_python("events", events)?,
+            Some(events) => vec![from_python("events", events)?],
+        };
+        if events.len() != n_runs {
+            return Err(PyValueError::new_err(format!("events of {} runs, needed {n_runs}", events.len())));
+        }
+        let record = Self {
+            sample_time_s,
+            y: like_u("y", y)?,
+            r: r.map(|r| like_u("r", r)).transpose()?,
+            position_rad: position_rad.map(|position| like_u("position_rad", position)).transpose()?,
+            input_kind: choice("input_kind", input_kind)?,
+            events,
+            u,
+        };
+        record.runs(py).iter().try_for_each(Run::check).map_err(error::signal)?;
+        Ok(record)
+    }
+
+    /// Whether ``u`` is the command ("commanded") or a measurement ("measured").
+    #[getter]
+    fn input_kind<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.input_kind)
+    }
+
+    /// What happened, in order of time: a list of dicts, or a list of such lists for a batch.
+    #[getter]
+    fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        if self.is_batch(py) { to_python(py, &self.events) } else { to_python(py, &self.events[0]) }
+    }
+
+    /// Number of samples of one run.
+    #[getter]
+    fn n_samples(&self, py: Python<'_>) -> usize {
+        self.u.bind(py).shape().last().copied().unwrap_or_default()
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> String {
+        let (u, y) = (self.u.bind(py).shape(), self.y.bind(py).shape());
+        format!("<frfid.Record: u {u:?}, y {y:?}, {} s per sample>", self.sample_time_s)
+    }
+
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
+        let keywords = PyDict::new(py);
+        keywords.set_item("sample_time_s", self.sample_time_s)?;
+        keywords.set_item("u", &self.u)?;
+        keywords.set_item("y", &self.y)?;
+        keywords.set_item("r", &self.r)?;
+        keywords.set_item("position_rad", &self.position_rad)?;
+        keywords.set_item("input_kind", self.input_kind(py)?)?;
+        keywords.set_item("events", self.events(py)?)?;
+        Ok((PyTuple::empty(py), keywords))
+    }
+}
+
+impl Record {
+    /// Every run as the crates know it.
+    pub fn runs(&self, py: Python<'_>) -> Vec<Run> {
+        let of = |signal: &Py<PyArrayDyn<f64>>| -> Vec<Array2<f64>> {
+            let array = signal.bind(py).to_owned_array();
+            let stacked = if array.ndim() == 2 { array.insert_axis(Axis(0)) } else { array };
+            let two_axes =
+                |run: ndarray::ArrayViewD<'_, f64>| run.into_dimensionality::<Ix2>().map(|run| run.to_owned());
+            stacked.axis_iter(Axis(0)).map(two_axes).collect::<Result<_, _>>().expect("`signal` let 2 or 3 axes pass")
+        };
+        let (u, y, r, position) =
+            (of(&self.u), of(&self.y), self.r.as_ref().map(of), self.position_rad.as_ref().map(of));
+        let run = |k: usize| Run {
+            sample_time_s: self.sample_time_s,
+            u: u[k].clone(),
+            y: y[k].clone(),
+            r: r.as_ref().map(|r| r[k].clone()),
+            position_rad: position.as_ref().map(|position| position[k].clone()),
+            input_kind: self.input_kind,
+            events: self.events[k].clone(),
+        };
+        (0..u.len()).map(run).collect()
+    }
+
+    fn is_batch(&self, py: Python<'_>) -> bool {
+        self.u.bind(py).ndim() == 3
+    }
+}
+
+fn signal(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Py<PyArrayDyn<f64>>> {
+    let array = real::<IxDyn>(name, value, &SHAPES)?;
+    if array.is_c_contiguous() {
+        Ok((*array).clone().unbind())
+    } else {
+        Ok(c_ordered(value.py(), array.to_owned_array()).unbind())
+    }
+}
