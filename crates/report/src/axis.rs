@@ -44,7 +44,7 @@ impl Axis {
                 .collect()
         };
         if labelled.len() < 3 && (high / low) < 10.0 {
-            return Self { log: true, ..Self::linear_within(low, high, length) };
+            return Self { log: true, ..Self::linear_within(low, high, length, ROOM_X) };
         }
         let room = |end: f64| labelled.iter().all(|hz| (hz / end).log10().abs() * per_decade > ROOM_END);
         let ends: Vec<f64> = [low, high].into_iter().filter(|&end| room(end)).collect();
@@ -66,10 +66,17 @@ impl Axis {
         Self::ending_on((low / step).floor() * step, (high / step).ceil() * step, step, step / 2.0)
     }
 
+    /// A linear axis with a little room above and below the values, `length` pixels high.
+    pub fn padded(values: impl Iterator<Item = f64>, length: f64) -> Self {
+        let (low, high) = widened(extent(values).unwrap_or((0.0, 1.0)));
+        let room = 0.05 * (high - low);
+        Self::linear_within(low - room, high + room, length, 1.25 * ROOM_Y)
+    }
+
     /// A linear axis that ends exactly where the values do, as time does, `length` pixels long.
     pub fn exact(values: impl Iterator<Item = f64>, length: f64) -> Self {
         let (low, high) = widened(extent(values).unwrap_or((0.0, 1.0)));
-        Self::linear_within(low, high, length)
+        Self::linear_within(low, high, length, ROOM_X)
     }
 
     /// A phase axis in degrees, `length` pixels high: labelled at multiples of 45 or 90, at most from -180 to 180.
@@ -88,10 +95,11 @@ impl Axis {
         Self::ending_on(low, high, step, step / 2.0)
     }
 
-    fn linear_within(low: f64, high: f64, length: f64) -> Self {
-        let step = round_step((high - low) * ROOM_X / length);
-        let axis = Self::ending_on((low / step).ceil() * step, (high / step).floor() * step, step, step / 5.0);
-        Self { low, high, ..axis }
+    fn linear_within(low: f64, high: f64, length: f64, room: f64) -> Self {
+        let step = round_step((high - low) * room / length);
+        let mut axis = Self::ending_on((low / step).ceil() * step, (high / step).floor() * step, step, step / 2.0);
+        (axis.low, axis.high) = (low, high);
+        axis
     }
 
     fn ending_on(low: f64, high: f64, step: f64, fine: f64) -> Self {

@@ -44,7 +44,7 @@ pub fn bode(curves: &[Curve], output: usize, input: usize, labels: &Labels) -> R
 pub fn bode_matrix(curves: &[Curve], labels: &Labels, with_phase: bool) -> Result<Figure, ReportError> {
     let (outputs, inputs) = curve::check("a matrix of Bode diagrams", curves, labels)?;
     let (rows, columns) = ((0..outputs).collect(), (0..inputs).collect());
-    Ok(Sheet { curves, labels, rows, columns, width: 260.0, magnitude: 150.0, phase: with_phase.then_some(90.0) }
+    Ok(Sheet { curves, labels, rows, columns, width: 260.0, magnitude: 150.0, phase: with_phase.then_some(100.0) }
         .draw())
 }
 
@@ -66,10 +66,10 @@ impl Sheet<'_> {
         let across = self.columns.len() as f64 * (self.width + GAP) - GAP;
         let legend = Legend::new(self.curves.iter().map(|curve| curve.label.as_str()).zip(&inks), across);
         let top = 8.0 + legend.height();
-        let mut figure = Figure::new(LEFT + across + RIGHT, top + self.rows.len() as f64 * cell + BELOW);
+        let mut figure = Figure::new(LEFT + across + RIGHT, top + self.rows.len() as f64 * cell + BELOW + 10.0);
         legend.draw(&mut figure, LEFT, 8.0);
         let reference = format!("0 dB = 1 {}", self.labels.gain_unit);
-        figure.text((LEFT + across, figure.height() - BELOW - 6.0 + 36.0), &reference, TICK_SIZE, Align::Right);
+        figure.text((LEFT + across, figure.height() - 8.0), &reference, TICK_SIZE, Align::Right);
         let axes = self.axes();
         for (row, &output) in self.rows.iter().enumerate() {
             for (column, &input) in self.columns.iter().enumerate() {

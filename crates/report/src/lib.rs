@@ -11,11 +11,14 @@ mod error;
 mod figure;
 mod legend;
 mod panel;
+mod payload;
 mod phase;
+mod report;
 mod signals;
 
 pub use bode::{bode, bode_matrix};
 pub use curve::{Band, Curve, Labels, Style};
 pub use error::ReportError;
 pub use figure::Figure;
+pub use report::{CheckRow, ClaimRow, Report};
 pub use signals::{LineRole, SpectralLine, TimePanel, Trace, spectrum, time_series};

@@ -31,7 +31,7 @@ impl Panel {
         self.grid(figure, self.x.ticks.iter().map(|(x, _)| x), self.y.ticks.iter().map(|(y, _)| y), GRID);
         curves(figure);
         let Rect { x, y, width, height } = self.rect;
-        let corners = vec![(x, y), (x + width, y), (x + width, y + height), (x, y + height), (x, y), (x + width, y)];
+        let corners = vec![(x, y), (x + width, y), (x + width, y + height), (x, y + height), (x, y)];
         figure.line(corners, FRAME);
     }
 
@@ -63,7 +63,7 @@ impl Panel {
             });
         }
         if let Some(marker) = ink.marker {
-            let radius = if values.len() > 200 { 1.6 } else { 2.6 };
+            let radius = (0.5 * self.rect.width / values.len() as f64).clamp(1.3, 2.6);
             for &(x, y) in values.iter().filter(|(x, y)| self.x.holds(*x) && self.y.holds(*y)) {
                 figure.marker(self.at(x, y), marker, radius, ink.color);
             }
@@ -103,7 +103,8 @@ impl Panel {
     }
 }
 
-/// A polyline without the points nobody sees: of all points within half a pixel, the first, lowest, highest and last.
+/// A polyline that runs to the right, without the points nobody sees: of all points within half a pixel the first, lowest,
+/// highest and last are kept, and of these the ones more than a tenth of a pixel off the line between their neighbours.
 fn thinned(points: impl Iterator<Item = Point>) -> Vec<Point> {
     let mut kept: Vec<Point> = Vec::new();
     let mut column: Vec<Point> = Vec::new();
@@ -115,7 +116,24 @@ fn thinned(points: impl Iterator<Item = Point>) -> Vec<Point> {
         column.push(point);
     }
     kept.append(&mut outline(&column));
-    kept
+    straightened(&kept)
+}
+
+/// Drops points while one straight line passes within a tenth of a pixel, measured vertically, of all that were dropped.
+fn straightened(points: &[Point]) -> Vec<Point> {
+    let Some((&first, rest)) = points.split_first() else { return Vec::new() };
+    let (mut kept, mut anchor, mut last) = (vec![first], first, first);
+    let (mut least, mut most) = (f64::NEG_INFINITY, f64::INFINITY);
+    for &point in rest {
+        let slope = |from: Point, by: f64| (point.1 + by - from.1) / (point.0 - from.0).max(1e-9);
+        if !(least..=most).contains(&slope(anchor, 0.0)) {
+            kept.push(last);
+            (anchor, least, most) = (last, f64::NEG_INFINITY, f64::INFINITY);
+        }
+        (least, most) = (least.max(slope(anchor, -0.1)), most.min(slope(anchor, 0.1)));
+        last = point;
+    }
+    if rest.is_empty() { kept } else { [kept, vec![last]].concat() }
 }
 
 /// First, lowest, highest and last of the points of a column, in their order.
@@ -142,5 +160,17 @@ mod tests {
         let kept = thinned(dense);
         assert!(kept.len() <= 4 * 210, "{}", kept.len());
         assert!(kept.iter().any(|p| p.1 == 0.0) && kept.iter().any(|p| p.1 == 999.0));
+    }
+
+    #[test]
+    fn what_is_dropped_lies_within_a_tenth_of_a_pixel() {
+        let curve: Vec<Point> = (0..500).map(|k| f64::from(k)).map(|x| (x, 100.0 * (x / 40.0).sin())).collect();
+        let kept = thinned(curve.iter().copied());
+        assert!(kept.len() < 250, "{}", kept.len());
+        for &(x, y) in &curve {
+            let right = kept.partition_point(|p| p.0 < x).max(1);
+            let (a, b) = (kept[right - 1], kept[right]);
+            assert!((a.1 + (x - a.0) / (b.0 - a.0) * (b.1 - a.1) - y).abs() <= 0.1 + 1e-9);
+        }
     }
 }

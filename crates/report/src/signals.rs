@@ -4,7 +4,7 @@ use ndarray::ArrayView1;
 
 use crate::ReportError;
 use crate::axis::Axis;
-use crate::curve::{COLORS, Ink, Style, inks};
+use crate::curve::{COLORS, Ink};
 use crate::figure::{Figure, Marker, Pen, Rect};
 use crate::legend::Legend;
 use crate::panel::{BELOW, GAP, LEFT, Panel, RIGHT};
@@ -46,7 +46,7 @@ pub fn time_series(sample_time_s: f64, panels: &[TimePanel]) -> Result<Figure, R
         return Err(ReportError::Value { what: "sample_time_s".to_owned(), found: sample_time_s, needed });
     }
     let names = legend_names(panels);
-    let inks = inks(names.iter().map(|_| Style::Line));
+    let inks: Vec<Ink> = (0..names.len()).map(trace_ink).collect();
     let limited = panels.iter().any(|panel| panel.limit.is_some());
     let entries = names.iter().copied().zip(&inks).chain(limited.then_some(("limit", &LIMIT)));
     let legend = Legend::new(entries, WIDTH);
@@ -59,7 +59,7 @@ pub fn time_series(sample_time_s: f64, panels: &[TimePanel]) -> Result<Figure, R
         let rect = Rect { x: LEFT, y: top + row as f64 * (HEIGHT + GAP), width: WIDTH, height: HEIGHT };
         let limits = content.limit.into_iter().flat_map(|limit| [-limit, limit]);
         let values = content.traces.iter().flat_map(|trace| trace.samples.iter().copied()).chain(limits);
-        let panel = Panel { rect, x: time.clone(), y: Axis::linear(values, HEIGHT) };
+        let panel = Panel { rect, x: time.clone(), y: Axis::padded(values, HEIGHT) };
         panel.draw(&mut figure, |figure| draw_traces(figure, &panel, content, sample_time_s, &names, &inks));
         panel.label_y(&mut figure, &content.label);
         if row + 1 == panels.len() {
@@ -67,6 +67,12 @@ pub fn time_series(sample_time_s: f64, panels: &[TimePanel]) -> Result<Figure, R
         }
     }
     Ok(figure)
+}
+
+/// Solid lines only: dashes of a noisy signal cannot be told from its zigzag.
+fn trace_ink(k: usize) -> Ink {
+    let color = COLORS[k % COLORS.len()];
+    Ink { pen: Some(Pen { color, width: 1.2, dash: "" }), marker: None, color }
 }
 
 /// Every label once, in order.
@@ -85,8 +91,7 @@ fn draw_traces(figure: &mut Figure, panel: &Panel, content: &TimePanel, step: f6
         let points: Vec<(f64, f64)> = trace.samples.iter().enumerate().map(|(k, &y)| (k as f64 * step, y)).collect();
         let ink = names.iter().zip(inks).find(|(name, _)| **name == trace.label);
         if let Some((_, ink)) = ink {
-            let pen = ink.pen.map(|pen| Pen { width: 1.2, ..pen });
-            panel.curve(figure, &points, &Ink { pen, ..*ink });
+            panel.curve(figure, &points, ink);
         }
     }
     let end = content.traces.iter().map(|trace| trace.samples.len()).max().unwrap_or(0) as f64 * step;

@@ -1,0 +1,143 @@
+// Cursor, zoom, check boxes and the table of values under the cursor.
+
+/** One row per visible curve: what it says at its line nearest to the cursor, in the entry under the cursor. */
+function writeReadout() {
+  const rows = visible().map((curve) => {
+    const row = document.createElement("tr");
+    [curve.label, ...values(curve)].forEach((text, n) => {
+      const cell = document.createElement(n ? "td" : "th");
+      cell.textContent = text;
+      row.append(cell);
+    });
+    return row;
+  });
+  document.getElementById("readout-body").replaceChildren(...rows);
+  document.getElementById("readout-entry").textContent = view.entry ? name(view.entry) : "Curve";
+}
+
+/** Frequency, magnitude, phase and 95 % region of a curve at the cursor, as text. */
+function values(curve) {
+  const none = "\u2013";
+  if (view.cursor === null || !view.entry) return [none, none, none, none];
+  const k = nearest(curve, view.cursor), i = place(k, view.entry), known = radius(curve, i), size = curve.magnitude[i];
+  const region = ({ rho, kind }) =>
+    db(1 + rho / size).toPrecision(2) + " dB, " + halfWidth(rho, size).toPrecision(2) + " deg (" + kind + ")";
+  return [number(curve.hz[k]), number(curve.db[i], 2), number(curve.phase[i], 1), known ? region(known) : none];
+}
+
+function panelAt([x, y]) {
+  return panels.find((p) => x >= p.x && x <= p.x + p.width && y >= p.y && y <= p.y + p.height);
+}
+
+function hzAt(panel, x) {
+  return view.low * (view.high / view.low) ** Math.min(Math.max((x - panel.x) / panel.width, 0), 1);
+}
+
+function zoomTo(low, high) {
+  if (high / low > 1.0005) { view.low = low; view.high = high; }
+  draw();
+}
+
+/** Turns a dragged rectangle into a zoom: of the frequency in all panels, of the magnitude too if it is high enough. */
+function endDrag() {
+  const { panel, from, to } = view.drag, order = (a, b) => [Math.min(a, b), Math.max(a, b)];
+  const [left, right] = order(from[0], to[0]), [top, bottom] = order(from[1], to[1]);
+  const valueAt = (y) => panel.high - ((y - panel.y) / panel.height) * (panel.high - panel.low);
+  view.drag = null;
+  if (!panel.phase && bottom - top > 30) view.db = [valueAt(bottom), valueAt(top)];
+  if (right - left > 8) zoomTo(hzAt(panel, left), hzAt(panel, right));
+  else draw();
+}
+
+function listenToPointer() {
+  const at = (event) => [event.offsetX, event.offsetY];
+  canvas.addEventListener("pointerdown", (event) => {
+    const panel = panelAt(at(event));
+    if (!panel || event.button !== 0) return;
+    view.drag = { panel, from: at(event), to: at(event) };
+    canvas.setPointerCapture(event.pointerId);
+  });
+  canvas.addEventListener("pointermove", (event) => {
+    const panel = panelAt(at(event)), curve = visible()[0];
+    if (view.drag) view.drag.to = at(event);
+    if (panel && curve) {
+      view.entry = panel.entry;
+      view.cursor = curve.hz[nearest(curve, hzAt(panel, event.offsetX))];
+    }
+    requestAnimationFrame(() => show());
+  });
+  canvas.addEventListener("pointerup", () => { if (view.drag) endDrag(); });
+  canvas.addEventListener("pointercancel", () => { view.drag = null; show(); });
+  canvas.addEventListener("dblclick", () => { showAll(); draw(); });
+}
+
+function listenToKeys() {
+  canvas.addEventListener("keydown", (event) => {
+    const curve = visible()[0], middle = view.cursor || Math.sqrt(view.low * view.high);
+    const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key], power = { "+": 0.5, "-": 2 }[event.key];
+    if (step && curve) {
+      const k = nearest(curve, middle) + (view.cursor === null ? 0 : step);
+      view.cursor = curve.hz[Math.min(Math.max(k, 0), curve.hz.length - 1)];
+      view.entry = view.entry || entries[0];
+      show();
+    } else if (power) zoomTo(middle * (view.low / middle) ** power, middle * (view.high / middle) ** power);
+    else if (event.key === "0" || event.key === "Escape") { showAll(); draw(); }
+    else return;
+    event.preventDefault();
+  });
+}
+
+/** A check box that draws anew when it is used. */
+function addToggle(text, checked, use, ...sample) {
+  const label = document.createElement("label"), box = document.createElement("input");
+  box.type = "checkbox";
+  box.checked = checked;
+  box.addEventListener("change", () => { use(box.checked); draw(); });
+  label.append(box, ...sample, text);
+  document.getElementById("controls").append(label);
+}
+
+/** The ink of a curve as it stands in a legend. */
+function swatch(curve) {
+  const make = (kind, attributes) => {
+    const element = document.createElementNS("http://www.w3.org/2000/svg", kind);
+    Object.entries(attributes).forEach(([key, value]) => element.setAttribute(key, value));
+    return element;
+  };
+  const svg = make("svg", { viewBox: "0 0 30 12" }), color = "var(" + curve.color + ")";
+  const line = { d: "M0 6H30", stroke: color, "stroke-width": curve.width, "stroke-dasharray": curve.dash.join(" ") };
+  if (curve.width) svg.append(make("path", line));
+  const round = "M12 6a3 3 0 1 0 6 0a3 3 0 1 0 -6 0z";
+  const outline = { dot: round, ring: round, square: "M12.5 3.5h5v5h-5z", diamond: "M11 6l4-4 4 4-4 4z" }[curve.marker];
+  if (outline) svg.append(make("path", { d: outline, fill: isOpen(curve.marker) ? "none" : color, stroke: color }));
+  return svg;
+}
+
+function addControls() {
+  for (const curve of curves) addToggle(curve.label, true, (on) => { curve.visible = on; }, swatch(curve));
+  addToggle("phase", shown.phase, (on) => { shown.phase = on; });
+  if (curves.some((curve) => curve.noise || curve.total)) {
+    addToggle("95 % region", shown.region, (on) => { shown.region = on; });
+  }
+  for (const [kind, text] of LEVELS) {
+    if (curves.some((curve) => curve[kind])) addToggle(text, shown[kind], (on) => { shown[kind] = on; });
+  }
+  const button = document.createElement("button");
+  button.type = "button";
+  button.textContent = "Whole band";
+  button.addEventListener("click", () => { showAll(); draw(); });
+  document.getElementById("controls").append(button);
+}
+
+if (canvas) {
+  addControls();
+  showAll();
+  draw();
+  listenToPointer();
+  listenToKeys();
+  new ResizeObserver(() => draw()).observe(canvas.parentElement);
+  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => draw());
+  const print = (on) => { document.documentElement.classList.toggle("print", on); draw(); };
+  window.addEventListener("beforeprint", () => print(true));
+  window.addEventListener("afterprint", () => print(false));
+}

@@ -1,0 +1,143 @@
+//! The report in a real browser: its script runs under its content security policy, and injected strings stay text.
+#![allow(missing_docs)]
+
+use std::path::Path;
+use std::process::Command;
+
+use frfid_report::{Band, CheckRow, ClaimRow, Curve, Figure, Labels, Report, ReportError, Style, bode};
+use frfid_signals::{Frf, Uncertainty};
+use ndarray::Array3;
+use num_complex::Complex64;
+
+const HOSTILE: [&str; 5] = [
+    "<img src=x onerror=\"document.title='broken in'\">",
+    "</script><script>document.title='broken in'</script>",
+    "<!--<script>",
+    "'\"&lt; {{data}} $x^2$ \u{0} \u{202e}",
+    "</title><svg onload=document.title='broken in'>",
+];
+
+/// A 2 x 2 FRF of a first-order plant with both variances.
+fn frf() -> Frf {
+    let hz: Vec<f64> = (1..=40).map(f64::from).collect();
+    let response = Array3::from_shape_fn((40, 2, 2), |(k, o, i)| Complex64::new(1.0 + o as f64, (k + i) as f64).inv());
+    let covariance = Array3::from_shape_fn((40, 4, 4), |(_, a, b)| Complex64::from(if a == b { 1e-6 } else { 0.0 }));
+    let known = |degrees_of_freedom| Some(Uncertainty { covariance: covariance.clone(), degrees_of_freedom });
+    Frf { noise: known(40), total: known(9), ..Frf::new(hz, response).expect("shapes agree") }
+}
+
+fn hostile_page() -> String {
+    let frf = frf();
+    let curve = |text: &str, style| Curve { label: text.to_owned(), frf: &frf, style, band: Band::Total };
+    let curves =
+        vec![curve(HOSTILE[0], Style::Reference), curve(HOSTILE[1], Style::Line), curve(HOSTILE[3], Style::Markers)];
+    let labels = Labels {
+        inputs: vec![HOSTILE[0].to_owned(), HOSTILE[1].to_owned()],
+        outputs: vec![HOSTILE[2].to_owned(), HOSTILE[3].to_owned()],
+        gain_unit: HOSTILE[0].to_owned(),
+    };
+    let figure: Figure = bode(&curves, 1, 1, &labels).expect("the curves are sound");
+    let text = |k: usize| HOSTILE[k].to_owned();
+    let check = CheckRow { check: text(0), passed: false, found: text(1), needed: text(2), advice: text(3) };
+    let claim = ClaimRow { claim: text(4), paper: text(0), ours: text(1), holds: true };
+    Report {
+        title: text(4),
+        curves,
+        labels,
+        checks: vec![check],
+        provenance: vec![(text(0), text(1))],
+        claims: vec![claim],
+        figures: vec![(text(0), figure)],
+        notes: HOSTILE.map(str::to_owned).to_vec(),
+    }
+    .html()
+    .expect("the report is sound")
+}
+
+/// The page after its script ran, and what the browser logged; `None` without Chromium.
+fn in_chromium(html: &str) -> Option<(String, String)> {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let page = folder.path().join("report.html");
+    std::fs::write(&page, html).expect("the page is written");
+    let switches = [
+        "--headless",
+        "--no-sandbox",
+        "--disable-gpu",
+        "--disable-quic",
+        "--no-first-run",
+        "--disable-background-networking",
+        "--disable-component-update",
+        "--disable-sync",
+        "--timeout=30000",
+        "--enable-logging=stderr",
+        "--dump-dom",
+    ];
+    let output = Command::new("chromium").args(switches).arg(profile(folder.path())).arg(&page).output();
+    match output {
+        Ok(output) => {
+            Some((String::from_utf8_lossy(&output.stdout).into(), String::from_utf8_lossy(&output.stderr).into()))
+        }
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+            println!("SKIPPED: chromium is not installed");
+            None
+        }
+        Err(error) => panic!("chromium did not start: {error}"),
+    }
+}
+
+fn profile(folder: &Path) -> String {
+    format!("--user-data-dir={}", folder.join("profile").display())
+}
+
+#[test]
+fn the_page_runs_and_hostile_strings_stay_text() {
+    let Some((dom, log)) = in_chromium(&hostile_page()) else { return };
+    assert!(dom.contains("data-drawn=\"8\""), "4 entries give 8 panels; the browser said:\n{log}");
+    assert!(!log.contains("CONSOLE"), "the console must stay empty:\n{log}");
+    // The head comes first: the title element holds the hostile title as text, unchanged by any script.
+    assert!(dom.contains("<title>&lt;/title&gt;&lt;svg onload=document.title='broken in'&gt;</title>"));
+    // What a browser writes back is escaped exactly when it was text.
+    let (body, data) = dom.split_once("<script type=\"application/json\"").expect("the data block is there");
+    assert!(!body.contains("<img src=\"x\"") && !body.contains("<svg onload"));
+    assert!(body.matches("&lt;img src=x onerror=").count() >= 6);
+    let data = data.split("</script>").next().unwrap_or_default();
+    assert!(data.contains("\\u003c/script>\\u003cscript>") && !data.contains('<'));
+}
+
+#[test]
+fn a_script_that_was_tampered_with_does_not_run() {
+    let tampered = hostile_page().replace("\"use strict\";", "\"use strict\"; document.title = 'broken in';");
+    let Some((dom, log)) = in_chromium(&tampered) else { return };
+    assert!(!dom.contains("data-drawn") && !dom.contains("<title>broken in"));
+    assert!(log.contains("Content Security Policy"), "{log}");
+}
+
+#[test]
+fn the_page_is_deterministic_and_loads_nothing() {
+    let page = hostile_page();
+    assert_eq!(page, hostile_page());
+    for hostile in ["<img src=x", "</script><script>", "<svg onload", "<!--<script>", "src=\"http", "href=", "@import"]
+    {
+        assert!(!page.contains(hostile), "{hostile}");
+    }
+}
+
+#[test]
+fn an_empty_report_is_a_page_and_unfit_labels_are_refused() {
+    let labels = Labels::torque_to_velocity(0, 0);
+    let empty = Report {
+        title: "Nothing yet".to_owned(),
+        curves: Vec::new(),
+        labels,
+        checks: Vec::new(),
+        provenance: Vec::new(),
+        claims: Vec::new(),
+        figures: Vec::new(),
+        notes: Vec::new(),
+    };
+    assert!(!empty.html().expect("nothing can be wrong").contains("<section>"));
+    let frf = frf();
+    let curve = Curve { label: String::new(), frf: &frf, style: Style::Line, band: Band::None };
+    let refused = Report { curves: vec![curve], ..empty }.html();
+    assert!(matches!(refused, Err(ReportError::Size { outputs: 2, inputs: 2, .. })), "{refused:?}");
+}
