@@ -3,6 +3,8 @@
 //! Everything on the joint side of the gear, SI units inside, Hz for public frequencies. The numeric core knows no files,
 //! no clock and no global random state. Equation numbers are those of Saupe and Knoblach, MSSP 52-53 (2015) 60-72 (SK15).
 
+mod closed_loop;
+mod controller;
 pub mod dynamics;
 mod error;
 mod exit;
@@ -11,14 +13,19 @@ mod joint;
 mod lane;
 mod linear;
 mod motion;
+mod open_loop;
+mod recorder;
 mod ripple;
 mod root;
 mod segment;
+mod sensor;
 mod simulate;
 mod spring;
 mod trajectory;
 mod truth;
 
+pub use closed_loop::ClosedLoop;
+pub use controller::PiController;
 pub use dynamics::{Drive, Inertia, Links, Machine};
 pub use error::PlantError;
 pub use friction::{Friction, Slip};
@@ -26,9 +33,10 @@ pub use joint::SingleJoint;
 pub use lane::Lane;
 pub use linear::{Hold, StateSpace};
 pub use motion::Motion;
+pub use open_loop::OpenLoop;
 pub use ripple::Ripple;
 pub use segment::Segment;
+pub use sensor::{Sensor, Velocity};
 pub use simulate::{Clock, Torque, simulate, trajectory};
 pub use spring::{Branch, Spring};
 pub use trajectory::Trajectory;
-pub use truth::Velocity;

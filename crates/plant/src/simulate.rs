@@ -100,9 +100,7 @@ pub fn trajectory<K: Links<A>, const A: usize>(
             torque.act(&mut motion, clock, sample)?;
         }
     }
-    let duration_s = motion.time_s();
-    trajectory.stuck_share =
-        motion.stuck_s().iter().map(|stuck| if duration_s > 0.0 { stuck / duration_s } else { 0.0 }).collect();
+    trajectory.set_stuck(motion.stuck_s(), motion.time_s());
     Ok(trajectory)
 }
 

@@ -44,4 +44,11 @@ impl Trajectory {
             self.link_velocity_rad_s[[axis, sample]] = state.link_velocity[axis];
         }
     }
+
+    /// Writes the share of `duration_s` that each motor has been stuck.
+    pub(crate) fn set_stuck<const A: usize>(&mut self, stuck_s: [f64; A], duration_s: f64) {
+        for (share, stuck_s) in self.stuck_share.iter_mut().zip(stuck_s) {
+            *share = if duration_s > 0.0 { stuck_s / duration_s } else { 0.0 };
+        }
+    }
 }

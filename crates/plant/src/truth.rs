@@ -5,21 +5,8 @@ use std::f64::consts::TAU;
 use frfid_signals::{Frf, SignalError};
 use nalgebra::DMatrix;
 use num_complex::Complex64;
-use serde::{Deserialize, Serialize};
 
-use crate::{Hold, SingleJoint, StateSpace};
-
-/// Where a velocity reading comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Velocity {
-    /// The true velocity at the sample instant.
-    #[default]
-    True,
-    /// The last two positions over the sample time: y[k] = (q[k] - q[k-1]) / sample_time_s. Adds the factor
-    /// (1 - e^{-s T}) / (s T) to the continuous transfer function, 10.8 deg at 60 Hz for T = 1 ms.
-    Differenced,
-}
+use crate::{Hold, SingleJoint, StateSpace, Velocity};
 
 impl SingleJoint {
     /// The linear model from motor torque to motor velocity and motor position, states (qm, dq, qm', qo'). Gear damping
