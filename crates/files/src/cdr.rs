@@ -186,12 +186,26 @@ impl<'a> CdrReader<'a> {
     /// # Errors
     /// [`CdrError::Short`].
     pub fn count(&mut self, least_size: usize) -> Result<usize, CdrError> {
-        let count = self.u32()?;
-        let needed = u64::from(count).saturating_mul(least_size as u64);
+        let count = self.u32()? as usize;
+        self.fits(count, least_size)
+    }
+
+    /// The same check for a count that the message's definition fixes.
+    ///
+    /// # Errors
+    /// [`CdrError::Short`].
+    pub fn fits(&self, count: usize, least_size: usize) -> Result<usize, CdrError> {
+        let needed = (count as u64).saturating_mul(least_size as u64);
         if needed > self.body.left() as u64 {
             return Err(self.short(Short { at: self.body.at(), needed, left: self.body.left() }));
         }
-        Ok(count as usize)
+        Ok(count)
+    }
+
+    /// Why a text of wide characters is not read.
+    #[must_use]
+    pub fn wide_text(&self) -> CdrError {
+        CdrError::WideText { field: self.field.clone() }
     }
 
     /// A text, borrowed from the message.

@@ -7,8 +7,15 @@
 mod atomic;
 mod bytes;
 mod cdr;
+mod clock;
+mod csv_read;
 mod error;
 mod joint_state;
+mod log;
+mod log_map;
+mod log_mcap;
+#[cfg(test)]
+mod log_tests;
 mod loss;
 mod mcap_chunk;
 mod mcap_open;
@@ -16,15 +23,20 @@ mod mcap_read;
 mod mcap_record;
 mod mcap_summary;
 mod mcap_write;
+mod ros2msg;
 mod run_file;
 mod run_read;
 #[cfg(test)]
 mod run_tests;
+mod selector;
 mod structure;
 mod topics;
+mod value;
 
 pub use atomic::{Overwrite, part_path};
 pub use error::FileError;
+pub use log::{Log, read_log};
+pub use log_map::{LogMap, Signal};
 pub use loss::Loss;
 pub use run_file::{RunFile, write_run};
 pub use run_read::read_run;

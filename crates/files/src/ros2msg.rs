@@ -1,0 +1,286 @@
+//! ROS 2 message definitions (`.msg` text, schema encoding `ros2msg`): what fields a message has, so that it can be decoded
+//! without knowing its type beforehand. <https://docs.ros.org/en/rolling/Concepts/Basic/About-Interfaces.html>
+
+use std::collections::HashMap;
+
+use thiserror::Error;
+
+/// A type built into ROS 2.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Primitive {
+    /// One octet, 0 or 1.
+    Bool,
+    /// Signed integer of 1, 2, 4 or 8 bytes.
+    Int(u8),
+    /// Unsigned integer of 1, 2, 4 or 8 bytes; `byte` and `char` are those of 1 byte.
+    Uint(u8),
+    /// Number of 4 or 8 bytes.
+    Float(u8),
+    /// UTF-8 text.
+    Text,
+    /// Text of wide characters.
+    WideText,
+}
+
+/// What one element of a field is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Element {
+    /// A built-in type.
+    Primitive(Primitive),
+    /// Another message: its place in [`Definition::messages`].
+    Message(usize),
+}
+
+/// How many elements a field has.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Arity {
+    /// One.
+    One,
+    /// `[N]`: always N, without a count in front.
+    Exactly(usize),
+    /// `[]` or `[<=N]`: any number, with a count in front.
+    Many,
+}
+
+/// A field of a message.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Field {
+    /// Its name.
+    pub name: String,
+    /// What it holds.
+    pub element: Element,
+    /// How many of these.
+    pub arity: Arity,
+}
+
+/// A message type and every type it is made of.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Definition {
+    /// Fields of each type; the first is the message itself. A type without fields is sent as one octet.
+    pub messages: Vec<Vec<Field>>,
+}
+
+/// Why a definition cannot be used.
+#[derive(Debug, Clone, PartialEq, Eq, Error)]
+pub enum DefinitionError {
+    /// A line that is no field, constant or comment.
+    #[error(
+        "line {line} of the message definition is `{text}`, needed `type name`, `type name default` or `type NAME=value`"
+    )]
+    Line {
+        /// From 1.
+        line: usize,
+        /// The line.
+        text: String,
+    },
+    /// A type that is neither built in nor defined in the text.
+    #[error("the message definition uses the type {name}, which it does not define")]
+    Unknown {
+        /// The type.
+        name: String,
+    },
+    /// A type that contains itself, or nests deeper than any message does.
+    #[error("the message definition nests {name} more than {limit} deep")]
+    Depth {
+        /// The type.
+        name: String,
+        /// Deepest nesting that is read.
+        limit: usize,
+    },
+}
+
+const DEEPEST: usize = 32;
+
+/// A field as written, its type not yet looked up.
+struct Written<'a> {
+    kind: &'a str,
+    arity: Arity,
+    name: &'a str,
+}
+
+/// Reads a definition with its dependencies, each introduced by a line of `=` and `MSG: package/Type` or
+/// `MSG: package/msg/Type`.
+///
+/// # Errors
+/// [`DefinitionError`].
+pub fn parse(text: &str) -> Result<Definition, DefinitionError> {
+    let mut names = vec![String::new()];
+    let mut written = vec![Vec::new()];
+    for (number, line) in text.lines().enumerate() {
+        let line = uncommented(line);
+        if line.is_empty() || line.len() >= 3 && line.chars().all(|c| c == '=') {
+            continue;
+        }
+        if let Some(name) = line.strip_prefix("MSG:") {
+            names.push(short_name(name.trim()));
+            written.push(Vec::new());
+        } else if let Some(fields) = written.last_mut() {
+            let bad = || DefinitionError::Line { line: number + 1, text: line.into() };
+            fields.extend(field(line).ok_or_else(bad)?);
+        }
+    }
+    let places: HashMap<_, _> = names.iter().enumerate().skip(1).map(|(k, name)| (name.as_str(), k)).collect();
+    let look_up = |(fields, parent): (&Vec<Written>, &String)| {
+        fields.iter().map(|written| resolve(written, parent, &places)).collect::<Result<Vec<_>, _>>()
+    };
+    let messages = written.iter().zip(&names).map(look_up).collect::<Result<Vec<_>, _>>()?;
+    check_depth(&messages, &names, 0, 0, &mut Vec::new())?;
+    Ok(Definition { messages })
+}
+
+/// A line without its comment; a `#` inside the quotes of a default is none.
+fn uncommented(line: &str) -> &str {
+    let mut quote = None;
+    for (at, c) in line.char_indices() {
+        match (quote, c) {
+            (None, '#') => return line[..at].trim(),
+            (None, '"' | '\'') => quote = Some(c),
+            (Some(open), c) if open == c => quote = None,
+            _ => {}
+        }
+    }
+    line.trim()
+}
+
+/// `package/msg/Type` as `package/Type`: both are in use.
+fn short_name(name: &str) -> String {
+    name.replacen("/msg/", "/", 1)
+}
+
+/// One field of a line; nothing for a constant; `None` for neither.
+fn field(line: &str) -> Option<Option<Written<'_>>> {
+    let (kind, rest) = line.split_once(char::is_whitespace)?;
+    let rest = rest.trim_start();
+    let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len());
+    let (name, rest) = rest.split_at(end);
+    if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
+        return None;
+    }
+    if rest.trim_start().starts_with('=') {
+        return Some(None);
+    }
+    if !rest.is_empty() && !rest.starts_with(char::is_whitespace) {
+        return None;
+    }
+    let (kind, arity) = match kind.strip_suffix(']').map(|kind| kind.split_once('[')) {
+        None => (kind, Arity::One),
+        Some(None) => return None,
+        Some(Some((kind, ""))) => (kind, Arity::Many),
+        Some(Some((kind, size))) => match size.strip_prefix("<=") {
+            Some(most) => most.parse::<usize>().ok().map(|_| (kind, Arity::Many))?,
+            None => (kind, Arity::Exactly(size.parse().ok().filter(|&size| size > 0)?)),
+        },
+    };
+    Some(Some(Written { kind, arity, name }))
+}
+
+fn resolve(written: &Written, parent: &str, places: &HashMap<&str, usize>) -> Result<Field, DefinitionError> {
+    let element = match primitive(written.kind) {
+        Some(primitive) => Element::Primitive(primitive),
+        None => Element::Message(place(written.kind, parent, places)?),
+    };
+    Ok(Field { name: written.name.into(), element, arity: written.arity })
+}
+
+fn primitive(kind: &str) -> Option<Primitive> {
+    // a bounded text (string<=10) is sent like any other
+    Some(match kind.split_once("<=").map_or(kind, |(kind, _)| kind) {
+        "bool" => Primitive::Bool,
+        "byte" | "char" | "uint8" => Primitive::Uint(1),
+        "int8" => Primitive::Int(1),
+        "uint16" => Primitive::Uint(2),
+        "int16" => Primitive::Int(2),
+        "uint32" => Primitive::Uint(4),
+        "int32" => Primitive::Int(4),
+        "uint64" => Primitive::Uint(8),
+        "int64" => Primitive::Int(8),
+        "float32" => Primitive::Float(4),
+        "float64" => Primitive::Float(8),
+        "string" => Primitive::Text,
+        "wstring" => Primitive::WideText,
+        _ => return None,
+    })
+}
+
+/// Where a message type is defined: by its full name, in the package of its parent, or by its last name where that is unique.
+fn place(kind: &str, parent: &str, places: &HashMap<&str, usize>) -> Result<usize, DefinitionError> {
+    let name = short_name(kind);
+    let sibling = parent.split_once('/').map(|(package, _)| format!("{package}/{name}"));
+    let by_last_name = || {
+        let mut ends = places.iter().filter(|(full, _)| full.rsplit('/').next() == Some(name.as_str()));
+        ends.next().filter(|_| ends.next().is_none()).map(|(_, &place)| place)
+    };
+    let known = places.get(name.as_str()).copied();
+    let known = known.or_else(|| sibling.and_then(|sibling| places.get(sibling.as_str()).copied()));
+    known.or_else(by_last_name).ok_or(DefinitionError::Unknown { name })
+}
+
+/// Every type is looked into once, however often it is used; a cycle runs into the limit.
+fn check_depth(
+    messages: &[Vec<Field>],
+    names: &[String],
+    at: usize,
+    depth: usize,
+    sound: &mut Vec<usize>,
+) -> Result<(), DefinitionError> {
+    if depth > DEEPEST {
+        return Err(DefinitionError::Depth { name: names[at].clone(), limit: DEEPEST });
+    }
+    for field in &messages[at] {
+        if let Element::Message(inner) = field.element
+            && !sound.contains(&inner)
+        {
+            check_depth(messages, names, inner, depth + 1, sound)?;
+        }
+    }
+    sound.push(at);
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn fields(text: &str) -> Vec<Field> {
+        parse(text).expect("sound").messages.swap_remove(0)
+    }
+
+    #[test]
+    fn fields_constants_defaults_and_comments() {
+        let text = "# a comment\nuint8 DEBUG=10\nstring NAME = \"a # b\"\nfloat64[9] k # row major\nstring<=5[<=3] s [\"#\"]\n\
+                    int32 x -7\nwstring[] w\n\n";
+        let found: Vec<_> = fields(text).into_iter().map(|field| (field.name, field.element, field.arity)).collect();
+        let primitive = Element::Primitive;
+        assert_eq!(
+            found,
+            [
+                ("k".into(), primitive(Primitive::Float(8)), Arity::Exactly(9)),
+                ("s".into(), primitive(Primitive::Text), Arity::Many),
+                ("x".into(), primitive(Primitive::Int(4)), Arity::One),
+                ("w".into(), primitive(Primitive::WideText), Arity::Many),
+            ]
+        );
+    }
+
+    #[test]
+    fn nested_types_in_every_style() {
+        for (used, defined) in [
+            ("std_msgs/Header", "std_msgs/Header"),
+            ("std_msgs/Header", "std_msgs/msg/Header"),
+            ("std_msgs/msg/Header", "std_msgs/Header"),
+            ("Header", "std_msgs/Header"),
+        ] {
+            let text = format!("{used} header\n{}\nMSG: {defined}\nint32 sec", "=".repeat(80));
+            assert_eq!(fields(&text)[0].element, Element::Message(1), "{used} {defined}");
+        }
+    }
+
+    #[test]
+    fn nonsense_is_named() {
+        for text in ["float64", "float64[x] a", "float64[0] a", "float64] a", "float64 1a", "float64 a-b"] {
+            assert_eq!(parse(text), Err(DefinitionError::Line { line: 1, text: text.into() }));
+        }
+        assert_eq!(parse("p/Nowhere a"), Err(DefinitionError::Unknown { name: "p/Nowhere".into() }));
+        assert!(matches!(parse("p/A a\n===\nMSG: p/A\np/A a"), Err(DefinitionError::Depth { .. })));
+    }
+}
