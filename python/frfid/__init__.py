@@ -4,6 +4,6 @@ Time series are ``(channel, sample)``, responses ``(frequency, output, input)``,
 channel, sample)``. Frequencies are in Hz, everything else in SI units on the joint side of the gear.
 """
 
-from ._core import Chirp, Frf, Multisine, NumericalError, Record, __version__, estimate_bla
+from ._core import Chirp, Frf, Multisine, NumericalError, Record, __version__, estimate_bla, estimate_chirp
 
-__all__ = ["Chirp", "Frf", "Multisine", "NumericalError", "Record", "__version__", "estimate_bla"]
+__all__ = ["Chirp", "Frf", "Multisine", "NumericalError", "Record", "__version__", "estimate_bla", "estimate_chirp"]

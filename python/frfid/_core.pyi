@@ -5,7 +5,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._frf import Plot
 
-__all__ = ["Chirp", "Frf", "Multisine", "NumericalError", "Record", "__version__", "estimate_bla"]
+__all__ = ["Chirp", "Frf", "Multisine", "NumericalError", "Record", "__version__", "estimate_bla", "estimate_chirp"]
 
 __version__: str
 
@@ -186,5 +186,17 @@ def estimate_bla(
     harmonics: ArrayLike,
     r: ArrayLike | None = None,
     average: Literal["frfs", "spectra"] = "frfs",
+    max_condition: float | None = None,
+) -> Frf: ...
+def estimate_chirp(
+    u: ArrayLike,
+    y: ArrayLike,
+    *,
+    chirp: Chirp,
+    sample_time_s: float,
+    frequencies_hz: ArrayLike,
+    method: Literal["excerpt"] = "excerpt",
+    r: ArrayLike | None = None,
+    start_s: float = 0.0,
     max_condition: float | None = None,
 ) -> Frf: ...

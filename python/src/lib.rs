@@ -5,6 +5,7 @@ mod bla;
 mod chirp;
 mod choice;
 mod error;
+mod excerpt;
 mod frf;
 mod multisine;
 mod profile;
@@ -19,6 +20,8 @@ mod _core {
     use crate::chirp::Chirp;
     #[pymodule_export]
     use crate::error::NumericalError;
+    #[pymodule_export]
+    use crate::excerpt::estimate_chirp;
     #[pymodule_export]
     use crate::frf::Frf;
     #[pymodule_export]
