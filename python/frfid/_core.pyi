@@ -1,3 +1,4 @@
+from collections.abc import Callable
 from typing import Any, Literal, TypeAlias, final
 
 import numpy as np
@@ -5,13 +6,26 @@ from numpy.typing import ArrayLike, NDArray
 
 from ._frf import Plot
 
-__all__ = ["Chirp", "Frf", "Multisine", "NumericalError", "Record", "__version__", "estimate_bla", "estimate_chirp"]
+__all__ = [
+    "Chirp",
+    "Frf",
+    "Multisine",
+    "NumericalError",
+    "PiController",
+    "Plant",
+    "Record",
+    "__version__",
+    "estimate_bla",
+    "estimate_chirp",
+    "run_closed_loop",
+]
 
 __version__: str
 
 _Profile: TypeAlias = float | list[tuple[float, float]]
 _PerChannel: TypeAlias = float | list[float]
 _Mimo: TypeAlias = Literal["orthogonal", "sign-flip", "independent"]
+_Progress: TypeAlias = Callable[[int, int], object]
 _Phases: TypeAlias = Literal["random", "low-crest"]
 
 class NumericalError(ArithmeticError): ...
@@ -102,6 +116,75 @@ class Chirp:
     def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
 
 @final
+class PiController:
+    def __new__(
+        cls,
+        *,
+        gain: _PerChannel,
+        integral_gain: _PerChannel,
+        sample_time_s: float,
+        delay_samples: int = 0,
+        max_torque_nm: _PerChannel | None = None,
+    ) -> PiController: ...
+    @property
+    def gain(self) -> list[float]: ...
+    @property
+    def integral_gain(self) -> list[float]: ...
+    @property
+    def sample_time_s(self) -> float: ...
+    @property
+    def delay_samples(self) -> int: ...
+    @property
+    def max_torque_nm(self) -> list[float] | None: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+    def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
+
+@final
+class Plant:
+    @staticmethod
+    def single_joint(
+        *,
+        motor_inertia_kg_m2: float = 35.0,
+        link_inertia_kg_m2: float = 150.0,
+        damping_nms_per_rad: float = 400.0,
+        stiffness_nm_per_rad: float = 1.5e5,
+        stiffness_beyond_nm_per_rad: float | None = None,
+        knee_rad: float = 1e-3,
+        coulomb_nm: float = 0.0,
+        viscous_nms_per_rad: float = 0.0,
+        ripple: list[dict[str, float]] | None = None,
+        velocity_by_differencing: bool = False,
+        position_increment_rad: float | None = None,
+        position_noise_rad: float | None = None,
+        velocity_noise_rad_s: float | None = None,
+        torque_quantum_nm: float | None = None,
+        torque_noise_nm: float | None = None,
+    ) -> Plant: ...
+    def frf(
+        self,
+        hz: ArrayLike,
+        *,
+        hold: Literal["zoh", "linear", "continuous"] = "zoh",
+        sample_time_s: float | None = None,
+        sensor: bool = False,
+    ) -> Frf: ...
+    def simulate(
+        self,
+        u: ArrayLike,
+        *,
+        sample_time_s: float,
+        hold: Literal["zoh", "linear"] = "zoh",
+        velocity_rad_s: _PerChannel | None = None,
+        seed: int = 0,
+        progress: _Progress | None = None,
+    ) -> Record: ...
+    @property
+    def parameters(self) -> dict[str, Any]: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+
+@final
 class Record:
     def __new__(
         cls,
@@ -168,6 +251,10 @@ class Frf:
     @property
     def condition(self) -> NDArray[np.float64] | None: ...
     @property
+    def shape(self) -> tuple[int, int, int]: ...
+    def __getitem__(self, key: Any, /) -> Any: ...
+    def __array__(self, dtype: Any = None, copy: bool | None = None) -> NDArray[Any]: ...
+    @property
     def n_outputs(self) -> int: ...
     @property
     def n_inputs(self) -> int: ...
@@ -200,3 +287,12 @@ def estimate_chirp(
     start_s: float = 0.0,
     max_condition: float | None = None,
 ) -> Frf: ...
+def run_closed_loop(
+    plant: Plant,
+    controller: PiController,
+    r: ArrayLike,
+    *,
+    velocity_rad_s: _PerChannel | None = None,
+    seed: int = 0,
+    progress: _Progress | None = None,
+) -> Record: ...

@@ -1,7 +1,8 @@
 //! Errors of the crates as Python exceptions: `ValueError` for bad input, `NumericalError` for singular or divergent.
 
 use frfid_estimate::EstimateError;
-use frfid_signals::SignalError;
+use frfid_plant::PlantError;
+use frfid_signals::{SignalError, TestbedError};
 use pyo3::PyErr;
 use pyo3::exceptions::{PyArithmeticError, PyValueError};
 
@@ -22,5 +23,17 @@ pub fn estimate(error: EstimateError) -> PyErr {
     match error {
         EstimateError::RankDeficient(_) => NumericalError::new_err(error.to_string()),
         _ => PyValueError::new_err(error.to_string()),
+    }
+}
+
+/// A simulation that diverged is a matter of numbers.
+pub fn testbed(error: TestbedError) -> PyErr {
+    match &error {
+        TestbedError::Diverged { .. } => NumericalError::new_err(error.to_string()),
+        TestbedError::Foreign { source, .. } => match source.downcast_ref::<PlantError>() {
+            Some(PlantError::Chatter { .. }) => NumericalError::new_err(error.to_string()),
+            _ => PyValueError::new_err(error.to_string()),
+        },
+        TestbedError::Run(_) => PyValueError::new_err(error.to_string()),
     }
 }

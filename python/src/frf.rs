@@ -4,7 +4,7 @@ use frfid_signals::{Frf as Response, Uncertainty};
 use ndarray::{Array1, Ix1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
+use pyo3::types::{IntoPyDict, PyDict, PyTuple};
 
 use crate::array::{Axes, Shared, complex, real};
 use crate::error;
@@ -13,7 +13,7 @@ const ENTRIES: Axes = &["frequency", "output * input", "output * input"];
 
 /// A frequency response matrix with what is known about its uncertainty.
 ///
-/// All arrays are read-only. A variance that was not measured is None. Variances are those of the averaged response,
+/// It is its response where numpy asks for an array. All arrays are read-only. A variance that was not measured is None. Variances are those of the averaged response,
 /// E|dG|^2, real and imaginary part together.
 ///
 /// Parameters
@@ -145,6 +145,29 @@ impl Frf {
     fn condition<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
         let condition = self.response.condition.as_ref()?;
         Some(self.arrays.condition.get(py, || Array1::from(condition.clone())))
+    }
+
+    /// Shape of the response, (frequency, output, input).
+    #[getter]
+    fn shape(&self) -> (usize, usize, usize) {
+        self.response.response.dim()
+    }
+
+    /// Part of the response: ``frf[key]`` is ``frf.response[key]``.
+    fn __getitem__<'py>(&self, key: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        self.response(key.py()).get_item(key)
+    }
+
+    /// The response, where numpy asks for an array.
+    #[pyo3(signature = (dtype = None, copy = None))]
+    fn __array__<'py>(
+        &self,
+        py: Python<'py>,
+        dtype: Option<&Bound<'py, PyAny>>,
+        copy: Option<bool>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let keywords = [("copy", copy)].into_py_dict(py)?;
+        py.import("numpy")?.call_method("array", (self.response(py), dtype), Some(&keywords))
     }
 
     /// Number of outputs.

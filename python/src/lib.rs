@@ -1,13 +1,17 @@
 //! The Python extension module `frfid._core`: the crates of the house, seen from numpy. No arithmetic happens here.
 
 mod array;
+mod batch;
 mod bla;
 mod chirp;
 mod choice;
+mod controller;
 mod error;
 mod excerpt;
 mod frf;
+mod interrupt;
 mod multisine;
+mod plant;
 mod profile;
 mod record;
 
@@ -19,6 +23,8 @@ mod _core {
     #[pymodule_export]
     use crate::chirp::Chirp;
     #[pymodule_export]
+    use crate::controller::{PiController, run_closed_loop};
+    #[pymodule_export]
     use crate::error::NumericalError;
     #[pymodule_export]
     use crate::excerpt::estimate_chirp;
@@ -26,6 +32,8 @@ mod _core {
     use crate::frf::Frf;
     #[pymodule_export]
     use crate::multisine::Multisine;
+    #[pymodule_export]
+    use crate::plant::Plant;
     #[pymodule_export]
     use crate::record::Record;
 

@@ -143,6 +143,33 @@ impl Record {
 }
 
 impl Record {
+    /// What the crates measured: one run, or a batch of runs `stacked` on an axis of their own.
+    pub fn of(py: Python<'_>, runs: Vec<Run>, stacked: bool) -> PyResult<Self> {
+        let [first, ..] = runs.as_slice() else { return Err(PyValueError::new_err("no run was done")) };
+        let (sample_time_s, input_kind) = (first.sample_time_s, first.input_kind);
+        let events = runs.iter().map(|run| run.events.clone()).collect();
+        let stack = |of: &dyn Fn(&Run) -> Option<&Array2<f64>>| -> PyResult<Option<Py<PyArrayDyn<f64>>>> {
+            let Some(signals) = runs.iter().map(of).collect::<Option<Vec<_>>>() else { return Ok(None) };
+            let array = if stacked {
+                let views: Vec<_> = signals.iter().map(|signal| signal.view()).collect();
+                ndarray::stack(Axis(0), &views).map_err(|error| PyValueError::new_err(error.to_string()))?.into_dyn()
+            } else {
+                signals[0].clone().into_dyn()
+            };
+            Ok(Some(c_ordered(py, array).unbind()))
+        };
+        let always = "every record has u and y";
+        Ok(Self {
+            sample_time_s,
+            u: stack(&|run| Some(&run.u))?.expect(always),
+            y: stack(&|run| Some(&run.y))?.expect(always),
+            r: stack(&|run| run.r.as_ref())?,
+            position_rad: stack(&|run| run.position_rad.as_ref())?,
+            input_kind,
+            events,
+        })
+    }
+
     /// Every run as the crates know it.
     pub fn runs(&self, py: Python<'_>) -> Vec<Run> {
         let of = |signal: &Py<PyArrayDyn<f64>>| -> Vec<Array2<f64>> {

@@ -44,11 +44,10 @@ class ScipyJoint:
         """Response, (frequency,)."""
         omega = 2 * np.pi * np.asarray(hz)
         if hold == "continuous":
-            # the position is no part of the transfer function from torque to velocity: without it there is no pole at 0
-            system = (self.a[1:, 1:], self.b[1:], self.c[:, 1:], self.d)
-            return scipy.signal.freqresp(scipy.signal.StateSpace(*system), omega)[1]
-        phi, gamma, c, d, _ = self.discrete(sample_time_s, hold)
-        z = np.exp(1j * omega * sample_time_s)
+            phi, gamma, c, d, z = self.a, self.b, self.c, self.d, 1j * omega
+        else:
+            phi, gamma, c, d, _ = self.discrete(sample_time_s, hold)
+            z = np.exp(1j * omega * sample_time_s)
         return np.array([(c @ np.linalg.solve(x * np.eye(4) - phi, gamma) + d)[0, 0] for x in z])
 
     def simulate(self, u, sample_time_s, hold="zoh"):

@@ -1,0 +1,82 @@
+//! `frfid.estimate_chirp`.
+
+use frfid_estimate::ExcerptOptions;
+use ndarray::{ArrayView, Axis, Ix4, IxDyn};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+
+use crate::array::{Axes, real};
+use crate::chirp::Chirp;
+use crate::error;
+use crate::frf::Frf;
+
+const RECORDINGS: [Axes; 2] = [&["experiment", "channel", "sample"], &["repeat", "experiment", "channel", "sample"]];
+
+/// FRF from chirps by excerpts, SK15 section 5.1: at each frequency the piece of the recording in which the chirp passes it.
+///
+/// Parameters
+/// ----------
+/// u, y : array_like, shape (experiment, channel, sample) or (repeat, experiment, channel, sample)
+///     Plant input and output of the whole chirp; at least as many experiments as inputs.
+/// chirp : Chirp
+///     The chirp that was injected.
+/// sample_time_s : float
+///     Sample time in s.
+/// frequencies_hz : sequence of float
+///     Where to estimate, rising, in Hz.
+/// method : {"excerpt"}, optional
+///     Excerpts of four periods.
+/// r : array_like, shape as u, optional
+///     Reference; with it the estimate is the indirect one.
+/// start_s : float, optional
+///     Start of the chirp after the first sample in s.
+/// max_condition : float, optional
+///     Largest condition number of U, rows scaled, at which a frequency is still inverted.
+///
+/// Returns
+/// -------
+/// Frf
+///     Repeats give the noise variance; with one recording it is None.
+///
+/// Raises
+/// ------
+/// ValueError
+///     For shapes that do not fit, samples that are not finite, and frequencies that the chirp does not pass.
+/// NumericalError
+///     For frequencies at which U cannot be inverted.
+#[pyfunction]
+#[pyo3(signature = (u, y, *, chirp, sample_time_s, frequencies_hz, method = "excerpt", r = None, start_s = 0.0,
+                    max_condition = None))]
+#[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
+pub fn estimate_chirp(
+    py: Python<'_>,
+    u: &Bound<'_, PyAny>,
+    y: &Bound<'_, PyAny>,
+    chirp: &Chirp,
+    sample_time_s: f64,
+    frequencies_hz: Vec<f64>,
+    method: &str,
+    r: Option<&Bound<'_, PyAny>>,
+    start_s: f64,
+    max_condition: Option<f64>,
+) -> PyResult<Frf> {
+    if method != "excerpt" {
+        return Err(PyValueError::new_err(format!("method: unknown variant `{method}`, expected `excerpt`")));
+    }
+    let defaults = ExcerptOptions::default();
+    let options = ExcerptOptions { max_condition: max_condition.unwrap_or(defaults.max_condition), ..defaults };
+    let (u, y) = (real::<IxDyn>("u", u, &RECORDINGS)?, real::<IxDyn>("y", y, &RECORDINGS)?);
+    let r = r.map(|r| real::<IxDyn>("r", r, &RECORDINGS)).transpose()?;
+    let (u, y, r) =
+        (repeats(u.as_array())?, repeats(y.as_array())?, r.as_ref().map(|r| repeats(r.as_array())).transpose()?);
+    let signal = &chirp.signal;
+    let estimate =
+        || frfid_estimate::estimate_chirp(u, y, r, signal, sample_time_s, &frequencies_hz, start_s, &options);
+    Ok(py.detach(estimate).map_err(error::estimate)?.into())
+}
+
+/// Recordings with the axis of repeats, which one recording leaves out.
+fn repeats(recording: ArrayView<'_, f64, IxDyn>) -> PyResult<ArrayView<'_, f64, Ix4>> {
+    let full = if recording.ndim() == 4 { recording } else { recording.insert_axis(Axis(0)) };
+    full.into_dimensionality().map_err(|error| PyValueError::new_err(error.to_string()))
+}

@@ -1,0 +1,99 @@
+"""Long calls and the interpreter: other threads go on, Ctrl-C works, progress is told and may stop the work."""
+
+import os
+import pathlib
+import signal
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import frfid
+
+T = 1e-3
+PLANT = frfid.Plant.single_joint(coulomb_nm=50.0)
+RUN = 100 * np.random.default_rng(1).standard_normal((1, 20_000))
+
+
+def test_other_threads_go_on_meanwhile():
+    batch = np.broadcast_to(RUN, (20, *RUN.shape))
+    ticks, done = 0, threading.Event()
+
+    def work():
+        PLANT.simulate(batch, sample_time_s=T)
+        done.set()
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    started = time.perf_counter()
+    while not done.is_set():
+        ticks += 1
+        time.sleep(1e-3)
+    took = time.perf_counter() - started
+    thread.join()
+    assert took > 0.05, "the work is long enough to tell"
+    assert ticks > 0.2 * took / 1e-3, f"{ticks} ticks of a millisecond in {took} s"
+
+
+def test_two_threads_estimate_at_the_same_time():
+    u = np.random.default_rng(2).standard_normal((2, 2, 2, 2, 512))
+    expected = frfid.estimate_bla(u, u, sample_time_s=T, harmonics=[1, 2]).response.tobytes()
+    found = []
+    threads = [
+        threading.Thread(target=lambda: found.append(frfid.estimate_bla(u, u, sample_time_s=T, harmonics=[1, 2]).response.tobytes()))
+        for _ in range(8)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert found == 8 * [expected]
+
+
+def test_progress_counts_to_the_total():
+    told = []
+    PLANT.simulate(np.broadcast_to(RUN[:, :500], (7, 1, 500)), sample_time_s=T, progress=lambda *of: told.append(of))
+    assert told == [(done, 7) for done in range(1, 8)]
+
+
+def test_an_exception_from_progress_stops_the_work_and_comes_back():
+    told = []
+
+    def progress(done, total):
+        told.append(done)
+        if done == 2:
+            raise RuntimeError("enough")
+
+    batch = np.broadcast_to(RUN, (200, *RUN.shape))
+    started = time.perf_counter()
+    PLANT.simulate(batch[:4], sample_time_s=T)
+    four = time.perf_counter() - started
+    started = time.perf_counter()
+    with pytest.raises(RuntimeError, match="enough"):
+        PLANT.simulate(batch, sample_time_s=T, progress=progress)
+    assert told == [1, 2]
+    assert time.perf_counter() - started < 10 * four, "the other 198 runs were not done"
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no SIGINT for one child process")
+def test_ctrl_c_interrupts():
+    code = """
+import sys, time, numpy as np, frfid
+batch = np.broadcast_to(100 * np.random.default_rng(1).standard_normal((1, 20_000)), (500, 1, 20_000))
+told = lambda done, total: done == 1 and print("started", flush=True)
+try:
+    frfid.Plant.single_joint(coulomb_nm=50.0).simulate(batch, sample_time_s=1e-3, progress=told)
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+    sys.exit(130)
+"""
+    child = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
+    assert child.stdout.readline() == "started\n"
+    child.send_signal(signal.SIGINT)
+    sent = time.perf_counter()
+    assert child.wait(timeout=20) == 130
+    assert child.stdout.read() == "interrupted\n"
+    assert time.perf_counter() - sent < 5.0
