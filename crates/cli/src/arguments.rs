@@ -1,0 +1,138 @@
+//! The arguments: global options and the commands.
+
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use anstream::ColorChoice;
+use clap::builder::{FalseyValueParser, PathBufValueParser, TypedValueParser};
+use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+use frfid_files::Overwrite;
+
+use crate::command::{check, completions, design, init, man, schema};
+use crate::console::Console;
+use crate::exit::{Exit, Failure};
+
+/// Examples first: they say most in the least time.
+const HELP: &str = "{about}\n\n{before-help}{usage-heading} {usage}\n\n{all-args}{after-help}";
+
+/// Frequency response functions of flexible-joint robots and positioning machines, by experiment.
+#[derive(Debug, Parser)]
+#[command(
+    name = "frfid",
+    bin_name = "frfid",
+    version,
+    max_term_width = 100,
+    disable_help_subcommand = true,
+    before_help = "\
+Examples:
+  frfid demo -o demo                        the example of the paper, with figures and a report
+  frfid init multisine -o experiment.toml   a description to start from
+  frfid check experiment.toml               is it sound, and what will it cost?
+  frfid design experiment.toml -o plan.mcap
+  frfid run plan.mcap -o logs
+  frfid estimate logs -o frf.json --report frf.html
+  frfid compare frf.json other.json",
+    after_help = "\
+Data go to stdout, messages to stderr. Nothing is overwritten without --force.
+Exit codes: 0 done, 1 failed, 2 usage or configuration, 3 done but data was lost or a check failed, 130 interrupted."
+)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    pub options: Options,
+    #[command(subcommand)]
+    command: Command,
+}
+
+/// Options of every command.
+#[derive(Debug, Clone, Copy, Args)]
+#[command(next_help_heading = "Options of every command")]
+pub(crate) struct Options {
+    /// Write what there is to say to stdout as JSON
+    #[arg(long, global = true)]
+    pub json: bool,
+    /// Neither messages nor progress; warnings and errors are always told
+    #[arg(long, short, global = true, env = "FRFID_QUIET", value_parser = FalseyValueParser::new())]
+    pub quiet: bool,
+    /// When to use colours; `auto`: on a terminal, unless NO_COLOR is set
+    #[arg(long, global = true, env = "FRFID_COLOR", value_name = "WHEN", default_value = "auto")]
+    color: When,
+    /// Replace output that exists
+    #[arg(long, global = true)]
+    force: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum When {
+    Auto,
+    Always,
+    Never,
+}
+
+impl Options {
+    /// What to do when the output exists.
+    pub fn overwrite(&self) -> Overwrite {
+        if self.force { Overwrite::Replace } else { Overwrite::Refuse }
+    }
+
+    /// When to use colours.
+    pub fn colour(&self) -> ColorChoice {
+        match self.color {
+            When::Auto => ColorChoice::Auto,
+            When::Always => ColorChoice::Always,
+            When::Never => ColorChoice::Never,
+        }
+    }
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Init(init::Arguments),
+    Check(check::Arguments),
+    Schema(schema::Arguments),
+    Design(design::Arguments),
+    Completions(completions::Arguments),
+    Man(man::Arguments),
+}
+
+impl Arguments {
+    /// Reads the arguments, the first one being the program's name.
+    pub fn parse(args: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
+        Self::from_arg_matches(&command().try_get_matches_from(args)?)
+    }
+
+    /// Does what the arguments say.
+    pub fn run(&self, console: &mut Console) -> Result<Exit, Failure> {
+        let options = &self.options;
+        match &self.command {
+            Command::Init(arguments) => init::run(arguments, options, console),
+            Command::Check(arguments) => check::run(arguments, options, console),
+            Command::Schema(arguments) => schema::run(arguments, console),
+            Command::Design(arguments) => design::run(arguments, options, console),
+            Command::Completions(arguments) => completions::run(arguments, console),
+            Command::Man(arguments) => man::run(arguments, console),
+        }
+    }
+}
+
+/// The whole command line, for parsing, completions and manual pages.
+pub(crate) fn command() -> clap::Command {
+    Arguments::command().help_template(HELP).mut_subcommands(|command| command.help_template(HELP))
+}
+
+/// A path that must exist: a misspelt name is told before any work is done.
+pub(crate) fn existing_path() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| match path.symlink_metadata() {
+        Ok(_) => Ok(path),
+        Err(error) => Err(format!("{error}; check the name")),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_command_line_holds_together() {
+        command().debug_assert();
+    }
+}

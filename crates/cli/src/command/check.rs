@@ -1,0 +1,34 @@
+//! `frfid check`: whether a description is sound, and what its experiment will cost.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use frfid_experiment::Experiment;
+
+use crate::arguments::Options;
+use crate::console::Console;
+use crate::exit::{Exit, Failure};
+use crate::summary::{plan_as_json, plan_as_text};
+
+/// Check a description, and tell what its experiment will cost
+#[derive(Debug, Args)]
+#[command(before_help = "\
+Examples:
+  frfid check experiment.toml
+  frfid check experiment.toml --json")]
+pub(crate) struct Arguments {
+    /// The description
+    #[arg(value_name = "X.toml")]
+    experiment: PathBuf,
+}
+
+pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
+    let experiment = Experiment::load(&arguments.experiment)?;
+    if options.json {
+        console.json(&plan_as_json(&experiment.plan)?)?;
+    } else {
+        console.data(&format!("{} is sound\n{}", experiment.source.name, plan_as_text(&experiment.plan)?))?;
+        console.hint(format_args!("frfid design {} -o plan.mcap", arguments.experiment.display()));
+    }
+    Ok(Exit::Done)
+}

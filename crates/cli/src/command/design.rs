@@ -1,0 +1,97 @@
+//! `frfid design`: the excitation of every run, inside the limits, as a plan file.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use frfid_experiment::{ConfigError, Excess, Experiment, Prediction, predict};
+use serde_json::json;
+
+use crate::arguments::Options;
+use crate::console::Console;
+use crate::exit::{Exit, Failure};
+use crate::progress::watched;
+use crate::summary::{plan_as_json, plan_as_text, prediction_as_text};
+use crate::table::significant;
+
+/// Design the excitation of every run inside the limits, and write it as a plan
+#[derive(Debug, Args)]
+#[command(before_help = "\
+Examples:
+  frfid design experiment.toml -o plan.mcap
+  frfid design experiment.toml --dry-run         what it would ask of the robot; nothing is written
+  frfid design experiment.toml -o plan7.mcap --seed 7")]
+pub(crate) struct Arguments {
+    /// The description
+    #[arg(value_name = "X.toml")]
+    experiment: PathBuf,
+    /// The plan to write
+    #[arg(long, short, value_name = "PLAN.mcap", required_unless_present = "dry_run")]
+    output: Option<PathBuf>,
+    /// Another seed than that of the description
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Only tell what would be asked of the robot
+    #[arg(long)]
+    dry_run: bool,
+    /// Runs to simulate at once for the prediction; 0: one for each core
+    #[arg(long, env = "FRFID_JOBS", default_value_t = 0)]
+    jobs: usize,
+}
+
+pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
+    let experiment = with_seed(Experiment::load(&arguments.experiment)?, arguments.seed)?;
+    let prediction = watched(console, "predicting", "runs", |progress| predict(&experiment, arguments.jobs, progress))?;
+    tell(&experiment, &prediction, options, console)?;
+    if let Some(error) = outside(&experiment, &prediction) {
+        return Err(error.into());
+    }
+    if let (Some(path), false) = (&arguments.output, arguments.dry_run) {
+        let _ = path;
+        console.note(format_args!("wrote {}", path.display()));
+        console.hint(format_args!("frfid run {} -o logs", path.display()));
+    }
+    Ok(Exit::Done)
+}
+
+/// The experiment with another seed, where one is given.
+pub(crate) fn with_seed(experiment: Experiment, seed: Option<u64>) -> Result<Experiment, ConfigError> {
+    match seed {
+        Some(seed) if seed != experiment.config.seed => {
+            let Experiment { source, mut config, .. } = experiment;
+            config.seed = seed;
+            Experiment::of(config, source)
+        }
+        _ => Ok(experiment),
+    }
+}
+
+/// Tells what the design is and what it will ask of the robot.
+pub(crate) fn tell(
+    experiment: &Experiment,
+    prediction: &Prediction,
+    options: &Options,
+    console: &mut Console,
+) -> Result<(), Failure> {
+    if options.json {
+        let plan = plan_as_json(&experiment.plan)?;
+        return console.json(&json!({ "plan": plan, "prediction": prediction, "limits": experiment.config.limits }));
+    }
+    let limits = &experiment.config.limits;
+    console.data(&format!("{}\n{}", plan_as_text(&experiment.plan)?, prediction_as_text(prediction, limits)))
+}
+
+/// The limit that binds most, if any is exceeded, at its place in the description.
+fn outside(experiment: &Experiment, prediction: &Prediction) -> Option<ConfigError> {
+    let ratio = |excess: &Excess| excess.found / excess.allowed;
+    let worst = prediction.excesses.iter().max_by(|a, b| ratio(a).total_cmp(&ratio(b)))?;
+    let factor = prediction.feasible_factor().unwrap_or(1.0);
+    let message = format!(
+        "axis {} would reach {}, the limit is {}; multiply the amplitudes by {} or less, or raise the limit",
+        worst.axis + 1,
+        significant(worst.found, 4),
+        significant(worst.allowed, 4),
+        // rounded down, so that the advice is inside the limit
+        significant((factor * 1000.0).floor() / 1000.0, 3),
+    );
+    Some(experiment.source.error(&["limits", worst.limit], message))
+}

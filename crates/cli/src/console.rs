@@ -1,0 +1,144 @@
+//! Where a command writes: data to stdout, messages to stderr, every write checked.
+
+use std::fmt::Display;
+use std::io::{ErrorKind, Write};
+
+use anstream::adapter::strip_str;
+use anstream::{AutoStream, ColorChoice};
+use clap::builder::styling::{AnsiColor, Style};
+use serde_json::Value;
+
+use crate::exit::{Exit, Failure};
+
+/// The two streams of a command and how to write to them.
+pub(crate) struct Console<'a> {
+    stdout: &'a mut dyn Write,
+    stderr: &'a mut dyn Write,
+    /// Neither messages nor progress; warnings and errors are always told.
+    pub quiet: bool,
+    colour: ColorChoice,
+    /// The reader of stdout has left (`| head`): nobody to write to any more, and no error.
+    left: bool,
+}
+
+impl<'a> Console<'a> {
+    /// With [`ColorChoice::Auto`] each stream is coloured as the process's own stream of that name would be: on a terminal
+    /// unless `NO_COLOR` is set.
+    pub fn new(stdout: &'a mut dyn Write, stderr: &'a mut dyn Write, quiet: bool, colour: ColorChoice) -> Self {
+        Self { stdout, stderr, quiet, colour, left: false }
+    }
+
+    /// Writes data, which may hold ANSI colours, to stdout. A broken pipe is no error.
+    ///
+    /// # Errors
+    /// [`Failure`] with the operating system's reason if stdout cannot be written.
+    pub fn data(&mut self, text: &str) -> Result<(), Failure> {
+        if self.left {
+            return Ok(());
+        }
+        let text = painted(text, self.colour, &AutoStream::choice(&std::io::stdout()));
+        match self.stdout.write_all(text.as_bytes()).and_then(|()| self.stdout.flush()) {
+            Err(error) if error.kind() == ErrorKind::BrokenPipe => {
+                self.left = true;
+                Ok(())
+            }
+            Err(error) => {
+                Err(Failure { exit: Exit::Failed, message: format!("cannot write to standard output: {error}") })
+            }
+            Ok(()) => Ok(()),
+        }
+    }
+
+    /// Writes a JSON value to stdout.
+    ///
+    /// # Errors
+    /// As [`Console::data`].
+    pub fn json(&mut self, value: &Value) -> Result<(), Failure> {
+        self.data(&format!("{value:#}\n"))
+    }
+
+    /// Tells how things go; nothing if `--quiet`.
+    pub fn note(&mut self, message: impl Display) {
+        if !self.quiet {
+            self.message(&message.to_string());
+        }
+    }
+
+    /// Tells which command comes next; nothing if `--quiet`.
+    pub fn hint(&mut self, message: impl Display) {
+        self.note(format_args!("{} {message}", label("next:", AnsiColor::Cyan)));
+    }
+
+    /// Tells of something that is not as it should be.
+    pub fn warning(&mut self, message: impl Display) {
+        self.message(&format!("{} {message}", label("warning:", AnsiColor::Yellow)));
+    }
+
+    /// Tells why the command could not be done.
+    pub fn error(&mut self, failure: &Failure) {
+        let (word, colour) = match failure.exit {
+            Exit::Interrupted => ("stopped:", AnsiColor::Yellow),
+            _ => ("error:", AnsiColor::Red),
+        };
+        self.message(&format!("{} {}", label(word, colour), failure.message));
+    }
+
+    /// Writes a line to stderr. That stderr cannot be written can be told to nobody.
+    fn message(&mut self, line: &str) {
+        let line = painted(line, self.colour, &AutoStream::choice(&std::io::stderr()));
+        writeln!(self.stderr, "{}", line.trim_end()).and_then(|()| self.stderr.flush()).ok();
+    }
+}
+
+/// The text with its colours, or without them where `choice`, or `stream` if that is left to it, wants none.
+fn painted(text: &str, choice: ColorChoice, stream: &ColorChoice) -> String {
+    let choice = if choice == ColorChoice::Auto { *stream } else { choice };
+    if choice == ColorChoice::Never { strip_str(text).to_string() } else { text.to_owned() }
+}
+
+fn label(word: &str, colour: AnsiColor) -> String {
+    let style = Style::new().bold().fg_color(Some(colour.into()));
+    format!("{style}{word}{style:#}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io;
+
+    /// A stream whose every write fails.
+    struct Broken(ErrorKind);
+    impl Write for Broken {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            Err(self.0.into())
+        }
+        fn flush(&mut self) -> io::Result<()> {
+            Err(self.0.into())
+        }
+    }
+
+    #[test]
+    fn a_reader_who_left_is_no_error_and_a_full_disk_is_one() {
+        let mut stderr = Vec::new();
+        let mut pipe = Broken(ErrorKind::BrokenPipe);
+        let mut console = Console::new(&mut pipe, &mut stderr, false, ColorChoice::Never);
+        assert!(console.data("a\n").is_ok() && console.data("b\n").is_ok());
+        let mut disk = Broken(ErrorKind::StorageFull);
+        let mut console = Console::new(&mut disk, &mut stderr, false, ColorChoice::Never);
+        let failure = console.data("a\n").expect_err("the disk is full");
+        assert_eq!((failure.exit, failure.message.contains("no storage space")), (Exit::Failed, true));
+    }
+
+    #[test]
+    fn quiet_keeps_warnings_and_colours_come_when_asked_for() {
+        for (choice, warning) in
+            [(ColorChoice::Never, "warning: b\n"), (ColorChoice::Always, "\u{1b}[1m\u{1b}[33mwarning:\u{1b}[0m b\n")]
+        {
+            let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
+            let mut console = Console::new(&mut stdout, &mut stderr, true, choice);
+            console.note("a");
+            console.warning("b");
+            assert_eq!(String::from_utf8_lossy(&stderr), warning);
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! How a command ends: the exit code, and what is said about a failure.
+
+use std::error::Error;
+
+use frfid_experiment::{ConfigError, ExperimentError};
+use frfid_files::FileError;
+use frfid_report::ReportError;
+use frfid_signals::SignalError;
+
+/// Exit codes, the same for every command.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Exit {
+    /// Done.
+    Done = 0,
+    /// Failed.
+    Failed = 1,
+    /// The command line or a configuration must be changed first.
+    Usage = 2,
+    /// Done, but data was lost or a check failed.
+    Flawed = 3,
+    /// Stopped by the user: 128 + SIGINT.
+    Interrupted = 130,
+}
+
+/// Why a command could not be done.
+#[derive(Debug)]
+pub(crate) struct Failure {
+    /// The exit code.
+    pub exit: Exit,
+    /// What was found, what was needed, what to do; the causes below it, one to a line.
+    pub message: String,
+}
+
+impl Failure {
+    /// The command line asks for something impossible.
+    pub fn usage(message: impl Into<String>) -> Self {
+        Self { exit: Exit::Usage, message: message.into() }
+    }
+
+    /// An error with the whole chain of its causes.
+    pub fn of(exit: Exit, error: &(dyn Error + 'static)) -> Self {
+        let mut message = error.to_string();
+        let mut cause = error.source();
+        while let Some(error) = cause {
+            let reason = error.to_string();
+            if !message.contains(&reason) {
+                message = format!("{message}\n  because: {reason}");
+            }
+            cause = error.source();
+        }
+        Self { exit, message }
+    }
+}
+
+impl From<ExperimentError> for Failure {
+    fn from(error: ExperimentError) -> Self {
+        match error {
+            ExperimentError::Config(error) => error.into(),
+            ExperimentError::File(error) => error.into(),
+            ExperimentError::Interrupted { .. } => Self::of(Exit::Interrupted, &error),
+            error => Self::of(Exit::Failed, &error),
+        }
+    }
+}
+
+impl From<ConfigError> for Failure {
+    fn from(error: ConfigError) -> Self {
+        Self::of(Exit::Usage, &error)
+    }
+}
+
+impl From<FileError> for Failure {
+    /// An output in the way or a file of the wrong kind is answered by another command line; anything else has failed.
+    fn from(error: FileError) -> Self {
+        let exit = match error {
+            FileError::Exists { .. } | FileError::Leftover { .. } | FileError::Format { .. } => Exit::Usage,
+            _ => Exit::Failed,
+        };
+        Self::of(exit, &error)
+    }
+}
+
+impl From<SignalError> for Failure {
+    fn from(error: SignalError) -> Self {
+        Self::of(Exit::Failed, &error)
+    }
+}
+
+impl From<ReportError> for Failure {
+    fn from(error: ReportError) -> Self {
+        Self::of(Exit::Failed, &error)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::{fmt, io};
+
+    #[derive(Debug)]
+    struct Outer(io::Error);
+    impl fmt::Display for Outer {
+        fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+            write!(f, "cannot write a.json")
+        }
+    }
+    impl Error for Outer {
+        fn source(&self) -> Option<&(dyn Error + 'static)> {
+            Some(&self.0)
+        }
+    }
+
+    #[test]
+    fn the_last_cause_of_a_chain_is_told() {
+        let error = Outer(io::Error::other("no space left"));
+        assert_eq!(Failure::of(Exit::Failed, &error).message, "cannot write a.json\n  because: no space left");
+    }
+
+    #[test]
+    fn every_kind_of_error_has_its_exit_code() {
+        let config = ConfigError { file: "x.toml".into(), place: None, message: "wrong".into() };
+        let code = |error: ExperimentError| Failure::from(error).exit;
+        assert_eq!(code(config.into()), Exit::Usage);
+        assert_eq!(code(FileError::Exists { path: "a".into() }.into()), Exit::Usage);
+        assert_eq!(code(FileError::Busy { path: "a".into() }.into()), Exit::Failed);
+        assert_eq!(code(ExperimentError::Interrupted { done: 1, total: 2 }), Exit::Interrupted);
+    }
+}
