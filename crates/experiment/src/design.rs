@@ -1,0 +1,137 @@
+//! From `experiment.toml` to the plan: excitation, phasing, averaging, all checked against each other.
+
+use frfid_signals::{Chirp, Excitation, GridDesign, Injection, Multisine, Plan, Profile, SignalError};
+
+use crate::config::{Amplitude, ChirpTable, Config, MultisineTable};
+use crate::source::{ConfigError, Source};
+
+/// The plan that a configuration describes.
+///
+/// # Errors
+/// [`ConfigError`] with the place of the value that does not fit.
+pub fn design(config: &Config, source: &Source) -> Result<Plan, ConfigError> {
+    let (excitation, phasing, band) = match (&config.multisine, &config.chirp) {
+        (Some(multisine), None) => (multisine_of(config, multisine, source)?, multisine.mimo, "multisine"),
+        (None, Some(chirp)) => (chirp_of(config, chirp, source)?, chirp.mimo, "chirp"),
+        (Some(_), Some(_)) => {
+            return Err(source.error(&["chirp"], "both [multisine] and [chirp] are given; keep one of them"));
+        }
+        (None, None) => return Err(source.error(&[], "no excitation: a table [multisine] or [chirp] is needed")),
+    };
+    let n_inputs = config.robot.n_axes();
+    let lead_in_s = config.averaging.lead_in_s.unwrap_or(match &excitation {
+        Excitation::Multisine { signal, .. } => signal.grid.period_s(),
+        Excitation::Chirp(_) => 0.0,
+    });
+    let lead_in = lead_in_s / config.sample_time_s;
+    if !(0.0..=1e8).contains(&lead_in) {
+        return Err(
+            source.error(&["averaging", "lead_in_s"], format!("lead_in_s is {lead_in_s}, needed: 0 to 10^8 samples"))
+        );
+    }
+    let velocity = config.constant_velocity.as_ref();
+    let plan = Plan {
+        seed: config.seed,
+        sample_time_s: config.sample_time_s,
+        n_inputs,
+        excitation,
+        phasing,
+        injection: if config.controller.is_some() { Injection::Velocity } else { Injection::Torque },
+        n_realizations: config.averaging.realizations,
+        n_repetitions: config.averaging.repetitions,
+        n_periods: config.averaging.periods,
+        lead_in_samples: lead_in.round() as usize,
+        velocity_rad_s: velocity.map_or_else(|| vec![0.0; n_inputs], |table| table.velocity_rad_s.clone()),
+        n_glides: velocity.map_or(0, |table| table.glides),
+    };
+    // one draw shows whether amplitudes, phasing and inputs fit together; its numbers are thrown away
+    plan.period(0).map_err(|error| located(source, band, &error))?;
+    check_limit_lengths(config, n_inputs, source)?;
+    Ok(plan)
+}
+
+fn multisine_of(config: &Config, table: &MultisineTable, source: &Source) -> Result<Excitation, ConfigError> {
+    let peak =
+        of_injection(config, source, "multisine", ["peak_nm", "peak_rad_s"], [&table.peak_nm, &table.peak_rad_s])?;
+    let design = GridDesign {
+        low_hz: table.low_hz,
+        high_hz: table.high_hz,
+        sample_time_s: config.sample_time_s,
+        resolution_hz: table.resolution_hz,
+        n_lines: table.n_lines,
+        kind: table.grid,
+        seed: config.seed,
+    };
+    let grid = design.design().map_err(|error| located(source, "multisine", &error))?;
+    let shape = table.shape.clone().unwrap_or_else(|| Profile::constant(1.0));
+    Ok(Excitation::Multisine { signal: Multisine { grid, shape, phases: table.phases }, peak })
+}
+
+fn chirp_of(config: &Config, table: &ChirpTable, source: &Source) -> Result<Excitation, ConfigError> {
+    let amplitude = of_injection(
+        config,
+        source,
+        "chirp",
+        ["amplitude_nm", "amplitude_rad_s"],
+        [&table.amplitude_nm, &table.amplitude_rad_s],
+    )?;
+    let chirp = Chirp {
+        low_hz: table.low_hz,
+        high_hz: table.high_hz,
+        duration_s: table.duration_s,
+        amplitude: amplitude.iter().map(Amplitude::profile).collect(),
+        fade_s: table.fade_s,
+        tail_s: table.tail_s,
+    };
+    Ok(Excitation::Chirp(chirp))
+}
+
+/// The amplitude in the unit of what is injected: torque in open loop, velocity in closed loop, one for each input.
+fn of_injection<T: Clone>(
+    config: &Config,
+    source: &Source,
+    table: &str,
+    names: [&str; 2],
+    values: [&Option<Vec<T>>; 2],
+) -> Result<Vec<T>, ConfigError> {
+    let closed = usize::from(config.controller.is_some());
+    let why =
+        ["no [controller]: the reference is a torque", "[controller] is given: the reference is a velocity"][closed];
+    if values[1 - closed].is_some() {
+        let message = format!("{why}; give {} instead of {}", names[closed], names[1 - closed]);
+        return Err(source.error(&[table, names[1 - closed]], message));
+    }
+    let n_inputs = config.robot.n_axes();
+    match values[closed] {
+        Some(value) if value.len() == n_inputs => Ok(value.clone()),
+        Some(value) => {
+            let message =
+                format!("{} has {} entries, needed: one for each of the {n_inputs} axes", names[closed], value.len());
+            Err(source.error(&[table, names[closed]], message))
+        }
+        None => Err(source.error(&[table], format!("{} is missing ({why})", names[closed]))),
+    }
+}
+
+fn check_limit_lengths(config: &Config, n_axes: usize, source: &Source) -> Result<(), ConfigError> {
+    for (name, limit) in config.limits.named() {
+        if limit.len() != n_axes || limit.iter().any(|value| value.is_nan() || *value <= 0.0) {
+            let message = format!("{name} is {limit:?}, needed: a number above 0 for each of the {n_axes} axes");
+            return Err(source.error(&["limits", name], message));
+        }
+    }
+    Ok(())
+}
+
+/// A numeric crate's complaint, put where the value stands in the text: its parameters carry the names of the keys.
+pub(crate) fn located(source: &Source, table: &str, error: &SignalError) -> ConfigError {
+    let key = match error {
+        SignalError::Parameter { name, .. } | SignalError::Shape { name, .. } => name,
+        SignalError::AboveNyquist { .. } => "high_hz",
+        _ => "",
+    };
+    let tables = [table, "averaging", "constant_velocity"];
+    let place = tables.iter().find(|table| source.has(&[table, key])).map_or(vec![table], |table| vec![*table, key]);
+    let path = if source.has(&[key]) { vec![key] } else { place };
+    source.error(&path, error.to_string())
+}

@@ -1,0 +1,61 @@
+//! What can go wrong between a configuration and a result.
+
+use thiserror::Error;
+
+use frfid_estimate::EstimateError;
+use frfid_files::FileError;
+use frfid_plant::PlantError;
+use frfid_signals::{SignalError, TestbedError};
+
+use crate::source::ConfigError;
+
+/// Errors of the `experiment` crate.
+#[derive(Debug, Error)]
+pub enum ExperimentError {
+    /// The configuration is wrong: file, line, caret, reason and remedy.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// A file could not be read or written.
+    #[error(transparent)]
+    File(#[from] FileError),
+    /// A signal, plan or record is not what it should be.
+    #[error(transparent)]
+    Signal(#[from] SignalError),
+    /// The robot's model refused.
+    #[error(transparent)]
+    Plant(#[from] PlantError),
+    /// A run failed on the testbed.
+    #[error(transparent)]
+    Testbed(#[from] TestbedError),
+    /// The records do not give an FRF.
+    #[error(transparent)]
+    Estimate(#[from] EstimateError),
+    /// Somebody asked to stop.
+    #[error("interrupted after {done} of {total} runs; what was done is kept, the same command goes on from there")]
+    Interrupted {
+        /// Runs done.
+        done: usize,
+        /// Runs in all.
+        total: usize,
+    },
+    /// The operating system gave no threads.
+    #[error("cannot start {jobs} threads: {reason}; ask for fewer with --jobs")]
+    Threads {
+        /// Threads asked for.
+        jobs: usize,
+        /// The reason given.
+        reason: String,
+    },
+    /// Logs that do not belong together, or not to this plan.
+    #[error("{what}: found {found}, needed {needed}; {advice}")]
+    Logs {
+        /// Which property.
+        what: &'static str,
+        /// What was found.
+        found: String,
+        /// What was needed.
+        needed: String,
+        /// What to do.
+        advice: &'static str,
+    },
+}
