@@ -8,7 +8,7 @@ use crate::log::{Recording, Series};
 use crate::log_map::Signal;
 use crate::mcap_chunk::Entry;
 use crate::mcap_open::open_mcap;
-use crate::mcap_read::scan;
+use crate::mcap_read::{Part, scan};
 use crate::mcap_record::{Channel, Message, Schema};
 use crate::ros2msg::{self, Definition};
 use crate::selector::Selector;
@@ -26,7 +26,7 @@ struct Topic {
 pub(crate) fn read(path: &Path, signals: &[&Signal]) -> Result<Recording, FileError> {
     let mut topics = topics_of(path, signals)?;
     let mut seen = BTreeSet::new();
-    let damages = scan(open_mcap(path)?, path, None, &mut |entry| {
+    let damages = scan(open_mcap(path)?, path, Part::All, &mut |entry| {
         let Entry::Message { channel, schema, message } = entry else { return Ok(()) };
         if !seen.contains(&channel.topic) {
             seen.insert(channel.topic.clone());

@@ -7,8 +7,12 @@ use frfid_signals::InputKind;
 
 use crate::joint_state::JointState;
 use crate::log_map::{LogMap, Signal};
+use crate::mcap_chunk::Entry;
+use crate::mcap_open::open_mcap;
+use crate::mcap_read::{Part, scan};
 use crate::mcap_write::RosWriter;
-use crate::{FileError, Log, read_log};
+use crate::value::decode;
+use crate::{FileError, Log, read_log, ros2msg};
 
 /// Recordings of others that are read where they are; the test is skipped, visibly, where they are not.
 fn shared(name: &str) -> Option<PathBuf> {
@@ -246,4 +250,25 @@ fn other_encodings_are_named_with_the_way_out() {
         let error = read_log(&path, &map("/t:data", "/t:data")).expect_err("refused").to_string();
         assert!(error.contains(told) && error.contains("/t"), "{error}");
     }
+}
+
+/// Every message in the bags of rosbag2's own tests is decoded to its last byte: every type, arrays of messages, types
+/// without fields.
+#[test]
+fn the_messages_of_others_decode_to_their_last_byte() {
+    let bags = ["array_msgs_0", "base_msgs_0", "cdr_test_0", "only_topics", "talker", "wbag_0"];
+    let mut decoded = 0;
+    for name in bags {
+        let Some(path) = shared(&format!("rosbags/{name}.mcap")) else { return };
+        let file = open_mcap(&path).expect("there");
+        let damages = scan(file, &path, Part::All, &mut |entry| {
+            let Entry::Message { channel, schema: Some(schema), message } = entry else { return Ok(()) };
+            let definition = ros2msg::parse(&String::from_utf8_lossy(&schema.text)).expect(&schema.name);
+            decode(&definition, message.data).expect(&channel.topic);
+            decoded += 1;
+            Ok(())
+        });
+        assert_eq!(damages.expect("readable"), []);
+    }
+    assert_eq!(decoded, 1285);
 }

@@ -41,13 +41,22 @@ impl RawRecord {
     }
 }
 
+/// Which part of a file to read.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Part {
+    /// Everything, so that the checksum over the whole file is verified too.
+    All,
+    /// What stands outside of chunks: metadata and attachments.
+    Description,
+    /// Chunks that hold anything between these log times, both included; the others are not even read.
+    Window(u64, u64),
+}
+
 /// Reads a file from start to end and hands everything sound to `visit`.
-///
-/// With `window_ns`, chunks that hold nothing between these log times (both included) are not even read.
 pub(crate) fn scan<R: Read + Seek>(
     mut file: R,
     path: &Path,
-    window_ns: Option<(u64, u64)>,
+    part: Part,
     visit: &mut Visit,
 ) -> Result<Vec<Damage>, FileError> {
     let failed = |error: io::Error| FileError::Io { path: path.into(), action: "read", reason: error.to_string() };
@@ -61,10 +70,10 @@ pub(crate) fn scan<R: Read + Seek>(
     file.seek(SeekFrom::Start(at)).map_err(failed)?;
     let mut crc = crc32fast::Hasher::new();
     crc.update(mcap::MAGIC);
-    let crc = window_ns.is_none().then_some(crc);
+    let crc = (part == Part::All).then_some(crc);
     let mut walk = Walk { file, length, at, chunks: summary.chunks, crc, damages };
     let mut topics = summary.topics;
-    while let Some(record) = walk.next_record(window_ns).map_err(failed)? {
+    while let Some(record) = walk.next_record(part).map_err(failed)? {
         deliver(&record, &mut walk, &mut topics, visit)?;
     }
     if topics.orphans > 0 {
@@ -117,7 +126,7 @@ impl<R> Walk<R> {
 
 impl<R: Read + Seek> Walk<R> {
     /// The next record worth reading; `None` at the end of the data.
-    fn next_record(&mut self, window_ns: Option<(u64, u64)>) -> io::Result<Option<RawRecord>> {
+    fn next_record(&mut self, part: Part) -> io::Result<Option<RawRecord>> {
         loop {
             let left = self.length.saturating_sub(self.at);
             if left < HEAD {
@@ -138,7 +147,11 @@ impl<R: Read + Seek> Walk<R> {
                     self.check_data_crc(head)?;
                     return Ok(None);
                 }
-                op::CHUNK => !self.is_in(window_ns)?,
+                op::CHUNK if !self.is_in(part)? => {
+                    let Some(next) = self.behind(self.at + HEAD + size, part) else { return Ok(None) };
+                    self.seek(next)?;
+                    continue;
+                }
                 op::MESSAGE_INDEX => self.crc.is_none(),
                 _ => false,
             };
@@ -189,17 +202,32 @@ impl<R: Read + Seek> Walk<R> {
         self.file.seek(SeekFrom::Start(to)).map(drop)
     }
 
-    /// Whether the chunk whose head was just read overlaps the window.
-    fn is_in(&mut self, window_ns: Option<(u64, u64)>) -> io::Result<bool> {
-        let Some((from, to)) = window_ns else { return Ok(true) };
-        if self.length - self.at < HEAD + 16 {
-            return Ok(true);
+    /// Whether the chunk whose head was just read is in the part to be read.
+    fn is_in(&mut self, part: Part) -> io::Result<bool> {
+        match part {
+            Part::All => Ok(true),
+            Part::Description => Ok(false),
+            Part::Window(..) if self.length - self.at < HEAD + 16 => Ok(true),
+            Part::Window(from, to) => {
+                let mut times = [0; 16];
+                self.file.read_exact(&mut times)?;
+                self.file.seek(SeekFrom::Start(self.at + HEAD))?;
+                let (start, end) = times_ns(times);
+                Ok(start <= to && end >= from)
+            }
         }
-        let mut times = [0; 16];
-        self.file.read_exact(&mut times)?;
-        self.file.seek(SeekFrom::Start(self.at + HEAD))?;
-        let (start, end) = times_ns(times);
-        Ok(start <= to && end >= from)
+    }
+
+    /// Where to go on behind a chunk that is not in the part: with an index straight to the next one that is, or nowhere.
+    fn behind(&self, offset: u64, part: Part) -> Option<u64> {
+        match part {
+            Part::Window(from, to) if !self.chunks.is_empty() => {
+                let later = &self.chunks[self.chunks.partition_point(|chunk| chunk.offset < offset)..];
+                let next = later.iter().find(|chunk| chunk.from_ns <= to && chunk.to_ns >= from)?;
+                Some(next.offset).filter(|&offset| offset < self.length)
+            }
+            _ => Some(offset),
+        }
     }
 
     fn read_record(&mut self, head: [u8; 9], size: u64, is_cut: bool) -> io::Result<RawRecord> {

@@ -154,7 +154,11 @@ fn write_event<W: Write>(writer: &mut RosWriter<W>, topic: &mut Topic, event: &E
 fn messages(run: &RunFile, sample: usize) -> [JointState; 3] {
     let record = &run.record;
     let stamp_ns = stamp_ns(sample, record.sample_time_s);
-    let values = |signal: &Array2<f64>| column(signal, sample, run.joint_names.len());
+    let values = |signal: &Array2<f64>| {
+        let mut values = signal.column(sample).to_vec();
+        values.resize(run.joint_names.len(), f64::NAN);
+        values
+    };
     let reference = || record.r.as_ref().map(values).unwrap_or_default();
     let mut state = JointState {
         stamp_ns,
@@ -176,11 +180,4 @@ fn messages(run: &RunFile, sample: usize) -> [JointState; 3] {
         }
     }
     [state, command, injected]
-}
-
-/// One sample of a signal, filled up with NaN to one value per joint.
-pub(crate) fn column(signal: &Array2<f64>, sample: usize, joints: usize) -> Vec<f64> {
-    let mut values = signal.column(sample).to_vec();
-    values.resize(joints, f64::NAN);
-    values
 }

@@ -11,7 +11,7 @@ use crate::joint_state::JointState;
 use crate::loss::{self, Loss};
 use crate::mcap_chunk::Entry;
 use crate::mcap_open::open_mcap;
-use crate::mcap_read::scan;
+use crate::mcap_read::{Part, scan};
 use crate::mcap_record::Message;
 use crate::mcap_write::{START_NS, stamp_ns};
 use crate::run_file::{RunFile, RunStructure, VERSION};
@@ -29,7 +29,7 @@ pub fn read_run(path: &Path) -> Result<(RunFile, Vec<Loss>), FileError> {
 
 pub(crate) fn read_from<R: Read + Seek>(file: R, path: &Path) -> Result<(RunFile, Vec<Loss>), FileError> {
     let mut reading = Reading::default();
-    let damages = scan(file, path, None, &mut |entry| reading.take(entry, path))?;
+    let damages = scan(file, path, Part::All, &mut |entry| reading.take(entry, path))?;
     let Some(mut samples) = reading.samples else {
         let found = damages.first().map_or("an MCAP without it".into(), |damage| damage.reason.clone());
         return Err(not_a_run(path, found));
