@@ -70,6 +70,25 @@ pub enum EstimateError {
         /// Largest share allowed.
         limit: f64,
     },
+    /// A periodic reference whose amplitudes have no gap between excited lines and the rest.
+    #[error(
+        "no set of excited lines: the widest gap between amplitudes is a factor {gap:.1} (at least 4 is needed), {range:.1e} below \
+             the strongest line (at most 1e3); the reference is no multisine, or name the lines yourself"
+    )]
+    NoLines {
+        /// Widest ratio between successive amplitudes.
+        gap: f64,
+        /// Ratio from the strongest line to the one above the gap.
+        range: f64,
+    },
+    /// The response has not settled within the first half of the recording.
+    #[error("the first {transient} of {n_periods} periods are still transient; record at least {} periods", 4 * .transient)]
+    NotSettled {
+        /// Periods recorded.
+        n_periods: usize,
+        /// Periods found to be transient, at least.
+        transient: usize,
+    },
     /// A frequency is no line of the period.
     #[error(
         "{frequency_hz} Hz is no line of a period of {n_samples} samples; the nearest line is {nearest_hz} Hz, and a period of {offered_samples} samples would have it"
@@ -83,6 +102,16 @@ pub enum EstimateError {
         nearest_hz: f64,
         /// Nearest period, in samples, that has the frequency among its lines.
         offered_samples: usize,
+    },
+    /// Two FRFs that share too few frequencies to be compared.
+    #[error("the FRFs cover {} to {} Hz and {} to {} Hz: {found} frequencies of one lie in the common band, at least 3 are needed", .a_hz.0, .a_hz.1, .b_hz.0, .b_hz.1)]
+    NoCommonBand {
+        /// Lowest and highest frequency of A in Hz.
+        a_hz: (f64, f64),
+        /// Lowest and highest frequency of B in Hz.
+        b_hz: (f64, f64),
+        /// Frequencies in the common band, of the FRF that has fewer there.
+        found: usize,
     },
     /// A glide that moved the other way than the run.
     #[error(

@@ -202,7 +202,10 @@ mod tests {
     fn four_periods_lie_around_the_instant_and_are_clipped_at_the_ends() {
         let middle = excerpt(10.0);
         let instant = 20.0 * 10f64.ln() / 60f64.ln() / SAMPLE_TIME_S;
-        assert_eq!((middle.first, middle.last), ((instant - 200.0).ceil() as usize, (instant + 200.0).floor() as usize));
+        assert_eq!(
+            (middle.first, middle.last),
+            ((instant - 200.0).ceil() as usize, (instant + 200.0).floor() as usize)
+        );
         assert_eq!((excerpt(1.0).first, excerpt(60.0).last), (0, 19_999));
     }
 }

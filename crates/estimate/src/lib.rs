@@ -4,25 +4,38 @@
 //! `frfid_signals`. Nothing here knows files, clocks or chance.
 
 mod bla;
+mod bode;
 mod campaign;
 mod chirp;
+mod compare;
 mod confidence;
 mod error;
 mod excerpt;
 mod glide;
 mod indirect;
 mod line_dft;
+mod lines;
+mod period;
+mod resonance;
 mod right_division;
 mod singular;
 #[cfg(test)]
 mod testing;
+mod transient;
+mod verdict;
 
 pub use bla::{Averaging, BlaOptions, estimate_bla};
 pub use campaign::{Campaign, Place, RunSpectra, Transform};
 pub use chirp::estimate_chirp;
+pub use compare::{Change, CompareOptions, Comparison, EntryComparison, Side, compare};
 pub use confidence::{confidence_factor_95, f_quantile};
 pub use error::{Deficiency, DeficientLine, EstimateError};
 pub use excerpt::{ExcerptOptions, Excerpts};
 pub use glide::subtract_glide;
 pub use line_dft::LineDft;
+pub use lines::{find_lines, lines_at};
+pub use period::find_period;
+pub use resonance::{Feature, FeatureKind, find_features};
 pub use singular::{condition_number, singular_values};
+pub use transient::count_transient_periods;
+pub use verdict::Verdict;
