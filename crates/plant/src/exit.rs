@@ -112,9 +112,14 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
     /// Where in the trial a signal first crosses a bound.
     fn exit(&self, bound: Bound, end: &State<f64, A>, end_derivative: &State<f64, A>) -> Option<f64> {
         let margin = |theta| self.margin(bound, theta, &self.state(theta));
+        let mut inside = (0.0, self.margin(bound, 0.0, &self.motion.state));
         let mut outside = (1.0, self.margin(bound, 1.0, end));
         if outside.1 >= 0.0 {
-            // inside again: it can only have been outside if it turned back within the step
+            // Inside again: it can only have been outside if it turned back within the step. A mode that begins on its
+            // bound begins by moving inside; a slope that says otherwise is rounding.
+            if inside.1 <= 0.0 {
+                return None;
+            }
             let rates = (self.margin_rate(bound, 0.0, self.derivative), self.margin_rate(bound, 1.0, end_derivative));
             if !(rates.0 < 0.0 && rates.1 > 0.0) {
                 return None;
@@ -126,7 +131,6 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
                 return None;
             }
         }
-        let mut inside = (0.0, self.margin(bound, 0.0, &self.motion.state));
         let mut halvings = 0;
         while inside.1 <= 0.0 {
             // the mode begins on its very bound: look for a point inside behind it; if there is none, it ends here

@@ -80,20 +80,19 @@ impl<'a, K: Links<A>, const A: usize> Motion<'a, K, A> {
         self.check()
     }
 
-    /// Lets stuck motors go whose torque has jumped beyond what friction can hold.
+    /// Decides anew for motors at rest, whose torque may have jumped.
     fn release(&mut self, torque: &[f64; A]) {
         for axis in 0..A {
-            if self.modes[axis].slip == Slip::Stuck {
-                self.settle(axis, torque);
+            if self.state.motor_velocity[axis] == 0.0 {
+                self.enter(axis, Mode { slip: self.at_rest(axis, torque), ..self.modes[axis] });
             }
         }
     }
 
-    /// Chooses the branch of friction of a motor at rest.
-    fn settle(&mut self, axis: usize, torque: &[f64; A]) {
+    /// The branch of friction of a motor at rest.
+    fn at_rest(&self, axis: usize, torque: &[f64; A]) -> Slip {
         let net = self.machine.net_torque(axis, &self.regimes[axis], torque[axis], &self.state);
-        let slip = self.machine.drives[axis].friction.at_rest(net);
-        self.enter(axis, Mode { slip, ..self.modes[axis] });
+        self.machine.drives[axis].friction.at_rest(net)
     }
 
     fn enter(&mut self, axis: usize, mode: Mode) {
@@ -142,7 +141,9 @@ impl<'a, K: Links<A>, const A: usize> Motion<'a, K, A> {
         match (signal, mode.slip, mode.branch) {
             (Signal::Velocity, ..) => {
                 self.state.motor_velocity[axis] = 0.0; // it is, but for rounding
-                self.settle(axis, torque);
+                let slip = self.at_rest(axis, torque);
+                // it came to rest, so what drove it on does so no longer, whatever the rounding of a torque near F_c says
+                self.enter(axis, Mode { slip: if slip == mode.slip { Slip::Stuck } else { slip }, ..mode });
             }
             (Signal::NetTorque, ..) => {
                 self.enter(axis, Mode { slip: if upwards { Slip::Forward } else { Slip::Backward }, ..mode });

@@ -156,11 +156,15 @@ mod tests {
     }
 
     #[test]
-    fn steps_too_long_for_the_joint_diverge_and_say_in_which_run() {
-        let joint = SingleJoint { motor_inertia_kg_m2: 1e-4, ..joint() };
-        let testbed = OpenLoop { max_step_s: Some(1e-3), ..OpenLoop::new(joint) };
-        let error = testbed.run(&run(0.0, 100.0)).expect_err("the resonance lies at 6 kHz");
-        assert!(error.to_string().starts_with("run p000-m0-q0: "), "{error}");
-        assert!(matches!(error, TestbedError::Diverged { channel: 0, .. }), "{error}");
+    fn steps_too_long_for_the_joint_are_reported_with_their_run() {
+        let reported = |coulomb_nm: f64| {
+            let joint = SingleJoint { motor_inertia_kg_m2: 1e-4, coulomb_nm, ..joint() }; // its resonance lies at 6 kHz
+            let testbed = OpenLoop { max_step_s: Some(1e-3), ..OpenLoop::new(joint) };
+            let error = testbed.run(&run(0.0, 100.0)).expect_err("RK4 is unstable");
+            assert!(error.to_string().starts_with("run p000-m0-q0: "), "{error}");
+            error
+        };
+        assert!(matches!(reported(0.0), TestbedError::Diverged { channel: 0, .. }));
+        assert!(reported(50.0).to_string().ends_with("lower max_step_s"));
     }
 }
