@@ -3,6 +3,7 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use frfid_estimate::Averaging;
 use frfid_signals::{GridKind, Phases, Phasing, Profile};
 
 use crate::robot::{ControllerTable, RobotTable};
@@ -203,6 +204,15 @@ pub enum Average {
     Frfs,
     /// The spectra, before dividing.
     Spectra,
+}
+
+impl From<Average> for Averaging {
+    fn from(average: Average) -> Self {
+        match average {
+            Average::Frfs => Self::Frfs,
+            Average::Spectra => Self::Spectra,
+        }
+    }
 }
 
 /// Names of [`GridKind`] for the schema; the numeric crates do not know of schemas.

@@ -3,12 +3,12 @@
 use ndarray::{Array2, s};
 
 use frfid_estimate::{
-    Averaging, BlaOptions, Campaign, ExcerptOptions, Excerpts, LineDft, Place, RunSpectra, Transform, subtract_glide,
+    BlaOptions, Campaign, ExcerptOptions, Excerpts, LineDft, Place, RunSpectra, Transform, subtract_glide,
 };
 use frfid_signals::{Excitation, Frf, Plan, Record, RunId, RunKind, SignalError};
 
 use crate::ExperimentError;
-use crate::config::{Average, EstimateTable};
+use crate::config::EstimateTable;
 
 /// Turns the records of one plan into spectra, and the spectra into an FRF.
 pub struct Estimator {
@@ -111,11 +111,8 @@ impl Estimator {
             campaign.insert(place, run)?;
         }
         let missing = campaign.drop_incomplete();
-        let averaging = match self.options.average {
-            Average::Frfs => Averaging::Frfs,
-            Average::Spectra => Averaging::Spectra,
-        };
-        Ok((campaign.estimate(&BlaOptions { averaging, ..BlaOptions::default() })?, missing))
+        let options = BlaOptions { averaging: self.options.average.into(), ..BlaOptions::default() };
+        Ok((campaign.estimate(&options)?, missing))
     }
 }
 

@@ -20,7 +20,7 @@ pub enum Overwrite {
 }
 
 /// Any error of what fills a file.
-pub(crate) type BoxError = Box<dyn Error + Send + Sync>;
+pub type BoxError = Box<dyn Error + Send + Sync>;
 
 /// Where a file is kept until it is complete: its name with `.part` behind it.
 #[must_use]

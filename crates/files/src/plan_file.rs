@@ -106,19 +106,24 @@ const REST_S: f64 = 1.0;
 /// Writes a plan run by run: the memory of one run, however many there are. The same content gives the same bytes.
 ///
 /// # Errors
-/// [`FileError::Shape`] for a head that contradicts itself; [`FileError::Write`] also for a run that does not fit it.
-pub fn write_plan(
+/// [`FileError::Shape`] for a head that contradicts itself; [`FileError::Write`] also for a run that does not fit it, or that
+/// could not be made: the plan then stays in `NAME.part`.
+pub fn write_plan<E: Into<BoxError>>(
     path: &Path,
     overwrite: Overwrite,
     head: &PlanHead,
-    runs: impl IntoIterator<Item = PlannedRun>,
+    runs: impl IntoIterator<Item = Result<PlannedRun, E>>,
 ) -> Result<(), FileError> {
     structure::check_joints(&head.joint_names)?;
     structure::check_sample_time(head.sample_time_s)?;
     write_file(path, overwrite, |file| write_to(file, head, runs))
 }
 
-fn write_to<W: Write>(file: W, head: &PlanHead, runs: impl IntoIterator<Item = PlannedRun>) -> Result<(), BoxError> {
+fn write_to<W: Write, E: Into<BoxError>>(
+    file: W,
+    head: &PlanHead,
+    runs: impl IntoIterator<Item = Result<PlannedRun, E>>,
+) -> Result<(), BoxError> {
     let mut writer = RosWriter::new(file)?;
     let structure = PlanStructure {
         version: VERSION,
@@ -138,6 +143,7 @@ fn write_to<W: Write>(file: W, head: &PlanHead, runs: impl IntoIterator<Item = P
     let mut index = PlanIndex { runs: Vec::new() };
     let mut start_sample = 0;
     for planned in runs {
+        let planned = planned.map_err(Into::into)?;
         check(&planned, head)?;
         let run = &planned.run;
         let entry = PlanEntry {
@@ -247,7 +253,8 @@ impl PlanFile {
     /// Every run, repetition by repetition, in the order in which they are done.
     pub fn run_ids(&self) -> impl Iterator<Item = RunId> + '_ {
         self.runs.iter().flat_map(|entry| {
-            (0..entry.n_repetitions).map(|k| RunId { repetition: entry.id.repetition + k, ..entry.id })
+            let first = entry.id.repetition;
+            (first..first.saturating_add(entry.n_repetitions)).map(|repetition| RunId { repetition, ..entry.id })
         })
     }
 
@@ -257,7 +264,7 @@ impl PlanFile {
     /// [`FileError::Content`] if the plan does not hold this run, or its reference is damaged.
     pub fn run(&self, id: RunId) -> Result<Run, FileError> {
         let holds = |entry: &&PlanEntry| {
-            let repetitions = entry.id.repetition..entry.id.repetition + entry.n_repetitions;
+            let repetitions = entry.id.repetition..entry.id.repetition.saturating_add(entry.n_repetitions);
             RunId { repetition: entry.id.repetition, ..id } == entry.id && repetitions.contains(&id.repetition)
         };
         let entry = self.runs.iter().find(holds).ok_or_else(|| FileError::Content {
@@ -343,7 +350,7 @@ mod tests {
 
     fn bytes() -> Vec<u8> {
         let mut file = Vec::new();
-        write_to(&mut file, &head(), runs()).expect("memory does not fail");
+        write_to(&mut file, &head(), runs().into_iter().map(Ok::<_, BoxError>)).expect("memory does not fail");
         file
     }
 
@@ -351,7 +358,7 @@ mod tests {
     fn a_plan_comes_back_bit_for_bit_run_by_run() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("plan.mcap");
-        write_plan(&path, Overwrite::Refuse, &head(), runs()).expect("sound");
+        write_plan(&path, Overwrite::Refuse, &head(), runs().into_iter().map(Ok::<_, BoxError>)).expect("sound");
         let plan = PlanFile::open(&path).expect("sound");
         assert_eq!((&plan.head, plan.runs.len(), plan.run_ids().count()), (&head(), 8, 24));
         for (id, repetition) in plan.run_ids().zip([0, 1, 2].into_iter().cycle()) {
@@ -373,7 +380,11 @@ mod tests {
         for k in 0..60 {
             let mut file = whole.clone();
             let at = k * (whole.len() / 60);
-            if k % 2 == 0 { file.truncate(at) } else { file[at] ^= 16 }
+            if k % 2 == 0 {
+                file.truncate(at)
+            } else {
+                file[at] ^= 16
+            }
             std::fs::write(&path, file).expect("written");
             let Ok(plan) = PlanFile::open(&path) else { continue };
             for id in plan.run_ids() {
@@ -392,7 +403,9 @@ mod tests {
         narrow.run.velocity_rad_s.pop();
         for (k, bad) in [wrong, narrow].into_iter().enumerate() {
             let path = folder.path().join(format!("{k}.mcap"));
-            let error = write_plan(&path, Overwrite::Refuse, &head(), [bad]).expect_err("refused").to_string();
+            let error = write_plan(&path, Overwrite::Refuse, &head(), [Ok::<_, BoxError>(bad)])
+                .expect_err("refused")
+                .to_string();
             assert!(error.contains("run p000-m0-q0") && !path.exists(), "{error}");
         }
     }

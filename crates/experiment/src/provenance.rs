@@ -1,0 +1,55 @@
+//! Where a file comes from: version, seed and hashes, the same in plans, records and results. No clock and no machine in it:
+//! the same description gives the same bytes.
+
+use std::collections::BTreeMap;
+
+use sha2::{Digest, Sha256};
+
+use frfid_signals::Plan;
+
+use crate::Experiment;
+
+/// Key of the plan itself, as JSON.
+pub(crate) const PLAN: &str = "plan";
+/// Key of the hash of the plan: records with the same one belong together.
+pub(crate) const DESIGN: &str = "design_sha256";
+/// Key of the hash of the whole description, robot included: a run with the same one needs not be done again.
+pub(crate) const CONFIG: &str = "config_sha256";
+
+impl Experiment {
+    /// Version, seed, hashes and the plan itself, as they stand in the metadata record `frfid` of plans and runs.
+    #[must_use]
+    pub fn provenance(&self) -> BTreeMap<String, String> {
+        let plan = plan_json(&self.plan);
+        let entries = [
+            ("frfid_version", env!("CARGO_PKG_VERSION").to_owned()),
+            ("seed", self.config.seed.to_string()),
+            (CONFIG, sha256_hex(self.to_toml().as_bytes())),
+            (DESIGN, sha256_hex(plan.as_bytes())),
+            (PLAN, plan),
+        ];
+        entries.map(|(key, value)| (key.to_owned(), value)).into()
+    }
+}
+
+/// The plan as JSON.
+fn plan_json(plan: &Plan) -> String {
+    serde_json::to_string(plan).expect("a plan is structs, lists and finite numbers")
+}
+
+/// SHA-256 in hexadecimal digits.
+#[must_use]
+pub fn sha256_hex(bytes: &[u8]) -> String {
+    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_hash_is_the_published_one() {
+        // FIPS 180-4, example "abc"
+        assert_eq!(sha256_hex(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    }
+}

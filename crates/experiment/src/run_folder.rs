@@ -1,0 +1,147 @@
+//! The runs of an order into a folder, one MCAP each; what is there already and belongs to it is not done again.
+
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use serde::Serialize;
+
+use frfid_files::{FileError, Overwrite, RunFile, read_run, write_run};
+use frfid_signals::{Event, EventKind, Plan, Record, RunId, RunKind, Testbed};
+
+use crate::ExperimentError;
+use crate::campaign::{Progress, run_all};
+use crate::order::Order;
+use crate::predict::Peaks;
+use crate::provenance::CONFIG;
+
+/// How runs are done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct RunOptions {
+    /// Runs at once; 0: one for each core.
+    pub jobs: usize,
+    /// Only the run at this place of the order, from 0: for job arrays.
+    pub index: Option<usize>,
+    /// What to do with a file that exists and is not this run's.
+    pub overwrite: Overwrite,
+}
+
+/// What came of the runs.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunSummary {
+    /// Runs done now, in the order of their names.
+    pub written: Vec<RunReport>,
+    /// Runs that were there already.
+    pub n_skipped: usize,
+}
+
+/// What came of one run.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct RunReport {
+    /// Its file.
+    pub path: PathBuf,
+    /// Largest values.
+    pub peaks: Peaks,
+    /// Share of the samples at which the measured velocity is exactly zero, one for each axis: with an ideal sensor the time
+    /// in which friction holds the joint.
+    pub standing_share: Vec<f64>,
+    /// Limits that were hit and stops, without the starts of periods.
+    pub events: Vec<Event>,
+}
+
+/// Does the runs of `order` on `testbed` (the description's own model if `None`) and writes `folder/RUN.mcap` for each.
+///
+/// # Errors
+/// [`ExperimentError`]: an index beyond the order, a run that fails, a file in the way that is not this run's, a disk that is
+/// full. Runs that are complete by then stay.
+pub fn run_to_folder(
+    order: &Order,
+    testbed: Option<&dyn Testbed>,
+    folder: &Path,
+    options: &RunOptions,
+    progress: Progress,
+) -> Result<RunSummary, ExperimentError> {
+    let ids = chosen(order, options.index)?;
+    let experiment = &order.experiment;
+    let metadata = experiment.provenance();
+    let config_sha256 = metadata.get(CONFIG);
+    let path_of = |id: RunId| folder.join(format!("{id}.mcap"));
+    let is_done = |id: &RunId| {
+        let done = read_run(&path_of(*id)).ok().filter(|(_, losses)| losses.is_empty());
+        done.is_some_and(|(file, _)| file.run == *id && file.metadata.get(CONFIG) == config_sha256)
+    };
+    let (done, open): (Vec<RunId>, Vec<RunId>) = ids.iter().partition(|id| is_done(id));
+    let model = if testbed.is_none() { Some(experiment.testbed()?) } else { None };
+    let testbed = testbed.or(model.as_deref()).expect("one of the two was given");
+    let (joint_names, toml) = (experiment.config.robot.joint_names(), experiment.to_toml());
+    let written: Mutex<Vec<RunReport>> = Mutex::default();
+    create_folder(folder)?;
+    let progress_of_all = |now: usize, _: usize| progress(done.len() + now, ids.len());
+    run_all(&open, &|id| order.run(id), testbed, options.jobs, &progress_of_all, &|run, mut record| {
+        record.events.extend(period_starts(&experiment.plan, run.id, &record)?);
+        record.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+        let report = report(&path_of(run.id), &record);
+        let file = RunFile {
+            joint_names: joint_names.clone(),
+            run: run.id,
+            injection: experiment.plan.injection,
+            record,
+            metadata: metadata.clone(),
+            experiment_toml: toml.clone(),
+        };
+        write_run(&report.path, options.overwrite, &file)?;
+        written.lock().expect("no holder of the lock panics").push(report);
+        Ok(())
+    })?;
+    let mut written = written.into_inner().expect("no holder of the lock panics");
+    written.sort_by(|a, b| a.path.cmp(&b.path));
+    Ok(RunSummary { written, n_skipped: done.len() })
+}
+
+fn create_folder(folder: &Path) -> Result<(), FileError> {
+    std::fs::create_dir_all(folder).map_err(|error| FileError::Io {
+        path: folder.to_owned(),
+        action: "create the folder",
+        reason: error.to_string(),
+    })
+}
+
+/// All runs, or the one at `index`.
+fn chosen(order: &Order, index: Option<usize>) -> Result<Vec<RunId>, ExperimentError> {
+    let ids = order.run_ids();
+    let Some(index) = index else { return Ok(ids) };
+    match ids.get(index) {
+        Some(&id) => Ok(vec![id]),
+        None => Err(ExperimentError::Logs {
+            what: "index of the run",
+            found: index.to_string(),
+            needed: format!("0 to {}", ids.len().saturating_sub(1)),
+            advice: "the order has no more runs",
+        }),
+    }
+}
+
+/// The starts of the measured periods that the record reaches.
+fn period_starts(plan: &Plan, id: RunId, record: &Record) -> Result<Vec<Event>, ExperimentError> {
+    let period_samples = plan.period_samples()?;
+    let periods = if id.kind == RunKind::Glide { 0..0 } else { 0..plan.n_periods };
+    let starts = periods.map(|period| (period, plan.lead_in_samples + period * period_samples));
+    let reached = starts.filter(|(_, start)| *start < record.n_samples());
+    Ok(reached
+        .map(|(period, start)| Event {
+            time_s: start as f64 * plan.sample_time_s,
+            kind: EventKind::PeriodStart { period },
+        })
+        .collect())
+}
+
+fn report(path: &Path, record: &Record) -> RunReport {
+    let standing =
+        |row: ndarray::ArrayView1<f64>| row.iter().filter(|&&y| y == 0.0).count() as f64 / row.len().max(1) as f64;
+    let is_start = |event: &&Event| matches!(event.kind, EventKind::PeriodStart { .. });
+    RunReport {
+        path: path.to_owned(),
+        peaks: Peaks::of(record),
+        standing_share: record.y.rows().into_iter().map(standing).collect(),
+        events: record.events.iter().filter(|event| !is_start(event)).cloned().collect(),
+    }
+}
