@@ -28,14 +28,14 @@ pub trait Links<const A: usize> {
 /// A single link on a fixed axis: J_o qo'' = torque (SK15 eq. (22)).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inertia {
-    /// Inertia J_o of the link in kg m^2.
-    pub link_inertia_kg_m2: f64,
+    /// 1/J_o in 1/(kg m^2).
+    pub mobility: f64,
 }
 
 impl Links<1> for Inertia {
     #[inline]
     fn acceleration<L: Lane>(&self, _position: [L; 1], _velocity: [L; 1], [torque]: [L; 1]) -> [L; 1] {
-        [torque * L::splat(1.0 / self.link_inertia_kg_m2)]
+        [torque * L::splat(self.mobility)]
     }
 }
 
@@ -120,13 +120,15 @@ impl Drive {
 }
 
 impl<K: Links<A>, const A: usize> Machine<K, A> {
-    /// Torque in N m on an axis' motor besides its friction: u - ripple(qm) - tau_s(dq) - d dq'.
+    /// Torque in N m on an axis' motor besides its friction: u - ripple(qm) - tau_s(dq) - d dq'. What changes last within
+    /// a step is subtracted last: the steps wait for each other, and this shortens the wait.
     #[inline]
     pub fn net_torque<L: Lane>(&self, axis: usize, regime: &Regime<L>, torque: L, x: &State<L, A>) -> L {
         let drive = &self.drives[axis];
+        let position = x.motor_position[axis];
         let rate = x.motor_velocity[axis] - x.link_velocity[axis];
-        let net = torque - drive.transmitted(regime, x.deflection[axis], rate);
-        drive.ripple.iter().fold(net, |net, ripple| net - ripple.torque(x.motor_position[axis]))
+        let net = drive.ripple.iter().fold(torque - regime.offset_nm, |net, ripple| net - ripple.torque(position));
+        net - regime.slope_nm_per_rad * x.deflection[axis] - L::splat(drive.damping_nms_per_rad) * rate
     }
 
     /// Time derivative of the state under motor torques in N m (SK15 eqs. (20)-(22)).
@@ -141,8 +143,8 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
             deflection,
             motor_velocity: from_fn(|axis| {
                 let viscous = L::splat(self.drives[axis].friction.viscous_nms_per_rad) * x.motor_velocity[axis];
-                let net = self.net_torque(axis, &regimes[axis], torque[axis], x);
-                regimes[axis].mobility * (net - regimes[axis].coulomb_nm - viscous)
+                let net = self.net_torque(axis, &regimes[axis], torque[axis] - regimes[axis].coulomb_nm, x);
+                regimes[axis].mobility * (net - viscous)
             }),
             link_velocity: self.links.acceleration(link_position, x.link_velocity, transmitted),
         }

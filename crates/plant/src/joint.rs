@@ -81,7 +81,7 @@ impl SingleJoint {
                 friction: self.friction(),
                 ripple: self.ripple.clone(),
             }],
-            links: Inertia { link_inertia_kg_m2: self.link_inertia_kg_m2 },
+            links: Inertia { mobility: 1.0 / self.link_inertia_kg_m2 },
         }
     }
 
