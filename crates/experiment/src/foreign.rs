@@ -59,7 +59,7 @@ pub fn estimate_foreign(paths: &[PathBuf], map: &LogMap, options: &EstimateTable
     let lines = find_lines(whole.view(), period_samples)?;
     let mut n_transient = 0;
     for log in &logs {
-        n_transient = n_transient.max(transient(log, period_samples)?);
+        n_transient = n_transient.max(transient(log, period_samples, &lines)?);
     }
     let dft = LineDft::new(period_samples, &lines)?;
     let mut campaign = Campaign::new(dft.frequency_hz(sample_time_s)?)?;
@@ -110,12 +110,12 @@ fn is_whole(signal: ArrayView2<f64>) -> bool {
 }
 
 /// Leading periods of the outputs that are still transient.
-fn transient(log: &Log, period_samples: usize) -> Result<usize, ExperimentError> {
+fn transient(log: &Log, period_samples: usize, lines: &[usize]) -> Result<usize, ExperimentError> {
     let y = filled(log.record.y.view());
     let n_periods = y.ncols() / period_samples;
     let periods = y.slice(s![.., ..n_periods * period_samples]).to_owned();
     let shape = (y.nrows(), n_periods, period_samples);
     let mut periods = periods.into_shape_with_order(shape).expect("whole periods of each channel, in C order");
     periods.swap_axes(0, 1);
-    Ok(count_transient_periods(periods.view())?)
+    Ok(count_transient_periods(periods.view(), lines)?)
 }

@@ -3,8 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use sha2::{Digest, Sha256};
-
+use frfid_files::sha256_hex;
 use frfid_signals::Plan;
 
 use crate::Experiment;
@@ -35,21 +34,4 @@ impl Experiment {
 /// The plan as JSON.
 fn plan_json(plan: &Plan) -> String {
     serde_json::to_string(plan).expect("a plan is structs, lists and finite numbers")
-}
-
-/// SHA-256 in hexadecimal digits.
-#[must_use]
-pub fn sha256_hex(bytes: &[u8]) -> String {
-    Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_hash_is_the_published_one() {
-        // FIPS 180-4, example "abc"
-        assert_eq!(sha256_hex(b"abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-    }
 }

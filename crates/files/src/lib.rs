@@ -53,5 +53,5 @@ pub use plan_file::{PlanEntry, PlanFile, PlanHead, PlannedRun, write_plan};
 pub use recover::{Recovered, recover};
 pub use result::{Check, ResultFile, read_result, write_result};
 pub use run_file::{RunFile, write_run};
-pub use run_read::read_run;
+pub use run_read::{read_run, read_run_label};
 pub use sha256::{sha256_file, sha256_hex};

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io::{Read, Seek};
 use std::path::Path;
 
-use frfid_signals::{Event, Injection, InputKind, Record};
+use frfid_signals::{Event, Injection, InputKind, Record, RunId};
 use ndarray::Array2;
 
 use crate::joint_state::JointState;
@@ -25,6 +25,26 @@ use crate::{FileError, structure, topics};
 /// before it says what it holds.
 pub fn read_run(path: &Path) -> Result<(RunFile, Vec<Loss>), FileError> {
     read_from(open_mcap(path)?, path)
+}
+
+/// Which run a file holds, and its provenance (the metadata record `frfid`); the samples are not read.
+///
+/// # Errors
+/// As [`read_run`].
+pub fn read_run_label(path: &Path) -> Result<(RunId, BTreeMap<String, String>), FileError> {
+    let (mut run, mut provenance) = (None, BTreeMap::new());
+    scan(open_mcap(path)?, path, Part::Description, &mut |entry| {
+        match entry {
+            Entry::Metadata { name, values } if name == structure::PROVENANCE => provenance = values,
+            Entry::Metadata { name, values } if name == structure::RUN => {
+                let structure: RunStructure = structure::from_texts(&values).map_err(|error| not_a_run(path, error))?;
+                run = Some(structure.run);
+            }
+            _ => {}
+        }
+        Ok(())
+    })?;
+    run.map(|run| (run, provenance)).ok_or_else(|| not_a_run(path, "an MCAP without it".into()))
 }
 
 pub(crate) fn read_from<R: Read + Seek>(file: R, path: &Path) -> Result<(RunFile, Vec<Loss>), FileError> {

@@ -1,0 +1,256 @@
+//! From the runs of one plan, as files, to the FRF: everything needed stands in the files themselves.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use rayon::prelude::*;
+
+use frfid_files::{FileError, Loss, read_run, read_run_label};
+use frfid_signals::{Plan, Record, RunId, RunKind};
+
+use crate::campaign::{Progress, in_pool};
+use crate::config::EstimateTable;
+use crate::estimator::{Estimator, PeriodSpectra};
+use crate::in_memory::Estimated;
+use crate::predict::Peaks;
+use crate::provenance::DESIGN;
+use crate::source::Source;
+use crate::{Experiment, ExperimentError};
+
+/// What the files of a plan give.
+#[derive(Debug, Clone, PartialEq)]
+pub struct OwnLogs {
+    /// The FRF, and the runs missing from it.
+    pub estimated: Estimated,
+    /// The description that travelled with the runs.
+    pub experiment: Experiment,
+    /// Number of files used.
+    pub n_files: usize,
+    /// Files that could not be read at all, with the reason.
+    pub unreadable: Vec<(PathBuf, String)>,
+    /// What was lost within files; the periods it hit were dropped.
+    pub losses: Vec<(PathBuf, Loss)>,
+    /// Largest values over all runs that were read without a loss.
+    pub peaks: Option<Peaks>,
+}
+
+/// The MCAP files among `paths`, those within folders included, each once, sorted by name.
+///
+/// # Errors
+/// [`ExperimentError::File`] for a path that does not exist or cannot be listed, [`ExperimentError::Logs`] for none.
+pub fn find_logs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentError> {
+    let mut found = BTreeSet::new();
+    for path in paths {
+        let failed =
+            |error: std::io::Error| FileError::Io { path: path.clone(), action: "read", reason: error.to_string() };
+        if !std::fs::metadata(path).map_err(failed)?.is_dir() {
+            found.insert(path.clone());
+            continue;
+        }
+        for entry in std::fs::read_dir(path).map_err(failed)? {
+            let path = entry.map_err(failed)?.path();
+            if path.extension().is_some_and(|extension| extension == "mcap") {
+                found.insert(path);
+            }
+        }
+    }
+    if found.is_empty() {
+        return Err(ExperimentError::Logs {
+            what: "recordings",
+            found: "no MCAP file".into(),
+            needed: "at least one".into(),
+            advice: "name files, or folders that hold them",
+        });
+    }
+    Ok(found.into_iter().collect())
+}
+
+/// Estimates the FRF from the files of one plan, in any order; `options` replaces the `[estimate]` table that travelled with
+/// them. Memory is that of `jobs` records and of the spectra, whatever the length of the campaign.
+///
+/// # Errors
+/// [`ExperimentError`]: no file is readable, files of different plans, a run twice, or too few runs.
+pub fn estimate_own(
+    paths: &[PathBuf],
+    options: Option<&EstimateTable>,
+    jobs: usize,
+    progress: Progress,
+) -> Result<OwnLogs, ExperimentError> {
+    let labels = Labels::read(paths)?;
+    let experiment = labels.experiment()?;
+    let mut estimator = Estimator::new(&experiment.plan, options.unwrap_or(&experiment.config.estimate))?;
+    let files = Files {
+        plan: &experiment.plan,
+        total: paths.len(),
+        read: AtomicUsize::new(0),
+        found: Mutex::default(),
+        progress,
+    };
+    in_pool(jobs, || {
+        estimator.set_glides(&files.glides(labels.of_kind(RunKind::Glide))?)?;
+        labels.of_kind(RunKind::Excitation).par_bridge().try_for_each(|(path, id)| files.excited(path, id, &estimator))
+    })?;
+    let Found { spectra, mut losses, peaks } = files.found.into_inner().expect("no holder of the lock panics");
+    losses.sort_by(|(a, _), (b, _)| a.cmp(b));
+    let (frf, missing) = estimator.estimate(spectra)?;
+    let n_files = labels.runs.len();
+    Ok(OwnLogs {
+        estimated: Estimated { frf, missing },
+        experiment,
+        n_files,
+        unreadable: labels.unreadable,
+        losses,
+        peaks,
+    })
+}
+
+/// Which file holds which run.
+struct Labels {
+    runs: Vec<(PathBuf, RunId)>,
+    unreadable: Vec<(PathBuf, String)>,
+}
+
+impl Labels {
+    /// Reads the label of every file; all must be of one design.
+    fn read(paths: &[PathBuf]) -> Result<Self, ExperimentError> {
+        let (mut runs, mut unreadable, mut design) = (Vec::new(), Vec::new(), None);
+        let mut first_error = None;
+        for path in paths {
+            match read_run_label(path) {
+                Ok((id, provenance)) => {
+                    let found = provenance.get(DESIGN).cloned().unwrap_or_default();
+                    let needed = design.get_or_insert_with(|| found.clone());
+                    if found != *needed {
+                        return Err(other_design(path, &found, needed));
+                    }
+                    runs.push((path.clone(), id));
+                }
+                Err(error) => {
+                    unreadable.push((path.clone(), error.to_string()));
+                    first_error.get_or_insert(error);
+                }
+            }
+        }
+        match first_error {
+            Some(error) if runs.is_empty() => Err(error.into()),
+            _ => Ok(Self { runs, unreadable }),
+        }
+    }
+
+    fn of_kind(&self, kind: RunKind) -> impl Iterator<Item = (&Path, RunId)> + Send {
+        self.runs.iter().filter(move |(_, id)| id.kind == kind).map(|(path, id)| (path.as_path(), *id))
+    }
+
+    /// The description that travelled with the runs.
+    fn experiment(&self) -> Result<Experiment, ExperimentError> {
+        let mut error = None;
+        for (path, _) in &self.runs {
+            match read_run(path) {
+                Ok((run, _)) if !run.experiment_toml.is_empty() => {
+                    let source =
+                        Source { name: format!("experiment.toml in {}", path.display()), text: run.experiment_toml };
+                    return Ok(Experiment::new(source, Path::new(""))?);
+                }
+                Ok(_) => {}
+                Err(found) => error = Some(found),
+            }
+        }
+        Err(error.map_or_else(no_description, Into::into))
+    }
+}
+
+fn no_description() -> ExperimentError {
+    ExperimentError::Logs {
+        what: "experiment.toml in the logs",
+        found: "none that is readable".into(),
+        needed: "the description in at least one of them".into(),
+        advice: "the attachment is damaged in every file; say which topic is which (--map)",
+    }
+}
+
+fn other_design(path: &Path, found: &str, needed: &str) -> ExperimentError {
+    let short = |hash: &str| hash.get(..12).unwrap_or(hash).to_owned();
+    ExperimentError::Logs {
+        what: "design of the logs",
+        found: format!("{} in {}", short(found), path.display()),
+        needed: format!("{}, as in the files before it", short(needed)),
+        advice: "estimate the runs of one plan at a time",
+    }
+}
+
+/// What the files held.
+#[derive(Default)]
+struct Found {
+    spectra: PeriodSpectra,
+    losses: Vec<(PathBuf, Loss)>,
+    peaks: Option<Peaks>,
+}
+
+/// The files while they are read, several at once.
+struct Files<'a> {
+    plan: &'a Plan,
+    total: usize,
+    read: AtomicUsize,
+    found: Mutex<Found>,
+    progress: Progress<'a>,
+}
+
+impl Files<'_> {
+    /// One record, with what was lost of it; told to `progress`.
+    fn record(&self, path: &Path) -> Result<(Record, Vec<Loss>), ExperimentError> {
+        let done = self.read.fetch_add(1, Ordering::Relaxed);
+        if !(self.progress)(done, self.total) {
+            return Err(ExperimentError::Interrupted { done, total: self.total });
+        }
+        let (run, losses) = read_run(path)?;
+        let mut found = self.found.lock().expect("no holder of the lock panics");
+        if losses.is_empty() {
+            let peaks = Peaks::of(&run.record);
+            found.peaks = Some(found.peaks.take().map_or_else(|| peaks.clone(), |before| before.max(&peaks)));
+        }
+        found.losses.extend(losses.iter().map(|loss| (path.to_owned(), loss.clone())));
+        Ok((run.record, losses))
+    }
+
+    /// The whole records of the glides, by repetition.
+    fn glides<'p>(&self, labels: impl Iterator<Item = (&'p Path, RunId)>) -> Result<Vec<Record>, ExperimentError> {
+        let mut glides = Vec::new();
+        for (path, id) in labels {
+            let (record, losses) = self.record(path)?;
+            if losses.is_empty() {
+                glides.push((id, record));
+            }
+        }
+        if glides.is_empty() && self.plan.n_glides > 0 {
+            return Err(ExperimentError::Logs {
+                what: "glide runs",
+                found: "none that is readable and whole".into(),
+                needed: format!("at least one of the plan's {}", self.plan.n_glides),
+                advice: "without them nothing can be subtracted; add their files",
+            });
+        }
+        glides.sort_by_key(|(id, _)| *id);
+        Ok(glides.into_iter().map(|(_, record)| record).collect())
+    }
+
+    /// The spectra of the whole periods of an excited run.
+    fn excited(&self, path: &Path, id: RunId, estimator: &Estimator) -> Result<(), ExperimentError> {
+        let (mut record, losses) = self.record(path)?;
+        let period_samples = self.plan.period_samples()?;
+        let sample = |time_s: f64| (time_s / self.plan.sample_time_s).round() as usize;
+        let lost = |period: usize| {
+            let from = self.plan.lead_in_samples + period * period_samples;
+            let hits = |loss: &Loss| sample(loss.from_s) < from + period_samples && sample(loss.to_s) > from;
+            losses.iter().any(hits)
+        };
+        // lost samples lie in periods that are not used: a number in their place keeps the rest of the record usable
+        for signal in [Some(&mut record.u), Some(&mut record.y), record.r.as_mut(), record.position_rad.as_mut()] {
+            signal.into_iter().flatten().filter(|value| !value.is_finite()).for_each(|value| *value = 0.0);
+        }
+        let spectra = estimator.spectra(id, &record, &lost)?;
+        self.found.lock().expect("no holder of the lock panics").spectra.extend(spectra);
+        Ok(())
+    }
+}

@@ -1,0 +1,164 @@
+//! The result of an estimate, with its checks and where it came from, ready to be written.
+
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+use frfid_files::{Check, LogMap, Loss, ResultFile, sha256_file};
+use frfid_signals::{Frf, Injection};
+
+use crate::campaign::Progress;
+use crate::config::EstimateTable;
+use crate::foreign::estimate_foreign;
+use crate::own_logs::{estimate_own, find_logs};
+use crate::{ExperimentError, OwnLogs};
+
+/// Largest condition number of U that passes the check.
+const GOOD_CONDITION: f64 = 20.0;
+
+/// How logs become a result.
+#[derive(Debug, Clone, Default)]
+pub struct EstimateOptions {
+    /// Replaces the `[estimate]` table that travelled with our own logs; the default for foreign ones.
+    pub estimate: Option<EstimateTable>,
+    /// Which signal is which, for recordings that frfid did not make.
+    pub map: Option<LogMap>,
+    /// Files read at once; 0: one for each core.
+    pub jobs: usize,
+}
+
+/// What was estimated, and what a careful reader should know besides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// FRF, checks and provenance.
+    pub result: ResultFile,
+    /// Warnings, in words; empty if nothing was lost and nothing was odd.
+    pub warnings: Vec<String>,
+    /// Whether data was lost: then the estimate holds, but of less than was recorded.
+    pub is_lossy: bool,
+}
+
+/// Estimates the FRF of the logs in files and folders: our own by what travelled with them, foreign ones by `options.map`.
+///
+/// # Errors
+/// [`ExperimentError`].
+pub fn estimate_logs(
+    paths: &[PathBuf],
+    options: &EstimateOptions,
+    progress: Progress,
+) -> Result<Estimate, ExperimentError> {
+    let paths = find_logs(paths)?;
+    match &options.map {
+        Some(map) => foreign(&paths, map, options),
+        None => {
+            let logs = estimate_own(&paths, options.estimate.as_ref(), options.jobs, progress)?;
+            own(&paths, logs)
+        }
+    }
+}
+
+fn own(paths: &[PathBuf], logs: OwnLogs) -> Result<Estimate, ExperimentError> {
+    let OwnLogs { estimated, experiment, n_files, unreadable, losses, peaks } = logs;
+    let plan = &experiment.plan;
+    let (frf, n_runs) = (estimated.frf, plan.n_runs());
+    let mut warnings: Vec<String> =
+        unreadable.iter().map(|(path, error)| format!("{}: not used: {error}", path.display())).collect();
+    warnings.extend(in_words(&losses));
+    if !estimated.missing.is_empty() {
+        warnings.push(format!(
+            "{} periods are not in the estimate, because not all of their experiments are whole",
+            estimated.missing.len()
+        ));
+    }
+    let complete = Check {
+        name: "runs".into(),
+        passed: n_files == n_runs && losses.is_empty() && estimated.missing.is_empty(),
+        found: format!("{n_files}, {} with losses", losses.len()),
+        needed: format!("{n_runs} whole ones"),
+        advice: "do the missing runs (frfid run goes on where it stopped) and estimate again".into(),
+    };
+    let is_lossy = !complete.passed;
+    let joints = experiment.config.robot.joint_names();
+    let mut provenance = experiment.provenance();
+    provenance.insert("experiment_toml".into(), experiment.to_toml());
+    if let Some(peaks) = peaks {
+        for (key, values) in [
+            ("effort_peak_nm", peaks.effort_nm),
+            ("effort_rms_nm", peaks.effort_rms_nm),
+            ("velocity_peak_rad_s", peaks.velocity_rad_s),
+        ] {
+            provenance.insert(key.into(), format!("{values:?}"));
+        }
+    }
+    log_hashes(paths, &mut provenance)?;
+    provenance
+        .insert("reference_is".into(), if plan.injection == Injection::Torque { "torque" } else { "velocity" }.into());
+    let checks = vec![complete, condition_check(&frf)];
+    let (inputs, outputs) = (frf.n_inputs(), frf.n_outputs());
+    let result = ResultFile {
+        frf,
+        input_names: joints.iter().map(|joint| format!("{joint} torque")).collect(),
+        output_names: joints.iter().map(|joint| format!("{joint} velocity")).collect(),
+        input_units: vec!["N m".into(); inputs],
+        output_units: vec!["rad/s".into(); outputs],
+        checks,
+        provenance,
+    };
+    Ok(Estimate { result, warnings, is_lossy })
+}
+
+fn foreign(paths: &[PathBuf], map: &LogMap, options: &EstimateOptions) -> Result<Estimate, ExperimentError> {
+    let found = estimate_foreign(paths, map, &options.estimate.clone().unwrap_or_default())?;
+    let mut warnings = in_words(&found.losses);
+    warnings.extend(found.warnings.iter().map(|(path, warning)| format!("{}: {warning}", path.display())));
+    let used = found.n_periods - found.n_transient;
+    let periods = Check {
+        name: "periods".into(),
+        passed: used >= 2 && found.losses.is_empty(),
+        found: format!("{used} of {} samples, after {} transient", found.period_samples, found.n_transient),
+        needed: "2 or more whole ones, for the noise to be known".into(),
+        advice: "record more periods back to back".into(),
+    };
+    let mut provenance = BTreeMap::from([
+        ("frfid_version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
+        ("period_samples".to_owned(), found.period_samples.to_string()),
+        ("periods_used".to_owned(), used.to_string()),
+        ("transient_periods_dropped".to_owned(), found.n_transient.to_string()),
+    ]);
+    log_hashes(paths, &mut provenance)?;
+    let is_lossy = !found.losses.is_empty();
+    let result = ResultFile {
+        checks: vec![periods, condition_check(&found.frf)],
+        frf: found.frf,
+        input_names: found.names.inputs,
+        output_names: found.names.outputs,
+        input_units: found.names.input_units,
+        output_units: found.names.output_units,
+        provenance,
+    };
+    Ok(Estimate { result, warnings, is_lossy })
+}
+
+/// What was lost, in words, the first few of each file.
+fn in_words(losses: &[(PathBuf, Loss)]) -> Vec<String> {
+    losses.iter().map(|(path, loss)| format!("{}: {loss}", path.display())).collect()
+}
+
+fn condition_check(frf: &Frf) -> Check {
+    let worst = frf.condition.iter().flatten().copied().fold(1.0, f64::max);
+    Check {
+        name: "condition number of U".into(),
+        passed: worst <= GOOD_CONDITION,
+        found: format!("{worst:.2} at worst"),
+        needed: format!("{GOOD_CONDITION} or less"),
+        advice: "excite the inputs more differently from experiment to experiment, and equally strongly".into(),
+    }
+}
+
+/// The hash of every log, so that a result can be traced to its data.
+fn log_hashes(paths: &[PathBuf], provenance: &mut BTreeMap<String, String>) -> Result<(), ExperimentError> {
+    for path in paths {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        provenance.insert(format!("sha256 of {name}"), sha256_file(path)?);
+    }
+    Ok(())
+}
