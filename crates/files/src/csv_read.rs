@@ -19,7 +19,7 @@ pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Rec
     let header = lines.next_line()?.unwrap_or_default();
     let separator = [',', ';', '\t'].into_iter().find(|separator| header.contains(*separator)).unwrap_or(',');
     let names: Vec<_> = header.split(separator).map(unquoted).collect();
-    let clock = Times::of(path, map, &names)?;
+    let clock = Times::of(path, map, |name| column(path, &names, name))?;
     let columns = signals.iter().map(|signal| column(path, &names, &signal.source)).collect::<Result<Vec<_>, _>>()?;
     let mut series = Series { topic: "rows".into(), signals: (0..signals.len()).collect(), ..Default::default() };
     let mut recording = Recording::default();
@@ -53,6 +53,7 @@ pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Rec
         let warning = "the last line has no line end: if the file was cut, its last number may be too";
         recording.warnings.push(warning.into());
     }
+    recording.sample_time_s = clock.sample_time_s(map);
     recording.series.push(series);
     Ok(recording)
 }
@@ -80,8 +81,8 @@ fn column(path: &Path, names: &[&str], name: &str) -> Result<usize, FileError> {
     }
 }
 
-/// Where the sample times come from.
-enum Times {
+/// Where the sample times of a recording without stamps come from.
+pub(crate) enum Times {
     /// A column, with its factor to ns.
     Column(usize, f64),
     /// The row's number, with the sample time in ns.
@@ -89,7 +90,12 @@ enum Times {
 }
 
 impl Times {
-    fn of(path: &Path, map: &LogMap, names: &[&str]) -> Result<Self, FileError> {
+    /// By the log map; `place` finds the column of times by its name.
+    pub(crate) fn of(
+        path: &Path,
+        map: &LogMap,
+        place: impl FnOnce(&str) -> Result<usize, FileError>,
+    ) -> Result<Self, FileError> {
         match (&map.time, map.sample_time_s) {
             (Some(time), _) => {
                 let (factor, unit) = si_of(path, time)?;
@@ -101,21 +107,31 @@ impl Times {
                         needed: "s, ms, us or ns".into(),
                     });
                 }
-                Ok(Self::Column(column(path, names, &time.source)?, factor * time.scale * 1e9))
+                Ok(Self::Column(place(&time.source)?, factor * time.scale * 1e9))
             }
             (None, Some(sample_time_s)) => {
                 crate::structure::check_sample_time(sample_time_s)?;
                 Ok(Self::Counted(sample_time_s * 1e9))
             }
             (None, None) => Err(FileError::Shape {
-                what: "clock of the CSV in the log map",
+                what: "clock of the recording in the log map",
                 found: "neither time nor sample_time_s".into(),
-                needed: "the column of sample times, or the sample time".into(),
+                needed: "where its sample times are, or its sample time".into(),
             }),
         }
     }
 
-    fn stamp_ns(&self, row: usize, number: impl Fn(usize) -> Result<f64, FileError>) -> Result<i64, FileError> {
+    /// The sample time that the user gave, to its last digit; none where it comes from the sample times.
+    pub(crate) fn sample_time_s(&self, map: &LogMap) -> Option<f64> {
+        map.sample_time_s.filter(|_| matches!(self, Self::Counted(_)))
+    }
+
+    /// The stamp of a row; `number` reads its column.
+    pub(crate) fn stamp_ns(
+        &self,
+        row: usize,
+        number: impl Fn(usize) -> Result<f64, FileError>,
+    ) -> Result<i64, FileError> {
         Ok(match *self {
             Self::Column(column, factor) => (number(column)? * factor).round() as i64,
             Self::Counted(step_ns) => (row as f64 * step_ns).round() as i64,

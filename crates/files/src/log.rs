@@ -1,4 +1,4 @@
-//! A recording that frfid did not make: a robot's log in MCAP or CSV, read through a [`LogMap`].
+//! A recording that frfid did not make: a robot's log in MCAP, CSV or NPZ, read through a [`LogMap`].
 
 use std::path::Path;
 
@@ -8,7 +8,7 @@ use ndarray::Array2;
 use crate::clock::{Clock, NOTABLE_JITTER};
 use crate::log_map::{LogMap, Signal, to_si};
 use crate::loss::{self, Loss};
-use crate::{FileError, csv_read, log_mcap, structure};
+use crate::{FileError, csv_read, log_mcap, npz_read, structure};
 
 /// A foreign recording, in SI units on one sample clock.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,9 +47,11 @@ pub(crate) struct Recording {
     /// Damage to the file, at times in ns where these are known.
     pub(crate) damages: Vec<(Option<i64>, String)>,
     pub(crate) warnings: Vec<String>,
+    /// The sample time in s where the user gave it.
+    pub(crate) sample_time_s: Option<f64>,
 }
 
-/// Reads a recording: `.csv` and `.csv.gz` by columns, everything else as MCAP by topics.
+/// Reads a recording: `.csv` and `.csv.gz` by columns, `.npz` by arrays, everything else as MCAP by topics.
 ///
 /// Topics are aligned by their stamps; a constant delay between them is told, not corrected. Nothing is resampled.
 ///
@@ -68,8 +70,14 @@ pub fn read_log(path: &Path, map: &LogMap) -> Result<Log, FileError> {
     }
     let signals: Vec<&Signal> = map.roles().into_iter().flatten().collect();
     let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
-    let is_csv = [".csv", ".csv.gz", ".txt", ".txt.gz"].iter().any(|ending| name.ends_with(ending));
-    let recording = if is_csv { csv_read::read(path, map, &signals)? } else { log_mcap::read(path, &signals)? };
+    let ends_with = |endings: &[&str]| endings.iter().any(|ending| name.ends_with(ending));
+    let recording = if ends_with(&[".csv", ".csv.gz", ".txt", ".txt.gz"]) {
+        csv_read::read(path, map, &signals)?
+    } else if ends_with(&[".npz"]) {
+        npz_read::read(path, map, &signals)?
+    } else {
+        log_mcap::read(path, &signals)?
+    };
     assemble(path, map, &signals, recording)
 }
 
@@ -104,7 +112,8 @@ fn assemble(path: &Path, map: &LogMap, signals: &[&Signal], mut recording: Recor
     }
     losses.extend(recording.damages.into_iter().map(|(at_ns, reason)| grid.of_file(at_ns, reason)));
     convert(path, signals, &mut values)?;
-    Ok(sort_into_roles(map, &values, grid.sample_time_s, losses, warnings))
+    let sample_time_s = recording.sample_time_s.unwrap_or(grid.sample_time_s);
+    Ok(sort_into_roles(map, &values, sample_time_s, losses, warnings))
 }
 
 /// Refuses stamps that run backwards; drops messages that were recorded twice.

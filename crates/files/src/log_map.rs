@@ -1,4 +1,4 @@
-//! Which signal of a foreign recording plays which role: `topic:field[index or joint]` of an MCAP, or a column of a CSV.
+//! Which signal of a foreign recording plays which role: `topic:field[index or joint]` of an MCAP, or a column of a CSV, an array of an NPZ.
 
 use frfid_signals::InputKind;
 use serde::{Deserialize, Serialize};
@@ -8,7 +8,8 @@ use serde::{Deserialize, Serialize};
 #[serde(deny_unknown_fields)]
 pub struct Signal {
     /// In an MCAP `topic:field`, for example `/joint_states:velocity[elbow]` or `/state:reference.positions[2]`; what stands
-    /// in brackets is a place from 0 or the name of a joint, looked up in each message. In a CSV the name of the column.
+    /// in brackets is a place from 0 or the name of a joint, looked up in each message. In a CSV the name of the column;
+    /// in an NPZ the name of an array (sample), or `name[row]` for one (channel, sample).
     pub source: String,
     /// Unit in the recording: `rad`, `deg`, `rad/s`, `rpm`, `N m`, `A`, ...; the signal is converted to SI once.
     pub unit: String,
@@ -38,10 +39,10 @@ pub struct LogMap {
     /// Whether `u` was commanded or measured.
     #[serde(default = "measured")]
     pub input_kind: InputKind,
-    /// Column of the sample times of a CSV, unit `s`, `ms`, `us` or `ns`; an MCAP has its header stamps.
+    /// Column or array of the sample times of a CSV or NPZ, unit `s`, `ms`, `us` or `ns`; an MCAP has its header stamps.
     #[serde(default)]
     pub time: Option<Signal>,
-    /// Sample time in s of a CSV without a column of times.
+    /// Sample time in s of a CSV or NPZ without sample times.
     #[serde(default)]
     pub sample_time_s: Option<f64>,
 }

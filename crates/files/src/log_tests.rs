@@ -272,3 +272,19 @@ fn the_messages_of_others_decode_to_their_last_byte() {
     }
     assert_eq!(decoded, 1285);
 }
+
+#[test]
+fn an_npz_is_read_by_arrays_and_rows() {
+    let (Some(silverbox), Some(f16)) = (shared("silverbox/snls80mv.npz"), shared("f16/F16Data_FullMSine_Level1.npz"))
+    else {
+        return;
+    };
+    let counted = |u, y, sample_time_s| LogMap { sample_time_s: Some(sample_time_s), ..map(u, y) };
+    let log = read_log(&silverbox, &counted("u", "y", 1.0 / 610.35)).expect("sound");
+    assert_eq!((log.record.n_samples(), log.record.sample_time_s), (131_072, 1.0 / 610.35));
+    assert!(log.losses.is_empty() && log.warnings.is_empty(), "{:?}", log.warnings);
+    let log = read_log(&f16, &counted("force", "acceleration[2]", 0.0025)).expect("float32 in C order");
+    assert_eq!((log.record.n_samples(), log.record.sample_time_s), (73_728, 0.0025));
+    let error = read_log(&f16, &counted("force", "acceleration", 0.0025)).expect_err("three rows").to_string();
+    assert!(error.contains("[3, 73728]"), "{error}");
+}

@@ -116,5 +116,5 @@ impl<W: Write> RosWriter<W> {
 
 /// The stamp of sample k in ns.
 pub(crate) fn stamp_ns(sample: usize, sample_time_s: f64) -> u64 {
-    START_NS + (sample as f64 * sample_time_s * 1e9).round() as u64
+    START_NS.saturating_add((sample as f64 * sample_time_s * 1e9).round() as u64)
 }

@@ -344,13 +344,13 @@ mod tests {
         PlannedRun { run, n_repetitions: 3 }
     }
 
-    fn runs() -> impl Iterator<Item = PlannedRun> {
-        (0..4).flat_map(|p| (0..2).map(move |m| planned(p, m)))
+    fn runs() -> impl Iterator<Item = Result<PlannedRun, BoxError>> {
+        (0..4).flat_map(|p| (0..2).map(move |m| Ok(planned(p, m))))
     }
 
     fn bytes() -> Vec<u8> {
         let mut file = Vec::new();
-        write_to(&mut file, &head(), runs().into_iter().map(Ok::<_, BoxError>)).expect("memory does not fail");
+        write_to(&mut file, &head(), runs()).expect("memory does not fail");
         file
     }
 
@@ -358,7 +358,7 @@ mod tests {
     fn a_plan_comes_back_bit_for_bit_run_by_run() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("plan.mcap");
-        write_plan(&path, Overwrite::Refuse, &head(), runs().into_iter().map(Ok::<_, BoxError>)).expect("sound");
+        write_plan(&path, Overwrite::Refuse, &head(), runs()).expect("sound");
         let plan = PlanFile::open(&path).expect("sound");
         assert_eq!((&plan.head, plan.runs.len(), plan.run_ids().count()), (&head(), 8, 24));
         for (id, repetition) in plan.run_ids().zip([0, 1, 2].into_iter().cycle()) {
