@@ -1,7 +1,7 @@
 //! The linear truth: state space models and their exact FRFs under every hold.
 //!
 //! x' = A x + B u, y = C x + D u. With a sample-and-hold in front the sampled response is that of
-//! x[k+1] = Phi x[k] + Gamma u[k] (zoh), or + Gamma_1 u[k] + Gamma_2 (u[k+1] - u[k]) (linear hold), whose matrices are
+//! `x[k+1] = Phi x[k] + Gamma_1 u[k] + Gamma_2 (u[k+1] - u[k])` (Gamma_2 = 0 for zoh), whose matrices are
 //! blocks of one matrix exponential (Van Loan, IEEE Trans. Autom. Control 23 (1978) 395).
 
 use std::f64::consts::TAU;

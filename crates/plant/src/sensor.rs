@@ -13,7 +13,7 @@ pub enum Velocity {
     /// The true velocity at the sample instant.
     #[default]
     True,
-    /// The last two position readings over the sample time: y[k] = (q[k] - q[k-1]) / sample_time_s. Adds the factor
+    /// The last two position readings over the sample time, `y[k] = (q[k] - q[k-1]) / sample_time_s`. Adds the factor
     /// (1 - e^{-s T}) / (s T) to the continuous transfer function, 10.8 deg at 60 Hz for T = 1 ms.
     Differenced,
 }

@@ -180,12 +180,16 @@ mod tests {
         let u = torque(&lines);
         for hold in [Hold::Zoh, Hold::Linear] {
             let torque = if hold == Hold::Zoh { Torque::Zoh(u.view()) } else { Torque::Linear(u.view()) };
-            let y = simulate(&joint, torque, 1e-3, 0.0, None).expect("sound").motor_velocity_rad_s;
-            for &line in &lines {
-                let hz = line as f64 / (PERIOD as f64 * 1e-3);
-                let truth = joint.frf(&[hz], hold, 1e-3, Velocity::True).expect("sound").response[[0, 0, 0]];
-                let error = (dft(&y, line) / dft(&u, line) / truth - 1.0).norm();
-                assert!(error < 1e-9, "{hold:?} {hz} Hz: {error}");
+            let x = simulate(&joint, torque, 1e-3, 0.0, None).expect("sound");
+            let q = &x.motor_position_rad;
+            let differenced = Array2::from_shape_fn(u.dim(), |(_, n)| (q[[0, n]] - q[[0, n.saturating_sub(1)]]) / 1e-3);
+            for (velocity, y) in [(Velocity::True, x.motor_velocity_rad_s), (Velocity::Differenced, differenced)] {
+                for &line in &lines {
+                    let hz = line as f64 / (PERIOD as f64 * 1e-3);
+                    let truth = joint.frf(&[hz], hold, 1e-3, velocity).expect("sound").response[[0, 0, 0]];
+                    let error = (dft(&y, line) / dft(&u, line) / truth - 1.0).norm();
+                    assert!(error < 1e-9, "{hold:?}, {velocity:?}, {hz} Hz: {error}");
+                }
             }
         }
     }
