@@ -1,10 +1,11 @@
 //! Axes: ranges that end on round numbers, and ticks that have room.
 
-/// Least distance in pixels of labelled ticks: on a logarithmic axis, a linear horizontal and a vertical one.
+/// Least distance in pixels of labelled ticks: on logarithmic and linear horizontal axes, on vertical axes of values and of
+/// degrees, and of the ends of a frequency axis from the other labels.
 const ROOM_LOG: f64 = 30.0;
 const ROOM_X: f64 = 45.0;
-const ROOM_Y: f64 = 24.0;
-/// Least distance of a label at the end of a frequency axis from its neighbours.
+const ROOM_VALUE: f64 = 30.0;
+const ROOM_DEGREES: f64 = 24.0;
 const ROOM_END: f64 = 18.0;
 
 /// One axis: its range, what is labelled, and the finer grid.
@@ -23,54 +24,32 @@ impl Axis {
     /// A logarithmic frequency axis over positive values, `length` pixels long: from and to round numbers, labelled at
     /// 1-2-5 or at decades, whatever has room.
     pub fn frequency(values: impl Iterator<Item = f64>, length: f64) -> Self {
-        let (low, high) = round_outward(extent(values.filter(|&hz| hz > 0.0)).unwrap_or((1.0, 10.0)));
+        let (low, high) = round_outward(extent(values.filter(|&hz| hz > 1.0 / ABSURD)).unwrap_or((1.0, 10.0)));
+        let fine = digits(low, high, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
         let per_decade = length / (high / low).log10();
-        let within = |value: &f64| (low * (1.0 - 1e-9)..=high * (1.0 + 1e-9)).contains(value);
-        let digits = |set: &[f64]| -> Vec<f64> {
-            decades(low, high)
-                .flat_map(|ten| set.iter().map(move |m| m * ten).collect::<Vec<_>>())
-                .filter(within)
-                .collect()
-        };
-        let minor = digits(&[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
-        let mut labelled = if per_decade * (10f64 / 9.0).log10() > ROOM_LOG {
-            minor.clone()
-        } else if per_decade * 2f64.log10() > ROOM_LOG {
-            digits(&[1.0, 2.0, 5.0])
-        } else {
-            let every = (ROOM_LOG / per_decade).ceil() as i32;
-            decades(low, high)
-                .filter(|ten| within(ten) && (ten.log10().round() as i32).rem_euclid(every) == 0)
-                .collect()
-        };
-        if labelled.len() < 3 && (high / low) < 10.0 {
+        let mut labelled = labelled_frequencies(low, high, per_decade, &fine);
+        if labelled.len() < 3 && high / low < 10.0 {
             return Self { log: true, ..Self::linear_within(low, high, length, ROOM_X) };
         }
-        let room = |end: f64| labelled.iter().all(|hz| (hz / end).log10().abs() * per_decade > ROOM_END);
-        let ends: Vec<f64> = [low, high].into_iter().filter(|&end| room(end)).collect();
+        let keeps_off = |end: &f64| labelled.iter().all(|hz| (hz / end).log10().abs() * per_decade > ROOM_END);
+        let ends: Vec<f64> = [low, high].into_iter().filter(keeps_off).collect();
         labelled.extend(ends);
-        labelled.sort_by(f64::total_cmp);
-        Self {
-            low,
-            high,
-            log: true,
-            ticks: labelled.into_iter().map(|hz| (hz, label(hz, digits_of(hz)))).collect(),
-            minor,
-        }
+        let ticks = labelled.into_iter().map(|hz| (hz, label(hz, digits_of(hz)))).collect();
+        Self { low, high, log: true, ticks, minor: fine }
     }
 
     /// A linear axis that covers the values and ends on ticks, `length` pixels high.
     pub fn linear(values: impl Iterator<Item = f64>, length: f64) -> Self {
         let (low, high) = widened(extent(values).unwrap_or((0.0, 1.0)));
-        let step = round_step((high - low) * 1.25 * ROOM_Y / length);
-        Self::ending_on((low / step).floor() * step, (high / step).ceil() * step, step, step / 2.0)
+        let step = round_step((high - low) * ROOM_VALUE / length);
+        Self::ending_on(((low / step).floor() * step, (high / step).ceil() * step), step, step / 2.0)
     }
 
     /// A linear axis with a little room above and below the values, `length` pixels high.
     pub fn padded(values: impl Iterator<Item = f64>, length: f64) -> Self {
         let (low, high) = widened(extent(values).unwrap_or((0.0, 1.0)));
         let room = 0.05 * (high - low);
-        Self::linear_within(low - room, high + room, length, 1.25 * ROOM_Y)
+        Self::linear_within(low - room, high + room, length, ROOM_VALUE)
     }
 
     /// A linear axis that ends exactly where the values do, as time does, `length` pixels long.
@@ -81,28 +60,29 @@ impl Axis {
 
     /// A phase axis in degrees, `length` pixels high: labelled at multiples of 45 or 90, at most from -180 to 180.
     pub fn degrees(values: impl Iterator<Item = f64>, length: f64) -> Self {
-        let (low, high) = extent(values).unwrap_or((-180.0, 180.0));
-        let snapped = |step: f64| {
-            ((((low - 3.0) / step).floor() * step).max(-180.0), (((high + 3.0) / step).ceil() * step).min(180.0))
-        };
-        let (low, high) = snapped(45.0);
-        let fits = |step: f64, low: f64, high: f64| (high - low) / step * ROOM_Y <= length;
-        if fits(45.0, low, high) && high - low <= 270.0 {
-            return Self::ending_on(low, high, 45.0, 15.0);
+        let (least, most) = extent(values).unwrap_or((-180.0, 180.0));
+        let ends = |step: f64| (((least - 3.0) / step).floor() * step, ((most + 3.0) / step).ceil() * step);
+        let within = |(low, high): (f64, f64)| (low.max(-180.0), high.min(180.0));
+        let fits = |(low, high): (f64, f64), step: f64| (high - low) / step * ROOM_DEGREES <= length;
+        let fine = within(ends(45.0));
+        if fine.1 - fine.0 <= 270.0 && fits(fine, 45.0) {
+            return Self::ending_on(fine, 45.0, 15.0);
         }
-        let (low, high) = (((low / 90.0).floor() * 90.0), ((high / 90.0).ceil() * 90.0));
-        let step = if fits(90.0, low, high) { 90.0 } else { 180.0 };
-        Self::ending_on(low, high, step, step / 2.0)
+        let coarse = within(ends(90.0));
+        let step = if fits(coarse, 90.0) { 90.0 } else { 180.0 };
+        Self::ending_on(coarse, step, step / 2.0)
     }
 
+    /// An axis that ends where it is told, with ticks inside that are `room` pixels apart or more.
     fn linear_within(low: f64, high: f64, length: f64, room: f64) -> Self {
         let step = round_step((high - low) * room / length);
-        let mut axis = Self::ending_on((low / step).ceil() * step, (high / step).floor() * step, step, step / 2.0);
+        let mut axis = Self::ending_on(((low / step).ceil() * step, (high / step).floor() * step), step, step / 2.0);
         (axis.low, axis.high) = (low, high);
         axis
     }
 
-    fn ending_on(low: f64, high: f64, step: f64, fine: f64) -> Self {
+    /// An axis between two multiples of `step`, with a fine grid at multiples of `fine`.
+    fn ending_on((low, high): (f64, f64), step: f64, fine: f64) -> Self {
         let multiples = |step: f64| {
             let (first, last) = ((low / step).round() as i64, (high / step).round() as i64);
             (first..=last).map(move |k| k as f64 * step)
@@ -126,9 +106,12 @@ impl Axis {
     }
 }
 
-/// Smallest and largest of the finite values.
-pub(crate) fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    values.filter(|value| value.is_finite()).fold(None, |range, value| match range {
+/// Sizes beyond which (or, for frequencies and ranges, below whose inverse) a value cannot be meant.
+const ABSURD: f64 = 1e100;
+
+/// Smallest and largest of the values that are finite and not absurd.
+fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+    values.filter(|value| value.abs() < ABSURD).fold(None, |range, value| match range {
         None => Some((value, value)),
         Some((low, high)) => Some((f64::min(low, value), f64::max(high, value))),
     })
@@ -137,9 +120,9 @@ pub(crate) fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
 /// A range that is not a point.
 fn widened((low, high): (f64, f64)) -> (f64, f64) {
     let size = low.abs().max(high.abs());
-    if high - low > 1e-9 * size.max(f64::MIN_POSITIVE) {
+    if high - low > 1e-9 * size.max(1.0 / ABSURD) {
         (low, high)
-    } else if size == 0.0 {
+    } else if size < 1.0 / ABSURD {
         (-1.0, 1.0)
     } else {
         (low - 0.1 * size, high + 0.1 * size)
@@ -165,9 +148,31 @@ fn decades(low: f64, high: f64) -> impl Iterator<Item = f64> {
     (low.log10().floor() as i32..=high.log10().ceil() as i32).map(|power| 10f64.powi(power))
 }
 
+/// The values within a range whose first and only digit is one of `set`.
+fn digits(low: f64, high: f64, set: &[f64]) -> Vec<f64> {
+    let within = low * (1.0 - 1e-9)..=high * (1.0 + 1e-9);
+    let all = decades(low, high).flat_map(|ten| set.iter().map(move |digit| digit * ten));
+    all.filter(|value| within.contains(value)).collect()
+}
+
+/// What is labelled on a logarithmic axis with `per_decade` pixels per decade: all digits, 1-2-5, or every n-th decade, the
+/// first of these that has room.
+fn labelled_frequencies(low: f64, high: f64, per_decade: f64, fine: &[f64]) -> Vec<f64> {
+    let fits = |ratio: f64| per_decade * ratio.log10() > ROOM_LOG;
+    if fits(10.0 / 9.0) {
+        fine.to_vec()
+    } else if fits(2.0) {
+        digits(low, high, &[1.0, 2.0, 5.0])
+    } else {
+        let every = (ROOM_LOG / per_decade).ceil() as i32;
+        let power = |ten: &f64| ten.log10().round() as i32;
+        digits(low, high, &[1.0]).into_iter().filter(|ten| power(ten).rem_euclid(every) == 0).collect()
+    }
+}
+
 /// The next step of 1, 2, 5, 10, ... at or above a length.
 fn round_step(least: f64) -> f64 {
-    let ten = 10f64.powi(least.max(1e-300).log10().floor() as i32);
+    let ten = 10f64.powi(least.log10().floor() as i32);
     [1.0, 2.0, 5.0].into_iter().map(|m| m * ten).find(|step| *step >= least * (1.0 - 1e-9)).unwrap_or(10.0 * ten)
 }
 
@@ -232,5 +237,19 @@ mod tests {
             ["−0.010", "−0.005", "0.000", "0.005", "0.010"]
         );
         assert!(!Axis::linear(std::iter::once(f64::NAN), 100.0).ticks.is_empty());
+    }
+
+    #[test]
+    fn extreme_values_neither_hang_nor_fill_the_axis() {
+        let extremes = [-f64::MAX, -1e300, -1.0, -1e-300, 0.0, 5e-324, 1e-300, 1.0, 1.0 + 1e-15, 1e17, f64::MAX];
+        for low in extremes {
+            for high in extremes {
+                let values = || [low, high].into_iter();
+                let axes = [Axis::linear, Axis::padded, Axis::exact, Axis::frequency].map(|axis| axis(values(), 300.0));
+                for axis in axes {
+                    assert!(axis.ticks.len() < 50 && axis.minor.len() < 10_000, "{low} {high} {axis:?}");
+                }
+            }
+        }
     }
 }

@@ -164,7 +164,7 @@ mod tests {
 
     #[test]
     fn what_is_dropped_lies_within_a_tenth_of_a_pixel() {
-        let curve: Vec<Point> = (0..500).map(|k| f64::from(k)).map(|x| (x, 100.0 * (x / 40.0).sin())).collect();
+        let curve: Vec<Point> = (0..500).map(f64::from).map(|x| (x, 100.0 * (x / 40.0).sin())).collect();
         let kept = thinned(curve.iter().copied());
         assert!(kept.len() < 250, "{}", kept.len());
         for &(x, y) in &curve {

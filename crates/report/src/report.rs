@@ -109,27 +109,22 @@ impl Report<'_> {
 
     fn claims(&self) -> String {
         let rows = self.claims.iter().map(|row| {
-            let cells = [&row.claim, &row.paper, &row.ours].map(|text| escaped(text));
-            let [claim, paper, ours] = cells;
-            let holds = badge(row.holds, "holds", "does not hold");
-            format!("<tr><th scope=\"row\">{claim}</th><td>{paper}</td><td>{ours}</td><td>{holds}</td></tr>\n")
+            let verdict = badge(row.holds, "holds", "does not hold");
+            table_row(&row.claim, &[escaped(&row.paper), escaped(&row.ours), verdict])
         });
         table("Claims", &["Claim", "Paper", "Ours", "Verdict"], rows)
     }
 
     fn checks(&self) -> String {
         let rows = self.checks.iter().map(|row| {
-            let [check, found, needed, advice] = [&row.check, &row.found, &row.needed, &row.advice].map(|text| escaped(text));
             let verdict = badge(row.passed, "passed", "failed");
-            format!("<tr><th scope=\"row\">{check}</th><td>{verdict}</td><td>{found}</td><td>{needed}</td><td>{advice}</td></tr>\n")
+            table_row(&row.check, &[verdict, escaped(&row.found), escaped(&row.needed), escaped(&row.advice)])
         });
         table("Checks", &["Check", "Verdict", "Found", "Needed", "Advice"], rows)
     }
 
     fn provenance(&self) -> String {
-        let rows = self.provenance.iter().map(|(name, value)| {
-            format!("<tr><th scope=\"row\" class=\"key\">{}</th><td>{}</td></tr>\n", escaped(name), escaped(value))
-        });
+        let rows = self.provenance.iter().map(|(name, value)| table_row(name, &[escaped(value)]));
         table("Provenance", &[], rows)
     }
 
@@ -145,7 +140,10 @@ impl Report<'_> {
         for (caption, figure) in &self.figures {
             // An image cannot run scripts, and the ids inside one cannot meet those of another.
             let (image, caption) = (STANDARD.encode(figure.svg()), escaped(caption));
-            text.push_str(&format!("<figure><img src=\"data:image/svg+xml;base64,{image}\" alt=\"{caption}\"><figcaption>{caption}</figcaption></figure>\n"));
+            text.push_str(&format!(
+                "<figure><img src=\"data:image/svg+xml;base64,{image}\" alt=\"{caption}\">\
+                 <figcaption>{caption}</figcaption></figure>\n"
+            ));
         }
         section("Figures", &text)
     }
@@ -169,6 +167,12 @@ fn table(title: &str, columns: &[&str], rows: impl Iterator<Item = String>) -> S
     let head: String = columns.iter().map(|name| format!("<th scope=\"col\">{name}</th>")).collect();
     let head = if head.is_empty() { head } else { format!("<thead><tr>{head}</tr></thead>\n") };
     section(title, &format!("<div class=\"scroll\"><table>\n{head}<tbody>\n{rows}</tbody></table></div>\n"))
+}
+
+/// A row of a table: its name as plain text, its cells as HTML.
+fn table_row(name: &str, cells: &[String]) -> String {
+    let cells: String = cells.iter().map(|cell| format!("<td>{cell}</td>")).collect();
+    format!("<tr><th scope=\"row\">{}</th>{cells}</tr>\n", escaped(name))
 }
 
 fn badge(good: bool, yes: &str, no: &str) -> String {

@@ -44,7 +44,8 @@ function endDrag() {
   const [left, right] = order(from[0], to[0]), [top, bottom] = order(from[1], to[1]);
   const valueAt = (y) => panel.high - ((y - panel.y) / panel.height) * (panel.high - panel.low);
   view.drag = null;
-  if (!panel.phase && bottom - top > 30) view.db = [valueAt(bottom), valueAt(top)];
+  const [low, high] = [valueAt(bottom), valueAt(top)];
+  if (!panel.phase && bottom - top > 30 && high - low > 1e-3) view.db = [low, high];
   if (right - left > 8) zoomTo(hzAt(panel, left), hzAt(panel, right));
   else draw();
 }
@@ -73,10 +74,11 @@ function listenToPointer() {
 
 function listenToKeys() {
   canvas.addEventListener("keydown", (event) => {
-    const curve = visible()[0], middle = view.cursor || Math.sqrt(view.low * view.high);
+    const curve = visible()[0], inView = view.cursor >= view.low && view.cursor <= view.high;
+    const middle = inView ? view.cursor : Math.sqrt(view.low * view.high);
     const step = { ArrowLeft: -1, ArrowRight: 1 }[event.key], power = { "+": 0.5, "-": 2 }[event.key];
     if (step && curve) {
-      const k = nearest(curve, middle) + (view.cursor === null ? 0 : step);
+      const k = nearest(curve, middle) + (inView ? step : 0);
       view.cursor = curve.hz[Math.min(Math.max(k, 0), curve.hz.length - 1)];
       view.entry = view.entry || entries[0];
       show();

@@ -164,9 +164,10 @@ function phaseRange() {
 
 /** The band that holds every curve. */
 function showAll() {
-  const all = curves.flatMap((curve) => [...curve.hz]);
+  const all = curves.flatMap((curve) => [...curve.hz]).filter((hz) => hz > 0 && hz < Infinity);
   view.low = all.reduce((a, b) => Math.min(a, b), Infinity);
   view.high = all.reduce((a, b) => Math.max(a, b), 0);
+  if (!all.length) { view.low = 1; view.high = 10; } // frequencies beyond float32
   if (!(view.high > view.low)) { view.low /= 2; view.high *= 2; }
   view.db = null;
 }
