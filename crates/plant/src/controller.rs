@@ -1,4 +1,4 @@
-//! A sampled PI controller of the motor velocity (SK15 section 4.2, figure 1).
+//! A sampled PI controller of the motor velocity: the K of SK15 figure 2.
 
 use std::collections::VecDeque;
 
