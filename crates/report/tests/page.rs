@@ -1,8 +1,12 @@
 //! The report in a real browser: its script runs under its content security policy, and injected strings stay text.
 #![allow(missing_docs)]
 
+use std::fs::{self, File};
+use std::io::ErrorKind;
 use std::path::Path;
-use std::process::Command;
+use std::process::{Child, Command};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use frfid_report::{Band, CheckRow, ClaimRow, Curve, Figure, Labels, Report, ReportError, Style, bode};
 use frfid_signals::{Frf, Uncertainty};
@@ -58,7 +62,7 @@ fn hostile_page() -> String {
 fn in_chromium(html: &str) -> Option<(String, String)> {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let page = folder.path().join("report.html");
-    std::fs::write(&page, html).expect("the page is written");
+    fs::write(&page, html).expect("the page is written");
     let switches = [
         "--headless",
         "--no-sandbox",
@@ -68,20 +72,34 @@ fn in_chromium(html: &str) -> Option<(String, String)> {
         "--disable-background-networking",
         "--disable-component-update",
         "--disable-sync",
-        "--timeout=30000",
         "--enable-logging=stderr",
         "--dump-dom",
     ];
-    let output = Command::new("chromium").args(switches).arg(profile(folder.path())).arg(&page).output();
-    match output {
-        Ok(output) => {
-            Some((String::from_utf8_lossy(&output.stdout).into(), String::from_utf8_lossy(&output.stderr).into()))
-        }
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => {
+    let (dom, log) = (folder.path().join("dom"), folder.path().join("log"));
+    let create = |path: &Path| File::create(path).expect("the folder is ours");
+    let mut command = Command::new("chromium");
+    command.args(switches).arg(profile(folder.path())).arg(&page).stdout(create(&dom)).stderr(create(&log));
+    match command.spawn() {
+        Ok(browser) => wait(browser),
+        Err(error) if error.kind() == ErrorKind::NotFound => {
             println!("SKIPPED: chromium is not installed");
-            None
+            return None;
         }
         Err(error) => panic!("chromium did not start: {error}"),
+    }
+    let read = |path: &Path| String::from_utf8_lossy(&fs::read(path).expect("chromium wrote it")).into_owned();
+    Some((read(&dom), read(&log)))
+}
+
+/// Waits a minute at most: a browser that hangs must fail the test, not stop it.
+fn wait(mut browser: Child) {
+    let start = Instant::now();
+    while browser.try_wait().expect("the browser is our child").is_none() {
+        if start.elapsed() > Duration::from_secs(60) {
+            browser.kill().expect("the browser is our child");
+            panic!("chromium did not finish within a minute");
+        }
+        sleep(Duration::from_millis(20));
     }
 }
 
