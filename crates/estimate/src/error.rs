@@ -72,13 +72,13 @@ pub enum EstimateError {
     },
     /// A periodic reference whose amplitudes have no gap between excited lines and the rest.
     #[error(
-        "no set of excited lines: the widest gap between amplitudes is a factor {gap:.1} (at least 4 is needed), {range:.1e} below \
-             the strongest line (at most 1e3); the reference is no multisine, or name the lines yourself"
+        "no set of excited lines stands out: the widest gap between amplitudes is a factor {gap:.1}, and they fall by a factor {range:.1e}; \
+         the reference is no multisine, or name the lines yourself"
     )]
     NoLines {
-        /// Widest ratio between successive amplitudes.
+        /// Widest ratio between successive amplitudes; 4 is needed.
         gap: f64,
-        /// Ratio from the strongest line to the one above the gap.
+        /// How far amplitudes fall above the gap (1e3 is allowed) or below it (1e4).
         range: f64,
     },
     /// The response has not settled within the first half of the recording.

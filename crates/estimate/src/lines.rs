@@ -9,11 +9,13 @@ use crate::{EstimateError, LineDft, Transform};
 
 /// Smallest gap between the weakest excited line and the strongest other one, as a ratio of amplitudes (12 dB).
 const GAP: f64 = 4.0;
-/// A gap above fewer than [`FEW`] lines must be this wide: the smallest values of a noise floor lie far apart by chance.
+/// A gap above fewer than `FEW` lines must be this wide: the smallest values of a noise floor lie far apart by chance.
 const GAP_ABOVE_FEW: f64 = 1e4;
 const FEW: usize = 8;
 /// Largest ratio between excited lines (60 dB); a spectrum that falls further without a gap is no set of lines.
 const RANGE: f64 = 1e3;
+/// Largest ratio between the strongest line below the gap and the middle of what lies there (80 dB).
+const FALL: f64 = 1e4;
 /// Amplitudes below this share of the strongest are rounding.
 const ROUNDING: f64 = 1e-10;
 
@@ -68,15 +70,19 @@ fn amplitude_above_noise(spectra: &[Array2<Complex64>], n_lines: usize) -> (Vec<
 fn threshold(amplitude: &[f64], floor: f64) -> Result<f64, EstimateError> {
     let mut levels = amplitude.to_vec();
     levels.sort_by(|a, b| b.total_cmp(a));
-    levels.push(floor); // what lies below the last line where all are excited
-    let counts = |&split: &usize| levels.len() - split > FEW || levels[split - 1] >= GAP_ABOVE_FEW * levels[split];
+    let counts = |&split: &usize| levels.len() - split >= FEW || levels[split - 1] >= GAP_ABOVE_FEW * levels[split];
     let gap = |split: usize| levels[split - 1] / levels[split];
     let widest = (1..levels.len()).filter(counts).max_by(|&a, &b| gap(a).total_cmp(&gap(b)));
-    let (gap, weakest) = widest.map_or((1.0, 1.0), |split| (gap(split), levels[split - 1]));
-    if gap >= GAP && weakest * RANGE >= 1.0 {
-        return Ok(weakest / gap.sqrt());
+    let split = widest.filter(|&split| gap(split) >= GAP).unwrap_or(levels.len());
+    let (excited, rest) = levels.split_at(split);
+    let weakest = excited.last().copied().unwrap_or(floor);
+    // a floor is level, give or take; harmonics that go on below the gap are not one
+    let fall = rest.first().map_or(1.0, |top| top / rest[rest.len() / 2]);
+    let below = rest.first().copied().unwrap_or(floor);
+    if weakest >= GAP * below && weakest * RANGE >= 1.0 && fall <= FALL {
+        return Ok((weakest * below).sqrt());
     }
-    Err(EstimateError::NoLines { gap, range: 1.0 / weakest })
+    Err(EstimateError::NoLines { gap: widest.map_or(1.0, gap), range: fall.max(1.0 / weakest) })
 }
 
 /// Lines of a period of `n_samples` at `frequencies_hz`, which must rise.
