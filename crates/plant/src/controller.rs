@@ -5,8 +5,8 @@ use std::collections::VecDeque;
 use frfid_signals::SignalError;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{not_negative, positive};
 use crate::recorder::channels;
+use frfid_signals::range::{not_negative, positive};
 
 /// u = gain (r - y) + integral, the integral growing by integral_gain (r - y) sample_time_s per sample; one value per axis.
 ///

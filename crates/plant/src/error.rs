@@ -47,22 +47,3 @@ impl PlantError {
         }
     }
 }
-
-/// A parameter that must be a finite number above zero.
-pub(crate) fn positive(name: &'static str, found: f64) -> Result<(), SignalError> {
-    require(name, found, found > 0.0, "a finite number above 0")
-}
-
-/// A parameter that must be a finite number, zero or above.
-pub(crate) fn not_negative(name: &'static str, found: f64) -> Result<(), SignalError> {
-    require(name, found, found >= 0.0, "a finite number, 0 or above")
-}
-
-/// A parameter that must be a finite number.
-pub(crate) fn finite(name: &'static str, found: f64) -> Result<(), SignalError> {
-    require(name, found, true, "a finite number")
-}
-
-fn require(name: &'static str, found: f64, fits: bool, needed: &'static str) -> Result<(), SignalError> {
-    if fits && found.is_finite() { Ok(()) } else { Err(SignalError::Parameter { name, found, needed }) }
-}

@@ -3,8 +3,8 @@
 use frfid_signals::SignalError;
 use serde::{Deserialize, Serialize};
 
-use crate::error::{finite, not_negative, positive};
 use crate::{Drive, Friction, Inertia, Machine, Ripple, Spring};
+use frfid_signals::range::{finite, not_negative, positive};
 
 /// One motor and one link with a gear between them; everything on the joint side of the gear.
 ///

@@ -12,7 +12,7 @@ use ndarray::{Array3, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
-use crate::error::positive;
+use frfid_signals::range::positive;
 
 /// What the plant's input does between samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -4,8 +4,8 @@ use frfid_signals::{InputKind, Record, Run, SignalError, check_finite};
 use ndarray::Array2;
 
 use crate::Sensor;
-use crate::error::{finite, positive};
 use crate::sensor::Reader;
+use frfid_signals::range::{finite, positive};
 
 /// A record in the making, of a run on a machine of `A` axes.
 pub(crate) struct Recorder<const A: usize> {

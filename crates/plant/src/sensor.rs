@@ -4,7 +4,7 @@ use frfid_signals::{RunId, SignalError, random};
 use rand::rngs::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
-use crate::error::positive;
+use frfid_signals::range::positive;
 
 /// Where a velocity reading comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

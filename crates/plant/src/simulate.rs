@@ -6,8 +6,8 @@ use frfid_signals::{SignalError, check_finite};
 use ndarray::ArrayView2;
 
 use crate::dynamics::{Links, Machine};
-use crate::error::{finite, positive};
 use crate::{Motion, PlantError, Segment, SingleJoint, Trajectory};
+use frfid_signals::range::{finite, positive};
 
 /// A motor torque over time.
 #[derive(Clone, Copy)]

@@ -5,7 +5,7 @@ use std::f64::consts::{PI, TAU};
 use ndarray::{Array3, Axis};
 use serde::{Deserialize, Serialize};
 
-use crate::error::{LONGEST_SIGNAL, not_negative, positive};
+use crate::range::{LONGEST_SIGNAL, not_negative, positive};
 use crate::{Phasing, Profile, SignalError};
 
 /// A sine whose frequency runs exponentially from `low_hz` to `high_hz`: `r(t) = A(f(t)) sin(phi(t) + phase)` with

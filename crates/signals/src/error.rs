@@ -93,24 +93,3 @@ pub enum SignalError {
         glides: &'static str,
     },
 }
-
-/// Longest signal in samples that a design may ask for: 2^26 doubles are half a gigabyte per channel.
-pub(crate) const LONGEST_SIGNAL: f64 = (1u64 << 26) as f64;
-
-/// A parameter that must be a finite number above zero.
-pub(crate) fn positive(name: &'static str, found: f64) -> Result<(), SignalError> {
-    if found.is_finite() && found > 0.0 {
-        Ok(())
-    } else {
-        Err(SignalError::Parameter { name, found, needed: "a finite number above 0" })
-    }
-}
-
-/// A parameter that must be a finite number, zero or above.
-pub(crate) fn not_negative(name: &'static str, found: f64) -> Result<(), SignalError> {
-    if found.is_finite() && found >= 0.0 {
-        Ok(())
-    } else {
-        Err(SignalError::Parameter { name, found, needed: "a finite number, 0 or above" })
-    }
-}

@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::{LONGEST_SIGNAL, positive};
+use crate::range::{LONGEST_SIGNAL, positive};
 use crate::{SignalError, random};
 
 /// Which lines may be excited.

@@ -17,6 +17,7 @@ mod plan;
 pub mod power;
 mod profile;
 pub mod random;
+pub mod range;
 mod record;
 mod testbed;
 

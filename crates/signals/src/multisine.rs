@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::harmonic_sum::HarmonicSum;
 use crate::low_crest::low_crest_phases;
-use crate::{LineGrid, Phasing, Profile, SignalError, error::positive, random};
+use crate::{LineGrid, Phasing, Profile, SignalError, random, range::positive};
 
 /// How the phases of the lines are chosen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

@@ -3,7 +3,7 @@
 use ndarray::{Array2, Array3, Axis, s};
 use serde::{Deserialize, Serialize};
 
-use crate::error::positive;
+use crate::range::positive;
 use crate::{Chirp, Draw, Multisine, Phasing, Run, RunId, RunKind, SignalError};
 
 /// What excites the machine.

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{SignalError, error::not_negative, error::positive};
+use crate::SignalError;
+use crate::range::{not_negative, positive};
 
 /// Amplitude over frequency: constant outside its points, between two points a smoothstep in the logarithm of the
 /// frequency, `A = A_i + (A_{i+1} - A_i) x^2 (3 - 2x)`, `x = ln(f/f_i) / ln(f_{i+1}/f_i)`, so that slopes are continuous.

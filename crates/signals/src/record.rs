@@ -3,7 +3,7 @@
 use ndarray::{Array2, ArrayView2};
 use serde::{Deserialize, Serialize};
 
-use crate::{SignalError, error::positive};
+use crate::{SignalError, range::positive};
 
 /// Whether the recorded plant input is what the controller commanded or what the drive measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

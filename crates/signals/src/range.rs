@@ -1,0 +1,34 @@
+//! Ranges that parameters must lie in; every crate of the house checks its parameters with these.
+
+use crate::SignalError;
+
+/// Longest signal in samples that a design may ask for: 2^26 doubles are half a gigabyte per channel.
+pub(crate) const LONGEST_SIGNAL: f64 = (1u64 << 26) as f64;
+
+/// A parameter that must be a finite number above zero.
+///
+/// # Errors
+/// [`SignalError::Parameter`] with the name and the value found.
+pub fn positive(name: &'static str, found: f64) -> Result<(), SignalError> {
+    require(name, found, found > 0.0, "a finite number above 0")
+}
+
+/// A parameter that must be a finite number, zero or above.
+///
+/// # Errors
+/// [`SignalError::Parameter`] with the name and the value found.
+pub fn not_negative(name: &'static str, found: f64) -> Result<(), SignalError> {
+    require(name, found, found >= 0.0, "a finite number, 0 or above")
+}
+
+/// A parameter that must be a finite number.
+///
+/// # Errors
+/// [`SignalError::Parameter`] with the name and the value found.
+pub fn finite(name: &'static str, found: f64) -> Result<(), SignalError> {
+    require(name, found, true, "a finite number")
+}
+
+fn require(name: &'static str, found: f64, fits: bool, needed: &'static str) -> Result<(), SignalError> {
+    if fits && found.is_finite() { Ok(()) } else { Err(SignalError::Parameter { name, found, needed }) }
+}
