@@ -22,46 +22,58 @@ pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Rec
     let clock = Times::of(path, map, |name| column(path, &names, name))?;
     let columns = signals.iter().map(|signal| column(path, &names, &signal.source)).collect::<Result<Vec<_>, _>>()?;
     let mut series = Series { topic: "rows".into(), signals: (0..signals.len()).collect(), ..Default::default() };
-    let mut recording = Recording::default();
     while let Some(line) = lines.next_line()? {
         if line.is_empty() || line.starts_with('#') {
             continue;
         }
-        let fields: Vec<_> = line.split(separator).map(str::trim).collect();
-        let bad = |found: String, needed: String| FileError::Content {
-            path: path.into(),
-            what: format!("line {}", lines.number),
-            found,
-            needed,
-        };
-        if fields.len() != names.len() {
-            if lines.broke_off {
-                break;
-            }
-            return Err(bad(format!("{} fields", fields.len()), format!("{}, as in the header", names.len())));
+        let fields: Vec<_> = line.split(separator).collect();
+        if fields.len() != names.len() && lines.broke_off {
+            lines.failed = Some(format!("the file breaks off in line {}", lines.number));
+            break;
         }
-        let number = |column: usize| {
-            number(fields[column]).ok_or_else(|| bad(format!("`{}`", fields[column]), "a number".into()))
-        };
-        let stamp_ns = clock.stamp_ns(series.rows.len(), number)?;
-        series.rows.push(columns.iter().map(|&column| number(column)).collect::<Result<_, _>>()?);
+        let row = Row { fields, needed: names.len(), path, line: lines.number };
+        let stamp_ns = clock.stamp_ns(series.rows.len(), |column| row.number(column))?;
+        series.rows.push(columns.iter().map(|&column| row.number(column)).collect::<Result<_, _>>()?);
         series.stamps_ns.push(stamp_ns);
     }
+    let mut recording = Recording { sample_time_s: clock.sample_time_s(map), ..Default::default() };
     if let Some(reason) = lines.failed {
         recording.damages.push((series.stamps_ns.last().copied(), reason));
     } else if lines.broke_off {
         let warning = "the last line has no line end: if the file was cut, its last number may be too";
         recording.warnings.push(warning.into());
     }
-    recording.sample_time_s = clock.sample_time_s(map);
     recording.series.push(series);
     Ok(recording)
 }
 
-/// An empty field is a missing value.
-fn number(field: &str) -> Option<f64> {
-    let field = unquoted(field);
-    if field.is_empty() { Some(f64::NAN) } else { field.parse().ok() }
+/// One line of the file.
+struct Row<'r> {
+    fields: Vec<&'r str>,
+    needed: usize,
+    path: &'r Path,
+    line: usize,
+}
+
+impl Row<'_> {
+    /// The number in a column; an empty field is a missing value.
+    fn number(&self, column: usize) -> Result<f64, FileError> {
+        let bad = |found: String, needed: String| FileError::Content {
+            path: self.path.into(),
+            what: format!("line {}", self.line),
+            found,
+            needed,
+        };
+        if self.fields.len() != self.needed {
+            let needed = format!("{}, as in the header", self.needed);
+            return Err(bad(format!("{} fields", self.fields.len()), needed));
+        }
+        let field = unquoted(self.fields[column]);
+        if field.is_empty() {
+            return Ok(f64::NAN);
+        }
+        field.parse().map_err(|_| bad(format!("`{field}`"), "a number".into()))
+    }
 }
 
 fn unquoted(field: &str) -> &str {

@@ -1,6 +1,7 @@
 //! The two ROS 2 messages this crate writes: `sensor_msgs/msg/JointState` and `std_msgs/msg/String`.
 
-use crate::cdr::{CdrError, CdrReader, CdrWriter};
+use crate::cdr_read::{CdrError, CdrReader};
+use crate::cdr_write::CdrWriter;
 
 /// A message type: its name, its definition as MCAP stores it, and its type hash (REP 2016).
 pub(crate) struct MessageType {

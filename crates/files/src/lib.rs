@@ -4,14 +4,19 @@
 //! cut, flipped and hostile files: no panic, no memory beyond a stated limit, and nothing lost without a [`Loss`] that says
 //! which samples are gone and why.
 
+mod alignment;
 mod atomic;
 mod bytes;
-mod cdr;
+mod cdr_read;
+mod cdr_write;
 mod clock;
 mod csv_read;
 mod error;
 mod frf_columns;
+#[cfg(test)]
+mod hostile_tests;
 mod joint_state;
+mod json_array;
 mod log;
 mod log_map;
 mod log_mcap;
@@ -28,6 +33,10 @@ mod npz_read;
 mod npz_write;
 mod number;
 mod plan_file;
+mod plan_read;
+#[cfg(test)]
+mod plan_tests;
+mod plan_write;
 mod recover;
 mod result;
 mod ros2msg;
@@ -49,7 +58,8 @@ pub use log_map::{LogMap, Signal};
 pub use loss::Loss;
 pub use npz_read::read_npz_array;
 pub use npz_write::write_frf_npz;
-pub use plan_file::{PlanEntry, PlanFile, PlanHead, PlannedRun, write_plan};
+pub use plan_file::{PlanEntry, PlanFile, PlanHead, PlannedRun};
+pub use plan_write::write_plan;
 pub use recover::{Recovered, recover};
 pub use result::{Check, ResultFile, read_result, write_result};
 pub use run_file::{RunFile, write_run};

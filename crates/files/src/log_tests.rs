@@ -200,6 +200,8 @@ fn a_csv_with_flaws_is_told_line_by_line() {
     assert_eq!(log.losses.len(), 1);
     let counted = LogMap { time: None, sample_time_s: Some(0.5), ..columns.clone() };
     assert_eq!(csv(b"u,y\n1,2\n3,4", &counted).expect("usable").warnings.len(), 1);
+    let cut = csv(b"u,y\n1,2\n3,4\n5", &counted).expect("two rows");
+    assert!(cut.record.n_samples() == 2 && cut.losses[0].reason.contains("breaks off in line 4"), "{:?}", cut.losses);
     for (text, told) in [
         (&b"t,u\n0,1\n"[..], "one of t, u"),
         (b"t,u,y\n0,1,2\n1,2\n", "line 3"),

@@ -68,12 +68,12 @@ impl Topics {
     }
 }
 
+/// Takes a record of a chunk by opcode and body. The outer error stops the reading, the inner one is damage.
+pub(crate) type Take<'t> = dyn FnMut(u8, &[u8]) -> Result<Result<(), Short>, FileError> + 't;
+
 /// Unpacks a chunk into `take`, after its checksum was verified. Of a chunk whose end is cut off, which no checksum covers,
 /// it delivers what comes before the cut. The outer error stops the reading, the inner one is damage, in words.
-pub(crate) fn unpack(
-    chunk: &RawRecord,
-    take: &mut dyn FnMut(u8, &[u8]) -> Result<Result<(), Short>, FileError>,
-) -> Result<Result<(), String>, FileError> {
+pub(crate) fn unpack(chunk: &RawRecord, take: &mut Take) -> Result<Result<(), String>, FileError> {
     let options = LinearReaderOptions::default()
         .with_skip_start_magic(true)
         .with_skip_end_magic(true)

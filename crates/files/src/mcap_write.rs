@@ -9,7 +9,7 @@ use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use mcap::{Compression, McapResult, WriteOptions};
 
-use crate::cdr::CdrWriter;
+use crate::cdr_write::CdrWriter;
 use crate::joint_state::{JOINT_STATE, JointState, MessageType, TEXT};
 
 /// The first sample of every file: fixed, so that files depend on their content alone, and not 0, which means "unset" in ROS.

@@ -9,13 +9,11 @@ use std::io::BufReader;
 use std::path::Path;
 
 use frfid_signals::{Frf, Uncertainty};
-use ndarray::{Array, Array1, Dimension, IntoDimension};
-use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
 
 use crate::FileError;
 use crate::atomic::{Overwrite, write_file};
-use crate::number::Number;
+use crate::json_array::{Complexes, Flaw, Reals};
 
 /// One condition that a measurement should fulfil, and whether it did.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -80,19 +78,6 @@ struct UncertaintyJson {
     covariance: Complexes,
 }
 
-#[derive(Serialize, Deserialize)]
-struct Reals {
-    shape: Vec<usize>,
-    data: Vec<Number>,
-}
-
-#[derive(Serialize, Deserialize)]
-struct Complexes {
-    shape: Vec<usize>,
-    re: Vec<Number>,
-    im: Vec<Number>,
-}
-
 /// Writes a result.
 ///
 /// # Errors
@@ -107,11 +92,11 @@ pub fn write_result(path: &Path, overwrite: Overwrite, result: &ResultFile) -> R
         output_names: result.output_names.clone(),
         input_units: result.input_units.clone(),
         output_units: result.output_units.clone(),
-        frequency_hz: reals(&frf.frequency_hz),
-        response: complexes(&frf.response),
+        frequency_hz: Reals::of(&frf.frequency_hz),
+        response: Complexes::of(&frf.response),
         noise: frf.noise.as_ref().map(uncertainty),
         total: frf.total.as_ref().map(uncertainty),
-        condition: frf.condition.as_deref().map(reals),
+        condition: frf.condition.as_deref().map(Reals::of),
         checks: result.checks.clone(),
         provenance: result.provenance.clone(),
     };
@@ -147,8 +132,6 @@ pub fn read_result(path: &Path) -> Result<ResultFile, FileError> {
     Ok(result)
 }
 
-type Flaw = (&'static str, String, String);
-
 fn check(result: &ResultFile) -> Result<(), Flaw> {
     let frf = &result.frf;
     frf.check().map_err(|error| ("frf", error.to_string(), "arrays that fit each other".into()))?;
@@ -168,22 +151,18 @@ fn check(result: &ResultFile) -> Result<(), Flaw> {
 fn from_json(json: Json) -> Result<ResultFile, Flaw> {
     let uncertainty = |what, json: Option<UncertaintyJson>| {
         json.map(|json| {
-            let covariance = complex_array(what, json.covariance)?;
+            let covariance = json.covariance.into_array(what)?;
             Ok(Uncertainty { covariance, degrees_of_freedom: json.degrees_of_freedom })
         })
         .transpose()
     };
-    let reals = |what, reals: Reals| {
-        let data = reals.data.into_iter().map(|number| number.0).collect();
-        shaped::<_, ndarray::Ix1>(what, &reals.shape, data).map(|array: Array1<f64>| array.to_vec())
-    };
     Ok(ResultFile {
         frf: Frf {
-            frequency_hz: reals("frequency_hz", json.frequency_hz)?,
-            response: complex_array("response", json.response)?,
+            frequency_hz: json.frequency_hz.into_list("frequency_hz")?,
+            response: json.response.into_array("response")?,
             noise: uncertainty("noise.covariance", json.noise)?,
             total: uncertainty("total.covariance", json.total)?,
-            condition: json.condition.map(|condition| reals("condition", condition)).transpose()?,
+            condition: json.condition.map(|condition| condition.into_list("condition")).transpose()?,
         },
         input_names: json.input_names,
         output_names: json.output_names,
@@ -194,42 +173,15 @@ fn from_json(json: Json) -> Result<ResultFile, Flaw> {
     })
 }
 
-fn reals(values: &[f64]) -> Reals {
-    Reals { shape: vec![values.len()], data: values.iter().map(|&value| Number(value)).collect() }
-}
-
-fn complexes<D: Dimension>(values: &Array<Complex64, D>) -> Complexes {
-    Complexes {
-        shape: values.shape().to_vec(),
-        re: values.iter().map(|value| Number(value.re)).collect(),
-        im: values.iter().map(|value| Number(value.im)).collect(),
-    }
-}
-
 fn uncertainty(known: &Uncertainty) -> UncertaintyJson {
-    UncertaintyJson { degrees_of_freedom: known.degrees_of_freedom, covariance: complexes(&known.covariance) }
-}
-
-fn complex_array<D: Dimension>(what: &'static str, json: Complexes) -> Result<Array<Complex64, D>, Flaw> {
-    if json.re.len() != json.im.len() {
-        return Err((what, format!("{} real and {} imaginary parts", json.re.len(), json.im.len()), "as many".into()));
-    }
-    let data = json.re.into_iter().zip(json.im).map(|(re, im)| Complex64::new(re.0, im.0)).collect();
-    shaped(what, &json.shape, data)
-}
-
-/// The array of this shape, if the numbers are as many and the axes as many as the array must have.
-fn shaped<T, D: Dimension>(what: &'static str, shape: &[usize], data: Vec<T>) -> Result<Array<T, D>, Flaw> {
-    let flaw = |count: usize| (what, format!("shape {shape:?} for {count} numbers"), "a shape that fits".into());
-    let count = data.len();
-    let array = Array::from_shape_vec(shape.into_dimension(), data).map_err(|_| flaw(count))?;
-    array.into_dimensionality().map_err(|_| flaw(count))
+    UncertaintyJson { degrees_of_freedom: known.degrees_of_freedom, covariance: Complexes::of(&known.covariance) }
 }
 
 #[cfg(test)]
 pub(crate) mod tests {
     use super::*;
     use ndarray::Array3;
+    use num_complex::Complex64;
 
     pub(crate) fn result() -> ResultFile {
         let entry = |(k, i, j): (usize, usize, usize)| Complex64::new((k + i) as f64 / 3.0, -1.0 / (1 + k + j) as f64);

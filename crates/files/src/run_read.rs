@@ -193,7 +193,7 @@ impl Samples {
 
     /// An event that cannot be read is counted; it must not cost the samples around it.
     fn take_event(&mut self, message: &Message) -> Result<(), String> {
-        let mut cdr = crate::cdr::CdrReader::new(message.data).map_err(|error| error.to_string())?;
+        let mut cdr = crate::cdr_read::CdrReader::new(message.data).map_err(|error| error.to_string())?;
         match cdr.text().ok().and_then(|text| serde_json::from_str(text).ok()) {
             Some(event) => self.events.push(event),
             None => self.lost_events += 1,

@@ -1,6 +1,6 @@
 //! Decodes a message by its definition, for topics whose type is only known from the file.
 
-use crate::cdr::{CdrError, CdrReader};
+use crate::cdr_read::{CdrError, CdrReader};
 use crate::ros2msg::{Arity, Definition, Element, Field, Primitive};
 
 /// A decoded field. Integers of 64 bits beyond 2^53 are rounded to the nearest `f64`.
