@@ -2,7 +2,7 @@
 //! the bias of the direct estimate when the input is measured with noise.
 
 use frfid::estimate::{
-    Averaging, BlaOptions, Campaign, Deficiency, EstimateError, LineDft, Place, RunSpectra, confidence_factor_95,
+    Averaging, BlaOptions, Campaign, Deficiency, EstimateError, LineDft, Place, RunSpectra,
     estimate_bla,
 };
 use frfid::signals::random::{normal, phase, stream};
@@ -144,7 +144,7 @@ impl Chance {
 
 /// Share of the lines, per entry, on which the truth lies in the 95 % region.
 fn coverage(frf: &Frf, known: &Uncertainty) -> Vec<f64> {
-    let (factor, outputs) = (confidence_factor_95(known.degrees_of_freedom), frf.n_outputs());
+    let (factor, outputs) = (known.confidence_factor_95(), frf.n_outputs());
     let entries = (0..outputs).flat_map(|o| (0..frf.n_inputs()).map(move |i| (o, i)));
     entries
         .map(|(o, i)| {

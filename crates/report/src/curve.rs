@@ -132,13 +132,9 @@ pub(crate) fn check(figure: &'static str, curves: &[Curve], labels: &Labels) -> 
     Ok((outputs, inputs))
 }
 
-/// Radius of the 95 % region of an entry, |dG|^2 <= variance F95(2, 2 dof), as a factor on its standard deviation; `None`
-/// without degrees of freedom.
-///
-/// The F distribution with 2 and 2 nu degrees of freedom has the closed tail P(F > f) = (1 + f/nu)^-nu.
-pub(crate) fn radius_of_95_percent(known: &Uncertainty) -> Option<f64> {
-    let dof = known.degrees_of_freedom as f64;
-    (dof > 0.0).then(|| (dof * (20f64.powf(1.0 / dof) - 1.0)).sqrt())
+/// Radius of the 95 % region of an entry over the square root of its variance; `None` without degrees of freedom.
+pub(crate) fn confidence_radius(known: &Uncertainty) -> Option<f64> {
+    Some(known.confidence_factor_95().sqrt()).filter(|radius| radius.is_finite())
 }
 
 /// Radius of the 95 % region of one entry over frequency, for the band asked for; `None` where it was not measured.
@@ -148,24 +144,13 @@ pub(crate) fn region(curve: &Curve, output: usize, input: usize) -> Option<Vec<f
         Band::Noise => (curve.frf.noise.as_ref()?, curve.frf.noise_variance()?),
         Band::Total => (curve.frf.total.as_ref()?, curve.frf.total_variance()?),
     };
-    let factor = radius_of_95_percent(known)?;
+    let factor = confidence_radius(known)?;
     Some((0..curve.frf.n_frequencies()).map(|k| factor * variance[[k, output, input]].max(0.0).sqrt()).collect())
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ndarray::Array3;
-
-    /// F95(2, 2), F95(2, 10) and F95(2, 120) from the printed tables of the F distribution.
-    #[test]
-    fn the_radius_follows_the_f_distribution() {
-        for (degrees_of_freedom, f95) in [(1, 19.00), (5, 4.10), (60, 3.07)] {
-            let known = Uncertainty { covariance: Array3::zeros((0, 1, 1)), degrees_of_freedom };
-            let radius = radius_of_95_percent(&known).expect("there are degrees of freedom");
-            assert!((radius * radius - f95).abs() < 0.006, "{}", radius * radius);
-        }
-    }
 
     #[test]
     fn inks_differ_in_colour_and_in_dash_or_marker() {

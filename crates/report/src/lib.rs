@@ -14,11 +14,13 @@ mod panel;
 mod payload;
 mod phase;
 mod report;
+mod section6;
 mod signals;
 
 pub use bode::{bode, bode_matrix};
 pub use curve::{Band, Curve, Labels, Style};
 pub use error::ReportError;
 pub use figure::Figure;
-pub use report::{CheckRow, ClaimRow, Report};
+pub use report::Report;
+pub use section6::{Named, section6_figures, section6_report};
 pub use signals::{LineRole, SpectralLine, TimePanel, Trace, spectrum, time_series};

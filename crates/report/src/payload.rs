@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 use ndarray::Array3;
 use serde::Serialize;
 
-use crate::curve::{Curve, Labels, Style, radius_of_95_percent};
+use crate::curve::{Curve, Labels, Style, confidence_radius};
 
 /// Everything the interactive diagram needs.
 #[derive(Serialize)]
@@ -52,9 +52,9 @@ fn curve_data<'a>(curve: &'a Curve) -> CurveData<'a> {
         re: float32(frf.response.iter().map(|value| value.re)),
         im: float32(frf.response.iter().map(|value| value.im)),
         noise_deviation: frf.noise_variance().map(deviation),
-        noise_factor: frf.noise.as_ref().and_then(radius_of_95_percent),
+        noise_factor: frf.noise.as_ref().and_then(confidence_radius),
         total_deviation: frf.total_variance().map(deviation),
-        total_factor: frf.total.as_ref().and_then(radius_of_95_percent),
+        total_factor: frf.total.as_ref().and_then(confidence_radius),
         nonlinear_deviation: frf.nonlinear_variance().map(deviation),
     }
 }

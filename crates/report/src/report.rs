@@ -2,6 +2,8 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
+use frfid_experiment::Claim;
+use frfid_files::Check;
 use sha2::{Digest, Sha256};
 
 use crate::curve::{self, Curve, Labels};
@@ -22,43 +24,15 @@ pub struct Report<'a> {
     /// Names of their channels and the unit of the gain.
     pub labels: Labels,
     /// What was checked.
-    pub checks: Vec<CheckRow>,
+    pub checks: Vec<Check>,
     /// Where the results come from: names and values (versions, seeds, hashes, files).
     pub provenance: Vec<(String, String)>,
     /// Claims of the paper beside our numbers.
-    pub claims: Vec<ClaimRow>,
+    pub claims: Vec<Claim>,
     /// Pictures with their captions.
     pub figures: Vec<(String, Figure)>,
     /// Paragraphs of plain text.
     pub notes: Vec<String>,
-}
-
-/// One check: what was found, what was needed, and what to do if it failed.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct CheckRow {
-    /// What was checked.
-    pub check: String,
-    /// Whether it passed.
-    pub passed: bool,
-    /// What was found, with unit.
-    pub found: String,
-    /// What was needed, with unit.
-    pub needed: String,
-    /// What to do about it.
-    pub advice: String,
-}
-
-/// One claim of the paper.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct ClaimRow {
-    /// The claim.
-    pub claim: String,
-    /// What the paper states.
-    pub paper: String,
-    /// What we found.
-    pub ours: String,
-    /// Whether the claim holds.
-    pub holds: bool,
 }
 
 impl Report<'_> {
@@ -110,7 +84,7 @@ impl Report<'_> {
     fn claims(&self) -> String {
         let rows = self.claims.iter().map(|row| {
             let verdict = badge(row.holds, "holds", "does not hold");
-            table_row(&row.claim, &[escaped(&row.paper), escaped(&row.ours), verdict])
+            table_row(&format!("{} {}", row.id, row.statement), &[escaped(row.expected), escaped(&row.found), verdict])
         });
         table("Claims", &["Claim", "Paper", "Ours", "Verdict"], rows)
     }
@@ -118,7 +92,7 @@ impl Report<'_> {
     fn checks(&self) -> String {
         let rows = self.checks.iter().map(|row| {
             let verdict = badge(row.passed, "passed", "failed");
-            table_row(&row.check, &[verdict, escaped(&row.found), escaped(&row.needed), escaped(&row.advice)])
+            table_row(&row.name, &[verdict, escaped(&row.found), escaped(&row.needed), escaped(&row.advice)])
         });
         table("Checks", &["Check", "Verdict", "Found", "Needed", "Advice"], rows)
     }

@@ -8,7 +8,9 @@ use std::process::{Child, Command};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use frfid_report::{Band, CheckRow, ClaimRow, Curve, Figure, Labels, Report, ReportError, Style, bode};
+use frfid_experiment::Claim;
+use frfid_files::Check;
+use frfid_report::{Band, Curve, Figure, Labels, Report, ReportError, Style, bode};
 use frfid_signals::{Frf, Uncertainty};
 use ndarray::Array3;
 use num_complex::Complex64;
@@ -42,8 +44,8 @@ fn hostile_page() -> String {
     };
     let figure: Figure = bode(&curves, 1, 1, &labels).expect("the curves are sound");
     let text = |k: usize| HOSTILE[k].to_owned();
-    let check = CheckRow { check: text(0), passed: false, found: text(1), needed: text(2), advice: text(3) };
-    let claim = ClaimRow { claim: text(4), paper: text(0), ours: text(1), holds: true };
+    let check = Check { name: text(0), passed: false, found: text(1), needed: text(2), advice: text(3) };
+    let claim = Claim { id: "9", statement: text(4).leak(), expected: text(0).leak(), found: text(1), holds: true };
     Report {
         title: text(4),
         curves,

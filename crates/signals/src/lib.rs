@@ -6,6 +6,7 @@
 //! amplitude of a line is 2|X|/N. Equation numbers are those of Saupe and Knoblach, MSSP 52-53 (2015) 60-72, cited SK15.
 
 mod chirp;
+mod confidence;
 mod error;
 mod frf;
 mod grid;
@@ -22,6 +23,7 @@ mod record;
 mod testbed;
 
 pub use chirp::Chirp;
+pub use confidence::f_quantile;
 pub use error::SignalError;
 pub use frf::{Frf, Uncertainty};
 pub use grid::{GridDesign, GridKind, LineGrid};

@@ -1,5 +1,7 @@
 //! Confidence regions of FRF entries: circles in the complex plane.
 
+use crate::Uncertainty;
+
 /// Quantile of the F distribution with 2 numerator and `denominator` degrees of freedom, in closed form:
 /// `F_p(2, m) = m/2 ((1 - p)^(-2/m) - 1)`.
 #[must_use]
@@ -8,12 +10,16 @@ pub fn f_quantile(probability: f64, denominator: f64) -> f64 {
     0.5 * denominator * (-2.0 / denominator * (-probability).ln_1p()).exp_m1()
 }
 
-/// Factor from a variance to the squared radius of the 95 % region of an entry: `|dG|^2 <= variance F_95(2, 2 dof)`.
-///
-/// `degrees_of_freedom` are those of [`frfid_signals::Uncertainty`]: complex, hence two real ones each.
-#[must_use]
-pub fn confidence_factor_95(degrees_of_freedom: usize) -> f64 {
-    f_quantile(0.95, 2.0 * degrees_of_freedom as f64)
+impl Uncertainty {
+    /// Factor from a variance to the squared radius of the 95 % region of an entry, `|dG|^2 <= variance F_95(2, 2 dof)`;
+    /// infinite without degrees of freedom. They are complex, hence two real ones each.
+    #[must_use]
+    pub fn confidence_factor_95(&self) -> f64 {
+        match self.degrees_of_freedom {
+            0 => f64::INFINITY,
+            dof => f_quantile(0.95, 2.0 * dof as f64),
+        }
+    }
 }
 
 #[cfg(test)]
