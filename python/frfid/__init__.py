@@ -6,28 +6,38 @@ channel, sample)``. Frequencies are in Hz, everything else in SI units on the jo
 
 from ._core import (
     Chirp,
+    Comparison,
+    Experiment,
     Frf,
     Multisine,
     NumericalError,
     PiController,
+    Plan,
     Plant,
     Record,
     __version__,
+    compare,
     estimate_bla,
     estimate_chirp,
+    load,
     run_closed_loop,
 )
 
 __all__ = [
     "Chirp",
+    "Comparison",
+    "Experiment",
     "Frf",
     "Multisine",
     "NumericalError",
     "PiController",
+    "Plan",
     "Plant",
     "Record",
     "__version__",
+    "compare",
     "estimate_bla",
     "estimate_chirp",
+    "load",
     "run_closed_loop",
 ]

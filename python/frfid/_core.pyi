@@ -1,5 +1,6 @@
-from collections.abc import Callable
-from typing import Any, Literal, TypeAlias, final
+from collections.abc import Callable, Sequence
+from os import PathLike
+from typing import Any, Literal, Protocol, TypeAlias, final
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -8,15 +9,21 @@ from ._frf import Plot
 
 __all__ = [
     "Chirp",
+    "Comparison",
+    "Experiment",
     "Frf",
     "Multisine",
     "NumericalError",
     "PiController",
+    "Plan",
     "Plant",
     "Record",
     "__version__",
+    "cli",
+    "compare",
     "estimate_bla",
     "estimate_chirp",
+    "load",
     "run_closed_loop",
 ]
 
@@ -29,6 +36,9 @@ _Progress: TypeAlias = Callable[[int, int], object]
 _Phases: TypeAlias = Literal["random", "low-crest"]
 
 class NumericalError(ArithmeticError): ...
+
+class _Testbed(Protocol):
+    def run(self, reference: NDArray[np.float64], /) -> Record: ...
 
 @final
 class Multisine:
@@ -161,6 +171,8 @@ class Plant:
         torque_quantum_nm: float | None = None,
         torque_noise_nm: float | None = None,
     ) -> Plant: ...
+    @staticmethod
+    def load(path: str | PathLike[str]) -> Plant: ...
     def frf(
         self,
         hz: ArrayLike,
@@ -183,6 +195,29 @@ class Plant:
     def parameters(self) -> dict[str, Any]: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
+
+@final
+class Experiment:
+    @staticmethod
+    def load(path: str | PathLike[str]) -> Experiment: ...
+    def design(self) -> Plan: ...
+    def to_toml(self) -> str: ...
+    def __eq__(self, other: object, /) -> bool: ...
+    def __ne__(self, other: object, /) -> bool: ...
+
+@final
+class Plan:
+    @property
+    def names(self) -> list[str]: ...
+    @property
+    def robot_time_s(self) -> float: ...
+    def reference(self, index: int) -> NDArray[np.float64]: ...
+    def predict(self, *, progress: _Progress | None = None) -> dict[str, Any]: ...
+    def run(
+        self, testbed: _Testbed | None = None, progress: _Progress | None = None, *, jobs: int = 0
+    ) -> list[Record]: ...
+    def estimate(self, records: Sequence[Record | None]) -> Frf: ...
+    def __len__(self) -> int: ...
 
 @final
 class Record:
@@ -227,6 +262,12 @@ class Frf:
         total_covariance: ArrayLike | None = None,
         total_degrees_of_freedom: int | None = None,
         condition: ArrayLike | None = None,
+        input_names: list[str] | None = None,
+        output_names: list[str] | None = None,
+        input_units: list[str] | None = None,
+        output_units: list[str] | None = None,
+        checks: list[dict[str, Any]] | None = None,
+        provenance: dict[str, str] | None = None,
     ) -> Frf: ...
     @property
     def frequency_hz(self) -> NDArray[np.float64]: ...
@@ -258,6 +299,19 @@ class Frf:
     def n_outputs(self) -> int: ...
     @property
     def n_inputs(self) -> int: ...
+    @property
+    def input_names(self) -> list[str]: ...
+    @property
+    def output_names(self) -> list[str]: ...
+    @property
+    def input_units(self) -> list[str]: ...
+    @property
+    def output_units(self) -> list[str]: ...
+    @property
+    def checks(self) -> list[dict[str, Any]]: ...
+    @property
+    def provenance(self) -> dict[str, str]: ...
+    def save(self, path: str | PathLike[str], *, overwrite: bool = False) -> None: ...
     def to_control(self) -> Any: ...
     def to_xarray(self) -> Any: ...
     @property
@@ -265,6 +319,24 @@ class Frf:
     def _repr_html_(self) -> str: ...
     def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
 
+@final
+class Comparison:
+    @property
+    def verdicts(self) -> list[str]: ...
+    @property
+    def band_hz(self) -> tuple[float, float]: ...
+    @property
+    def entries(self) -> list[dict[str, Any]]: ...
+
+def compare(
+    a: Frf,
+    b: Frf,
+    *,
+    stronger: Literal["a", "b"] | None = None,
+    prominence_db: float = 3.0,
+    largest_shift: float = 1.5,
+) -> Comparison: ...
+def load(path: str | PathLike[str]) -> Frf: ...
 def estimate_bla(
     u: ArrayLike,
     y: ArrayLike,
@@ -296,3 +368,4 @@ def run_closed_loop(
     seed: int = 0,
     progress: _Progress | None = None,
 ) -> Record: ...
+def cli(args: Sequence[str]) -> int: ...

@@ -14,7 +14,12 @@ if TYPE_CHECKING:
 def to_control(frf: Frf) -> Any:
     import control  # type: ignore[import-untyped]
 
-    return control.FrequencyResponseData(np.moveaxis(frf.response, 0, -1), 2 * np.pi * frf.frequency_hz)
+    return control.FrequencyResponseData(
+        np.moveaxis(frf.response, 0, -1),
+        2 * np.pi * frf.frequency_hz,
+        inputs=frf.input_names,
+        outputs=frf.output_names,
+    )
 
 
 def to_xarray(frf: Frf) -> Any:
@@ -29,7 +34,12 @@ def to_xarray(frf: Frf) -> Any:
     }
     return xarray.Dataset(
         {name: array for name, array in arrays.items() if array[1] is not None},
-        coords={"frequency": ("frequency", frf.frequency_hz, {"units": "Hz"})},
+        coords={
+            "frequency": ("frequency", frf.frequency_hz, {"units": "Hz"}),
+            "output": ("output", frf.output_names, {"units": frf.output_units}),
+            "input": ("input", frf.input_names, {"units": frf.input_units}),
+        },
+        attrs=frf.provenance,
     )
 
 
@@ -69,7 +79,7 @@ class Plot:
                 if variance is not None:
                     magnitude.semilogx(frf.frequency_hz, _db(np.sqrt(variance[entry])), "--", color=curve.get_color(), lw=0.8)
             phase.semilogx(frf.frequency_hz, np.angle(frf.response[entry], deg=True), **line)
-            magnitude.set(ylabel="magnitude in dB", title=f"input {column + 1} to output {output + 1}")
+            magnitude.set(ylabel="magnitude in dB", title=f"{frf.input_names[column]} to {frf.output_names[output]}")
             phase.set(ylabel="phase in deg", xlabel="frequency in Hz" if output == frf.n_outputs - 1 else "")
             for panel in (magnitude, phase):
                 panel.grid(True, which="both", alpha=0.3)

@@ -4,7 +4,7 @@ use frfid_plant::{ClosedLoop, PiController as Controller};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-use crate::batch::{Batch, run_batch};
+use crate::batch::simulate;
 use crate::error;
 use crate::plant::Plant;
 use crate::profile::per_channel;
@@ -119,7 +119,7 @@ impl PiController {
 /// seed : int, optional
 ///     Seed of the sensors' noise.
 /// progress : callable, optional
-///     Called with (done, total) after each run of a batch; an exception from it stops the simulation.
+///     Called with (done, total), from (0, total) on; an exception from it stops the simulation.
 ///
 /// Returns
 /// -------
@@ -135,7 +135,6 @@ impl PiController {
 #[pyfunction]
 #[pyo3(signature = (plant, controller, r, *, velocity_rad_s = None, seed = 0, progress = None))]
 pub fn run_closed_loop(
-    py: Python<'_>,
     plant: &Plant,
     controller: &PiController,
     r: &Bound<'_, PyAny>,
@@ -146,6 +145,5 @@ pub fn run_closed_loop(
     let (joint, controller) = (plant.joint.clone(), controller.controller.clone());
     let sample_time_s = controller.sample_time_s;
     let testbed = ClosedLoop { sensors: vec![plant.sensor], seed, ..ClosedLoop::new(joint, controller) };
-    let batch = Batch::new("r", r, sample_time_s, velocity_rad_s, &testbed)?;
-    run_batch(py, &testbed, &batch, progress)
+    simulate("r", r, &testbed, sample_time_s, velocity_rad_s, progress)
 }

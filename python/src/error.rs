@@ -1,10 +1,12 @@
 //! Errors of the crates as Python exceptions: `ValueError` for bad input, `NumericalError` for singular or divergent.
 
 use frfid_estimate::EstimateError;
+use frfid_experiment::{ConfigError, ExperimentError};
+use frfid_files::FileError;
 use frfid_plant::PlantError;
 use frfid_signals::{SignalError, TestbedError};
 use pyo3::PyErr;
-use pyo3::exceptions::{PyArithmeticError, PyValueError};
+use pyo3::exceptions::{PyArithmeticError, PyFileExistsError, PyKeyboardInterrupt, PyOSError, PyValueError};
 
 pyo3::create_exception!(
     frfid,
@@ -26,14 +28,48 @@ pub fn estimate(error: EstimateError) -> PyErr {
     }
 }
 
-/// A simulation that diverged is a matter of numbers.
+/// A simulation that diverged is a matter of numbers; what a testbed written in Python raised comes back as it was.
 pub fn testbed(error: TestbedError) -> PyErr {
-    match &error {
+    match error {
         TestbedError::Diverged { .. } => NumericalError::new_err(error.to_string()),
-        TestbedError::Foreign { source, .. } => match source.downcast_ref::<PlantError>() {
-            Some(PlantError::Chatter { .. }) => NumericalError::new_err(error.to_string()),
-            _ => PyValueError::new_err(error.to_string()),
-        },
         TestbedError::Run(_) => PyValueError::new_err(error.to_string()),
+        TestbedError::Foreign { run, source } => match source.downcast::<PyErr>() {
+            Ok(raised) => *raised,
+            Err(source) if matches!(source.downcast_ref(), Some(PlantError::Chatter { .. })) => {
+                NumericalError::new_err(format!("run {run}: {source}"))
+            }
+            Err(source) => PyValueError::new_err(format!("run {run}: {source}")),
+        },
+    }
+}
+
+/// What is wrong in a TOML file, with its place.
+pub fn config(error: ConfigError) -> PyErr {
+    PyValueError::new_err(error.to_string())
+}
+
+/// Files that cannot be read or written are `OSError`s, files that say something wrong are not.
+pub fn file(error: FileError) -> PyErr {
+    match error {
+        FileError::Exists { .. } => PyFileExistsError::new_err(error.to_string()),
+        FileError::Format { .. } | FileError::Content { .. } | FileError::Shape { .. } => {
+            PyValueError::new_err(error.to_string())
+        }
+        _ => PyOSError::new_err(error.to_string()),
+    }
+}
+
+/// Whatever happens on the way from a description to an FRF.
+pub fn experiment(error: ExperimentError) -> PyErr {
+    match error {
+        ExperimentError::Config(error) => config(error),
+        ExperimentError::File(error) => file(error),
+        ExperimentError::Plant(error @ (PlantError::Diverged { .. } | PlantError::Chatter { .. })) => {
+            NumericalError::new_err(error.to_string())
+        }
+        ExperimentError::Testbed(error) => testbed(error),
+        ExperimentError::Estimate(error) => estimate(error),
+        ExperimentError::Interrupted { .. } => PyKeyboardInterrupt::new_err(error.to_string()),
+        _ => PyValueError::new_err(error.to_string()),
     }
 }

@@ -1,5 +1,8 @@
-//! `frfid.Frf`.
+//! `frfid.Frf` and `frfid.load`.
 
+use std::path::PathBuf;
+
+use frfid_files::{Overwrite, ResultFile, read_result, write_result};
 use frfid_signals::{Frf as Response, Uncertainty};
 use ndarray::{Array1, Ix1};
 use pyo3::exceptions::PyValueError;
@@ -7,14 +10,15 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict, PyTuple};
 
 use crate::array::{Axes, Shared, complex, real};
+use crate::choice::{from_python, to_python};
 use crate::error;
 
 const ENTRIES: Axes = &["frequency", "output * input", "output * input"];
 
 /// A frequency response matrix with what is known about its uncertainty.
 ///
-/// It is its response where numpy asks for an array. All arrays are read-only. A variance that was not measured is None. Variances are those of the averaged response,
-/// E|dG|^2, real and imaginary part together.
+/// It is its response where numpy asks for an array. All arrays are read-only. A variance that was not measured is None.
+/// Variances are those of the averaged response, E|dG|^2, real and imaginary part together.
 ///
 /// Parameters
 /// ----------
@@ -28,6 +32,12 @@ const ENTRIES: Axes = &["frequency", "output * input", "output * input"];
 ///     Complex degrees of freedom behind them.
 /// condition : array_like, shape (frequency,), optional
 ///     Condition number of U.
+/// input_names, output_names, input_units, output_units : list of str, optional
+///     Names and SI units of the channels.
+/// checks : list of dict, optional
+///     What was checked: ``name``, ``passed``, ``found``, ``needed`` and ``advice``.
+/// provenance : dict of str, optional
+///     Where it comes from: versions, seeds, hashes, amplitudes, limits.
 ///
 /// Raises
 /// ------
@@ -35,7 +45,7 @@ const ENTRIES: Axes = &["frequency", "output * input", "output * input"];
 ///     For shapes that do not fit together, or a covariance without its degrees of freedom.
 #[pyclass(frozen, module = "frfid")]
 pub struct Frf {
-    pub response: Response,
+    pub result: ResultFile,
     arrays: Arrays,
 }
 
@@ -55,7 +65,10 @@ struct Arrays {
 impl Frf {
     #[new]
     #[pyo3(signature = (*, frequency_hz, response, noise_covariance = None, noise_degrees_of_freedom = None,
-                        total_covariance = None, total_degrees_of_freedom = None, condition = None))]
+                        total_covariance = None, total_degrees_of_freedom = None, condition = None,
+                        input_names = None, output_names = None, input_units = None, output_units = None,
+                        checks = None, provenance = None))]
+    #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
     fn new(
         frequency_hz: &Bound<'_, PyAny>,
         response: &Bound<'_, PyAny>,
@@ -64,47 +77,63 @@ impl Frf {
         total_covariance: Option<&Bound<'_, PyAny>>,
         total_degrees_of_freedom: Option<usize>,
         condition: Option<&Bound<'_, PyAny>>,
+        input_names: Option<Vec<String>>,
+        output_names: Option<Vec<String>>,
+        input_units: Option<Vec<String>>,
+        output_units: Option<Vec<String>>,
+        checks: Option<&Bound<'_, PyAny>>,
+        provenance: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let response = Response {
+        let frf = Response {
             frequency_hz: per_frequency("frequency_hz", frequency_hz)?,
             response: complex("response", response, &[&["frequency", "output", "input"]])?.as_array().to_owned(),
             noise: uncertainty("noise", noise_covariance, noise_degrees_of_freedom)?,
             total: uncertainty("total", total_covariance, total_degrees_of_freedom)?,
             condition: condition.map(|condition| per_frequency("condition", condition)).transpose()?,
         };
-        response.check().map_err(error::signal)?;
-        Ok(response.into())
+        frf.check().map_err(error::signal)?;
+        let unnamed = Self::from(frf).result;
+        let (n_inputs, n_outputs) = (unnamed.input_names.len(), unnamed.output_names.len());
+        Ok(Self::of(ResultFile {
+            input_names: channels("input_names", input_names, unnamed.input_names, n_inputs)?,
+            output_names: channels("output_names", output_names, unnamed.output_names, n_outputs)?,
+            input_units: channels("input_units", input_units, unnamed.input_units, n_inputs)?,
+            output_units: channels("output_units", output_units, unnamed.output_units, n_outputs)?,
+            checks: checks.map_or_else(|| Ok(Vec::new()), |checks| from_python("checks", checks))?,
+            provenance: provenance.map_or_else(|| Ok(unnamed.provenance), |p| from_python("provenance", p))?,
+            frf: unnamed.frf,
+        }))
     }
 
     /// Frequencies in Hz, shape (frequency,).
     #[getter]
     fn frequency_hz<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        self.arrays.frequency_hz.get(py, || Array1::from(self.response.frequency_hz.clone()))
+        self.arrays.frequency_hz.get(py, || Array1::from(self.result.frf.frequency_hz.clone()))
     }
 
     /// Response, complex128, shape (frequency, output, input).
     #[getter]
     fn response<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        self.arrays.response.get(py, || self.response.response.clone())
+        self.arrays.response.get(py, || self.result.frf.response.clone())
     }
 
     /// Noise variance of each entry of the averaged response, shape (frequency, output, input); None if not measured.
     #[getter]
     fn noise_variance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        self.response.noise_variance().map(|variance| self.arrays.noise_variance.get(py, || variance))
+        self.result.frf.noise_variance().map(|variance| self.arrays.noise_variance.get(py, || variance))
     }
 
     /// Variance of each entry from noise and nonlinear distortion, shape (frequency, output, input); None if not measured.
     #[getter]
     fn total_variance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        self.response.total_variance().map(|variance| self.arrays.total_variance.get(py, || variance))
+        self.result.frf.total_variance().map(|variance| self.arrays.total_variance.get(py, || variance))
     }
 
     /// Level of the stochastic nonlinear distortion of one realization, shape (frequency, output, input); None unless both
     /// variances were measured.
     #[getter]
     fn nonlinear_variance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        self.response.nonlinear_variance().map(|variance| self.arrays.nonlinear_variance.get(py, || variance))
+        self.result.frf.nonlinear_variance().map(|variance| self.arrays.nonlinear_variance.get(py, || variance))
     }
 
     /// Covariance of vec(G), its columns stacked (index ``input * n_outputs + output``): the total one if it was measured,
@@ -117,40 +146,40 @@ impl Frf {
     /// Covariance of vec(G) from noise alone; None if not measured.
     #[getter]
     fn noise_covariance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        let known = self.response.noise.as_ref()?;
+        let known = self.result.frf.noise.as_ref()?;
         Some(self.arrays.noise_covariance.get(py, || known.covariance.clone()))
     }
 
     /// Covariance of vec(G) from noise and nonlinear distortion; None if not measured.
     #[getter]
     fn total_covariance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        let known = self.response.total.as_ref()?;
+        let known = self.result.frf.total.as_ref()?;
         Some(self.arrays.total_covariance.get(py, || known.covariance.clone()))
     }
 
     /// Complex degrees of freedom of the noise variance; None if not measured.
     #[getter]
     fn noise_degrees_of_freedom(&self) -> Option<usize> {
-        self.response.noise.as_ref().map(|known| known.degrees_of_freedom)
+        self.result.frf.noise.as_ref().map(|known| known.degrees_of_freedom)
     }
 
     /// Complex degrees of freedom of the total variance; None if not measured.
     #[getter]
     fn total_degrees_of_freedom(&self) -> Option<usize> {
-        self.response.total.as_ref().map(|known| known.degrees_of_freedom)
+        self.result.frf.total.as_ref().map(|known| known.degrees_of_freedom)
     }
 
     /// Condition number of U at each frequency, shape (frequency,); None where no U was inverted.
     #[getter]
     fn condition<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        let condition = self.response.condition.as_ref()?;
+        let condition = self.result.frf.condition.as_ref()?;
         Some(self.arrays.condition.get(py, || Array1::from(condition.clone())))
     }
 
     /// Shape of the response, (frequency, output, input).
     #[getter]
     fn shape(&self) -> (usize, usize, usize) {
-        self.response.response.dim()
+        self.result.frf.response.dim()
     }
 
     /// Part of the response: ``frf[key]`` is ``frf.response[key]``.
@@ -173,13 +202,70 @@ impl Frf {
     /// Number of outputs.
     #[getter]
     fn n_outputs(&self) -> usize {
-        self.response.n_outputs()
+        self.result.frf.n_outputs()
     }
 
     /// Number of inputs.
     #[getter]
     fn n_inputs(&self) -> usize {
-        self.response.n_inputs()
+        self.result.frf.n_inputs()
+    }
+
+    /// Names of the inputs.
+    #[getter]
+    fn input_names(&self) -> Vec<String> {
+        self.result.input_names.clone()
+    }
+
+    /// Names of the outputs.
+    #[getter]
+    fn output_names(&self) -> Vec<String> {
+        self.result.output_names.clone()
+    }
+
+    /// SI units of the inputs; empty where they are not known.
+    #[getter]
+    fn input_units(&self) -> Vec<String> {
+        self.result.input_units.clone()
+    }
+
+    /// SI units of the outputs; empty where they are not known.
+    #[getter]
+    fn output_units(&self) -> Vec<String> {
+        self.result.output_units.clone()
+    }
+
+    /// What was checked: a list of dicts with ``name``, ``passed``, ``found``, ``needed`` and ``advice``.
+    #[getter]
+    fn checks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.result.checks)
+    }
+
+    /// Where it comes from, a dict of strings: versions, seeds, hashes, amplitudes, limits.
+    #[getter]
+    fn provenance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.result.provenance)
+    }
+
+    /// Writes the result as JSON, first beside ``path`` and renamed when it is complete.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path-like
+    ///     The file.
+    /// overwrite : bool, optional
+    ///     Whether a file of this name may be replaced.
+    ///
+    /// Raises
+    /// ------
+    /// FileExistsError
+    ///     If the file exists and may not be replaced.
+    /// OSError
+    ///     If it cannot be written.
+    #[pyo3(signature = (path, *, overwrite = false))]
+    fn save(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
+        let overwrite = if overwrite { Overwrite::Replace } else { Overwrite::Refuse };
+        py.detach(|| write_result(&path, overwrite, &self.result)).map_err(error::file)
     }
 
     /// The FRF as ``control.FRD``: rad/s, response (output, input, frequency). It has no room for the uncertainty.
@@ -203,7 +289,7 @@ impl Frf {
     }
 
     fn __repr__(&self) -> String {
-        let hz = &self.response.frequency_hz;
+        let hz = &self.result.frf.frequency_hz;
         let (low, high) = (hz.first().copied().unwrap_or(f64::NAN), hz.last().copied().unwrap_or(f64::NAN));
         let measured = |known: &Option<Uncertainty>| if known.is_some() { "measured" } else { "None" };
         format!(
@@ -212,8 +298,8 @@ impl Frf {
             self.n_outputs(),
             self.n_inputs(),
             hz.len(),
-            measured(&self.response.noise),
-            measured(&self.response.total)
+            measured(&self.result.frf.noise),
+            measured(&self.result.frf.total)
         )
     }
 
@@ -226,14 +312,61 @@ impl Frf {
         keywords.set_item("total_covariance", self.total_covariance(py))?;
         keywords.set_item("total_degrees_of_freedom", self.total_degrees_of_freedom())?;
         keywords.set_item("condition", self.condition(py))?;
+        keywords.set_item("input_names", &self.result.input_names)?;
+        keywords.set_item("output_names", &self.result.output_names)?;
+        keywords.set_item("input_units", &self.result.input_units)?;
+        keywords.set_item("output_units", &self.result.output_units)?;
+        keywords.set_item("checks", self.checks(py)?)?;
+        keywords.set_item("provenance", self.provenance(py)?)?;
         Ok((PyTuple::empty(py), keywords))
     }
 }
 
-impl From<Response> for Frf {
-    fn from(response: Response) -> Self {
-        Self { response, arrays: Arrays::default() }
+impl Frf {
+    /// A result with everything that belongs to it.
+    pub fn of(result: ResultFile) -> Self {
+        Self { result, arrays: Arrays::default() }
     }
+}
+
+/// An FRF of which only the numbers are known: channels are numbered, their units empty.
+impl From<Response> for Frf {
+    fn from(frf: Response) -> Self {
+        let (n_inputs, n_outputs) = (frf.n_inputs(), frf.n_outputs());
+        let numbered = |word: &str, count: usize| (1..=count).map(|channel| format!("{word} {channel}")).collect();
+        Self::of(ResultFile {
+            frf,
+            input_names: numbered("input", n_inputs),
+            output_names: numbered("output", n_outputs),
+            input_units: vec![String::new(); n_inputs],
+            output_units: vec![String::new(); n_outputs],
+            checks: Vec::new(),
+            provenance: [("frfid_version".to_owned(), env!("CARGO_PKG_VERSION").to_owned())].into(),
+        })
+    }
+}
+
+/// Reads a result: what ``Frf.save`` or ``frfid estimate`` wrote.
+///
+/// Parameters
+/// ----------
+/// path : str or path-like
+///     The JSON file.
+///
+/// Returns
+/// -------
+/// Frf
+///
+/// Raises
+/// ------
+/// OSError
+///     If the file cannot be read.
+/// ValueError
+///     If it is no result, or contradicts itself.
+#[pyfunction]
+pub fn load(py: Python<'_>, path: PathBuf) -> PyResult<Frf> {
+    path.metadata()?;
+    Ok(Frf::of(py.detach(|| read_result(&path)).map_err(error::file)?))
 }
 
 /// What needs another Python package is written in Python.
@@ -255,6 +388,14 @@ fn uncertainty(
         _ => Err(PyValueError::new_err(format!(
             "{name}_covariance and {name}_degrees_of_freedom belong together: only one of them was given"
         ))),
+    }
+}
+
+fn channels(name: &str, given: Option<Vec<String>>, default: Vec<String>, needed: usize) -> PyResult<Vec<String>> {
+    match given {
+        None => Ok(default),
+        Some(list) if list.len() == needed => Ok(list),
+        Some(list) => Err(PyValueError::new_err(format!("{name} has {} entries, needed {needed}", list.len()))),
     }
 }
 

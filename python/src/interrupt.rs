@@ -4,7 +4,6 @@
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
@@ -16,26 +15,19 @@ const WAKE: Duration = Duration::from_millis(50);
 /// The worker's end: where it tells how far it is, and hears that it should stop. Threads may share it.
 pub struct Progress<'a> {
     reports: Sender<(usize, usize)>,
-    done: Mutex<usize>,
     stop: &'a AtomicBool,
 }
 
 impl Progress<'_> {
-    /// Reports one more step of `total`.
-    pub fn step(&self, total: usize) {
-        let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner); // held while sending: reports keep their order
-        *done += 1;
-        let _ = self.reports.send((*done, total)); // nobody listens once the call was interrupted: `wanted` says so
-    }
-
-    /// Whether the result is still wanted.
-    pub fn wanted(&self) -> bool {
+    /// Reports `done` of `total` and says whether to go on.
+    pub fn report(&self, done: usize, total: usize) -> bool {
+        let _ = self.reports.send((done, total)); // nobody listens any more once the call was interrupted: `stop` says so
         !self.stop.load(Ordering::Relaxed)
     }
 }
 
 /// Does `work` on another thread, detached from the interpreter. An exception out of `progress(done, total)`, or Ctrl-C,
-/// stops it before its next step and is returned.
+/// stops it at its next [`Progress::report`] and is returned.
 pub fn interruptible<T: Send>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -47,7 +39,7 @@ pub fn interruptible<T: Send>(
         thread::scope(|scope| {
             let (reports, inbox) = channel();
             let stop = &stop;
-            let worker = scope.spawn(move || work(&Progress { reports, done: Mutex::new(0), stop }));
+            let worker = scope.spawn(move || work(&Progress { reports, stop }));
             let listened = listen(&inbox, callback.as_ref());
             stop.store(listened.is_err(), Ordering::Relaxed);
             let value = worker.join().unwrap_or_else(|panic| resume_unwind(panic));
@@ -56,8 +48,9 @@ pub fn interruptible<T: Send>(
     })
 }
 
-/// Passes reports on until the worker has finished.
+/// Passes reports on until the worker has finished. Threads may report out of order: what is overtaken is left out.
 fn listen(inbox: &Receiver<(usize, usize)>, callback: Option<&Py<PyAny>>) -> PyResult<()> {
+    let mut furthest = 0;
     loop {
         let report = match inbox.recv_timeout(WAKE) {
             Ok(report) => Some(report),
@@ -65,8 +58,11 @@ fn listen(inbox: &Receiver<(usize, usize)>, callback: Option<&Py<PyAny>>) -> PyR
             Err(RecvTimeoutError::Disconnected) => return Ok(()),
         };
         Python::attach(|py| {
-            if let (Some(callback), Some(report)) = (callback, report) {
-                callback.call1(py, report)?;
+            if let (Some(callback), Some((done, total))) = (callback, report)
+                && done >= furthest
+            {
+                furthest = done;
+                callback.call1(py, (done, total))?;
             }
             py.check_signals()
         })?;

@@ -5,15 +5,21 @@ mod batch;
 mod bla;
 mod chirp;
 mod choice;
+mod cli;
+mod compare;
 mod controller;
 mod error;
 mod excerpt;
+mod experiment;
 mod frf;
 mod interrupt;
 mod multisine;
+mod plan;
 mod plant;
 mod profile;
 mod record;
+mod runs;
+mod testbed;
 
 /// Frequency response functions of flexible-joint robots, by experiment: the compiled part of the package `frfid`.
 #[pyo3::pymodule(gil_used = false)]
@@ -23,15 +29,23 @@ mod _core {
     #[pymodule_export]
     use crate::chirp::Chirp;
     #[pymodule_export]
+    use crate::cli::cli;
+    #[pymodule_export]
+    use crate::compare::{Comparison, compare};
+    #[pymodule_export]
     use crate::controller::{PiController, run_closed_loop};
     #[pymodule_export]
     use crate::error::NumericalError;
     #[pymodule_export]
     use crate::excerpt::estimate_chirp;
     #[pymodule_export]
-    use crate::frf::Frf;
+    use crate::experiment::Experiment;
+    #[pymodule_export]
+    use crate::frf::{Frf, load};
     #[pymodule_export]
     use crate::multisine::Multisine;
+    #[pymodule_export]
+    use crate::plan::Plan;
     #[pymodule_export]
     use crate::plant::Plant;
     #[pymodule_export]

@@ -1,5 +1,8 @@
 //! `frfid.Plant`.
 
+use std::path::PathBuf;
+
+use frfid_experiment::{RobotTable, Source};
 use frfid_plant::{Hold, OpenLoop, Ripple, Sensor, SingleJoint, Velocity};
 use ndarray::Ix1;
 use pyo3::exceptions::PyValueError;
@@ -7,13 +10,13 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict, PyDict};
 
 use crate::array::real;
-use crate::batch::{Batch, run_batch};
+use crate::batch::simulate;
 use crate::choice::{choice, from_python, to_python};
 use crate::error;
 use crate::frf::Frf;
 use crate::record::Record;
 
-/// A robot in software, made by ``Plant.single_joint``.
+/// A robot in software, made by ``Plant.single_joint`` or ``Plant.load``.
 #[pyclass(frozen, eq, module = "frfid")]
 #[derive(PartialEq)]
 pub struct Plant {
@@ -103,8 +106,32 @@ impl Plant {
             torque_quantum_nm,
             torque_noise_nm,
         };
-        joint.check().and_then(|()| sensor.check()).map_err(error::signal)?;
-        Ok(Self { joint, sensor })
+        Self::checked(joint, sensor)
+    }
+
+    /// Reads a robot file, such as ``examples/robots/paper_joint.toml``.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path-like
+    ///     The TOML file.
+    ///
+    /// Returns
+    /// -------
+    /// Plant
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be read.
+    /// ValueError
+    ///     With file, line and caret of an unknown key or wrong type, or the parameter that is out of range.
+    #[staticmethod]
+    fn load(path: PathBuf) -> PyResult<Self> {
+        path.metadata()?;
+        let robot: RobotTable = Source::read(&path).and_then(|source| source.parse()).map_err(error::config)?;
+        let missing = || PyValueError::new_err(format!("{}: a table [single_joint] is needed", path.display()));
+        Self::checked(robot.joint().ok_or_else(missing)?, robot.sensor())
     }
 
     /// Linearised truth from motor torque to motor velocity: gear damping and viscous friction are in it; Coulomb friction,
@@ -158,7 +185,7 @@ impl Plant {
     /// seed : int, optional
     ///     Seed of the sensors' noise.
     /// progress : callable, optional
-    ///     Called with (done, total) after each run of a batch; an exception from it stops the simulation.
+    ///     Called with (done, total), from (0, total) on; an exception from it stops the simulation.
     ///
     /// Returns
     /// -------
@@ -175,7 +202,6 @@ impl Plant {
     #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
     fn simulate(
         &self,
-        py: Python<'_>,
         u: &Bound<'_, PyAny>,
         sample_time_s: f64,
         hold: &str,
@@ -185,8 +211,7 @@ impl Plant {
     ) -> PyResult<Record> {
         let (joint, sensors) = (self.joint.clone(), vec![self.sensor]);
         let testbed = OpenLoop { sensors, seed, hold: choice("hold", hold)?, ..OpenLoop::new(joint) };
-        let batch = Batch::new("u", u, sample_time_s, velocity_rad_s, &testbed)?;
-        run_batch(py, &testbed, &batch, progress)
+        simulate("u", u, &testbed, sample_time_s, velocity_rad_s, progress)
     }
 
     /// The parameters, as ``Plant.single_joint`` takes them.
@@ -209,5 +234,12 @@ impl Plant {
         let keywords = slf.get().parameters(slf.py())?.into_py_dict(slf.py())?;
         let partial = slf.py().import("functools")?.getattr("partial")?;
         Ok((partial.call((single_joint,), Some(&keywords))?, ()))
+    }
+}
+
+impl Plant {
+    fn checked(joint: SingleJoint, sensor: Sensor) -> PyResult<Self> {
+        joint.check().and_then(|()| sensor.check()).map_err(error::signal)?;
+        Ok(Self { joint, sensor })
     }
 }

@@ -54,6 +54,7 @@ def test_python_control_evaluates_it_in_rad_per_s(frf):
     pytest.importorskip("control")
     converted = frf.to_control()
     assert (converted.noutputs, converted.ninputs) == (2, 3)
+    assert converted.input_labels == frf.input_names
     for line, hz in enumerate(frf.frequency_hz):
         np.testing.assert_array_equal(converted.eval(2 * np.pi * hz), frf.response[line])
 
@@ -61,6 +62,7 @@ def test_python_control_evaluates_it_in_rad_per_s(frf):
 def test_xarray_knows_dimensions_units_and_only_what_was_measured(frf):
     pytest.importorskip("xarray")
     dataset = frf.to_xarray()
+    assert dataset.attrs == frf.provenance and list(dataset.input.values) == ["input 1", "input 2", "input 3"]
     assert dataset.response.dims == ("frequency", "output", "input")
     assert dataset.frequency.attrs["units"] == "Hz"
     np.testing.assert_array_equal(dataset.noise_variance.values, frf.noise_variance)
@@ -85,3 +87,55 @@ def test_the_bode_plot_shows_the_numbers(frf):
 def test_a_notebook_shows_a_table(frf):
     assert "<table>" in frf._repr_html_() and "2 x 3" in frf._repr_html_()
     assert "noise variance measured" in repr(frf)
+
+
+def test_a_saved_result_comes_back(frf, tmp_path):
+    path = tmp_path / "result.json"
+    frf.save(path)
+    back = frfid.load(str(path))
+    for name in ("frequency_hz", "response", "noise_covariance", "total_covariance", "condition"):
+        np.testing.assert_array_equal(getattr(back, name), getattr(frf, name))
+    assert back.provenance == frf.provenance and back.provenance["frfid_version"] == frfid.__version__
+    with pytest.raises(FileExistsError, match="result.json exists"):
+        frf.save(path)
+    frf.save(path, overwrite=True)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["result.json"]
+
+
+def test_files_that_are_no_results_are_refused(tmp_path):
+    with pytest.raises(FileNotFoundError):
+        frfid.load(tmp_path / "nowhere.json")
+    (tmp_path / "other.json").write_text('{"format": "else"}')
+    with pytest.raises(ValueError, match="other.json: found .*needed a result written by frfid"):
+        frfid.load(tmp_path / "other.json")
+    with pytest.raises(OSError):
+        frfid.Frf(frequency_hz=[1.0], response=np.ones((1, 1, 1))).save(tmp_path / "no" / "folder.json")
+
+
+def test_names_units_checks_and_provenance_travel(tmp_path):
+    check = {"name": "periods", "passed": False, "found": "1", "needed": "2", "advice": "measure longer"}
+    belongings = dict(input_names=["torque"], input_units=["N m"], checks=[check], provenance={"seed": "5"})
+    frf = frfid.Frf(frequency_hz=[1.0], response=np.ones((1, 2, 1)), **belongings)
+    frf.save(tmp_path / "result.json")
+    for other in (frf, frfid.load(tmp_path / "result.json"), copy.copy(frf)):
+        assert {name: getattr(other, name) for name in belongings} == belongings
+        assert (other.output_names, other.output_units) == (["output 1", "output 2"], ["", ""])
+    with pytest.raises(ValueError, match="output_names has 1 entries, needed 2"):
+        frfid.Frf(frequency_hz=[1.0], response=np.ones((1, 2, 1)), output_names=["only one"])
+
+
+def test_two_frfs_are_compared():
+    hz = np.geomspace(2.0, 50.0, 400)
+    soft, stiff = (frfid.Plant.single_joint(stiffness_nm_per_rad=k).frf(hz, hold="continuous") for k in (1.5e5, 2.55e5))
+    verdict = frfid.compare(soft, stiff, stronger="b")
+    assert str(verdict).startswith("stiffness grows with deflection: the stronger excitation finds the resonance at 15.1")
+    assert verdict.band_hz == (2.0, 50.0)
+    notch, peak = verdict.entries[0]["changes"]
+    assert (notch["a"]["kind"], peak["a"]["kind"]) == ("antiresonance", "resonance")
+    for change, shift in ((notch, 6.5590 - 5.0289), (peak, 15.1254 - 11.6211)):
+        assert change["has_moved"] and change["shift_hz"] == pytest.approx(shift, abs=0.02)
+    assert str(frfid.compare(soft, soft)) == "nothing stands out" and frfid.compare(soft, soft).verdicts == []
+    with pytest.raises(ValueError, match="stronger: unknown variant `c`"):
+        frfid.compare(soft, stiff, stronger="c")
+    with pytest.raises(ValueError, match="60"):
+        frfid.compare(soft, frfid.Plant.single_joint().frf(np.linspace(60.0, 70.0, 9), hold="continuous"))

@@ -1,6 +1,7 @@
 """The simulated joint against scipy's linear one, and what friction, stiffness, sensors and controller do to it."""
 
 import copy
+import pathlib
 import pickle
 
 import numpy as np
@@ -9,8 +10,8 @@ import scipy.signal
 
 import frfid
 
+ROBOTS = pathlib.Path(__file__).parents[2] / "examples" / "robots"
 T = 1e-3
-RNG = np.random.default_rng(5)
 
 
 def multisine(peak=150.0, n_inputs=1):
@@ -157,6 +158,19 @@ def test_an_unstable_loop_is_a_numerical_error():
     wild = frfid.PiController(gain=1e9, integral_gain=0.0, sample_time_s=T)
     with pytest.raises(frfid.NumericalError, match="no longer finite"):
         frfid.run_closed_loop(frfid.Plant.single_joint(), wild, np.ones((1, 5000)))
+
+
+def test_a_robot_file_is_a_plant(tmp_path):
+    assert frfid.Plant.load(ROBOTS / "paper_joint.toml") == frfid.Plant.single_joint(coulomb_nm=50.0)
+    path = tmp_path / "robot.toml"
+    path.write_text("[single_joint]\nmotor_inertia = 35.0\n")
+    with pytest.raises(ValueError, match=r"robot\.toml:2:1: unknown field `motor_inertia`(.|\n)*\^\^\^"):
+        frfid.Plant.load(path)
+    path.write_text("")
+    with pytest.raises(ValueError, match=r"robot\.toml: a table \[single_joint\] is needed"):
+        frfid.Plant.load(path)
+    with pytest.raises(FileNotFoundError):
+        frfid.Plant.load(tmp_path / "nowhere.toml")
 
 
 def test_pickles_are_equal():

@@ -1,0 +1,36 @@
+"""Lesson 7: the whole workflow from one description, on a machine of your own.
+
+Run: python examples/07_own_testbed.py
+"""
+
+import pathlib
+
+import numpy as np
+
+import frfid
+
+experiment = frfid.Experiment.load(pathlib.Path(__file__).parent / "experiments" / "multisine.toml")
+plan = experiment.design()
+print(f"{plan!r}, the first of them {plan.names[0]}, reference {plan.reference(0).shape} (channel, sample)")
+peaks = plan.predict()["peaks"]
+print(f"predicted peaks: {peaks['effort_nm'][0]:.0f} N m, {peaks['velocity_rad_s'][0]:.3f} rad/s")
+
+
+class MyRobot:
+    """Anything with run(reference) -> Record. Here it is a simulation; a driver of a real robot looks the same."""
+
+    def __init__(self):
+        self.plant = frfid.Plant.load(pathlib.Path(__file__).parent / "robots" / "paper_joint.toml")
+
+    def run(self, reference):
+        measured = self.plant.simulate(reference, sample_time_s=1e-3)
+        return frfid.Record(sample_time_s=1e-3, u=measured.u, y=measured.y, r=reference)
+
+
+records = plan.run(MyRobot())
+frf = plan.estimate(records)
+print(f"{frf!r}")
+print("made with seed", frf.provenance["seed"], "from the description with the hash", frf.provenance["config_sha256"][:12])
+
+same = plan.estimate(plan.run())  # without a testbed the described robot is simulated
+print("the simulated robot gives the same FRF to the last bit:", np.array_equal(same.response, frf.response))

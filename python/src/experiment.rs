@@ -1,0 +1,56 @@
+//! `frfid.Experiment`: the workflow of the command line without its files.
+
+use std::path::PathBuf;
+
+use frfid_experiment::Experiment as Description;
+use pyo3::prelude::*;
+
+use crate::error;
+use crate::plan::Plan;
+
+/// An experiment as its TOML file describes it; made by ``Experiment.load``.
+#[pyclass(frozen, eq, module = "frfid")]
+#[derive(PartialEq)]
+pub struct Experiment {
+    description: Description,
+}
+
+#[pymethods]
+impl Experiment {
+    /// Reads and checks ``experiment.toml``.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path-like
+    ///     The file; a robot file that it names is looked up beside it.
+    ///
+    /// Returns
+    /// -------
+    /// Experiment
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be read.
+    /// ValueError
+    ///     With file, line and caret of what is wrong in it.
+    #[staticmethod]
+    fn load(path: PathBuf) -> PyResult<Self> {
+        path.metadata()?;
+        Ok(Self { description: Description::load(&path).map_err(error::config)? })
+    }
+
+    /// The plan of all runs.
+    fn design(&self) -> Plan {
+        Plan { description: self.description.clone() }
+    }
+
+    /// The description as one TOML text that stands alone.
+    fn to_toml(&self) -> String {
+        self.description.to_toml()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<frfid.Experiment: {}, {} runs>", self.description.source.name, self.description.plan.n_runs())
+    }
+}

@@ -1,0 +1,208 @@
+//! `frfid.Plan`: the runs of an experiment, done on any testbed, and the FRF from their records.
+
+use frfid_experiment::{Estimator, Experiment as Description};
+use frfid_signals::{Record as Measured, RunId, Testbed};
+use numpy::PyArray2;
+use pyo3::exceptions::{PyUserWarning, PyValueError};
+use pyo3::prelude::*;
+
+use crate::array::c_ordered;
+use crate::choice::to_python;
+use crate::error;
+use crate::frf::Frf;
+use crate::interrupt::interruptible;
+use crate::record::Record;
+use crate::runs::records_of;
+use crate::testbed::PythonTestbed;
+
+/// Every run of an experiment; made by ``Experiment.design``.
+#[pyclass(frozen, module = "frfid")]
+pub struct Plan {
+    pub description: Description,
+}
+
+#[pymethods]
+impl Plan {
+    /// Names of the runs in the order in which they are done, glides first: ``"p000-m0-q0"`` is realization 0,
+    /// experiment 0, repetition 0.
+    #[getter]
+    fn names(&self) -> Vec<String> {
+        self.ids().iter().map(RunId::to_string).collect()
+    }
+
+    /// Time on the robot in s, without the way back to the start.
+    #[getter]
+    fn robot_time_s(&self) -> PyResult<f64> {
+        self.description.plan.robot_time_s().map_err(error::signal)
+    }
+
+    /// Reference of one run, from lead-in to end.
+    ///
+    /// Parameters
+    /// ----------
+    /// index : int
+    ///     Number of the run, its place in ``names``.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, float64, shape (channel, sample)
+    ///     Motor torques in N m in open loop, velocities in rad/s in closed loop.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If there is no such run.
+    fn reference<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        let ids = self.ids();
+        let needed = || PyValueError::new_err(format!("index is {index}, needed a run from 0 to {}", ids.len() - 1));
+        let id = *ids.get(index).ok_or_else(needed)?;
+        Ok(c_ordered(py, self.description.plan.run(id).map_err(error::signal)?.reference))
+    }
+
+    /// What the runs will ask of the robot, found by doing each of them once on its model.
+    ///
+    /// Parameters
+    /// ----------
+    /// progress : callable, optional
+    ///     Called with (done, total), from (0, total) on; an exception from it stops the work.
+    ///
+    /// Returns
+    /// -------
+    /// dict
+    ///     ``peaks`` of torque, its rate, velocity and travel per axis, ``crest_factor``, and ``excesses`` over the limits.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If no robot is described.
+    /// NumericalError
+    ///     If a run diverges.
+    #[pyo3(signature = (*, progress = None))]
+    fn predict<'py>(&self, py: Python<'py>, progress: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+        let prediction = interruptible(py, progress, |progress| {
+            frfid_experiment::predict(&self.description, 0, &|done, total| progress.report(done, total))
+        })?;
+        to_python(py, &prediction.map_err(error::experiment)?)
+    }
+
+    /// Does every run.
+    ///
+    /// Parameters
+    /// ----------
+    /// testbed : object, optional
+    ///     Anything with ``run(reference) -> Record``, called for one run at a time with the reference of shape
+    ///     (channel, sample); the simulated robot of the experiment if left out.
+    /// progress : callable, optional
+    ///     Called with (done, total), from (0, total) on; an exception from it stops the work.
+    /// jobs : int, optional
+    ///     Threads for the simulation, 0 for one on each core.
+    ///
+    /// Returns
+    /// -------
+    /// list of Record
+    ///     In the order of ``names``.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     If no robot is described, or a record does not fit the plan.
+    /// NumericalError
+    ///     If a simulation diverges.
+    #[pyo3(signature = (testbed = None, progress = None, *, jobs = 0))]
+    fn run(
+        &self,
+        py: Python<'_>,
+        testbed: Option<&Bound<'_, PyAny>>,
+        progress: Option<&Bound<'_, PyAny>>,
+        jobs: usize,
+    ) -> PyResult<Vec<Record>> {
+        let (testbed, jobs): (Box<dyn Testbed>, usize) = match testbed {
+            Some(object) => (Box::new(PythonTestbed::new(object, self.description.plan.n_inputs)?), 1),
+            None => (self.description.testbed().map_err(error::experiment)?, jobs),
+        };
+        let run = |id| Ok(self.description.plan.run(id)?);
+        let records = records_of(py, &self.ids(), &run, &*testbed, jobs, progress)?;
+        records.into_iter().map(|record| Record::of(py, vec![record], false)).collect()
+    }
+
+    /// The FRF from the records of all runs.
+    ///
+    /// Parameters
+    /// ----------
+    /// records : sequence of Record or None
+    ///     In the order of ``names``; None for a run that is missing. Periods of which an experiment is missing are left
+    ///     out, with a warning.
+    ///
+    /// Returns
+    /// -------
+    /// Frf
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For another number of records than runs, or records that do not fit the plan.
+    /// NumericalError
+    ///     For frequencies at which U cannot be inverted.
+    fn estimate(&self, py: Python<'_>, records: Vec<Option<Bound<'_, Record>>>) -> PyResult<Frf> {
+        let ids = self.ids();
+        if records.len() != ids.len() {
+            let (found, needed) = (records.len(), ids.len());
+            return Err(PyValueError::new_err(format!(
+                "{found} records were given, needed one for each of {needed} runs"
+            )));
+        }
+        let measured = ids.into_iter().zip(records).filter_map(|(id, record)| Some((id, record?)));
+        let measured: Vec<(RunId, Measured)> = measured
+            .map(|(id, record)| match <[Measured; 1]>::try_from(record.get().runs(py)) {
+                Ok([run]) => Ok((id, run)),
+                Err(_) => Err(PyValueError::new_err(format!("the record of run {id} is a batch, needed one run"))),
+            })
+            .collect::<PyResult<_>>()?;
+        let (frf, missing) =
+            interruptible(py, None, |_| estimated(&self.description, &measured))?.map_err(error::experiment)?;
+        if missing > 0 {
+            let message =
+                format!("{missing} periods are missing; others of the same experiments were left out with them");
+            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &std::ffi::CString::new(message)?, 1)?;
+        }
+        let mut frf = Frf::from(frf);
+        let joints = self.description.config.robot.joint_names();
+        frf.result.input_names = joints.iter().map(|joint| format!("{joint} torque")).collect();
+        frf.result.output_names = joints.iter().map(|joint| format!("{joint} velocity")).collect();
+        frf.result.input_units.fill("N m".to_owned());
+        frf.result.output_units.fill("rad/s".to_owned());
+        frf.result.provenance = self.description.provenance();
+        Ok(frf)
+    }
+
+    fn __len__(&self) -> usize {
+        self.description.plan.n_runs()
+    }
+
+    fn __repr__(&self) -> PyResult<String> {
+        let (runs, time_s) = (self.description.plan.n_runs(), self.robot_time_s()?);
+        Ok(format!("<frfid.Plan: {runs} runs, {time_s:.1} s on the robot>"))
+    }
+}
+
+impl Plan {
+    fn ids(&self) -> Vec<RunId> {
+        self.description.plan.run_ids().collect()
+    }
+}
+
+/// The FRF and the number of missing periods.
+fn estimated(
+    description: &Description,
+    records: &[(RunId, Measured)],
+) -> Result<(frfid_signals::Frf, usize), frfid_experiment::ExperimentError> {
+    let mut estimator = Estimator::new(&description.plan, &description.config.estimate)?;
+    let glides = records.iter().filter(|(id, _)| id.kind == frfid_signals::RunKind::Glide);
+    estimator.set_glides(&glides.map(|(_, record)| record.clone()).collect::<Vec<_>>())?;
+    let mut spectra = Vec::new();
+    for (id, record) in records {
+        spectra.extend(estimator.spectra(*id, record, &|_| false)?);
+    }
+    let (frf, missing) = estimator.estimate(spectra)?;
+    Ok((frf, missing.len()))
+}

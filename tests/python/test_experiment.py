@@ -1,0 +1,147 @@
+"""The workflow of the command line, in Python and on testbeds written in Python."""
+
+import pathlib
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import frfid
+
+EXAMPLES = pathlib.Path(__file__).parents[2] / "examples" / "experiments"
+
+SMALL = """
+seed = 1
+sample_time_s = 0.001
+
+[robot.single_joint]
+motor_inertia_kg_m2 = 35.0
+link_inertia_kg_m2 = 150.0
+damping_nms_per_rad = 800.0
+stiffness_nm_per_rad = 1.5e5
+viscous_nms_per_rad = 3000.0
+
+[multisine]
+low_hz = 2.0
+high_hz = 60.0
+resolution_hz = 0.5
+n_lines = 20
+peak_nm = [150.0]
+
+[averaging]
+realizations = 3
+periods = 2
+"""
+
+
+@pytest.fixture
+def experiment(tmp_path):
+    path = tmp_path / "experiment.toml"
+    path.write_text(SMALL)
+    return frfid.Experiment.load(path)
+
+
+class Machine:
+    """A testbed of somebody's own: a plant and a counter."""
+
+    def __init__(self):
+        self.plant = frfid.Plant.single_joint(damping_nms_per_rad=800.0, viscous_nms_per_rad=3000.0)
+        self.runs = 0
+
+    def run(self, reference):
+        self.runs += 1
+        measured = self.plant.simulate(reference, sample_time_s=1e-3)
+        return frfid.Record(sample_time_s=1e-3, u=measured.u, y=measured.y, r=reference)
+
+
+def test_from_description_to_frf(experiment):
+    plan = experiment.design()
+    assert len(plan) == 3 and plan.names == ["p000-m0-q0", "p001-m0-q0", "p002-m0-q0"]
+    assert plan.robot_time_s == pytest.approx(sum(plan.reference(k).shape[-1] for k in range(3)) * 1e-3)
+    told = []
+    records = plan.run(progress=lambda *of: told.append(of))
+    assert told[-1] == (3, 3) and told == sorted(told)
+    frf = plan.estimate(records)
+    truth = frfid.Plant.single_joint(damping_nms_per_rad=800.0, viscous_nms_per_rad=3000.0)
+    np.testing.assert_allclose(frf.response, truth.frf(frf.frequency_hz, sample_time_s=1e-3), rtol=1e-6)
+    assert frf.noise_degrees_of_freedom == 3 and frf.total_degrees_of_freedom == 2
+    assert (frf.input_names, frf.output_units) == (["joint_1 torque"], ["rad/s"])
+    assert frf.provenance["seed"] == "1" and len(frf.provenance["config_sha256"]) == 64
+    assert 149.0 < plan.predict()["peaks"]["effort_nm"][0] <= 150.0 + 1e-9
+
+
+def test_the_same_seed_gives_the_same_bytes_whatever_the_number_of_jobs(experiment):
+    bytes_of = lambda records: [record.y.tobytes() for record in records]
+    one, many = (bytes_of(experiment.design().run(jobs=jobs)) for jobs in (1, 4))
+    assert one == many
+
+
+def test_any_object_with_run_is_a_testbed(experiment):
+    machine, plan = Machine(), experiment.design()
+    records = plan.run(machine)
+    assert machine.runs == 3
+    simulated = plan.run()
+    assert [record.y.tobytes() for record in records] == [record.y.tobytes() for record in simulated]
+    assert plan.estimate(records).response.tobytes() == plan.estimate(simulated).response.tobytes()
+
+
+def test_an_exception_of_the_testbed_comes_back_as_it_was(experiment):
+    class Broken(Machine):
+        def run(self, reference):
+            raise ConnectionError("the robot does not answer")
+
+    with pytest.raises(ConnectionError, match="does not answer"):
+        experiment.design().run(Broken())
+
+
+@pytest.mark.parametrize(
+    "run, error, says",
+    [
+        (None, TypeError, "testbed is a Odd, needed an object with run"),
+        (lambda self, reference: 5, TypeError, "returned a int"),
+        (lambda self, r: frfid.Record(sample_time_s=1e-3, u=[r, r], y=[r, r]), ValueError, "a batch of 2 runs"),
+        (lambda self, r: frfid.Record(sample_time_s=2e-3, u=r, y=r), ValueError, "sample_time_s of the record is 0.002"),
+    ],
+)
+def test_testbeds_that_do_not_fit_are_refused(experiment, run, error, says):
+    odd = type("Odd", (), {"run": run} if run else {})()
+    with pytest.raises(error, match=says):
+        experiment.design().run(odd)
+
+
+def test_a_missing_run_is_named_and_left_out(experiment):
+    plan = experiment.design()
+    records = plan.run()
+    with pytest.raises(ValueError, match="2 records were given, needed one for each of 3 runs"):
+        plan.estimate(records[:2])
+    frf = plan.estimate([records[0], None, records[2]])
+    assert frf.total_degrees_of_freedom == 1
+
+
+def test_what_is_wrong_in_a_description_is_pointed_at(tmp_path):
+    path = tmp_path / "experiment.toml"
+    path.write_text(SMALL.replace("peak_nm", "peak_Nm"))
+    with pytest.raises(ValueError, match=r"experiment\.toml:1\d:1: unknown field `peak_Nm`(.|\n)*\^\^\^"):
+        frfid.Experiment.load(path)
+    with pytest.raises(FileNotFoundError):
+        frfid.Experiment.load(tmp_path / "nowhere.toml")
+
+
+@pytest.mark.parametrize("name", sorted(path.name for path in EXAMPLES.glob("*.toml")))
+def test_the_examples_load(name):
+    plan = frfid.Experiment.load(EXAMPLES / name).design()
+    assert len(plan) >= 1 and plan.reference(0).flags.c_contiguous
+
+
+def frfid_command(*arguments, **options):
+    return subprocess.run([sys.executable, "-c", "import sys; from frfid._cli import main; sys.exit(main())", *arguments],
+                          capture_output=True, text=True, timeout=60, **options)
+
+
+def test_the_command_is_in_the_wheel(tmp_path):
+    shown = frfid_command("--version")
+    assert (shown.returncode, shown.stderr) == (0, "") and frfid.__version__ in shown.stdout
+    assert frfid_command("nonsense").returncode == 2
+    (tmp_path / "experiment.toml").write_text(SMALL)
+    assert frfid_command("check", "experiment.toml", cwd=tmp_path).returncode == 0
