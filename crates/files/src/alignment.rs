@@ -58,8 +58,8 @@ impl Grid {
             return Err(("no time that all topics cover".into(), "recordings of the same run".into()));
         }
         let start_ns = first.stamps_ns[0].saturating_add((start as f64 * step * 1e9).round() as i64);
-        let shifts = shifts.into_iter().map(|shift| shift - start).collect();
-        Ok(Self { sample_time_s: step, n_samples: (end - start) as usize, start_ns, shifts })
+        let shifts = shifts.into_iter().map(|shift| shift.saturating_sub(start)).collect();
+        Ok(Self { sample_time_s: step, n_samples: end.saturating_sub(start) as usize, start_ns, shifts })
     }
 
     /// Puts every value in its place; what is missing or no number is told.
@@ -74,7 +74,9 @@ impl Grid {
         for ((series, clock), shift) in series.iter().zip(clocks).zip(&self.shifts) {
             let mut came = vec![false; self.n_samples];
             for (slot, row) in clock.slots.iter().zip(&series.rows) {
-                let sample = usize::try_from(*slot as i64 + shift).ok().filter(|&sample| sample < self.n_samples);
+                let sample = usize::try_from((*slot as i64).saturating_add(*shift))
+                    .ok()
+                    .filter(|&sample| sample < self.n_samples);
                 let Some(sample) = sample else { continue };
                 came[sample] = true;
                 for (&signal, &value) in series.signals.iter().zip(row) {
@@ -120,7 +122,7 @@ fn shift(
             3600.0 * clock.jitter * step
         ));
     }
-    let offset_ns = (series.stamps_ns[0] - first.stamps_ns[0]) as f64 + clock.origin_ns - lead.origin_ns;
+    let offset_ns = series.stamps_ns[0].saturating_sub(first.stamps_ns[0]) as f64 + clock.origin_ns - lead.origin_ns;
     let offset = offset_ns / 1e9 / step;
     let delay = offset - offset.round();
     if delay.abs() > NOTABLE_JITTER {

@@ -12,9 +12,12 @@ use crate::error::chain;
 /// What to do when the output exists already.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Overwrite {
-    /// Leave it alone and say so.
+    /// Leave it alone and say so; so too with what an unfinished run left in `NAME.part`: it may be all there is of a
+    /// measurement.
     #[default]
     Refuse,
+    /// Leave a complete file alone, but replace what an unfinished run left: for work that can be done again.
+    Resume,
     /// Replace it, once the new file is complete.
     Replace,
 }
@@ -58,8 +61,27 @@ pub(crate) fn write_file(
     Ok(())
 }
 
+/// Writes `content` to `path` in the same way.
+///
+/// # Errors
+/// [`FileError::Exists`], [`FileError::Leftover`], [`FileError::Busy`] or [`FileError::Write`].
+pub fn write_bytes(path: &Path, overwrite: Overwrite, content: &[u8]) -> Result<(), FileError> {
+    write_file(path, overwrite, |file| Ok(file.write_all(content)?))
+}
+
+/// Refuses an output that exists, before any work is done for it.
+///
+/// # Errors
+/// [`FileError::Exists`].
+pub fn check_free(path: &Path, overwrite: Overwrite) -> Result<(), FileError> {
+    match overwrite {
+        Overwrite::Refuse if path.symlink_metadata().is_ok() => Err(FileError::Exists { path: path.to_path_buf() }),
+        _ => Ok(()),
+    }
+}
+
 fn open_part(path: &Path, part: &Path, overwrite: Overwrite) -> Result<File, FileError> {
-    if overwrite == Overwrite::Refuse && path.symlink_metadata().is_ok() {
+    if overwrite != Overwrite::Replace && path.symlink_metadata().is_ok() {
         return Err(FileError::Exists { path: path.to_path_buf() });
     }
     let left_over = part.symlink_metadata().is_ok();
@@ -93,18 +115,14 @@ mod tests {
     use super::*;
     use std::fs;
 
-    fn write(path: &Path, overwrite: Overwrite, text: &[u8]) -> Result<(), FileError> {
-        write_file(path, overwrite, |file| Ok(file.write_all(text)?))
-    }
-
     #[test]
     fn an_existing_file_is_kept_or_replaced_as_told() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("a.json");
-        write(&path, Overwrite::Refuse, b"one").expect("nothing in the way");
-        assert!(matches!(write(&path, Overwrite::Refuse, b"two"), Err(FileError::Exists { .. })));
+        write_bytes(&path, Overwrite::Refuse, b"one").expect("nothing in the way");
+        assert!(matches!(write_bytes(&path, Overwrite::Refuse, b"two"), Err(FileError::Exists { .. })));
         assert_eq!(fs::read(&path).expect("written"), b"one");
-        write(&path, Overwrite::Replace, b"two").expect("replaces");
+        write_bytes(&path, Overwrite::Replace, b"two").expect("replaces");
         assert_eq!(fs::read(&path).expect("written"), b"two");
         assert!(!part_path(&path).exists());
     }
@@ -114,9 +132,10 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("a.mcap");
         fs::write(part_path(&path), b"measured").expect("written");
-        assert!(matches!(write(&path, Overwrite::Refuse, b"new"), Err(FileError::Leftover { .. })));
+        assert!(matches!(write_bytes(&path, Overwrite::Refuse, b"new"), Err(FileError::Leftover { .. })));
         assert_eq!(fs::read(part_path(&path)).expect("kept"), b"measured");
-        write(&path, Overwrite::Replace, b"new").expect("replaces");
+        write_bytes(&path, Overwrite::Resume, b"new").expect("replaces the leftover");
+        assert!(matches!(write_bytes(&path, Overwrite::Resume, b"newer"), Err(FileError::Exists { .. })));
         assert_eq!(fs::read(&path).expect("written"), b"new");
     }
 
@@ -125,7 +144,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("a.mcap");
         let outer = write_file(&path, Overwrite::Replace, |_| {
-            assert!(matches!(write(&path, Overwrite::Replace, b"second"), Err(FileError::Busy { .. })));
+            assert!(matches!(write_bytes(&path, Overwrite::Replace, b"second"), Err(FileError::Busy { .. })));
             Ok(())
         });
         outer.expect("the first one goes on");
@@ -151,9 +170,9 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("a.json");
         std::os::unix::fs::symlink("/dev/full", part_path(&path)).expect("a link");
-        let error = write(&path, Overwrite::Replace, b"x").expect_err("the disk is full").to_string();
+        let error = write_bytes(&path, Overwrite::Replace, b"x").expect_err("the disk is full").to_string();
         assert!(error.contains("No space left on device"), "{error}");
         let folder = Path::new("/proc/nowhere/a.json");
-        assert!(matches!(write(folder, Overwrite::Refuse, b"x"), Err(FileError::Io { .. })));
+        assert!(matches!(write_bytes(folder, Overwrite::Refuse, b"x"), Err(FileError::Io { .. })));
     }
 }

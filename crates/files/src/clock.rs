@@ -1,5 +1,7 @@
 //! The sample clock of a recording, from its stamps. A recording is never resampled: a clock that does not fit is refused.
 
+use crate::structure::MOST_VALUES;
+
 /// What the stamps of one topic say.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Clock {
@@ -33,6 +35,9 @@ impl Clock {
         for step in &steps {
             slot = slot.saturating_add((step / typical).round() as usize);
             slots.push(slot);
+        }
+        if slot > MOST_VALUES {
+            return Err((format!("stamps over {slot} samples"), format!("at most {MOST_VALUES}")));
         }
         let (step, deviations) = straight_line(stamps_ns, &slots);
         let count = deviations.len() as f64;
@@ -72,7 +77,7 @@ impl Clock {
 fn typical_step(steps: &[f64]) -> f64 {
     let mut sorted = steps.to_vec();
     sorted.sort_by(f64::total_cmp);
-    let median = sorted[sorted.len() / 2];
+    let median = sorted[(sorted.len() - 1) / 2];
     let near: Vec<f64> = sorted.into_iter().filter(|step| (0.5 * median..=1.5 * median).contains(step)).collect();
     near.iter().sum::<f64>() / near.len() as f64
 }
@@ -117,6 +122,17 @@ mod tests {
         let clock = Clock::fit(&stamps).expect("5 % of jitter");
         assert!((clock.jitter - 0.05).abs() < 1e-3 && (clock.sample_time_s - 1e-3).abs() < 1e-6);
         assert_eq!((clock.n_slots(), clock.slots.len(), clock.slots[400]), (1000, 988, 411));
+    }
+
+    proptest::proptest! {
+        #[test]
+        fn any_rising_stamps(mut stamps in proptest::collection::vec(proptest::num::i64::ANY, 0..20)) {
+            stamps.sort_unstable();
+            stamps.dedup();
+            if let Ok(clock) = Clock::fit(&stamps) {
+                assert!(clock.slots.windows(2).all(|pair| pair[0] < pair[1]) && clock.jitter <= MOST_JITTER);
+            }
+        }
     }
 
     #[test]

@@ -50,7 +50,7 @@ mod structure;
 mod topics;
 mod value;
 
-pub use atomic::{BoxError, Overwrite, part_path};
+pub use atomic::{BoxError, Overwrite, check_free, part_path, write_bytes};
 pub use error::FileError;
 pub use frf_columns::write_frf_csv;
 pub use log::{Log, read_log};

@@ -209,6 +209,8 @@ fn a_csv_with_flaws_is_told_line_by_line() {
         (b"t,u,u,y\n0,1,2,3\n", "two of that name"),
         (b"", "no such column"),
         (b"t,u,y\n0,1,2\n", "at least 2"),
+        (b"t,u,y\n0,1,2\n1,1,2\n1e300,1,2\n", "samples"),
+        (b"t,u,y\n,1,2\n,1,2\n", "at least 2"),
     ] {
         let error = csv(text, &columns).expect_err("refused").to_string();
         assert!(error.contains(told), "{error}");
