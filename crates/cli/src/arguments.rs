@@ -8,7 +8,7 @@ use clap::builder::{FalseyValueParser, PathBufValueParser, TypedValueParser};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 use frfid_files::Overwrite;
 
-use crate::command::{check, completions, design, init, man, schema};
+use crate::command::{check, compare, completions, demo, design, estimate, export, init, man, recover, run, schema};
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 
@@ -86,10 +86,16 @@ impl Options {
 
 #[derive(Debug, Subcommand)]
 enum Command {
+    Demo(demo::Arguments),
     Init(init::Arguments),
     Check(check::Arguments),
     Schema(schema::Arguments),
     Design(design::Arguments),
+    Run(run::Arguments),
+    Estimate(estimate::Arguments),
+    Compare(compare::Arguments),
+    Export(export::Arguments),
+    Recover(recover::Arguments),
     Completions(completions::Arguments),
     Man(man::Arguments),
 }
@@ -104,10 +110,16 @@ impl Arguments {
     pub fn run(&self, console: &mut Console) -> Result<Exit, Failure> {
         let options = &self.options;
         match &self.command {
+            Command::Demo(arguments) => demo::run(arguments, options, console),
             Command::Init(arguments) => init::run(arguments, options, console),
             Command::Check(arguments) => check::run(arguments, options, console),
             Command::Schema(arguments) => schema::run(arguments, console),
             Command::Design(arguments) => design::run(arguments, options, console),
+            Command::Run(arguments) => run::run(arguments, options, console),
+            Command::Estimate(arguments) => estimate::run(arguments, options, console),
+            Command::Compare(arguments) => compare::run(arguments, options, console),
+            Command::Export(arguments) => export::run(arguments, options, console),
+            Command::Recover(arguments) => recover::run(arguments, options, console),
             Command::Completions(arguments) => completions::run(arguments, console),
             Command::Man(arguments) => man::run(arguments, console),
         }

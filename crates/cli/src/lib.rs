@@ -5,8 +5,9 @@ mod command;
 mod console;
 mod exit;
 mod interrupt;
-mod output;
+mod log_map;
 mod progress;
+mod report;
 mod summary;
 mod table;
 
@@ -32,7 +33,10 @@ pub fn main(args: impl IntoIterator<Item = OsString>, stdout: &mut dyn Write, st
     };
     let options = arguments.options;
     let mut console = Console::new(stdout, stderr, options.quiet, options.colour());
-    let exit = arguments.run(&mut console).unwrap_or_else(|failure| {
+    let exit = arguments.run(&mut console).unwrap_or_else(|mut failure| {
+        if interrupt::asked() {
+            failure.exit = Exit::Interrupted;
+        }
         console.error(&failure);
         failure.exit
     });

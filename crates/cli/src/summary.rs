@@ -1,7 +1,7 @@
 //! What a plan is and costs, and what it will ask of the robot: for people and as JSON.
 
 use frfid_experiment::config::LimitsTable;
-use frfid_experiment::{Cost, Prediction};
+use frfid_experiment::{Cost, Peaks};
 use frfid_signals::{Excitation, Plan, SignalError};
 use serde_json::{Value, json};
 
@@ -92,22 +92,25 @@ fn runs(plan: &Plan) -> String {
     if plan.n_glides > 0 { format!("{product}, and {}", count(plan.n_glides, "glide")) } else { product }
 }
 
-/// The predicted peaks beside their limits, a row for each axis and quantity.
-pub(crate) fn prediction_as_text(prediction: &Prediction, limits: &LimitsTable) -> String {
-    let peaks = &prediction.peaks;
+/// Largest values beside their limits, a row for each axis and quantity, and below them `others`: name and value per axis.
+pub(crate) fn peaks_as_text(
+    title: &str,
+    peaks: &Peaks,
+    limits: &LimitsTable,
+    others: &[(&str, Vec<String>)],
+) -> String {
     let bounded = [
         ("torque, peak", "N m", Some(&peaks.effort_nm), &limits.max_effort),
         ("torque rate", "N m/s", Some(&peaks.effort_rate_nm_per_s), &limits.max_effort_rate),
         ("velocity", "rad/s", Some(&peaks.velocity_rad_s), &limits.max_velocity),
         ("travel", "rad", peaks.travel_rad.as_ref(), &limits.max_travel),
         ("torque, rms", "N m", Some(&peaks.effort_rms_nm), &None),
-        ("crest factor", "", Some(&prediction.crest_factor), &None),
     ];
-    let mut rows = vec![["predicted", "at most", "limit", "used"].map(str::to_owned).to_vec()];
-    for axis in 0..prediction.crest_factor.len() {
+    let mut rows = vec![[title, "at most", "limit", "used"].map(str::to_owned).to_vec()];
+    for axis in 0..peaks.effort_nm.len() {
         for (quantity, unit, values, limit) in &bounded {
             let Some(value) = values.and_then(|values| values.get(axis)) else { continue };
-            let with_unit = |value: f64| format!("{} {unit}", significant(value, 4)).trim_end().to_owned();
+            let with_unit = |value: f64| format!("{} {unit}", significant(value, 4));
             let limit = limit.as_ref().and_then(|limit| limit.get(axis));
             rows.push(vec![
                 format!("axis {} {quantity}", axis + 1),
@@ -116,6 +119,8 @@ pub(crate) fn prediction_as_text(prediction: &Prediction, limits: &LimitsTable) 
                 limit.map_or_else(String::new, |limit| format!("{:.0} %", 100.0 * value / limit)),
             ]);
         }
+        let others = others.iter().filter_map(|(name, values)| Some((name, values.get(axis)?)));
+        rows.extend(others.map(|(name, value)| vec![format!("axis {} {name}", axis + 1), value.clone(), "-".into()]));
     }
     table(&rows)
 }

@@ -10,7 +10,7 @@ use crate::arguments::Options;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::progress::watched;
-use crate::summary::{plan_as_json, plan_as_text, prediction_as_text};
+use crate::summary::{peaks_as_text, plan_as_json, plan_as_text};
 use crate::table::significant;
 
 /// Design the excitation of every run inside the limits, and write it as a plan
@@ -46,7 +46,7 @@ pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Consol
         return Err(error.into());
     }
     if let (Some(path), false) = (&arguments.output, arguments.dry_run) {
-        let _ = path;
+        watched(console, "writing", "runs", |progress| experiment.write_plan(path, options.overwrite(), progress))?;
         console.note(format_args!("wrote {}", path.display()));
         console.hint(format_args!("frfid run {} -o logs", path.display()));
     }
@@ -76,8 +76,10 @@ pub(crate) fn tell(
         let plan = plan_as_json(&experiment.plan)?;
         return console.json(&json!({ "plan": plan, "prediction": prediction, "limits": experiment.config.limits }));
     }
-    let limits = &experiment.config.limits;
-    console.data(&format!("{}\n{}", plan_as_text(&experiment.plan)?, prediction_as_text(prediction, limits)))
+    let crest = prediction.crest_factor.iter().map(|crest| significant(*crest, 4)).collect();
+    let peaks =
+        peaks_as_text("predicted", &prediction.peaks, &experiment.config.limits, &[("torque, crest factor", crest)]);
+    console.data(&format!("{}\n{peaks}", plan_as_text(&experiment.plan)?))
 }
 
 /// The limit that binds most, if any is exceeded, at its place in the description.

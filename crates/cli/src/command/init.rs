@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use frfid_experiment::init::{TEMPLATES, Template};
+use frfid_files::write_bytes;
 
 use crate::arguments::Options;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
-use crate::output::write_text;
 
 /// Write a description of an experiment to start from
 #[derive(Debug, Args)]
@@ -36,7 +36,7 @@ pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Consol
     match &arguments.output {
         None => console.data(&text)?,
         Some(path) => {
-            write_text(path, options.overwrite(), &text)?;
+            write_bytes(path, options.overwrite(), text.as_bytes())?;
             console.note(format_args!("wrote {}", path.display()));
             console.hint(format_args!("frfid check {}", path.display()));
         }

@@ -1,0 +1,84 @@
+//! `frfid demo`: the example of the paper, end to end, with figures, a report and the table of claims.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+use clap::Args;
+use frfid_experiment::{Claim, Section6};
+use frfid_files::{FileError, Overwrite, check_free, write_bytes};
+use frfid_report::{Named, section6_figures, section6_report};
+use serde_json::json;
+
+use crate::arguments::Options;
+use crate::console::Console;
+use crate::exit::{Exit, Failure};
+use crate::progress::watched;
+use crate::table::significant;
+
+/// Pixels of the PNGs for each unit of the drawing.
+const PNG_SCALE: f64 = 2.0;
+
+/// Do the example of the paper (section 6) in simulation: figures 4 and 5, a report and the table of claims
+#[derive(Debug, Args)]
+#[command(before_help = "\
+Examples:
+  frfid demo                 figures and report.html into the folder frfid-demo
+  frfid demo -o somewhere --force")]
+pub(crate) struct Arguments {
+    /// The folder for figures and report
+    #[arg(long, short, value_name = "DIR", default_value = "frfid-demo")]
+    output: PathBuf,
+    /// Runs to simulate at once; 0: one for each core
+    #[arg(long, env = "FRFID_JOBS", default_value_t = 0)]
+    jobs: usize,
+}
+
+pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
+    let (folder, overwrite) = (arguments.output.as_path(), options.overwrite());
+    let page = folder.join("report.html");
+    check_free(&page, overwrite)?;
+    fs::create_dir_all(folder).map_err(|error| FileError::Io {
+        path: folder.to_owned(),
+        action: "create the folder",
+        reason: error.to_string(),
+    })?;
+    let started = Instant::now();
+    let percent = |done: usize, total: usize| (100 * done / total.max(1), 100);
+    let section6 = watched(console, "simulating section 6", "%", |progress| {
+        Section6::run(arguments.jobs, &|done, total| {
+            let (done, total) = percent(done, total);
+            progress(done, total)
+        })
+    })?;
+    let figures = section6_figures(&section6)?;
+    for named in &figures {
+        write_figure(folder, named, overwrite)?;
+    }
+    write_bytes(&page, overwrite, section6_report(&section6, &figures).html()?.as_bytes())?;
+    let claims = section6.claims();
+    if options.json {
+        console.json(&json!({ "report": page, "claims": claims }))?;
+    } else {
+        console.data(&in_words(&claims))?;
+    }
+    let files = format!("{} figures (SVG and PNG) and {}", figures.len(), page.display());
+    console.note(format_args!("{files}, in {} s", significant(started.elapsed().as_secs_f64(), 2)));
+    console.hint("frfid init multisine -o experiment.toml");
+    Ok(if claims.iter().all(|claim| claim.holds) { Exit::Done } else { Exit::Flawed })
+}
+
+fn write_figure(folder: &Path, named: &Named, overwrite: Overwrite) -> Result<(), Failure> {
+    write_bytes(&folder.join(format!("{}.svg", named.name)), overwrite, named.figure.svg().as_bytes())?;
+    Ok(write_bytes(&folder.join(format!("{}.png", named.name)), overwrite, &named.figure.png(PNG_SCALE)?)?)
+}
+
+/// The claims one below the other: what is claimed, what the paper says, what we find.
+fn in_words(claims: &[Claim]) -> String {
+    let line = |claim: &Claim| {
+        let verdict = if claim.holds { "holds" } else { "DOES NOT HOLD" };
+        let Claim { id, statement, expected, found, .. } = claim;
+        format!("{id:3} {statement}\n    paper  {expected}\n    ours   {found}\n    {verdict}\n")
+    };
+    claims.iter().map(line).collect()
+}

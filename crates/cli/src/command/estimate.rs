@@ -1,0 +1,202 @@
+//! `frfid estimate`: from logs to an FRF with its uncertainty and checks.
+
+use std::path::PathBuf;
+
+use clap::{Args, ValueEnum};
+use frfid_experiment::config::{Average, EstimateTable};
+use frfid_experiment::{Estimate, EstimateOptions, estimate_logs};
+use frfid_files::{ResultFile, check_free, write_bytes, write_result};
+use frfid_signals::Uncertainty;
+use ndarray::Array3;
+use serde_json::{Value, json};
+
+use crate::arguments::{Options, existing_path};
+use crate::console::Console;
+use crate::exit::{Exit, Failure};
+use crate::log_map::MapOptions;
+use crate::progress::watched;
+use crate::report;
+use crate::table::{list, significant, table};
+
+/// Estimate the FRF from logs, with variances and checks
+#[derive(Debug, Args)]
+#[command(before_help = "\
+Examples:
+  frfid estimate logs -o frf.json --report frf.html
+  frfid estimate logs -o frf2.json --average spectra
+  frfid estimate robot.mcap -o frf.json --u '/joint_states:effort[elbow]=N m' \\
+      --y '/joint_states:velocity[elbow]=rad/s' --r '/joint_commands:effort[elbow]=N m'
+  frfid estimate bench.csv -o frf.json --u current=A --y speed=rad/s --time t=s")]
+pub(crate) struct Arguments {
+    /// Logs, or folders of them; of foreign recordings one for each experiment, in their order
+    #[arg(value_name = "LOGS", required = true, value_parser = existing_path())]
+    logs: Vec<PathBuf>,
+    /// The result to write
+    #[arg(long, short, value_name = "RESULT.json")]
+    output: PathBuf,
+    /// Write a report for the browser, too
+    #[arg(long, value_name = "REPORT.html")]
+    report: Option<PathBuf>,
+    /// Files to read at once; 0: one for each core
+    #[arg(long, env = "FRFID_JOBS", default_value_t = 0)]
+    jobs: usize,
+    #[command(flatten)]
+    estimator: EstimatorOptions,
+    #[command(flatten)]
+    map: MapOptions,
+}
+
+/// Any of these replaces the whole `[estimate]` table of the experiment.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Estimator, in place of the experiment's [estimate] table")]
+struct EstimatorOptions {
+    /// What is averaged over periods
+    #[arg(long, value_enum)]
+    average: Option<Averaged>,
+    /// Estimate through the reference, which noise on the input does not bias
+    #[arg(long)]
+    indirect: bool,
+    /// Number of frequencies at which a chirp is evaluated
+    #[arg(long, value_name = "N")]
+    n_frequencies: Option<usize>,
+}
+
+#[derive(Debug, Clone, Copy, ValueEnum)]
+enum Averaged {
+    /// The FRFs of single periods, as in the paper
+    Frfs,
+    /// The spectra, before dividing: better when the input is noisy
+    Spectra,
+}
+
+impl EstimatorOptions {
+    fn table(&self) -> Option<EstimateTable> {
+        let given = self.average.is_some() || self.indirect || self.n_frequencies.is_some();
+        let default = EstimateTable::default();
+        given.then(|| EstimateTable {
+            average: match self.average {
+                Some(Averaged::Spectra) => Average::Spectra,
+                Some(Averaged::Frfs) | None => Average::Frfs,
+            },
+            indirect: self.indirect,
+            n_frequencies: self.n_frequencies.unwrap_or(default.n_frequencies),
+        })
+    }
+}
+
+pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
+    for output in [Some(&arguments.output), arguments.report.as_ref()].into_iter().flatten() {
+        check_free(output, options.overwrite())?;
+    }
+    let settings =
+        EstimateOptions { estimate: arguments.estimator.table(), map: arguments.map.log_map()?, jobs: arguments.jobs };
+    let estimate = watched(console, "reading", "logs", |progress| estimate_logs(&arguments.logs, &settings, progress))?;
+    write_result(&arguments.output, options.overwrite(), &estimate.result)?;
+    if let Some(path) = &arguments.report {
+        let title = arguments.output.file_stem().unwrap_or_default().to_string_lossy();
+        let page = report::html(&title, &estimate.result, estimate.warnings.clone())?;
+        write_bytes(path, options.overwrite(), page.as_bytes())?;
+    }
+    tell(arguments, &estimate, options, console)?;
+    let passed = estimate.result.checks.iter().all(|check| check.passed);
+    Ok(if estimate.is_lossy || !passed { Exit::Flawed } else { Exit::Done })
+}
+
+fn tell(arguments: &Arguments, estimate: &Estimate, options: &Options, console: &mut Console) -> Result<(), Failure> {
+    for warning in &estimate.warnings {
+        console.warning(warning);
+    }
+    for check in estimate.result.checks.iter().filter(|check| !check.passed) {
+        console.warning(format_args!("{}: {}, needed {}; {}", check.name, check.found, check.needed, check.advice));
+    }
+    let output = arguments.output.display();
+    if options.json {
+        return console.json(&as_json(arguments, estimate));
+    }
+    console.data(&format!("{output}\n{}\n{}", summary(&estimate.result), checks(&estimate.result)))?;
+    if let Some(report) = &arguments.report {
+        console.note(format_args!("report in {}", report.display()));
+    }
+    console.hint(format_args!("frfid export {output} --to csv -o frf.csv, or frfid compare {output} OTHER.json"));
+    Ok(())
+}
+
+fn summary(result: &ResultFile) -> String {
+    let frf = &result.frf;
+    let named = |names: &[String], units: &[String]| {
+        names.iter().zip(units).map(|(name, unit)| format!("{name} ({unit})")).collect::<Vec<_>>().join(", ")
+    };
+    let band = match (frf.frequency_hz.first(), frf.frequency_hz.last()) {
+        (Some(low), Some(high)) => format!(", {} to {} Hz", significant(*low, 5), significant(*high, 5)),
+        _ => String::new(),
+    };
+    list(&[
+        ("inputs", named(&result.input_names, &result.input_units)),
+        ("outputs", named(&result.output_names, &result.output_units)),
+        ("frequencies", format!("{}{band}", frf.n_frequencies())),
+        ("noise", known(result, frf.noise.as_ref(), frf.noise_variance(), "two periods")),
+        ("noise and nonlinear", known(result, frf.total.as_ref(), frf.total_variance(), "two realizations")),
+    ])
+}
+
+/// The median relative standard deviation of the averaged FRF, or what it takes to know it.
+fn known(
+    result: &ResultFile,
+    uncertainty: Option<&Uncertainty>,
+    variance: Option<Array3<f64>>,
+    needed: &str,
+) -> String {
+    let (Some(uncertainty), Some(variance)) = (uncertainty, variance) else {
+        return format!("not available: it takes at least {needed}");
+    };
+    let degrees = uncertainty.degrees_of_freedom;
+    match relative_deviation(result, &variance) {
+        Some(deviation) => {
+            format!("{} % of |G| (median), {degrees} degrees of freedom", significant(100.0 * deviation, 2))
+        }
+        None => format!("not a number, {degrees} degrees of freedom"),
+    }
+}
+
+/// Median of standard deviation over magnitude, over all entries and frequencies.
+fn relative_deviation(result: &ResultFile, variance: &Array3<f64>) -> Option<f64> {
+    let both = variance.iter().zip(&result.frf.response);
+    let mut ratios: Vec<f64> = both.map(|(variance, g)| variance.sqrt() / g.norm()).filter(|x| x.is_finite()).collect();
+    ratios.sort_by(f64::total_cmp);
+    ratios.get(ratios.len() / 2).copied()
+}
+
+fn checks(result: &ResultFile) -> String {
+    let verdict = |passed: bool| if passed { "passed" } else { "FAILED" };
+    let rows: Vec<Vec<String>> = result
+        .checks
+        .iter()
+        .map(|check| vec![format!("{}: {}", check.name, check.found), verdict(check.passed).to_owned()])
+        .collect();
+    table(&rows)
+}
+
+fn as_json(arguments: &Arguments, estimate: &Estimate) -> Value {
+    let (result, frf) = (&estimate.result, &estimate.result.frf);
+    let known = |uncertainty: Option<&Uncertainty>, variance: Option<Array3<f64>>| {
+        let (uncertainty, variance) = (uncertainty?, variance?);
+        Some(json!({
+            "degrees_of_freedom": uncertainty.degrees_of_freedom,
+            "median_relative_deviation": relative_deviation(result, &variance),
+        }))
+    };
+    json!({
+        "output": arguments.output,
+        "report": arguments.report,
+        "inputs": result.input_names,
+        "outputs": result.output_names,
+        "n_frequencies": frf.n_frequencies(),
+        "low_hz": frf.frequency_hz.first(),
+        "high_hz": frf.frequency_hz.last(),
+        "noise": known(frf.noise.as_ref(), frf.noise_variance()),
+        "total": known(frf.total.as_ref(), frf.total_variance()),
+        "checks": result.checks,
+        "warnings": estimate.warnings,
+        "is_lossy": estimate.is_lossy,
+    })
+}

@@ -1,0 +1,127 @@
+//! `frfid run`: the runs of a description or a plan in simulation, one MCAP each.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use frfid_experiment::{Experiment, Order, RunOptions, RunSummary, predict, run_to_folder};
+use frfid_signals::{Event, EventKind};
+use serde_json::json;
+
+use crate::arguments::{Options, existing_path};
+use crate::command::design::{tell, with_seed};
+use crate::console::Console;
+use crate::exit::{Exit, Failure};
+use crate::progress::watched;
+use crate::summary::peaks_as_text;
+use crate::table::{count, significant};
+
+/// Do the runs of a description or a plan in simulation, one MCAP each; runs that are there already are skipped
+#[derive(Debug, Args)]
+#[command(before_help = "\
+Examples:
+  frfid run plan.mcap -o logs
+  frfid run experiment.toml -o logs --jobs 4            the same without a plan file
+  frfid run plan.mcap -o logs --index $SLURM_ARRAY_TASK_ID    one run of a job array
+  frfid run plan.mcap --dry-run                         what it would ask of the robot; nothing is written")]
+pub(crate) struct Arguments {
+    /// A description, or a plan made from one
+    #[arg(value_name = "X.toml|PLAN.mcap", value_parser = existing_path())]
+    order: PathBuf,
+    /// The folder for the logs; made if it does not exist
+    #[arg(long, short, value_name = "LOGS", required_unless_present = "dry_run")]
+    output: Option<PathBuf>,
+    /// Runs at once; 0: one for each core. The logs do not depend on it
+    #[arg(long, env = "FRFID_JOBS", default_value_t = 0)]
+    jobs: usize,
+    /// Only this run, from 0
+    #[arg(long)]
+    index: Option<usize>,
+    /// Another seed than that of the description
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Only tell what would be asked of the robot
+    #[arg(long)]
+    dry_run: bool,
+}
+
+pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
+    let order = order(&arguments.order, arguments.seed)?;
+    let n_runs = order.run_ids().len();
+    if let Some(index) = arguments.index.filter(|&index| index >= n_runs) {
+        let message = format!("--index is {index}, needed: 0 to {}, one of {}", n_runs - 1, count(n_runs, "run"));
+        return Err(Failure::usage(message));
+    }
+    let Some(folder) = arguments.output.as_ref().filter(|_| !arguments.dry_run) else {
+        let prediction =
+            watched(console, "predicting", "runs", |progress| predict(&order.experiment, arguments.jobs, progress))?;
+        tell(&order.experiment, &prediction, options, console)?;
+        return Ok(Exit::Done);
+    };
+    let settings = RunOptions { jobs: arguments.jobs, index: arguments.index, overwrite: options.overwrite() };
+    let summary =
+        watched(console, "simulating", "runs", |progress| run_to_folder(&order, None, folder, &settings, progress))?;
+    report(&order.experiment, &summary, folder, options, console)
+}
+
+/// The order, with another seed where one is given; the references of a plan are drawn already.
+fn order(path: &Path, seed: Option<u64>) -> Result<Order, Failure> {
+    match seed {
+        None => Ok(Order::load(path)?),
+        Some(_) if path.extension().is_some_and(|extension| extension == "toml") => {
+            Ok(Order::of(with_seed(Experiment::load(path)?, seed)?))
+        }
+        Some(_) => Err(Failure::usage(format!(
+            "--seed does not go with the plan {}: its references are drawn already; give --seed to frfid design",
+            path.display()
+        ))),
+    }
+}
+
+/// Tells what the runs asked of the robot; a limit that was hit or a run that was stopped makes them flawed.
+fn report(
+    experiment: &Experiment,
+    summary: &RunSummary,
+    folder: &Path,
+    options: &Options,
+    console: &mut Console,
+) -> Result<Exit, Failure> {
+    let mut flawed = false;
+    for run in &summary.written {
+        for event in &run.events {
+            flawed = true;
+            console.warning(format_args!("{}: {}", run.path.display(), told(event)));
+        }
+    }
+    if options.json {
+        console.json(&json!(summary))?;
+    } else {
+        let (written, skipped) = (summary.written.len(), summary.n_skipped);
+        console.data(&format!("{}: {} written, {skipped} there already\n", folder.display(), count(written, "run")))?;
+        let all = summary.written.iter().map(|run| run.peaks.clone());
+        if let Some(peaks) = all.reduce(|a, b| a.max(&b)) {
+            let others = [("standing still", standing_still(summary))];
+            console.data(&peaks_as_text("reached", &peaks, &experiment.config.limits, &others))?;
+        }
+        console.hint(format_args!("frfid estimate {} -o frf.json --report frf.html", folder.display()));
+    }
+    Ok(if flawed { Exit::Flawed } else { Exit::Done })
+}
+
+/// Share of the time in which friction held the joint, the largest of all runs, one for each axis.
+fn standing_still(summary: &RunSummary) -> Vec<String> {
+    let axes = summary.written.first().map_or(0, |run| run.standing_share.len());
+    let of_axis = |axis: usize| summary.written.iter().filter_map(move |run| run.standing_share.get(axis));
+    (0..axes).map(|axis| format!("{:.1} %", 100.0 * of_axis(axis).fold(0.0, |a: f64, b| a.max(*b)))).collect()
+}
+
+fn told(event: &Event) -> String {
+    let what = match &event.kind {
+        EventKind::PeriodStart { period } => format!("period {period} begins"),
+        EventKind::Limit { channel, quantity, value, limit } => {
+            let [value, limit] = [value, limit].map(|number| significant(*number, 4));
+            format!("axis {} reached its limit: {quantity} {value}, allowed {limit}", channel + 1)
+        }
+        EventKind::Stopped { reason } => format!("stopped: {reason}"),
+    };
+    format!("at {} s {what}", significant(event.time_s, 5))
+}
