@@ -35,7 +35,10 @@ pub struct Recovered {
 /// # Errors
 /// Those of reading and writing; [`FileError::Shape`] if `output` would be written over the input on the way.
 pub fn recover(input: &Path, output: &Path, overwrite: Overwrite) -> Result<Recovered, FileError> {
-    if input == output || input == part_path(output) {
+    let is_input = |path: &Path| {
+        path == input || path.canonicalize().is_ok_and(|path| input.canonicalize().is_ok_and(|input| path == input))
+    };
+    if is_input(output) || is_input(&part_path(output)) {
         return Err(FileError::Shape {
             what: "output",
             found: format!("{}, which is written by way of {}", output.display(), part_path(output).display()),
@@ -136,5 +139,11 @@ mod tests {
         let part = Path::new("run.mcap.part");
         assert!(matches!(recover(part, Path::new("run.mcap"), Overwrite::Replace), Err(FileError::Shape { .. })));
         assert!(matches!(recover(part, part, Overwrite::Replace), Err(FileError::Shape { .. })));
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        std::fs::write(folder.path().join("a.mcap.part"), mcap::MAGIC).expect("written");
+        let detour = folder.path().join("x/../a.mcap");
+        std::fs::create_dir(folder.path().join("x")).expect("created");
+        let error = recover(&folder.path().join("a.mcap.part"), &detour, Overwrite::Replace);
+        assert!(matches!(error, Err(FileError::Shape { .. })));
     }
 }
