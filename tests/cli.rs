@@ -1,29 +1,14 @@
 //! The command line through the binary: help, streams, exit codes, and what it says about wrong input.
 
+mod cli_binary;
+
 use std::fs::{self, File};
 use std::path::Path;
-use std::process::{Output, Stdio};
+use std::process::{Command, Stdio};
 
-use assert_cmd::Command;
+use cli_binary::{code, frfid, stderr, stdout};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
-
-fn frfid(folder: &Path, arguments: &[&str]) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_frfid"));
-    command.current_dir(folder).args(arguments).output().expect("the binary starts")
-}
-
-fn code(output: &Output) -> i32 {
-    output.status.code().expect("ended by itself")
-}
-
-fn stdout(output: &Output) -> String {
-    String::from_utf8(output.stdout.clone()).expect("UTF-8")
-}
-
-fn stderr(output: &Output) -> String {
-    String::from_utf8(output.stderr.clone()).expect("UTF-8")
-}
 
 /// A folder with `x.toml`: the multisine template, `from` replaced by `to`.
 fn description(from: &str, to: &str) -> TempDir {
@@ -39,7 +24,7 @@ fn help_and_version_are_data_and_begin_with_examples() {
     let here = Path::new(".");
     let version = frfid(here, &["--version"]);
     assert_eq!((code(&version), stdout(&version)), (0, format!("frfid {}\n", env!("CARGO_PKG_VERSION"))));
-    for arguments in [vec!["--help"], vec!["design", "--help"], vec!["check", "-h"]] {
+    for arguments in [vec!["--help"], vec!["design", "--help"], vec!["estimate", "-h"]] {
         let help = frfid(here, &arguments);
         let text = stdout(&help);
         assert_eq!((code(&help), stderr(&help)), (0, String::new()));
@@ -95,7 +80,7 @@ fn what_is_wrong_in_a_description_is_shown_with_its_place() {
         ("low_hz = 1.0", "low_hz = -1.0", "^^^^", "-1"),
         ("low_hz = 1.0", "low_hz = nan", "^^^", "NaN"),
         ("high_hz = 60.0", "high_hz = 600.0", "^^^^^", "Nyquist"),
-        ("sample_time_s = 0.001", "sample_time_s = \"1 ms\"", "^^^^^^", "floating point"),
+        ("sample_time_s = 0.001", "sample_time_s = \"1 ms\"", "^^^^^^", "expected f64"),
         ("[limits]", "[limit]", "^^^^^", "unknown field `limit`"),
         ("grid = \"odd\"", "grid = \"even\"", "^^^^^^", "odd-random"),
     ];
@@ -134,7 +119,7 @@ fn a_reader_who_leaves_is_no_error_and_a_full_disk_is_one() {
         let output = Command::new("bash").args(["-c", &script]).output().expect("bash starts");
         assert_eq!((stdout(&output).trim(), stderr(&output)), ("0", String::new()), "{command}");
         let full = File::options().write(true).open("/dev/full").expect("Linux has it");
-        let mut process = std::process::Command::new(binary);
+        let mut process = Command::new(binary);
         let output = process.args(command.split(' ')).stdout(full).stderr(Stdio::piped()).output().expect("starts");
         assert_eq!(code(&output), 1, "{command}");
         assert!(stderr(&output).contains("No space left on device"), "{}", stderr(&output));

@@ -69,9 +69,9 @@ enum When {
 }
 
 impl Options {
-    /// What to do when the output exists.
+    /// What to do when the output exists. What an unfinished command left is replaced: every command can be done again.
     pub fn overwrite(&self) -> Overwrite {
-        if self.force { Overwrite::Replace } else { Overwrite::Refuse }
+        if self.force { Overwrite::Replace } else { Overwrite::Resume }
     }
 
     /// When to use colours.

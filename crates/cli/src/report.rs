@@ -1,7 +1,7 @@
 //! From results to figures and the HTML report.
 
 use frfid_files::ResultFile;
-use frfid_report::{Band, Curve, Labels, Report, ReportError, Style, bode_matrix};
+use frfid_report::{Band, Curve, Labels, Report, ReportError, Style, bode, bode_matrix};
 use frfid_signals::Frf;
 
 /// More frequencies than this are drawn as a line, fewer as markers.
@@ -19,11 +19,14 @@ pub(crate) fn html(title: &str, result: &ResultFile, notes: Vec<String>) -> Resu
         band: band(&result.frf),
     }];
     let labels = labels(result);
-    let figure = bode_matrix(&curves, &labels, true)?;
+    let is_single = result.frf.n_outputs() * result.frf.n_inputs() == 1;
+    let figure = if is_single { bode(&curves, 0, 0, &labels) } else { bode_matrix(&curves, &labels, true) }?;
+    // the plan follows from the description, which reads better
+    let provenance = result.provenance.clone().into_iter().filter(|(name, _)| name != "plan").collect();
     let report = Report {
         title: title.to_owned(),
         checks: result.checks.clone(),
-        provenance: result.provenance.clone().into_iter().collect(),
+        provenance,
         claims: Vec::new(),
         figures: vec![(caption(&result.frf), figure)],
         notes,

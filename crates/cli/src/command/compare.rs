@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 use frfid_estimate::{Change, CompareOptions, Comparison, EntryComparison, Feature, FeatureKind, Side, compare};
-use frfid_files::read_result;
+use frfid_files::{ResultFile, read_result};
 use serde_json::{Value, json};
 
 use crate::arguments::{Options, existing_path};
@@ -25,7 +25,8 @@ pub(crate) struct Arguments {
     /// Another one
     #[arg(value_name = "B.json", value_parser = existing_path())]
     b: PathBuf,
-    /// Which of them was measured with the stronger excitation: tells stiffness that grows from one that falls
+    /// Which was measured with the stronger excitation: tells stiffness that grows from one that falls; without this, the
+    /// one with the larger torques, where both results know theirs
     #[arg(long, value_enum, value_name = "WHICH")]
     stronger: Option<Stronger>,
     /// Least height of a resonance, or depth of an antiresonance, in dB
@@ -41,27 +42,47 @@ enum Stronger {
 
 pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
     let (a, b) = (read_result(&arguments.a)?, read_result(&arguments.b)?);
-    let settings = CompareOptions {
-        stronger: arguments.stronger.map(|stronger| match stronger {
-            Stronger::A => Side::A,
-            Stronger::B => Side::B,
-        }),
-        prominence_db: arguments.prominence_db,
-        ..CompareOptions::default()
+    let stronger = match arguments.stronger {
+        Some(Stronger::A) => Some(Side::A),
+        Some(Stronger::B) => Some(Side::B),
+        None => stronger(&a, &b),
     };
+    let settings = CompareOptions { stronger, prominence_db: arguments.prominence_db, ..CompareOptions::default() };
     let comparison = compare(&a.frf, &b.frf, &settings).map_err(|error| Failure::of(Exit::Failed, &error))?;
     if options.json {
         console.json(&as_json(&comparison))?;
         return Ok(Exit::Done);
     }
     let (low, high) = comparison.band_hz;
-    let names = format!("A {}\nB {}\n", arguments.a.display(), arguments.b.display());
-    console.data(&format!("{names}band {} to {} Hz\n", significant(low, 5), significant(high, 5)))?;
+    let mark = |side| if stronger == Some(side) { "   stronger excitation" } else { "" };
+    let name = |letter, path: &PathBuf, side| format!("{letter} {}{}\n", path.display(), mark(side));
+    console.data(&format!(
+        "{}{}band {} to {} Hz\n",
+        name("A", &arguments.a, Side::A),
+        name("B", &arguments.b, Side::B),
+        significant(low, 5),
+        significant(high, 5)
+    ))?;
     for entry in &comparison.entries {
         let (input, output) = (&a.input_names[entry.input], &a.output_names[entry.output]);
         console.data(&format!("\n{input} to {output}\n{}", as_text(entry)))?;
     }
     Ok(Exit::Done)
+}
+
+/// The result with the larger rms torques on every axis, by a tenth at least; `None` where that is not known.
+fn stronger(a: &ResultFile, b: &ResultFile) -> Option<Side> {
+    const CLEARLY: f64 = 1.1;
+    let rms = |result: &ResultFile| -> Option<Vec<f64>> {
+        serde_json::from_str(result.provenance.get("effort_rms_nm")?).ok()
+    };
+    let (a, b) = (rms(a)?, rms(b)?);
+    let larger = |x: &[f64], y: &[f64]| x.len() == y.len() && x.iter().zip(y).all(|(x, y)| *x > CLEARLY * y);
+    match (larger(&a, &b), larger(&b, &a)) {
+        (true, false) => Some(Side::A),
+        (false, true) => Some(Side::B),
+        _ => None,
+    }
 }
 
 /// The table of features, what differs elsewhere, and the verdicts.

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use clap::Args;
 use frfid_experiment::{Claim, Section6};
-use frfid_files::{FileError, Overwrite, check_free, write_bytes};
+use frfid_files::{FileError, Overwrite, ResultFile, check_free, write_bytes, write_result};
 use frfid_report::{Named, section6_figures, section6_report};
 use serde_json::json;
 
@@ -55,6 +55,7 @@ pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Consol
     for named in &figures {
         write_figure(folder, named, overwrite)?;
     }
+    write_results(folder, &section6, overwrite)?;
     write_bytes(&page, overwrite, section6_report(&section6, &figures).html()?.as_bytes())?;
     let claims = section6.claims();
     if options.json {
@@ -62,15 +63,41 @@ pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Consol
     } else {
         console.data(&in_words(&claims))?;
     }
-    let files = format!("{} figures (SVG and PNG) and {}", figures.len(), page.display());
+    let files = format!("{} figures (SVG and PNG), 4 results and {}", figures.len(), page.display());
     console.note(format_args!("{files}, in {} s", significant(started.elapsed().as_secs_f64(), 2)));
-    console.hint("frfid init multisine -o experiment.toml");
+    console.hint(format_args!(
+        "frfid compare {0}/figure_5_multisine.json {0}/figure_5_chirp.json --stronger b",
+        folder.display()
+    ));
     Ok(if claims.iter().all(|claim| claim.holds) { Exit::Done } else { Exit::Flawed })
 }
 
 fn write_figure(folder: &Path, named: &Named, overwrite: Overwrite) -> Result<(), Failure> {
     write_bytes(&folder.join(format!("{}.svg", named.name)), overwrite, named.figure.svg().as_bytes())?;
     Ok(write_bytes(&folder.join(format!("{}.png", named.name)), overwrite, &named.figure.png(PNG_SCALE)?)?)
+}
+
+/// The FRFs of figures 4 and 5 as results, for `frfid compare` and `frfid export`.
+fn write_results(folder: &Path, section6: &Section6, overwrite: Overwrite) -> Result<(), FileError> {
+    let results = [
+        ("figure_4_multisine", &section6.friction.multisine),
+        ("figure_4_chirp", &section6.friction.chirp),
+        ("figure_5_multisine", &section6.stiffening.multisine),
+        ("figure_5_chirp", &section6.stiffening.chirp),
+    ];
+    for (name, measured) in results {
+        let result = ResultFile {
+            frf: measured.frf.clone(),
+            input_names: vec!["motor torque".into()],
+            output_names: vec!["motor velocity".into()],
+            input_units: vec!["N m".into()],
+            output_units: vec!["rad/s".into()],
+            checks: Vec::new(),
+            provenance: [("frfid_version".to_owned(), env!("CARGO_PKG_VERSION").to_owned())].into(),
+        };
+        write_result(&folder.join(format!("{name}.json")), overwrite, &result)?;
+    }
+    Ok(())
 }
 
 /// The claims one below the other: what is claimed, what the paper says, what we find.
