@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -95,7 +96,8 @@ def repr_html(frf: Frf) -> str:
         "condition of U": "-" if frf.condition is None else f"at most {frf.condition.max():.3g}",
     }
     cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows.items())
-    return f"<table><caption>frfid.Frf</caption>{cells}</table>"
+    picture = b64encode(frf.to_svg().encode()).decode()
+    return f'<table><caption>frfid.Frf</caption>{cells}</table><img alt="Bode diagram" src="data:image/svg+xml;base64,{picture}">'
 
 
 def _db(amplitude: Any) -> Any:

@@ -78,8 +78,8 @@ pub fn c_ordered<T: Element + Clone, D: Dimension>(py: Python<'_>, array: Array<
     ordered.into_pyarray(py)
 }
 
-/// A numpy array made when it is first asked for, read-only and the same object from then on.
-pub struct Shared(PyOnceLock<Py<PyAny>>);
+/// A numpy array, or its absence, made when it is first asked for; read-only and the same object from then on.
+pub struct Shared(PyOnceLock<Option<Py<PyAny>>>);
 
 impl Default for Shared {
     fn default() -> Self {
@@ -92,9 +92,9 @@ impl Shared {
     pub fn get<'py, T: Element + Clone, D: Dimension>(
         &self,
         py: Python<'py>,
-        make: impl FnOnce() -> Array<T, D>,
-    ) -> Bound<'py, PyAny> {
-        let made = || c_ordered(py, make()).readwrite().make_nonwriteable().as_any().clone().unbind();
-        self.0.get_or_init(py, made).bind(py).clone()
+        make: impl FnOnce() -> Option<Array<T, D>>,
+    ) -> Option<Bound<'py, PyAny>> {
+        let made = || Some(c_ordered(py, make()?).readwrite().make_nonwriteable().as_any().clone().unbind());
+        Some(self.0.get_or_init(py, made).as_ref()?.bind(py).clone())
     }
 }

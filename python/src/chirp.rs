@@ -3,11 +3,11 @@
 use frfid_signals::{Chirp as Signal, Profile};
 use numpy::PyArray3;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
 
 use crate::array::c_ordered;
 use crate::choice::choice;
 use crate::error;
+use crate::pickle::{NewArguments, attributes};
 use crate::profile::{points, profiles};
 
 /// A sine whose frequency rises exponentially from ``low_hz`` to ``high_hz``, SK15 (15) and (16).
@@ -137,14 +137,7 @@ impl Chirp {
         format!("<frfid.Chirp: {low_hz} Hz to {high_hz} Hz in {duration_s} s, tail {tail_s} s>")
     }
 
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
-        let keywords = PyDict::new(py);
-        keywords.set_item("low_hz", self.signal.low_hz)?;
-        keywords.set_item("high_hz", self.signal.high_hz)?;
-        keywords.set_item("duration_s", self.signal.duration_s)?;
-        keywords.set_item("amplitude", self.amplitude())?;
-        keywords.set_item("fade_s", self.signal.fade_s)?;
-        keywords.set_item("tail_s", self.signal.tail_s)?;
-        Ok((PyTuple::empty(py), keywords))
+    fn __getnewargs_ex__<'py>(slf: &Bound<'py, Self>) -> PyResult<NewArguments<'py>> {
+        attributes(slf, &["low_hz", "high_hz", "duration_s", "amplitude", "fade_s", "tail_s"])
     }
 }

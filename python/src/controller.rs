@@ -2,10 +2,10 @@
 
 use frfid_plant::{ClosedLoop, PiController as Controller};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
 
 use crate::batch::simulate;
 use crate::error;
+use crate::pickle::{NewArguments, attributes};
 use crate::plant::Plant;
 use crate::profile::per_channel;
 use crate::record::Record;
@@ -93,14 +93,8 @@ impl PiController {
         format!("<frfid.PiController: gain {gain:?}, integral_gain {integral_gain:?}, {sample_time_s} s per sample>")
     }
 
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
-        let keywords = PyDict::new(py);
-        keywords.set_item("gain", self.gain())?;
-        keywords.set_item("integral_gain", self.integral_gain())?;
-        keywords.set_item("sample_time_s", self.sample_time_s())?;
-        keywords.set_item("delay_samples", self.delay_samples())?;
-        keywords.set_item("max_torque_nm", self.max_torque_nm())?;
-        Ok((PyTuple::empty(py), keywords))
+    fn __getnewargs_ex__<'py>(slf: &Bound<'py, Self>) -> PyResult<NewArguments<'py>> {
+        attributes(slf, &["gain", "integral_gain", "sample_time_s", "delay_samples", "max_torque_nm"])
     }
 }
 

@@ -4,6 +4,7 @@ use frfid_estimate::EstimateError;
 use frfid_experiment::{ConfigError, ExperimentError};
 use frfid_files::FileError;
 use frfid_plant::PlantError;
+use frfid_report::ReportError;
 use frfid_signals::{SignalError, TestbedError};
 use pyo3::PyErr;
 use pyo3::exceptions::{PyArithmeticError, PyFileExistsError, PyKeyboardInterrupt, PyOSError, PyValueError};
@@ -57,6 +58,11 @@ pub fn file(error: FileError) -> PyErr {
         }
         _ => PyOSError::new_err(error.to_string()),
     }
+}
+
+/// What cannot be drawn.
+pub fn report(error: ReportError) -> PyErr {
+    PyValueError::new_err(error.to_string())
 }
 
 /// Whatever happens on the way from a description to an FRF.

@@ -1,19 +1,19 @@
-//! `frfid.Frf` and `frfid.load`.
+//! `frfid.Frf`.
 
 use std::path::PathBuf;
 
-use frfid_files::{Overwrite, ResultFile, read_result, write_result};
-use frfid_signals::{Frf as Response, Uncertainty};
-use ndarray::{Array1, Ix1};
-use pyo3::exceptions::PyValueError;
+use frfid_files::{Overwrite, ResultFile, write_result};
+use frfid_signals::Frf as Response;
+use ndarray::Array1;
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict, PyTuple};
+use pyo3::types::IntoPyDict;
 
-use crate::array::{Axes, Shared, complex, real};
+use crate::array::complex;
 use crate::choice::{from_python, to_python};
 use crate::error;
-
-const ENTRIES: Axes = &["frequency", "output * input", "output * input"];
+use crate::frf_parts::{Arrays, PARTS, channels, per_frequency, uncertainty};
+use crate::pickle::{NewArguments, attributes};
+use crate::result::{described, svg};
 
 /// A frequency response matrix with what is known about its uncertainty.
 ///
@@ -49,16 +49,11 @@ pub struct Frf {
     arrays: Arrays,
 }
 
-#[derive(Default)]
-struct Arrays {
-    frequency_hz: Shared,
-    response: Shared,
-    noise_variance: Shared,
-    total_variance: Shared,
-    nonlinear_variance: Shared,
-    noise_covariance: Shared,
-    total_covariance: Shared,
-    condition: Shared,
+impl Frf {
+    /// A result with everything that belongs to it.
+    pub fn of(result: ResultFile) -> Self {
+        Self { result, arrays: Arrays::default() }
+    }
 }
 
 #[pymethods]
@@ -107,33 +102,33 @@ impl Frf {
 
     /// Frequencies in Hz, shape (frequency,).
     #[getter]
-    fn frequency_hz<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        self.arrays.frequency_hz.get(py, || Array1::from(self.result.frf.frequency_hz.clone()))
+    fn frequency_hz<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.arrays.frequency_hz.get(py, || Some(Array1::from(self.result.frf.frequency_hz.clone())))
     }
 
     /// Response, complex128, shape (frequency, output, input).
     #[getter]
-    fn response<'py>(&self, py: Python<'py>) -> Bound<'py, PyAny> {
-        self.arrays.response.get(py, || self.result.frf.response.clone())
+    fn response<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+        self.arrays.response.get(py, || Some(self.result.frf.response.clone()))
     }
 
     /// Noise variance of each entry of the averaged response, shape (frequency, output, input); None if not measured.
     #[getter]
     fn noise_variance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        self.result.frf.noise_variance().map(|variance| self.arrays.noise_variance.get(py, || variance))
+        self.arrays.noise_variance.get(py, || self.result.frf.noise_variance())
     }
 
     /// Variance of each entry from noise and nonlinear distortion, shape (frequency, output, input); None if not measured.
     #[getter]
     fn total_variance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        self.result.frf.total_variance().map(|variance| self.arrays.total_variance.get(py, || variance))
+        self.arrays.total_variance.get(py, || self.result.frf.total_variance())
     }
 
     /// Level of the stochastic nonlinear distortion of one realization, shape (frequency, output, input); None unless both
     /// variances were measured.
     #[getter]
     fn nonlinear_variance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        self.result.frf.nonlinear_variance().map(|variance| self.arrays.nonlinear_variance.get(py, || variance))
+        self.arrays.nonlinear_variance.get(py, || self.result.frf.nonlinear_variance())
     }
 
     /// Covariance of vec(G), its columns stacked (index ``input * n_outputs + output``): the total one if it was measured,
@@ -146,15 +141,13 @@ impl Frf {
     /// Covariance of vec(G) from noise alone; None if not measured.
     #[getter]
     fn noise_covariance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        let known = self.result.frf.noise.as_ref()?;
-        Some(self.arrays.noise_covariance.get(py, || known.covariance.clone()))
+        self.arrays.noise_covariance.get(py, || Some(self.result.frf.noise.as_ref()?.covariance.clone()))
     }
 
     /// Covariance of vec(G) from noise and nonlinear distortion; None if not measured.
     #[getter]
     fn total_covariance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        let known = self.result.frf.total.as_ref()?;
-        Some(self.arrays.total_covariance.get(py, || known.covariance.clone()))
+        self.arrays.total_covariance.get(py, || Some(self.result.frf.total.as_ref()?.covariance.clone()))
     }
 
     /// Complex degrees of freedom of the noise variance; None if not measured.
@@ -172,8 +165,7 @@ impl Frf {
     /// Condition number of U at each frequency, shape (frequency,); None where no U was inverted.
     #[getter]
     fn condition<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
-        let condition = self.result.frf.condition.as_ref()?;
-        Some(self.arrays.condition.get(py, || Array1::from(condition.clone())))
+        self.arrays.condition.get(py, || Some(Array1::from(self.result.frf.condition.clone()?)))
     }
 
     /// Shape of the response, (frequency, output, input).
@@ -183,8 +175,8 @@ impl Frf {
     }
 
     /// Part of the response: ``frf[key]`` is ``frf.response[key]``.
-    fn __getitem__<'py>(&self, key: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
-        self.response(key.py()).get_item(key)
+    fn __getitem__<'py>(slf: &Bound<'py, Self>, key: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        slf.as_any().getattr("response")?.get_item(key)
     }
 
     /// The response, where numpy asks for an array.
@@ -278,6 +270,20 @@ impl Frf {
         in_python(slf, "to_xarray")
     }
 
+    /// The Bode diagram as an SVG document, with the 95 % region of the largest variance that was measured.
+    ///
+    /// Returns
+    /// -------
+    /// str
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a frequency that is not above 0.
+    fn to_svg(&self, py: Python<'_>) -> PyResult<String> {
+        py.detach(|| svg(&self.result)).map_err(error::report)
+    }
+
     /// Plots: ``frf.plot.bode()``, with matplotlib.
     #[getter]
     fn plot<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
@@ -289,116 +295,15 @@ impl Frf {
     }
 
     fn __repr__(&self) -> String {
-        let hz = &self.result.frf.frequency_hz;
-        let (low, high) = (hz.first().copied().unwrap_or(f64::NAN), hz.last().copied().unwrap_or(f64::NAN));
-        let measured = |known: &Option<Uncertainty>| if known.is_some() { "measured" } else { "None" };
-        format!(
-            "<frfid.Frf: {} outputs x {} inputs at {} frequencies from {low:.4} Hz to {high:.4} Hz, noise variance {}, \
-             total variance {}>",
-            self.n_outputs(),
-            self.n_inputs(),
-            hz.len(),
-            measured(&self.result.frf.noise),
-            measured(&self.result.frf.total)
-        )
+        described(&self.result.frf)
     }
 
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
-        let keywords = PyDict::new(py);
-        keywords.set_item("frequency_hz", self.frequency_hz(py))?;
-        keywords.set_item("response", self.response(py))?;
-        keywords.set_item("noise_covariance", self.noise_covariance(py))?;
-        keywords.set_item("noise_degrees_of_freedom", self.noise_degrees_of_freedom())?;
-        keywords.set_item("total_covariance", self.total_covariance(py))?;
-        keywords.set_item("total_degrees_of_freedom", self.total_degrees_of_freedom())?;
-        keywords.set_item("condition", self.condition(py))?;
-        keywords.set_item("input_names", &self.result.input_names)?;
-        keywords.set_item("output_names", &self.result.output_names)?;
-        keywords.set_item("input_units", &self.result.input_units)?;
-        keywords.set_item("output_units", &self.result.output_units)?;
-        keywords.set_item("checks", self.checks(py)?)?;
-        keywords.set_item("provenance", self.provenance(py)?)?;
-        Ok((PyTuple::empty(py), keywords))
+    fn __getnewargs_ex__<'py>(slf: &Bound<'py, Self>) -> PyResult<NewArguments<'py>> {
+        attributes(slf, &PARTS)
     }
-}
-
-impl Frf {
-    /// A result with everything that belongs to it.
-    pub fn of(result: ResultFile) -> Self {
-        Self { result, arrays: Arrays::default() }
-    }
-}
-
-/// An FRF of which only the numbers are known: channels are numbered, their units empty.
-impl From<Response> for Frf {
-    fn from(frf: Response) -> Self {
-        let (n_inputs, n_outputs) = (frf.n_inputs(), frf.n_outputs());
-        let numbered = |word: &str, count: usize| (1..=count).map(|channel| format!("{word} {channel}")).collect();
-        Self::of(ResultFile {
-            frf,
-            input_names: numbered("input", n_inputs),
-            output_names: numbered("output", n_outputs),
-            input_units: vec![String::new(); n_inputs],
-            output_units: vec![String::new(); n_outputs],
-            checks: Vec::new(),
-            provenance: [("frfid_version".to_owned(), env!("CARGO_PKG_VERSION").to_owned())].into(),
-        })
-    }
-}
-
-/// Reads a result: what ``Frf.save`` or ``frfid estimate`` wrote.
-///
-/// Parameters
-/// ----------
-/// path : str or path-like
-///     The JSON file.
-///
-/// Returns
-/// -------
-/// Frf
-///
-/// Raises
-/// ------
-/// OSError
-///     If the file cannot be read.
-/// ValueError
-///     If it is no result, or contradicts itself.
-#[pyfunction]
-pub fn load(py: Python<'_>, path: PathBuf) -> PyResult<Frf> {
-    path.metadata()?;
-    Ok(Frf::of(py.detach(|| read_result(&path)).map_err(error::file)?))
 }
 
 /// What needs another Python package is written in Python.
 fn in_python<'py>(frf: &Bound<'py, Frf>, function: &str) -> PyResult<Bound<'py, PyAny>> {
     frf.py().import("frfid._frf")?.call_method1(function, (frf,))
-}
-
-fn uncertainty(
-    name: &str,
-    covariance: Option<&Bound<'_, PyAny>>,
-    degrees: Option<usize>,
-) -> PyResult<Option<Uncertainty>> {
-    match (covariance, degrees) {
-        (None, None) => Ok(None),
-        (Some(covariance), Some(degrees_of_freedom)) => {
-            let covariance = complex(&format!("{name}_covariance"), covariance, &[ENTRIES])?.as_array().to_owned();
-            Ok(Some(Uncertainty { covariance, degrees_of_freedom }))
-        }
-        _ => Err(PyValueError::new_err(format!(
-            "{name}_covariance and {name}_degrees_of_freedom belong together: only one of them was given"
-        ))),
-    }
-}
-
-fn channels(name: &str, given: Option<Vec<String>>, default: Vec<String>, needed: usize) -> PyResult<Vec<String>> {
-    match given {
-        None => Ok(default),
-        Some(list) if list.len() == needed => Ok(list),
-        Some(list) => Err(PyValueError::new_err(format!("{name} has {} entries, needed {needed}", list.len()))),
-    }
-}
-
-fn per_frequency(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    Ok(real::<Ix1>(name, value, &[&["frequency"]])?.as_array().to_vec())
 }

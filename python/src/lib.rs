@@ -12,12 +12,15 @@ mod error;
 mod excerpt;
 mod experiment;
 mod frf;
+mod frf_parts;
 mod interrupt;
 mod multisine;
+mod pickle;
 mod plan;
 mod plant;
 mod profile;
 mod record;
+mod result;
 mod runs;
 mod testbed;
 
@@ -41,7 +44,7 @@ mod _core {
     #[pymodule_export]
     use crate::experiment::Experiment;
     #[pymodule_export]
-    use crate::frf::{Frf, load};
+    use crate::frf::Frf;
     #[pymodule_export]
     use crate::multisine::Multisine;
     #[pymodule_export]
@@ -51,6 +54,8 @@ mod _core {
     #[pymodule_export]
     use crate::record::Record;
 
+    #[pymodule_export]
+    use crate::result::load;
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "its name in Python")]
     const __version__: &str = env!("CARGO_PKG_VERSION");

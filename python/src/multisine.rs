@@ -3,11 +3,11 @@
 use frfid_signals::{Draw, GridDesign, LineGrid, Multisine as Signal, Profile};
 use numpy::{PyArray1, PyArray3};
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
 
 use crate::array::c_ordered;
 use crate::choice::{choice, to_python};
 use crate::error;
+use crate::pickle::{NewArguments, attributes};
 use crate::profile::{per_channel, points, profile};
 
 /// A multisine: sines on lines of the DFT of one period, with random phases.
@@ -191,6 +191,18 @@ impl Multisine {
         self.signal.grid.sample_time_s
     }
 
+    /// Points (hz, value) of the amplitude over frequency.
+    #[getter]
+    fn shape(&self) -> Vec<(f64, f64)> {
+        points(&self.signal.shape)
+    }
+
+    /// Choice of phases, "random" or "low-crest".
+    #[getter]
+    fn phases<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.signal.phases)
+    }
+
     fn __repr__(&self) -> String {
         let grid = &self.signal.grid;
         let hz = grid.lines_hz();
@@ -204,15 +216,8 @@ impl Multisine {
         )
     }
 
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
-        let (grid, keywords) = (&self.signal.grid, PyDict::new(py));
-        keywords.set_item("sample_time_s", grid.sample_time_s)?;
-        keywords.set_item("n_samples", grid.n_samples)?;
-        keywords.set_item("harmonics", &grid.excited)?;
-        keywords.set_item("detection", &grid.detection)?;
-        keywords.set_item("shape", points(&self.signal.shape))?;
-        keywords.set_item("phases", to_python(py, &self.signal.phases)?)?;
-        Ok((PyTuple::empty(py), keywords))
+    fn __getnewargs_ex__<'py>(slf: &Bound<'py, Self>) -> PyResult<NewArguments<'py>> {
+        attributes(slf, &["sample_time_s", "n_samples", "harmonics", "detection", "shape", "phases"])
     }
 }
 

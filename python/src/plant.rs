@@ -199,7 +199,6 @@ impl Plant {
     /// NumericalError
     ///     If the simulation diverges.
     #[pyo3(signature = (u, *, sample_time_s, hold = "zoh", velocity_rad_s = None, seed = 0, progress = None))]
-    #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
     fn simulate(
         &self,
         u: &Bound<'_, PyAny>,

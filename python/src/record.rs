@@ -5,11 +5,11 @@ use ndarray::{Array2, Axis, Ix2, IxDyn};
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{PyDict, PyTuple};
 
 use crate::array::{Axes, c_ordered, real};
 use crate::choice::{choice, from_python, to_python};
 use crate::error;
+use crate::pickle::{NewArguments, attributes};
 
 const SHAPES: [Axes; 2] = [&["channel", "sample"], &["batch", "channel", "sample"]];
 
@@ -129,16 +129,8 @@ impl Record {
         format!("<frfid.Record: u {u:?}, y {y:?}, {} s per sample>", self.sample_time_s)
     }
 
-    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyTuple>, Bound<'py, PyDict>)> {
-        let keywords = PyDict::new(py);
-        keywords.set_item("sample_time_s", self.sample_time_s)?;
-        keywords.set_item("u", &self.u)?;
-        keywords.set_item("y", &self.y)?;
-        keywords.set_item("r", &self.r)?;
-        keywords.set_item("position_rad", &self.position_rad)?;
-        keywords.set_item("input_kind", self.input_kind(py)?)?;
-        keywords.set_item("events", self.events(py)?)?;
-        Ok((PyTuple::empty(py), keywords))
+    fn __getnewargs_ex__<'py>(slf: &Bound<'py, Self>) -> PyResult<NewArguments<'py>> {
+        attributes(slf, &["sample_time_s", "u", "y", "r", "position_rad", "input_kind", "events"])
     }
 }
 

@@ -2,6 +2,7 @@
 
 import copy
 import pickle
+import xml.etree.ElementTree
 
 import numpy as np
 import pytest
@@ -84,8 +85,11 @@ def test_the_bode_plot_shows_the_numbers(frf):
     assert frf.plot.bode(ax=axes) is not None and len(axes[0, 0].lines) == 6
 
 
-def test_a_notebook_shows_a_table(frf):
-    assert "<table>" in frf._repr_html_() and "2 x 3" in frf._repr_html_()
+def test_a_notebook_shows_a_table_and_a_picture(frf):
+    html = frf._repr_html_()
+    assert "2 x 3" in html and 'src="data:image/svg+xml;base64,' in html
+    picture = xml.etree.ElementTree.fromstring(frf.to_svg())
+    assert picture.tag.endswith("svg") and "output 2" in "".join(picture.itertext())
     assert "noise variance measured" in repr(frf)
 
 
