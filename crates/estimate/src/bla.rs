@@ -18,7 +18,7 @@
 
 use frfid_signals::{Frf, SignalError, Uncertainty};
 use nalgebra::DMatrix;
-use ndarray::{Array2, Array3, ArrayView2, ArrayView5, s};
+use ndarray::{Array3, ArrayView2, ArrayView5, s};
 use num_complex::Complex64;
 use rayon::prelude::*;
 
@@ -132,13 +132,13 @@ pub(crate) struct LineBlock {
 
 impl LineBlock {
     fn of(block: &Block, line: usize) -> Self {
-        let columns = |signals: &[&Array2<Complex64>]| {
-            DMatrix::from_fn(signals[0].nrows(), signals.len(), |channel, m| signals[m][[channel, line]])
-        };
-        let u: Vec<_> = block.iter().map(|run| &run.u).collect();
-        let y: Vec<_> = block.iter().map(|run| &run.y).collect();
-        let r: Option<Vec<_>> = block.iter().map(|run| run.r.as_ref()).collect();
-        Self { u: columns(&u), y: columns(&y), r: r.as_deref().map(columns) }
+        let experiments = block.len();
+        let r = block.iter().map(|run| run.r.as_ref()).collect::<Option<Vec<_>>>();
+        Self {
+            u: DMatrix::from_fn(block[0].u.nrows(), experiments, |channel, m| block[m].u[[channel, line]]),
+            y: DMatrix::from_fn(block[0].y.nrows(), experiments, |channel, m| block[m].y[[channel, line]]),
+            r: r.map(|r| DMatrix::from_fn(r[0].nrows(), experiments, |channel, m| r[m][[channel, line]])),
+        }
     }
 }
 

@@ -4,10 +4,10 @@
 //! never padded.
 
 use std::cmp::Ordering;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use frfid_signals::{SignalError, check_finite};
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array2, ArrayView2, aview1};
 use num_complex::Complex64;
 use realfft::{RealFftPlanner, RealToComplex};
 
@@ -18,6 +18,7 @@ use crate::{EstimateError, Transform};
 pub struct LineDft {
     lines: Vec<usize>,
     fft: Arc<dyn RealToComplex<f64>>,
+    free: Arc<Mutex<Vec<Buffers>>>,
 }
 
 impl LineDft {
@@ -32,7 +33,8 @@ impl LineDft {
             return Err(SignalError::LineOffGrid { line, highest, n_samples }.into());
         }
         check_rising("lines", lines.iter().map(|&line| line as f64))?;
-        Ok(Self { lines: lines.to_vec(), fft: RealFftPlanner::new().plan_fft_forward(n_samples) })
+        let fft = RealFftPlanner::new().plan_fft_forward(n_samples);
+        Ok(Self { lines: lines.to_vec(), fft, free: Arc::default() })
     }
 
     /// Samples per period.
@@ -58,22 +60,45 @@ impl Transform for LineDft {
             let needed = format!("(channel, {})", self.n_samples());
             return Err(SignalError::Shape { name, found: period.shape().to_vec(), needed }.into());
         }
-        let (mut samples, mut bins) = (self.fft.make_input_vec(), self.fft.make_output_vec());
-        let mut scratch = self.fft.make_scratch_vec();
+        let mut buffers = self.borrow();
         let mut spectra = Array2::zeros((period.nrows(), self.lines.len()));
         for (channel, mut spectrum) in period.rows().into_iter().zip(spectra.rows_mut()) {
+            let Buffers { samples, bins, scratch } = &mut buffers;
             samples.iter_mut().zip(channel).for_each(|(sample, value)| *sample = *value);
-            let mean = samples.iter().sum::<f64>() / self.n_samples() as f64;
+            // summed out of the buffer, so that the layout of the array cannot change a digit
+            let mean = aview1(samples).sum() / self.n_samples() as f64;
             if !mean.is_finite() {
                 check_finite(name, period)?; // one NaN is enough to spoil the sum
             }
             samples.iter_mut().for_each(|sample| *sample -= mean);
-            self.fft
-                .process_with_scratch(&mut samples, &mut bins, &mut scratch)
-                .expect("the plan made the buffers, so their lengths fit");
+            let done = self.fft.process_with_scratch(samples, bins, scratch);
+            done.expect("the plan made the buffers, so their lengths fit");
             spectrum.iter_mut().zip(&self.lines).for_each(|(value, &line)| *value = bins[line]);
         }
+        self.give_back(buffers);
         Ok(spectra)
+    }
+}
+
+/// What one transform at a time needs; made once per thread that asks, since making them takes half as long as the FFT.
+struct Buffers {
+    samples: Vec<f64>,
+    bins: Vec<Complex64>,
+    scratch: Vec<Complex64>,
+}
+
+impl LineDft {
+    fn borrow(&self) -> Buffers {
+        let free = self.free.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        free.unwrap_or_else(|| Buffers {
+            samples: self.fft.make_input_vec(),
+            bins: self.fft.make_output_vec(),
+            scratch: self.fft.make_scratch_vec(),
+        })
+    }
+
+    fn give_back(&self, buffers: Buffers) {
+        self.free.lock().unwrap_or_else(PoisonError::into_inner).push(buffers);
     }
 }
 
