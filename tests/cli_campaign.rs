@@ -57,6 +57,8 @@ fn a_plan_and_its_description_give_the_same_runs_whatever_the_jobs() {
     assert_eq!(one.keys().next().map(String::as_str), Some("p000-m0-q0.mcap"));
     assert!(one.len() == 5 && one == contents(&here.join("four")) && one == contents(&here.join("toml")));
 
+    let again = frfid(here, &["design", "x.toml", "-o", "plan.mcap"]);
+    assert!(code(&again) == 2 && stdout(&again).is_empty(), "refused before any work: {}", stderr(&again));
     let seventh = frfid(here, &["design", "x.toml", "-o", "seven.mcap", "--seed", "7"]);
     assert_eq!(code(&seventh), 0);
     assert_ne!(fs::read(here.join("plan.mcap")).expect("read"), fs::read(here.join("seven.mcap")).expect("read"));
@@ -99,6 +101,8 @@ fn a_design_outside_its_limits_is_refused_with_the_amplitude_that_fits() {
     assert!(told.contains("x.toml:") && told.contains("^^^^^^^") && told.contains("by 0.8 or less"), "{told}");
     assert!(!folder.path().join("plan.mcap").exists());
     assert!(stdout(&design).contains("125 %"), "{}", stdout(&design));
+    let run = frfid(folder.path(), &["run", "x.toml", "-o", "logs"]);
+    assert!(code(&run) == 3 && stderr(&run).contains("reached 150 N m, the limit is 120"), "{}", stderr(&run));
 }
 
 #[test]

@@ -1,12 +1,12 @@
 //! The arguments: global options and the commands.
 
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anstream::ColorChoice;
 use clap::builder::{FalseyValueParser, PathBufValueParser, TypedValueParser};
 use clap::{Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
-use frfid_files::Overwrite;
+use frfid_files::{FileError, Overwrite, check_free};
 
 use crate::command::{check, compare, completions, demo, design, estimate, export, init, man, recover, run, schema};
 use crate::console::Console;
@@ -72,6 +72,11 @@ impl Options {
     /// What to do when the output exists. What an unfinished command left is replaced: every command can be done again.
     pub fn overwrite(&self) -> Overwrite {
         if self.force { Overwrite::Replace } else { Overwrite::Resume }
+    }
+
+    /// Refuses an output that exists, before any work is done for it.
+    pub fn check_free(&self, path: &Path) -> Result<(), FileError> {
+        check_free(path, if self.force { Overwrite::Replace } else { Overwrite::Refuse })
     }
 
     /// When to use colours.

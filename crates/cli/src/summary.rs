@@ -92,6 +92,19 @@ fn runs(plan: &Plan) -> String {
     if plan.n_glides > 0 { format!("{product}, and {}", count(plan.n_glides, "glide")) } else { product }
 }
 
+/// A quantity with its unit, its largest value on every axis, and the limits on it.
+type Bounded<'a> = (&'static str, &'static str, Option<&'a Vec<f64>>, Option<&'a Vec<f64>>);
+
+fn bounded<'a>(peaks: &'a Peaks, limits: &'a LimitsTable) -> [Bounded<'a>; 5] {
+    [
+        ("torque, peak", "N m", Some(&peaks.effort_nm), limits.max_effort.as_ref()),
+        ("torque rate", "N m/s", Some(&peaks.effort_rate_nm_per_s), limits.max_effort_rate.as_ref()),
+        ("velocity", "rad/s", Some(&peaks.velocity_rad_s), limits.max_velocity.as_ref()),
+        ("travel", "rad", peaks.travel_rad.as_ref(), limits.max_travel.as_ref()),
+        ("torque, rms", "N m", Some(&peaks.effort_rms_nm), None),
+    ]
+}
+
 /// Largest values beside their limits, a row for each axis and quantity, and below them `others`: name and value per axis.
 pub(crate) fn peaks_as_text(
     title: &str,
@@ -99,19 +112,12 @@ pub(crate) fn peaks_as_text(
     limits: &LimitsTable,
     others: &[(&str, Vec<String>)],
 ) -> String {
-    let bounded = [
-        ("torque, peak", "N m", Some(&peaks.effort_nm), &limits.max_effort),
-        ("torque rate", "N m/s", Some(&peaks.effort_rate_nm_per_s), &limits.max_effort_rate),
-        ("velocity", "rad/s", Some(&peaks.velocity_rad_s), &limits.max_velocity),
-        ("travel", "rad", peaks.travel_rad.as_ref(), &limits.max_travel),
-        ("torque, rms", "N m", Some(&peaks.effort_rms_nm), &None),
-    ];
     let mut rows = vec![[title, "at most", "limit", "used"].map(str::to_owned).to_vec()];
     for axis in 0..peaks.effort_nm.len() {
-        for (quantity, unit, values, limit) in &bounded {
+        for (quantity, unit, values, limits) in bounded(peaks, limits) {
             let Some(value) = values.and_then(|values| values.get(axis)) else { continue };
             let with_unit = |value: f64| format!("{} {unit}", significant(value, 4));
-            let limit = limit.as_ref().and_then(|limit| limit.get(axis));
+            let limit = limits.and_then(|limits| limits.get(axis));
             rows.push(vec![
                 format!("axis {} {quantity}", axis + 1),
                 with_unit(*value),
@@ -123,4 +129,18 @@ pub(crate) fn peaks_as_text(
         rows.extend(others.map(|(name, value)| vec![format!("axis {} {name}", axis + 1), value.clone(), "-".into()]));
     }
     table(&rows)
+}
+
+/// Every limit that was exceeded, in words.
+pub(crate) fn beyond_limits(peaks: &Peaks, limits: &LimitsTable) -> Vec<String> {
+    const ROUNDING: f64 = 1.0 + 1e-9; // a value that touches its limit is inside it
+    let mut beyond = Vec::new();
+    for (quantity, unit, values, limits) in bounded(peaks, limits) {
+        let pairs = values.into_iter().flatten().zip(limits.into_iter().flatten()).enumerate();
+        for (axis, (value, limit)) in pairs.filter(|(_, (value, limit))| **value > **limit * ROUNDING) {
+            let [value, limit] = [value, limit].map(|number| significant(*number, 4));
+            beyond.push(format!("axis {} {quantity} reached {value} {unit}, the limit is {limit}", axis + 1));
+        }
+    }
+    beyond
 }

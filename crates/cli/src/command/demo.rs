@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use clap::Args;
 use frfid_experiment::{Claim, Section6};
-use frfid_files::{FileError, Overwrite, ResultFile, check_free, write_bytes, write_result};
+use frfid_files::{FileError, Overwrite, ResultFile, write_bytes, write_result};
 use frfid_report::{Named, section6_figures, section6_report};
 use serde_json::json;
 
@@ -37,7 +37,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
     let (folder, overwrite) = (arguments.output.as_path(), options.overwrite());
     let page = folder.join("report.html");
-    check_free(&page, overwrite)?;
+    options.check_free(&page)?;
     fs::create_dir_all(folder).map_err(|error| FileError::Io {
         path: folder.to_owned(),
         action: "create the folder",
@@ -105,7 +105,7 @@ fn in_words(claims: &[Claim]) -> String {
     let line = |claim: &Claim| {
         let verdict = if claim.holds { "holds" } else { "DOES NOT HOLD" };
         let Claim { id, statement, expected, found, .. } = claim;
-        format!("{id:3} {statement}\n    paper  {expected}\n    ours   {found}\n    {verdict}\n")
+        format!("{id:3} {statement}\n    expected  {expected}\n    found     {found}\n    {verdict}\n")
     };
     claims.iter().map(line).collect()
 }

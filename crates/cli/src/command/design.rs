@@ -40,12 +40,14 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
     let experiment = with_seed(Experiment::load(&arguments.experiment)?, arguments.seed)?;
+    let output = arguments.output.as_ref().filter(|_| !arguments.dry_run);
+    output.map_or(Ok(()), |path| options.check_free(path))?;
     let prediction = watched(console, "predicting", "runs", |progress| predict(&experiment, arguments.jobs, progress))?;
     tell(&experiment, &prediction, options, console)?;
     if let Some(error) = outside(&experiment, &prediction) {
         return Err(error.into());
     }
-    if let (Some(path), false) = (&arguments.output, arguments.dry_run) {
+    if let Some(path) = output {
         watched(console, "writing", "runs", |progress| experiment.write_plan(path, options.overwrite(), progress))?;
         console.note(format_args!("wrote {}", path.display()));
         console.hint(format_args!("frfid run {} -o logs", path.display()));

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use frfid_experiment::config::{Average, EstimateTable};
 use frfid_experiment::{Estimate, EstimateOptions, estimate_logs};
-use frfid_files::{ResultFile, check_free, write_bytes, write_result};
+use frfid_files::{ResultFile, write_bytes, write_result};
 use frfid_signals::Uncertainty;
 use ndarray::Array3;
 use serde_json::{Value, json};
@@ -86,7 +86,7 @@ impl EstimatorOptions {
 
 pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
     for output in [Some(&arguments.output), arguments.report.as_ref()].into_iter().flatten() {
-        check_free(output, options.overwrite())?;
+        options.check_free(output)?;
     }
     let settings =
         EstimateOptions { estimate: arguments.estimator.table(), map: arguments.map.log_map()?, jobs: arguments.jobs };

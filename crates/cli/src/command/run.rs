@@ -12,7 +12,7 @@ use crate::command::design::{tell, with_seed};
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::progress::watched;
-use crate::summary::peaks_as_text;
+use crate::summary::{beyond_limits, peaks_as_text};
 use crate::table::{count, significant};
 
 /// Do the runs of a description or a plan in simulation, one MCAP each; runs that are there already are skipped
@@ -77,7 +77,7 @@ fn order(path: &Path, seed: Option<u64>) -> Result<Order, Failure> {
     }
 }
 
-/// Tells what the runs asked of the robot; a limit that was hit or a run that was stopped makes them flawed.
+/// Tells what the runs asked of the robot; a limit that was reached or a run that was stopped makes them flawed.
 fn report(
     experiment: &Experiment,
     summary: &RunSummary,
@@ -85,26 +85,29 @@ fn report(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
-    let mut flawed = false;
-    for run in &summary.written {
-        for event in &run.events {
-            flawed = true;
-            console.warning(format_args!("{}: {}", run.path.display(), told(event)));
-        }
+    let limits = &experiment.config.limits;
+    let peaks = summary.written.iter().map(|run| run.peaks.clone()).reduce(|a, b| a.max(&b));
+    let events = summary
+        .written
+        .iter()
+        .flat_map(|run| run.events.iter().map(|event| format!("{}: {}", run.path.display(), told(event))));
+    let beyond = peaks.as_ref().map_or_else(Vec::new, |peaks| beyond_limits(peaks, limits));
+    let flaws: Vec<String> = events.chain(beyond).collect();
+    for flaw in &flaws {
+        console.warning(flaw);
     }
     if options.json {
         console.json(&json!(summary))?;
     } else {
         let (written, skipped) = (summary.written.len(), summary.n_skipped);
         console.data(&format!("{}: {} written, {skipped} there already\n", folder.display(), count(written, "run")))?;
-        let all = summary.written.iter().map(|run| run.peaks.clone());
-        if let Some(peaks) = all.reduce(|a, b| a.max(&b)) {
+        if let Some(peaks) = &peaks {
             let others = [("standing still", standing_still(summary))];
-            console.data(&peaks_as_text("reached", &peaks, &experiment.config.limits, &others))?;
+            console.data(&peaks_as_text("reached", peaks, limits, &others))?;
         }
         console.hint(format_args!("frfid estimate {} -o frf.json --report frf.html", folder.display()));
     }
-    Ok(if flawed { Exit::Flawed } else { Exit::Done })
+    Ok(if flaws.is_empty() { Exit::Done } else { Exit::Flawed })
 }
 
 /// Share of the time in which friction held the joint, the largest of all runs, one for each axis.
