@@ -2,8 +2,7 @@
 //! the bias of the direct estimate when the input is measured with noise.
 
 use frfid::estimate::{
-    Averaging, BlaOptions, Campaign, Deficiency, EstimateError, LineDft, Place, RunSpectra,
-    estimate_bla,
+    Averaging, BlaOptions, Campaign, Deficiency, EstimateError, LineDft, Place, RunSpectra, estimate_bla,
 };
 use frfid::signals::random::{normal, phase, stream};
 use frfid::signals::{Frf, SignalError, Uncertainty};
