@@ -266,6 +266,7 @@ class Frf:
         total_covariance: ArrayLike | None = None,
         total_degrees_of_freedom: int | None = None,
         condition: ArrayLike | None = None,
+        relative_resolution: float | None = None,
         input_names: list[str] | None = None,
         output_names: list[str] | None = None,
         input_units: list[str] | None = None,
@@ -295,6 +296,8 @@ class Frf:
     def total_degrees_of_freedom(self) -> int | None: ...
     @property
     def condition(self) -> NDArray[np.float64] | None: ...
+    @property
+    def relative_resolution(self) -> float | None: ...
     @property
     def shape(self) -> tuple[int, int, int]: ...
     def __getitem__(self, key: Any, /) -> Any: ...

@@ -32,6 +32,8 @@ use crate::result::{described, svg};
 ///     Complex degrees of freedom behind them.
 /// condition : array_like, shape (frequency,), optional
 ///     Condition number of U.
+/// relative_resolution : float, optional
+///     Half width, relative to the frequency, of the band over which each value blurs the response.
 /// input_names, output_names, input_units, output_units : list of str, optional
 ///     Names and SI units of the channels.
 /// checks : list of dict, optional
@@ -60,7 +62,7 @@ impl Frf {
 impl Frf {
     #[new]
     #[pyo3(signature = (*, frequency_hz, response, noise_covariance = None, noise_degrees_of_freedom = None,
-                        total_covariance = None, total_degrees_of_freedom = None, condition = None,
+                        total_covariance = None, total_degrees_of_freedom = None, condition = None, relative_resolution = None,
                         input_names = None, output_names = None, input_units = None, output_units = None,
                         checks = None, provenance = None))]
     #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
@@ -72,6 +74,7 @@ impl Frf {
         total_covariance: Option<&Bound<'_, PyAny>>,
         total_degrees_of_freedom: Option<usize>,
         condition: Option<&Bound<'_, PyAny>>,
+        relative_resolution: Option<f64>,
         input_names: Option<Vec<String>>,
         output_names: Option<Vec<String>>,
         input_units: Option<Vec<String>>,
@@ -85,6 +88,7 @@ impl Frf {
             noise: uncertainty("noise", noise_covariance, noise_degrees_of_freedom)?,
             total: uncertainty("total", total_covariance, total_degrees_of_freedom)?,
             condition: condition.map(|condition| per_frequency("condition", condition)).transpose()?,
+            relative_resolution,
         };
         frf.check().map_err(error::signal)?;
         let unnamed = Self::from(frf).result;
@@ -166,6 +170,13 @@ impl Frf {
     #[getter]
     fn condition<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
         self.arrays.condition.get(py, || Some(Array1::from(self.result.frf.condition.clone()?)))
+    }
+
+    /// Half width, relative to the frequency, of the band over which each value blurs the response: 1/8 for excerpts of four
+    /// periods of a chirp; ``None`` for lines of a period.
+    #[getter]
+    fn relative_resolution(&self) -> Option<f64> {
+        self.result.frf.relative_resolution
     }
 
     /// Shape of the response, (frequency, output, input).

@@ -262,5 +262,6 @@ fn assemble(frequency_hz: Vec<f64>, lines: &[LineEstimate], noise_freedom: usize
         noise: known(stack(&|line| line.noise.as_ref()), noise_freedom),
         total: known(stack(&|line| line.total.as_ref()), total_freedom),
         condition: Some(lines.iter().map(|line| line.condition).collect()),
+        relative_resolution: None,
     }
 }

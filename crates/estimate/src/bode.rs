@@ -8,13 +8,20 @@ pub(crate) struct Bode {
     pub(crate) magnitude_db: Vec<f64>,
     /// Unwrapped: neighbours differ by at most 180 deg.
     pub(crate) phase_deg: Vec<f64>,
+    /// As in [`Frf`]; 0 for none.
+    pub(crate) relative_resolution: f64,
 }
 
 impl Bode {
     /// The curve of entry `(output, input)`; points that are zero or not finite are left out.
     pub(crate) fn of(frf: &Frf, output: usize, input: usize) -> Self {
         let points = frf.frequency_hz.iter().zip(frf.magnitude_db(output, input)).zip(frf.phase_deg(output, input));
-        let mut curve = Self { frequency_hz: Vec::new(), magnitude_db: Vec::new(), phase_deg: Vec::new() };
+        let mut curve = Self {
+            frequency_hz: Vec::new(),
+            magnitude_db: Vec::new(),
+            phase_deg: Vec::new(),
+            relative_resolution: frf.relative_resolution.unwrap_or(0.0),
+        };
         for ((&frequency_hz, magnitude_db), phase_deg) in points.filter(|((_, magnitude), _)| magnitude.is_finite()) {
             let before = curve.phase_deg.last().copied().unwrap_or(phase_deg);
             curve.frequency_hz.push(frequency_hz);

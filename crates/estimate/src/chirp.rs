@@ -52,7 +52,8 @@ pub fn estimate_chirp(
     for (place, run) in places.into_iter().zip(spectra?) {
         campaign.insert(place, run)?;
     }
-    campaign.estimate(&BlaOptions { max_condition: options.max_condition, ..BlaOptions::default() })
+    let frf = campaign.estimate(&BlaOptions { max_condition: options.max_condition, ..BlaOptions::default() })?;
+    Ok(Frf { relative_resolution: Some(options.relative_resolution()), ..frf })
 }
 
 #[cfg(test)]

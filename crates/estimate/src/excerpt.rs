@@ -37,6 +37,15 @@ pub struct Excerpts {
     excerpts: Vec<Excerpt>,
 }
 
+impl ExcerptOptions {
+    /// Half of the DFT's line spacing over one excerpt, relative to its frequency: resonances closer than that cannot be told
+    /// apart, and in a sweep each rings on into the excerpts of the frequencies that follow.
+    #[must_use]
+    pub fn relative_resolution(&self) -> f64 {
+        0.5 / self.n_periods
+    }
+}
+
 impl Excerpts {
     /// Cuts recordings of `n_samples`, in which the chirp starts `start_s` after the first sample, at `frequencies_hz`.
     ///

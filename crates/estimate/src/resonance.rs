@@ -20,7 +20,7 @@ pub struct Feature {
     pub kind: FeatureKind,
     /// Frequency in Hz, by a parabola through three points of the magnitude in dB over log frequency.
     pub frequency_hz: f64,
-    /// Half the distance between the points around it in Hz: what the grid leaves uncertain.
+    /// Half the distance between the points around it in Hz, or what the estimate blurs if that is more: what is uncertain.
     pub resolution_hz: f64,
     /// Magnitude of that parabola in dB.
     pub magnitude_db: f64,
@@ -42,6 +42,9 @@ pub(crate) fn features_of(curve: &Bode, prominence_db: f64) -> Vec<Feature> {
     let mut features = peaks(&curve.frequency_hz, &curve.magnitude_db, FeatureKind::Resonance, prominence_db);
     for notch in peaks(&curve.frequency_hz, &upside_down, FeatureKind::Antiresonance, prominence_db) {
         features.push(Feature { magnitude_db: -notch.magnitude_db, ..notch });
+    }
+    for feature in &mut features {
+        feature.resolution_hz = feature.resolution_hz.max(curve.relative_resolution * feature.frequency_hz);
     }
     features.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
     features

@@ -66,7 +66,7 @@ impl fmt::Display for Verdict {
             Self::FrictionIn { side, resonance_down_db, antiresonance_up_db, phase_range_smaller_deg } => {
                 let name = if *side == Side::A { "A" } else { "B" };
                 write!(f, "friction in {name}: its resonance is {resonance_down_db:.1} dB lower, ")?;
-                if let Some(up) = antiresonance_up_db {
+                if let Some(up) = antiresonance_up_db.filter(|up| *up > 0.0) {
                     write!(f, "its antiresonance {up:.1} dB shallower, ")?;
                 }
                 write!(f, "its phase pushed together by {phase_range_smaller_deg:.0} deg")
@@ -75,9 +75,9 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// The verdicts on one entry.
+/// The verdicts on one entry. Where friction conceals a resonance its place says nothing about the spring.
 pub(crate) fn verdicts(changes: &[Change], phase_range_deg: (f64, f64), stronger: Option<Side>) -> Vec<Verdict> {
-    stiffness(changes, stronger).into_iter().chain(friction(changes, phase_range_deg)).collect()
+    friction(changes, phase_range_deg).or_else(|| stiffness(changes, stronger)).into_iter().collect()
 }
 
 /// Judges by the most prominent resonance that moved.

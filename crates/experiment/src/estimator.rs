@@ -18,6 +18,8 @@ pub struct Estimator {
     frequency_hz: Vec<f64>,
     transform: Box<dyn Transform>,
     glide: Option<Record>,
+    /// That of excerpts; none for lines.
+    relative_resolution: Option<f64>,
 }
 
 /// The spectra of the periods of one record.
@@ -31,19 +33,28 @@ impl Estimator {
     pub fn new(plan: &Plan, options: &EstimateTable) -> Result<Self, ExperimentError> {
         plan.check()?;
         let period_samples = plan.period_samples()?;
-        let (frequency_hz, transform): (Vec<f64>, Box<dyn Transform>) = match &plan.excitation {
-            Excitation::Multisine { signal, .. } => {
-                let dft = LineDft::new(period_samples, &signal.grid.excited)?;
-                (dft.frequency_hz(plan.sample_time_s)?, Box::new(dft))
-            }
-            Excitation::Chirp(chirp) => {
-                let hz = log_spaced(chirp.low_hz, chirp.high_hz, options.n_frequencies)?;
-                let cut = ExcerptOptions::default();
-                let excerpts = Excerpts::new(chirp, &hz, plan.sample_time_s, 0.0, period_samples, &cut)?;
-                (hz, Box::new(excerpts))
-            }
-        };
-        Ok(Self { plan: plan.clone(), period_samples, options: options.clone(), frequency_hz, transform, glide: None })
+        let (frequency_hz, transform, relative_resolution): (Vec<f64>, Box<dyn Transform>, Option<f64>) =
+            match &plan.excitation {
+                Excitation::Multisine { signal, .. } => {
+                    let dft = LineDft::new(period_samples, &signal.grid.excited)?;
+                    (dft.frequency_hz(plan.sample_time_s)?, Box::new(dft), None)
+                }
+                Excitation::Chirp(chirp) => {
+                    let hz = log_spaced(chirp.low_hz, chirp.high_hz, options.n_frequencies)?;
+                    let cut = ExcerptOptions::default();
+                    let excerpts = Excerpts::new(chirp, &hz, plan.sample_time_s, 0.0, period_samples, &cut)?;
+                    (hz, Box::new(excerpts), Some(cut.relative_resolution()))
+                }
+            };
+        Ok(Self {
+            plan: plan.clone(),
+            period_samples,
+            options: options.clone(),
+            frequency_hz,
+            transform,
+            glide: None,
+            relative_resolution,
+        })
     }
 
     /// Takes the records of the glides; their mean is subtracted from every record that follows (SK15 section 4.4 E).
@@ -112,7 +123,8 @@ impl Estimator {
         }
         let missing = campaign.drop_incomplete();
         let options = BlaOptions { averaging: self.options.average.into(), ..BlaOptions::default() };
-        Ok((campaign.estimate(&options)?, missing))
+        let frf = campaign.estimate(&options)?;
+        Ok((Frf { relative_resolution: self.relative_resolution, ..frf }, missing))
     }
 }
 

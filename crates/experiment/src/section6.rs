@@ -1,14 +1,14 @@
 //! Section 6 of the paper: the academic example, every experiment of figures 4 and 5 and the claims drawn from them.
 
 use frfid_plant::{Hold, Velocity};
-use frfid_signals::{Draw, Excitation, power};
+use frfid_signals::{Draw, Excitation, Frf, power};
 
 use crate::campaign::Progress;
 use crate::config::ConstantVelocityTable;
 use crate::init::Template;
 use crate::measured::Measured;
 use crate::source::Source;
-use crate::{Config, Experiment, ExperimentError};
+use crate::{Config, Experiment, ExperimentError, log_spaced};
 
 /// Stiffness beyond the knee of figure 5, 1.7 k1.
 const STIFFER_NM_PER_RAD: f64 = 2.55e5;
@@ -31,6 +31,8 @@ pub struct Pair {
 /// Everything section 6 shows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Section6 {
+    /// The exact FRF of the linear joint with k1, on a grid dense enough to be drawn.
+    pub truth: Frf,
     /// No friction, k2 = k1.
     pub linear: Pair,
     /// F_c = 50 N m, k2 = k1: figure 4.
@@ -84,7 +86,9 @@ impl Section6 {
         let gliding = pair(Variant { velocity_rad_s: FAST_RAD_S, ..friction })?;
         let slow = pair(Variant { velocity_rad_s: SLOW_RAD_S, ..friction })?;
         let stiffening = pair(Variant { stiffness_beyond_nm_per_rad: STIFFER_NM_PER_RAD, ..LINEAR })?;
+        let dense = log_spaced(1.0, 60.0, 600)?;
         Ok(Self {
+            truth: LINEAR.experiment("chirp")?.truth(&dense, Hold::Zoh, Velocity::True)?,
             linear,
             friction: with_friction,
             gliding,

@@ -1,5 +1,7 @@
 //! What section 6 claims, beside what we find.
 
+use frfid_estimate::{CompareOptions, Side, Verdict, compare};
+
 use crate::claim::Claim;
 use crate::measured::largest_relative_difference;
 use crate::section6::Section6;
@@ -119,6 +121,7 @@ impl Section6 {
     fn stiffness_claims(&self) -> Vec<Claim> {
         let errors = self.stiffening.multisine.errors_db(1.0..=60.0);
         let largest = errors[errors.len() - 1];
+        let verdict = self.stiffness_verdict();
         let peak_hz = self.stiffening.chirp.peak(8.0..=20.0).map_or(f64::NAN, |(hz, _)| hz);
         vec![
             Claim {
@@ -135,6 +138,21 @@ impl Section6 {
                 found: format!("peak at {peak_hz:.1} Hz"),
                 holds: (11.8..=15.3).contains(&peak_hz),
             },
+            Claim {
+                id: "5c",
+                statement: "k2 = 1.7 k1: the two FRFs together show that stiffness grows with deflection",
+                expected: "\"can be read from the resulting FRF estimates\"",
+                found: verdict.map_or("no such verdict".into(), |verdict| verdict.to_string()),
+                holds: verdict.is_some(),
+            },
         ]
+    }
+
+    /// What the comparison of multisine and chirp says about the stiffness, the chirp being the stronger excitation.
+    fn stiffness_verdict(&self) -> Option<Verdict> {
+        let options = CompareOptions { stronger: Some(Side::B), ..CompareOptions::default() };
+        let comparison = compare(&self.stiffening.multisine.frf, &self.stiffening.chirp.frf, &options).ok()?;
+        let verdicts = comparison.entries.into_iter().flat_map(|entry| entry.verdicts);
+        verdicts.into_iter().find(|verdict| matches!(verdict, Verdict::StiffnessGrowsWithDeflection { .. }))
     }
 }

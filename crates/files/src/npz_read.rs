@@ -188,6 +188,7 @@ mod tests {
             noise: Some(Uncertainty { covariance, degrees_of_freedom: 9 }),
             total: None,
             condition: None,
+            relative_resolution: None,
         };
         write_frf_npz(&path, Overwrite::Refuse, &frf).expect("sound");
         let read = |name| read_npz_array(&path, name).map(|array| array.into_raw_vec_and_offset().0);

@@ -68,6 +68,8 @@ struct Json {
     total: Option<UncertaintyJson>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     condition: Option<Reals>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    relative_resolution: Option<f64>,
     checks: Vec<Check>,
     provenance: BTreeMap<String, String>,
 }
@@ -97,6 +99,7 @@ pub fn write_result(path: &Path, overwrite: Overwrite, result: &ResultFile) -> R
         noise: frf.noise.as_ref().map(uncertainty),
         total: frf.total.as_ref().map(uncertainty),
         condition: frf.condition.as_deref().map(Reals::of),
+        relative_resolution: frf.relative_resolution,
         checks: result.checks.clone(),
         provenance: result.provenance.clone(),
     };
@@ -163,6 +166,7 @@ fn from_json(json: Json) -> Result<ResultFile, Flaw> {
             noise: uncertainty("noise.covariance", json.noise)?,
             total: uncertainty("total.covariance", json.total)?,
             condition: json.condition.map(|condition| condition.into_list("condition")).transpose()?,
+            relative_resolution: json.relative_resolution,
         },
         input_names: json.input_names,
         output_names: json.output_names,
@@ -195,6 +199,7 @@ pub(crate) mod tests {
                 noise: Some(Uncertainty { covariance, degrees_of_freedom: 40 }),
                 total: None,
                 condition: Some(vec![1.0, 2.0, f64::INFINITY, 1.5]),
+                relative_resolution: Some(0.125),
             },
             input_names: vec!["torque".into()],
             output_names: vec!["axis 1".into(), "axis \"2\"".into()],

@@ -86,7 +86,7 @@ impl Report<'_> {
             let verdict = badge(row.holds, "holds", "does not hold");
             table_row(&format!("{} {}", row.id, row.statement), &[escaped(row.expected), escaped(&row.found), verdict])
         });
-        table("Claims", &["Claim", "Paper", "Ours", "Verdict"], rows)
+        table("Claims", &["Claim", "Expected (the paper in quotation marks)", "Found", "Verdict"], rows)
     }
 
     fn checks(&self) -> String {

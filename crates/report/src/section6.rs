@@ -23,7 +23,7 @@ pub fn section6_figures(section6: &Section6) -> Result<Vec<Named>, ReportError> 
     let Section6 { linear, friction, gliding, stiffening, .. } = section6;
     let labels = Labels::torque_to_velocity(1, 1);
     let figure = |curves: &[Curve]| bode(curves, 0, 0, &labels);
-    let truth = || curve("linear joint, exact", &linear.multisine.truth, Style::Reference);
+    let truth = || curve("linear joint, exact", &section6.truth, Style::Reference);
     Ok(vec![
         Named {
             name: "figure_4_friction",
@@ -64,7 +64,7 @@ pub fn section6_report<'a>(section6: &'a Section6, figures: &[Named]) -> Report<
     Report {
         title: "Saupe and Knoblach (2015), section 6: an academic example".into(),
         curves: vec![
-            curve("linear joint, exact", &section6.linear.multisine.truth, Style::Reference),
+            curve("linear joint, exact", &section6.truth, Style::Reference),
             estimate("multisine, 50 N m", &section6.friction.multisine, Style::Markers),
             estimate("chirp, 50 N m", &section6.friction.chirp, Style::Line),
             estimate("multisine, k2 = 1.7 k1", &section6.stiffening.multisine, Style::Markers),

@@ -32,6 +32,9 @@ pub struct Frf {
     pub total: Option<Uncertainty>,
     /// 2-norm condition number of U per frequency; `None` where no U was inverted (an analytic FRF).
     pub condition: Option<Vec<f64>>,
+    /// Half width, relative to the frequency, of the band over which each value blurs the response: 1/(2n) for excerpts of n
+    /// periods of a chirp. `None` for lines of a period, which blur nothing.
+    pub relative_resolution: Option<f64>,
 }
 
 impl Frf {
@@ -40,7 +43,7 @@ impl Frf {
     /// # Errors
     /// [`SignalError::Shape`] if the response has not one matrix per frequency.
     pub fn new(frequency_hz: Vec<f64>, response: Array3<Complex64>) -> Result<Self, SignalError> {
-        let frf = Self { frequency_hz, response, noise: None, total: None, condition: None };
+        let frf = Self { frequency_hz, response, noise: None, total: None, condition: None, relative_resolution: None };
         frf.check()?;
         Ok(frf)
     }
