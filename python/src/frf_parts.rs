@@ -23,7 +23,7 @@ pub struct Arrays {
 }
 
 /// The keywords of the constructor, attributes of the FRF too.
-pub const PARTS: [&str; 13] = [
+pub const PARTS: [&str; 14] = [
     "frequency_hz",
     "response",
     "noise_covariance",
@@ -31,6 +31,7 @@ pub const PARTS: [&str; 13] = [
     "total_covariance",
     "total_degrees_of_freedom",
     "condition",
+    "relative_resolution",
     "input_names",
     "output_names",
     "input_units",
