@@ -144,8 +144,23 @@ fn machines_get_json_and_shells_their_completions() {
 
 #[test]
 fn colours_come_only_when_asked_for() {
-    let coloured = |arguments: &[&str]| stderr(&frfid(Path::new("."), arguments)).contains('\u{1b}');
-    assert!(!coloured(&["check", "nowhere.toml"]));
-    assert!(coloured(&["check", "nowhere.toml", "--color", "always"]));
-    assert!(!coloured(&["check", "nowhere.toml", "--color", "never"]));
+    let coloured = |arguments: &[&str], variable: (&str, &str)| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_frfid"));
+        let output = command.env(variable.0, variable.1).args(["check", "nowhere.toml"]).args(arguments).output();
+        stderr(&output.expect("the binary starts")).contains('\u{1b}')
+    };
+    let nothing = ("FRFID_NOTHING", "");
+    assert!(!coloured(&[], nothing), "in a pipe");
+    assert!(coloured(&["--color", "always"], nothing) && !coloured(&["--color", "never"], nothing));
+    assert!(coloured(&[], ("FRFID_COLOR", "always")) && !coloured(&["--color", "never"], ("FRFID_COLOR", "always")));
+    assert!(coloured(&[], ("CLICOLOR_FORCE", "1")) && !coloured(&[], ("NO_COLOR", "1")));
+}
+
+#[test]
+fn quiet_leaves_only_errors_on_stderr() {
+    let folder = tempdir().expect("a temporary folder");
+    let made = frfid(folder.path(), &["init", "chirp", "-o", "x.toml", "--quiet"]);
+    assert_eq!((code(&made), stderr(&made)), (0, String::new()));
+    let refused = frfid(folder.path(), &["init", "chirp", "-o", "x.toml", "--quiet"]);
+    assert!(code(&refused) == 2 && stderr(&refused).starts_with("error: "), "{}", stderr(&refused));
 }

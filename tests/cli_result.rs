@@ -149,6 +149,25 @@ fn comparing_says_what_moved_and_what_that_means() {
     assert!(verdict.starts_with("stiffness falls with deflection"), "{verdict}");
 }
 
+#[test]
+fn the_demo_leaves_figures_results_and_a_report() {
+    let folder = tempdir().expect("a temporary folder");
+    let here = folder.path();
+    let demo = frfid(here, &["demo", "--json"]);
+    assert_eq!(code(&demo), 0, "{}", stderr(&demo));
+    let summary: Value = serde_json::from_slice(&demo.stdout).expect("JSON");
+    let claims = summary["claims"].as_array().expect("claims");
+    assert!(claims.len() >= 10 && claims.iter().all(|claim| claim["holds"] == true), "{summary}");
+    for name in ["figure_4_friction.svg", "figure_4_friction.png", "figure_5_stiffness.svg", "report.html"] {
+        assert!(here.join("frfid-demo").join(name).exists(), "{name}");
+    }
+    let five = ["frfid-demo/figure_5_multisine.json", "frfid-demo/figure_5_chirp.json"];
+    let compare = frfid(here, &["compare", five[0], five[1], "--stronger", "b"]);
+    assert!(stdout(&compare).contains("stiffness grows with deflection"), "{}", stdout(&compare));
+    let again = frfid(here, &["demo"]);
+    assert!(code(&again) == 2 && stderr(&again).contains("report.html exists"), "{}", stderr(&again));
+}
+
 /// The measured two-mass motor bench, from MCAP and from CSV, with and without a map file.
 #[test]
 fn a_recording_that_is_not_ours_is_estimated_from_its_reference() {

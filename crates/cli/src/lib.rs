@@ -57,3 +57,37 @@ fn told_by_clap(told: &clap::Error, stdout: &mut dyn Write, stderr: &mut dyn Wri
         failure.exit
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Exit code, stdout and stderr of a command line.
+    fn frfid(line: &str) -> (i32, String, String) {
+        let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
+        let args = format!("frfid --color never {line}");
+        let exit = main(args.split_whitespace().map(OsString::from), &mut stdout, &mut stderr);
+        (exit, String::from_utf8_lossy(&stdout).into(), String::from_utf8_lossy(&stderr).into())
+    }
+
+    #[test]
+    fn data_and_messages_go_to_the_writers_given() {
+        let (exit, schema, silence) = frfid("schema");
+        assert!(exit == 0 && schema.starts_with('{') && silence.is_empty());
+        let (exit, silence, told) = frfid("check nowhere.toml");
+        assert_eq!((exit, silence.as_str()), (2, ""));
+        assert_eq!(told, "error: nowhere.toml: cannot read: No such file or directory (os error 2)\n");
+        let (exit, version, _) = frfid("--version");
+        assert_eq!((exit, version), (0, format!("frfid {}\n", env!("CARGO_PKG_VERSION"))));
+        assert_eq!(frfid("check").0, 2);
+    }
+
+    #[test]
+    fn a_panic_in_the_work_is_no_silent_end() {
+        let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
+        let mut console = Console::new(&mut stdout, &mut stderr, true, ColorChoice::Never);
+        let work =
+            std::panic::AssertUnwindSafe(|| progress::watched(&mut console, "a", "b", |_| panic!("a fault of ours")));
+        assert!(std::panic::catch_unwind(work).is_err());
+    }
+}
