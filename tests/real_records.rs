@@ -157,11 +157,16 @@ fn f16_resonances_fall_with_the_level() {
     println!("F-16: {wing_hz:.3?} Hz at levels 1, 3, 7");
     assert!(wing_hz[0] > wing_hz[1] && wing_hz[1] > wing_hz[2]);
     let options = CompareOptions { stronger: Some(Side::B), prominence_db: 6.0, ..Default::default() };
-    let entries = compare(low, high, &options).expect("the same band").entries;
-    for entry in &entries {
-        let softer =
-            entry.verdicts.iter().any(|verdict| matches!(verdict, Verdict::StiffnessFallsWithDeflection { .. }));
-        assert!(softer, "output {}: {:?}", entry.output, entry.verdicts);
+    for entry in compare(low, high, &options).expect("the same band").entries {
+        let wing =
+            entry.changes.iter().filter(|change| change.is_resonance() && (6.0..8.5).contains(&change.a.frequency_hz));
+        let moved = wing.max_by(|a, b| a.a.prominence_db.total_cmp(&b.a.prominence_db)).expect("a mode near 7 Hz");
+        assert!(moved.has_moved() && moved.shift_hz().is_some_and(|shift| shift < 0.0), "output {}", entry.output);
+        // softer springs and rubbing bolts both show; which verdict comes first is not for this record to say
+        let said = |verdict: &Verdict| {
+            matches!(verdict, Verdict::StiffnessFallsWithDeflection { .. } | Verdict::FrictionIn { side: Side::B, .. })
+        };
+        assert!(!entry.verdicts.is_empty() && entry.verdicts.iter().all(said), "{:?}", entry.verdicts);
     }
 }
 
