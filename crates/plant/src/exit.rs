@@ -58,16 +58,19 @@ struct Bound {
 
 impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
     /// Duration of the trial in s.
+    #[inline(always)]
     pub fn duration_s(&self) -> f64 {
         (1.0 - self.from) * self.step_s
     }
 
     /// Share of the whole segment at a share of the trial.
+    #[inline(always)]
     pub fn share(&self, theta: f64) -> f64 {
         self.from + theta * (1.0 - self.from)
     }
 
     /// The state at a share of the trial: one RK4 step of that length.
+    #[inline(always)]
     pub fn state(&self, theta: f64) -> State<f64, A> {
         let torques = [&self.torque.at(self.share(0.5 * theta)), &self.torque.at(self.share(theta))];
         let motion = self.motion;
@@ -75,6 +78,7 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
     }
 
     /// Time derivative of a state at a share of the trial.
+    #[inline(always)]
     pub fn derivative(&self, theta: f64, x: &State<f64, A>) -> State<f64, A> {
         self.motion.machine.derivative(&self.motion.regimes, &self.torque.at(self.share(theta)), x)
     }

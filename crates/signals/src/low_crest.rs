@@ -19,14 +19,15 @@ const ROUNDS: usize = 300;
 #[must_use]
 pub fn low_crest_phases(lines: &[usize], magnitudes: &[f64]) -> Vec<f64> {
     let n = (16 * lines.last().copied().unwrap_or(1)).next_power_of_two();
-    let forward = RealFftPlanner::<f64>::new().plan_fft_forward(n);
+    let mut planner = RealFftPlanner::<f64>::new();
+    let (forward, inverse) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
     let mut spectrum = forward.make_output_vec();
     let mut phases = schroeder_phases(magnitudes);
     let mut best = (f64::INFINITY, phases.clone());
     for round in 0..ROUNDS {
         let amplitudes: Vec<Complex64> =
             magnitudes.iter().zip(&phases).map(|(&m, &p)| Complex64::from_polar(m, p)).collect();
-        let mut period = HarmonicSum { lines, amplitudes: &amplitudes }.period(n);
+        let mut period = HarmonicSum { lines, amplitudes: &amplitudes }.period(Complex64::ONE, &*inverse);
         let peak = sample_peak(&period);
         if peak < best.0 {
             best = (peak, phases.clone());
@@ -56,10 +57,13 @@ fn schroeder_phases(magnitudes: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::harmonic_sum::TurnedSum;
 
     fn crest(lines: &[usize], phases: &[f64]) -> f64 {
         let amplitudes: Vec<Complex64> = phases.iter().map(|&p| Complex64::cis(p)).collect();
-        HarmonicSum { lines, amplitudes: &amplitudes }.true_peak() / (0.5 * lines.len() as f64).sqrt()
+        let sum = HarmonicSum { lines, amplitudes: &amplitudes };
+        let peak = TurnedSum::new(sum, 1, &mut RealFftPlanner::new()).true_peak(Complex64::ONE);
+        peak / (0.5 * lines.len() as f64).sqrt()
     }
 
     #[test]

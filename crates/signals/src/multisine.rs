@@ -2,11 +2,12 @@
 
 use std::f64::consts::PI;
 
-use ndarray::{Array3, s};
+use ndarray::{Array3, indices};
 use num_complex::Complex64;
+use realfft::RealFftPlanner;
 use serde::{Deserialize, Serialize};
 
-use crate::harmonic_sum::HarmonicSum;
+use crate::harmonic_sum::{HarmonicSum, TurnedSum};
 use crate::low_crest::low_crest_phases;
 use crate::{LineGrid, Phasing, Profile, SignalError, random, range::positive};
 
@@ -63,24 +64,18 @@ impl Multisine {
     /// # Errors
     /// A grid, shape or peak that is out of range.
     pub fn realize(&self, draw: &Draw) -> Result<Realization, SignalError> {
-        let base = self.line_amplitudes(draw)?;
+        let amplitudes = self.line_amplitudes(draw)?;
         let n_inputs = draw.peak.len();
-        let true_peaks = self.true_peaks(&base, draw.phasing);
+        let mut planner = RealFftPlanner::new();
+        let sums = amplitudes.iter().map(|amplitudes| HarmonicSum { lines: &self.grid.excited, amplitudes });
+        let drawn: Vec<TurnedSum> = sums.map(|sum| TurnedSum::new(sum, self.grid.n_samples, &mut planner)).collect();
+        let true_peaks = true_peaks(&drawn, draw.phasing, n_inputs);
         let factor = 1.0 / true_peaks.iter().flatten().copied().fold(0.0, f64::max);
         let mut signal = Array3::zeros((n_inputs, n_inputs, self.grid.n_samples));
-        for (channel, amplitudes) in base.iter().enumerate() {
-            // a turn by phi mixes the signal with its quadrature: two transforms serve every experiment
-            let in_phase = self.sum(amplitudes).period(self.grid.n_samples);
-            let turned: Vec<Complex64> = amplitudes.iter().map(|a| a * Complex64::I).collect();
-            let quadrature = self.sum(&turned).period(self.grid.n_samples);
-            for experiment in 0..n_inputs {
-                let turn =
-                    Complex64::cis(draw.phasing.phase_rad(channel, experiment, n_inputs)) * factor * draw.peak[channel];
-                let row = signal.slice_mut(s![experiment, channel, ..]);
-                for (sample, (p, q)) in row.into_iter().zip(in_phase.iter().zip(&quadrature)) {
-                    *sample = turn.re * p + turn.im * q;
-                }
-            }
+        for ((experiment, channel), row) in indices((n_inputs, n_inputs)).into_iter().zip(signal.rows_mut()) {
+            let phase_rad = draw.phasing.phase_rad(channel, experiment, n_inputs);
+            let turn = Complex64::from_polar(factor * draw.peak[channel], phase_rad);
+            row.into_iter().zip(drawn[channel % drawn.len()].samples(turn)).for_each(|(sample, value)| *sample = value);
         }
         let peak = true_peaks
             .iter()
@@ -89,7 +84,8 @@ impl Multisine {
         Ok(Realization { signal, factor, peak: peak.collect() })
     }
 
-    /// Complex amplitudes of the lines per channel, before the phases between experiments.
+    /// Complex amplitudes of the lines before the phases between channels and experiments: drawn once for all channels, or for
+    /// each by itself.
     fn line_amplitudes(&self, draw: &Draw) -> Result<Vec<Vec<Complex64>>, SignalError> {
         self.grid.check()?;
         self.shape.check()?;
@@ -111,7 +107,8 @@ impl Multisine {
                 needed: "above 0 on at least one line",
             });
         }
-        let channels = 0..draw.peak.len() as u64;
+        let draws = if draw.phasing == Phasing::Independent { draw.peak.len() } else { 1 };
+        let channels = 0..draws as u64;
         Ok(channels.map(|channel| self.draw_phases(&magnitudes, draw, channel)).collect())
     }
 
@@ -129,34 +126,29 @@ impl Multisine {
         };
         magnitudes.iter().zip(phases).map(|(&magnitude, phase)| Complex64::from_polar(magnitude, phase)).collect()
     }
+}
 
-    /// True peak per channel and experiment; a phase that came before, or its opposite, is not searched again.
-    fn true_peaks(&self, base: &[Vec<Complex64>], phasing: Phasing) -> Vec<Vec<f64>> {
-        let n_inputs = base.len();
-        let mut known: Vec<(usize, f64, f64)> = Vec::new();
-        let mut peak_of = |channel: usize, experiment: usize| {
-            let half_turn = phasing.phase_rad(channel, experiment, n_inputs).rem_euclid(PI);
-            let drawn = if phasing == Phasing::Independent { channel } else { 0 }; // otherwise all channels share one draw
-            let same = |&&(d, turn, _): &&(usize, f64, f64)| d == drawn && (turn - half_turn).abs() < 1e-12;
-            if let Some(&(_, _, peak)) = known.iter().find(same) {
-                return peak;
-            }
-            let turned: Vec<Complex64> = base[drawn].iter().map(|a| a * Complex64::cis(half_turn)).collect();
-            let peak = self.sum(&turned).true_peak();
-            known.push((drawn, half_turn, peak));
-            peak
-        };
-        (0..n_inputs).map(|channel| (0..n_inputs).map(|experiment| peak_of(channel, experiment)).collect()).collect()
-    }
-
-    fn sum<'a>(&'a self, amplitudes: &'a [Complex64]) -> HarmonicSum<'a> {
-        HarmonicSum { lines: &self.grid.excited, amplitudes }
-    }
+/// True peak per channel and experiment; a phase that came before, or its opposite, is not searched again.
+fn true_peaks(drawn: &[TurnedSum], phasing: Phasing, n_inputs: usize) -> Vec<Vec<f64>> {
+    let mut known: Vec<(usize, f64, f64)> = Vec::new();
+    let mut peak_of = |channel: usize, experiment: usize| {
+        let half_turn = phasing.phase_rad(channel, experiment, n_inputs).rem_euclid(PI);
+        let draw = channel % drawn.len();
+        let same = |&&(d, turn, _): &&(usize, f64, f64)| d == draw && (turn - half_turn).abs() < 1e-12;
+        if let Some(&(_, _, peak)) = known.iter().find(same) {
+            return peak;
+        }
+        let peak = drawn[draw].true_peak(Complex64::cis(half_turn));
+        known.push((draw, half_turn, peak));
+        peak
+    };
+    (0..n_inputs).map(|channel| (0..n_inputs).map(|experiment| peak_of(channel, experiment)).collect()).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use ndarray::s;
     use std::f64::consts::TAU;
 
     use crate::power::sample_peak;
