@@ -76,7 +76,7 @@ impl Options {
 
     /// Refuses an output that exists, before any work is done for it.
     pub fn check_free(&self, path: &Path) -> Result<(), FileError> {
-        check_free(path, if self.force { Overwrite::Replace } else { Overwrite::Refuse })
+        check_free(path, self.overwrite())
     }
 
     /// When to use colours.

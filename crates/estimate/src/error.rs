@@ -60,7 +60,7 @@ pub enum EstimateError {
     /// A recording that had to be periodic is not.
     #[error(
         "not periodic: the best period tried ({period} samples) leaves {residual:.1e} of the power unexplained, at most {limit:.1e} is allowed; \
-             a periodic estimator does not apply, use an excerpt or non-periodic method"
+             a periodic estimator does not apply; repeat the excitation back to back"
     )]
     NotPeriodic {
         /// The best period found, in samples; 0 if there was no candidate.

@@ -10,8 +10,8 @@ use frfid_signals::{Chirp, SignalError, check_finite};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
-use crate::line_dft::check_positive;
 use crate::{BlaOptions, EstimateError, Transform};
+use frfid_signals::range::positive;
 
 /// How excerpts are cut and weighted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -60,9 +60,9 @@ impl Excerpts {
         n_samples: usize,
         options: &ExcerptOptions,
     ) -> Result<Self, EstimateError> {
-        check_positive("sample_time_s", sample_time_s)?;
-        check_positive("n_periods", options.n_periods)?;
-        check_positive("samples_per_period", options.samples_per_period)?;
+        positive("sample_time_s", sample_time_s)?;
+        positive("n_periods", options.n_periods)?;
+        positive("samples_per_period", options.samples_per_period)?;
         if !start_s.is_finite() {
             return Err(SignalError::Parameter { name: "start_s", found: start_s, needed: "a finite number" }.into());
         }

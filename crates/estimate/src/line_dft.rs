@@ -6,7 +6,7 @@
 use std::cmp::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 
-use frfid_signals::{SignalError, check_finite};
+use frfid_signals::{SignalError, check_finite, range::positive};
 use ndarray::{Array2, ArrayView2, aview1};
 use num_complex::Complex64;
 use realfft::{RealFftPlanner, RealToComplex};
@@ -48,7 +48,7 @@ impl LineDft {
     /// # Errors
     /// [`SignalError::Parameter`] for a sample time that is not finite and above zero.
     pub fn frequency_hz(&self, sample_time_s: f64) -> Result<Vec<f64>, EstimateError> {
-        check_positive("sample_time_s", sample_time_s)?;
+        positive("sample_time_s", sample_time_s)?;
         let period_s = self.n_samples() as f64 * sample_time_s;
         Ok(self.lines.iter().map(|&line| line as f64 / period_s).collect())
     }
@@ -112,14 +112,6 @@ pub(crate) fn check_rising(name: &'static str, mut list: impl Iterator<Item = f6
         before = found;
     }
     Ok(())
-}
-
-/// Refuses a parameter that is not a finite number above zero.
-pub(crate) fn check_positive(name: &'static str, found: f64) -> Result<(), EstimateError> {
-    if found.is_finite() && found > 0.0 {
-        return Ok(());
-    }
-    Err(SignalError::Parameter { name, found, needed: "a finite number above 0" }.into())
 }
 
 #[cfg(test)]

@@ -4,8 +4,9 @@ use frfid_signals::SignalError;
 use ndarray::{Array2, ArrayView2, s};
 use num_complex::Complex64;
 
-use crate::line_dft::{check_positive, check_rising};
+use crate::line_dft::check_rising;
 use crate::{EstimateError, LineDft, Transform};
+use frfid_signals::range::positive;
 
 /// Smallest gap between the weakest excited line and the strongest other one, as a ratio of amplitudes (12 dB).
 const GAP: f64 = 4.0;
@@ -91,13 +92,13 @@ fn threshold(amplitude: &[f64], floor: f64) -> Result<f64, EstimateError> {
 /// [`EstimateError::OffGrid`] with the nearest line and a period that would have the frequency, if it is more than a
 /// thousandth of the line spacing away; [`SignalError::LineOffGrid`] at 0 and from Nyquist on.
 pub fn lines_at(frequencies_hz: &[f64], n_samples: usize, sample_time_s: f64) -> Result<Vec<usize>, EstimateError> {
-    check_positive("sample_time_s", sample_time_s)?;
+    positive("sample_time_s", sample_time_s)?;
     check_rising("frequencies_hz", frequencies_hz.iter().copied())?;
     let period_s = n_samples as f64 * sample_time_s;
     let lines: Result<Vec<usize>, EstimateError> = frequencies_hz
         .iter()
         .map(|&frequency_hz| {
-            check_positive("frequencies_hz", frequency_hz)?;
+            positive("frequencies_hz", frequency_hz)?;
             let cycles = frequency_hz * period_s;
             let line = cycles.round().max(1.0);
             if (cycles - line).abs() > 1e-3 {

@@ -6,6 +6,8 @@ use crate::compare::{Change, Side};
 
 /// A level difference of a resonance or antiresonance that counts, in dB.
 const LEVEL_DB: f64 = 2.0;
+/// A resonance that friction lowers by this much, in dB, is buried.
+const BURIED_DB: f64 = 10.0;
 /// A difference of phase ranges that counts, in degrees.
 const PHASE_DEG: f64 = 5.0;
 
@@ -69,15 +71,21 @@ impl fmt::Display for Verdict {
                 if let Some(up) = antiresonance_up_db.filter(|up| *up > 0.0) {
                     write!(f, "its antiresonance {up:.1} dB shallower, ")?;
                 }
-                write!(f, "its phase pushed together by {phase_range_smaller_deg:.0} deg")
+                if *phase_range_smaller_deg > 0.0 {
+                    write!(f, "its phase pushed together by {phase_range_smaller_deg:.0} deg, ")?;
+                }
+                write!(f, "as by a damper")
             }
         }
     }
 }
 
-/// The verdicts on one entry. Where friction conceals a resonance its place says nothing about the spring.
+/// The verdicts on one entry. Where friction buries a resonance, what is left in its place says nothing about the spring.
 pub(crate) fn verdicts(changes: &[Change], phase_range_deg: (f64, f64), stronger: Option<Side>) -> Vec<Verdict> {
-    friction(changes, phase_range_deg).or_else(|| stiffness(changes, stronger)).into_iter().collect()
+    let friction = friction(changes, phase_range_deg);
+    let is_buried = |verdict: &Verdict| matches!(verdict, Verdict::FrictionIn { resonance_down_db, .. } if *resonance_down_db >= BURIED_DB);
+    let stiffness = stiffness(changes, stronger).filter(|_| !friction.as_ref().is_some_and(is_buried));
+    stiffness.into_iter().chain(friction).collect()
 }
 
 /// Judges by the most prominent resonance that moved.

@@ -191,7 +191,7 @@ pub struct EstimateTable {
 
 impl Default for EstimateTable {
     fn default() -> Self {
-        Self { average: Average::Frfs, indirect: false, n_frequencies: 80 }
+        Self { average: Average::Frfs, indirect: false, n_frequencies: 200 }
     }
 }
 

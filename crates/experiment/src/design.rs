@@ -130,8 +130,11 @@ pub(crate) fn located(source: &Source, table: &str, error: &SignalError) -> Conf
         SignalError::AboveNyquist { .. } => "high_hz",
         _ => "",
     };
+    // what is a peak to the excitation is peak_nm or peak_rad_s in the text
+    let keys = [key.to_owned(), format!("{key}_nm"), format!("{key}_rad_s")];
     let tables = [table, "averaging", "constant_velocity"];
-    let place = tables.iter().find(|table| source.has(&[table, key])).map_or(vec![table], |table| vec![*table, key]);
-    let path = if source.has(&[key]) { vec![key] } else { place };
+    let within = tables.iter().flat_map(|table| keys.iter().map(move |key| vec![*table, key]));
+    let paths = keys.iter().map(|key| vec![key.as_str()]).chain(within);
+    let path = paths.into_iter().find(|path| source.has(path)).unwrap_or_else(|| vec![table]);
     source.error(&path, error.to_string())
 }

@@ -1,5 +1,7 @@
 //! What can go wrong between a configuration and a result.
 
+use std::path::PathBuf;
+
 use thiserror::Error;
 
 use frfid_estimate::EstimateError;
@@ -30,6 +32,14 @@ pub enum ExperimentError {
     /// The records do not give an FRF.
     #[error(transparent)]
     Estimate(#[from] EstimateError),
+    /// A recording that does not give an FRF.
+    #[error("{}: {source}", path.display())]
+    Recording {
+        /// The recording.
+        path: PathBuf,
+        /// What is wrong with it.
+        source: EstimateError,
+    },
     /// Somebody asked to stop.
     #[error("interrupted after {done} of {total} runs; what was done is kept, the same command goes on from there")]
     Interrupted {

@@ -55,11 +55,12 @@ pub fn estimate_foreign(paths: &[PathBuf], map: &LogMap, options: &EstimateTable
     let Some(first) = logs.first() else { return Err(EstimateError::EmptyList("recordings").into()) };
     let (sample_time_s, n_inputs) = (first.record.sample_time_s, first.record.u.nrows());
     let whole = filled(reference(first));
-    let period_samples = find_period(whole.view())?;
-    let lines = find_lines(whole.view(), period_samples)?;
+    let of = |path: &PathBuf, source| ExperimentError::Recording { path: path.clone(), source };
+    let period_samples = find_period(whole.view()).map_err(|error| of(&paths[0], error))?;
+    let lines = find_lines(whole.view(), period_samples).map_err(|error| of(&paths[0], error))?;
     let mut n_transient = 0;
-    for log in &logs {
-        n_transient = n_transient.max(transient(log, period_samples, &lines)?);
+    for (path, log) in paths.iter().zip(&logs) {
+        n_transient = n_transient.max(transient(log, period_samples, &lines).map_err(|error| of(path, error))?);
     }
     let dft = LineDft::new(period_samples, &lines)?;
     let mut campaign = Campaign::new(dft.frequency_hz(sample_time_s)?)?;
@@ -110,12 +111,12 @@ fn is_whole(signal: ArrayView2<f64>) -> bool {
 }
 
 /// Leading periods of the outputs that are still transient.
-fn transient(log: &Log, period_samples: usize, lines: &[usize]) -> Result<usize, ExperimentError> {
+fn transient(log: &Log, period_samples: usize, lines: &[usize]) -> Result<usize, EstimateError> {
     let y = filled(log.record.y.view());
     let n_periods = y.ncols() / period_samples;
     let periods = y.slice(s![.., ..n_periods * period_samples]).to_owned();
     let shape = (y.nrows(), n_periods, period_samples);
     let mut periods = periods.into_shape_with_order(shape).expect("whole periods of each channel, in C order");
     periods.swap_axes(0, 1);
-    Ok(count_transient_periods(periods.view(), lines)?)
+    count_transient_periods(periods.view(), lines)
 }

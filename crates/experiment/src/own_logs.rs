@@ -36,26 +36,30 @@ pub struct OwnLogs {
     pub peaks: Option<Peaks>,
 }
 
-/// The MCAP files among `paths`, those within folders included, each once, sorted by name.
+/// The files among `paths` in the order given, the MCAP files of a folder by name, each file once.
 ///
 /// # Errors
 /// [`ExperimentError::File`] for a path that does not exist or cannot be listed, [`ExperimentError::Logs`] for none.
 pub fn find_logs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentError> {
-    let mut found = BTreeSet::new();
+    let mut found: Vec<PathBuf> = Vec::new();
     for path in paths {
         let failed =
             |error: std::io::Error| FileError::Io { path: path.clone(), action: "read", reason: error.to_string() };
         if !std::fs::metadata(path).map_err(failed)?.is_dir() {
-            found.insert(path.clone());
+            found.push(path.clone());
             continue;
         }
+        let mut inside = BTreeSet::new();
         for entry in std::fs::read_dir(path).map_err(failed)? {
             let path = entry.map_err(failed)?.path();
             if path.extension().is_some_and(|extension| extension == "mcap") {
-                found.insert(path);
+                inside.insert(path);
             }
         }
+        found.extend(inside);
     }
+    let mut seen = BTreeSet::new();
+    found.retain(|path| seen.insert(path.clone()));
     if found.is_empty() {
         return Err(ExperimentError::Logs {
             what: "recordings",
@@ -64,7 +68,7 @@ pub fn find_logs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentError> {
             advice: "name files, or folders that hold them",
         });
     }
-    Ok(found.into_iter().collect())
+    Ok(found)
 }
 
 /// Estimates the FRF from the files of one plan, in any order; `options` replaces the `[estimate]` table that travelled with

@@ -21,8 +21,8 @@ pub struct Peaks {
     pub velocity_rad_s: Vec<f64>,
     /// Way of the motor from the start in rad; `None` where no position is measured.
     pub travel_rad: Option<Vec<f64>>,
-    /// Root mean square of the motor torque in N m: against the Coulomb friction it tells whether the excitation is strong
-    /// enough (SK15 footnote 2).
+    /// Root mean square of the motor torque about its mean in N m: against the Coulomb friction it tells whether the
+    /// excitation is strong enough (SK15 footnote 2). What holds a constant velocity or a weight does not count.
     pub effort_rms_nm: Vec<f64>,
 }
 
@@ -44,7 +44,7 @@ pub struct Excess {
 pub struct Prediction {
     /// Largest values over all realizations and experiments.
     pub peaks: Peaks,
-    /// Crest factor of the motor torque, peak over rms of the same run, largest over all runs, one for each axis.
+    /// Crest factor of the motor torque about its mean, peak over rms of the same run, largest over all runs, one for each axis.
     pub crest_factor: Vec<f64>,
     /// Every limit that is exceeded; empty for a design inside the limits.
     pub excesses: Vec<Excess>,
@@ -68,7 +68,7 @@ impl Peaks {
             effort_rate_nm_per_s: rows(record.u.view(), &steepest),
             velocity_rad_s: rows(record.y.view(), &largest),
             travel_rad: record.position_rad.as_ref().map(|position| rows(position.view(), &farthest)),
-            effort_rms_nm: rows(record.u.view(), &|row| power::rms(&row.to_vec())),
+            effort_rms_nm: rows(record.u.view(), &|row| power::rms(&about_mean(row))),
         }
     }
 
@@ -95,6 +95,21 @@ impl Peaks {
     }
 }
 
+/// A signal without its mean.
+fn about_mean(row: ArrayView1<f64>) -> Vec<f64> {
+    let mean = row.mean().unwrap_or(0.0);
+    row.iter().map(|x| x - mean).collect()
+}
+
+/// Crest factor of the torque about its mean, one for each axis.
+fn crest_factors(record: &Record) -> Vec<f64> {
+    let of = |row: ArrayView1<f64>| {
+        let torque = about_mean(row);
+        power::crest_factor(power::sample_peak(&torque), power::rms(&torque))
+    };
+    record.u.rows().into_iter().map(of).collect()
+}
+
 fn larger(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(x, y)| x.max(*y)).collect()
 }
@@ -110,12 +125,7 @@ pub fn predict(experiment: &Experiment, jobs: usize, progress: Progress) -> Resu
     let reference = |id| Ok(experiment.plan.run(id)?);
     run_all(&ids, &reference, &*testbed, jobs, progress, &|_, record| {
         let peaks = Peaks::of(&record);
-        let crest: Vec<f64> = peaks
-            .effort_nm
-            .iter()
-            .zip(&peaks.effort_rms_nm)
-            .map(|(peak, rms)| power::crest_factor(*peak, *rms))
-            .collect();
+        let crest = crest_factors(&record);
         let mut found = found.lock().expect("no holder of the lock panics");
         *found = Some(match found.take() {
             Some((before, crest_before)) => (before.max(&peaks), larger(&crest_before, &crest)),

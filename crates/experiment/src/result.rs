@@ -1,6 +1,6 @@
 //! The result of an estimate, with its checks and where it came from, ready to be written.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use frfid_files::{Check, LogMap, Loss, ResultFile, sha256_file};
@@ -69,10 +69,11 @@ fn own(paths: &[PathBuf], logs: OwnLogs) -> Result<Estimate, ExperimentError> {
             estimated.missing.len()
         ));
     }
+    let flawed: BTreeSet<&PathBuf> = losses.iter().map(|(path, _)| path).collect();
     let complete = Check {
         name: "runs".into(),
         passed: n_files == n_runs && losses.is_empty() && estimated.missing.is_empty(),
-        found: format!("{n_files}, {} with losses", losses.len()),
+        found: format!("{n_files}, {} with losses", flawed.len()),
         needed: format!("{n_runs} whole ones"),
         advice: "do the missing runs (frfid run goes on where it stopped) and estimate again".into(),
     };
@@ -118,6 +119,13 @@ fn foreign(paths: &[PathBuf], map: &LogMap, options: &EstimateOptions) -> Result
         needed: "2 or more whole ones, for the noise to be known".into(),
         advice: "record more periods back to back".into(),
     };
+    let settled = Check {
+        name: "settled".into(),
+        passed: found.n_periods >= 3,
+        found: format!("{} periods", found.n_periods),
+        needed: "3 or more, to tell a transient from the steady state".into(),
+        advice: "record more periods back to back; until then the first one may be transient".into(),
+    };
     let mut provenance = BTreeMap::from([
         ("frfid_version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
         ("period_samples".to_owned(), found.period_samples.to_string()),
@@ -127,7 +135,7 @@ fn foreign(paths: &[PathBuf], map: &LogMap, options: &EstimateOptions) -> Result
     log_hashes(paths, &mut provenance)?;
     let is_lossy = !found.losses.is_empty();
     let result = ResultFile {
-        checks: vec![periods, condition_check(&found.frf)],
+        checks: vec![periods, settled, condition_check(&found.frf)],
         frf: found.frf,
         input_names: found.names.inputs,
         output_names: found.names.outputs,

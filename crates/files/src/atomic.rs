@@ -74,16 +74,14 @@ pub fn write_bytes(path: &Path, overwrite: Overwrite, content: &[u8]) -> Result<
 /// # Errors
 /// [`FileError::Exists`].
 pub fn check_free(path: &Path, overwrite: Overwrite) -> Result<(), FileError> {
-    match overwrite {
-        Overwrite::Refuse if path.symlink_metadata().is_ok() => Err(FileError::Exists { path: path.to_path_buf() }),
-        _ => Ok(()),
-    }
-}
-
-fn open_part(path: &Path, part: &Path, overwrite: Overwrite) -> Result<File, FileError> {
     if overwrite != Overwrite::Replace && path.symlink_metadata().is_ok() {
         return Err(FileError::Exists { path: path.to_path_buf() });
     }
+    Ok(())
+}
+
+fn open_part(path: &Path, part: &Path, overwrite: Overwrite) -> Result<File, FileError> {
+    check_free(path, overwrite)?;
     let left_over = part.symlink_metadata().is_ok();
     let failed =
         |error: std::io::Error| FileError::Io { path: part.to_path_buf(), action: "create", reason: error.to_string() };

@@ -19,14 +19,14 @@ pub enum FileError {
         reason: String,
     },
     /// The output exists and was not to be replaced.
-    #[error("{} exists; choose another name or say that it may be replaced (--force)", path.display())]
+    #[error("{} exists; choose another name or say that it may be replaced (--force, in Python overwrite=True)", path.display())]
     Exists {
         /// The file.
         path: PathBuf,
     },
     /// A half-written file of an earlier, killed run lies in the way.
     #[error(
-        "{} is left from a run that did not finish; salvage it (frfid recover), delete it, or say that it may be replaced (--force)",
+        "{} is left from a run that did not finish; salvage it (frfid recover), delete it, or say that it may be replaced (--force, in Python overwrite=True)",
         path.display()
     )]
     Leftover {

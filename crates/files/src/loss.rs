@@ -22,7 +22,8 @@ pub struct Loss {
 /// For people: `/joint_states 1.024 s to 2.048 s: 1024 samples are missing`.
 impl fmt::Display for Loss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} {} s to {} s: {}", self.topic, self.from_s, self.to_s, self.reason)
+        let microseconds = |time_s: f64| (time_s * 1e6).round() / 1e6;
+        write!(f, "{} {} s to {} s: {}", self.topic, microseconds(self.from_s), microseconds(self.to_s), self.reason)
     }
 }
 

@@ -3,7 +3,7 @@
 use ndarray::{Array2, Array3, Axis, s};
 use serde::{Deserialize, Serialize};
 
-use crate::range::positive;
+use crate::range::{LONGEST_SIGNAL, at_most, positive};
 use crate::{Chirp, Draw, Multisine, Phasing, Run, RunId, RunKind, SignalError};
 
 /// What excites the machine.
@@ -32,6 +32,9 @@ pub enum Injection {
     /// Reference velocity in rad/s: closed loop; a constant velocity is part of the reference.
     Velocity,
 }
+
+/// Most runs that a plan may have: a year of them would take 30 s each.
+const MOST_RUNS: f64 = 1e6;
 
 /// A campaign: realizations x experiments x repetitions, each run a lead-in and one or more periods back to back.
 ///
@@ -81,6 +84,10 @@ impl Plan {
         for (name, count) in counts {
             positive(name, count as f64)?;
         }
+        let runs = self.n_realizations as f64 * self.n_inputs as f64 * self.n_repetitions as f64 + self.n_glides as f64;
+        at_most("number of runs", runs, MOST_RUNS, "at most 10^6: fewer realizations or repetitions")?;
+        let samples = self.lead_in_samples as f64 + self.n_periods as f64 * self.period_samples()? as f64;
+        at_most("samples of a run", samples, LONGEST_SIGNAL, "at most 2^26: fewer periods or a shorter lead-in")?;
         if self.velocity_rad_s.len() != self.n_inputs || self.velocity_rad_s.iter().any(|v| !v.is_finite()) {
             let needed = format!("one finite velocity for each of the {} inputs", self.n_inputs);
             return Err(SignalError::Shape { name: "velocity_rad_s", found: vec![self.velocity_rad_s.len()], needed });
@@ -332,6 +339,9 @@ mod tests {
         for bad in [
             Plan { n_inputs: 1, ..plan() },
             Plan { n_realizations: 0, ..plan() },
+            Plan { n_realizations: usize::MAX, ..plan() },
+            Plan { n_periods: usize::MAX, ..plan() },
+            Plan { lead_in_samples: usize::MAX, ..plan() },
             Plan { velocity_rad_s: vec![f64::NAN, 0.0], ..plan() },
         ] {
             assert!(bad.check().is_err());

@@ -29,6 +29,11 @@ pub fn finite(name: &'static str, found: f64) -> Result<(), SignalError> {
     require(name, found, true, "a finite number")
 }
 
+/// A count, or a product of counts, that must not exceed `most`.
+pub(crate) fn at_most(name: &'static str, found: f64, most: f64, needed: &'static str) -> Result<(), SignalError> {
+    require(name, found, found <= most, needed)
+}
+
 fn require(name: &'static str, found: f64, fits: bool, needed: &'static str) -> Result<(), SignalError> {
     if fits && found.is_finite() { Ok(()) } else { Err(SignalError::Parameter { name, found, needed }) }
 }

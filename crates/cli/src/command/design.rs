@@ -89,13 +89,16 @@ fn outside(experiment: &Experiment, prediction: &Prediction) -> Option<ConfigErr
     let ratio = |excess: &Excess| excess.found / excess.allowed;
     let worst = prediction.excesses.iter().max_by(|a, b| ratio(a).total_cmp(&ratio(b)))?;
     let factor = prediction.feasible_factor().unwrap_or(1.0);
-    let message = format!(
-        "axis {} would reach {}, the limit is {}; multiply the amplitudes by {} or less, or raise the limit",
-        worst.axis + 1,
-        significant(worst.found, 4),
-        significant(worst.allowed, 4),
+    // a travel comes from the constant velocity, if there is one, and no amplitude would mend it
+    let glides = experiment.plan.velocity_rad_s.iter().any(|velocity| *velocity != 0.0);
+    let advice = if glides && worst.limit == "max_travel" {
+        "lower the constant velocity, shorten lead-in or periods, or raise the limit".to_owned()
+    } else {
         // rounded down, so that the advice is inside the limit
-        significant((factor * 1000.0).floor() / 1000.0, 3),
-    );
+        let factor = significant((factor * 1000.0).floor() / 1000.0, 3);
+        format!("multiply the amplitudes by {factor} or less, or raise the limit")
+    };
+    let (found, allowed) = (significant(worst.found, 4), significant(worst.allowed, 4));
+    let message = format!("axis {} would reach {found}, the limit is {allowed}; {advice}", worst.axis + 1);
     Some(experiment.source.error(&["limits", worst.limit], message))
 }
