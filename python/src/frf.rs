@@ -62,9 +62,9 @@ impl Frf {
 impl Frf {
     #[new]
     #[pyo3(signature = (*, frequency_hz, response, noise_covariance = None, noise_degrees_of_freedom = None,
-                        total_covariance = None, total_degrees_of_freedom = None, condition = None, relative_resolution = None,
-                        input_names = None, output_names = None, input_units = None, output_units = None,
-                        checks = None, provenance = None))]
+                        total_covariance = None, total_degrees_of_freedom = None, condition = None,
+                        relative_resolution = None, input_names = None, output_names = None, input_units = None,
+                        output_units = None, checks = None, provenance = None))]
     #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
     fn new(
         frequency_hz: &Bound<'_, PyAny>,

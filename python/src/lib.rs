@@ -17,6 +17,7 @@ mod interrupt;
 mod multisine;
 mod pickle;
 mod plan;
+mod plan_result;
 mod plant;
 mod profile;
 mod record;

@@ -1,6 +1,8 @@
 //! `frfid.Plan`: the runs of an experiment, done on any testbed, and the FRF from their records.
 
-use frfid_experiment::{Estimator, Experiment as Description};
+use std::ffi::CString;
+
+use frfid_experiment::Experiment as Description;
 use frfid_signals::{Record as Measured, RunId, Testbed};
 use numpy::PyArray2;
 use pyo3::exceptions::{PyUserWarning, PyValueError};
@@ -11,6 +13,7 @@ use crate::choice::to_python;
 use crate::error;
 use crate::frf::Frf;
 use crate::interrupt::interruptible;
+use crate::plan_result::result_of;
 use crate::record::Record;
 use crate::runs::records_of;
 use crate::testbed::PythonTestbed;
@@ -158,21 +161,14 @@ impl Plan {
                 Err(_) => Err(PyValueError::new_err(format!("the record of run {id} is a batch, needed one run"))),
             })
             .collect::<PyResult<_>>()?;
-        let (frf, missing) =
-            interruptible(py, None, |_| estimated(&self.description, &measured))?.map_err(error::experiment)?;
+        let (result, missing) =
+            interruptible(py, None, |_| result_of(&self.description, &measured))?.map_err(error::experiment)?;
         if missing > 0 {
             let message =
                 format!("{missing} periods are missing; others of the same experiments were left out with them");
-            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &std::ffi::CString::new(message)?, 1)?;
+            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(message)?, 1)?;
         }
-        let mut frf = Frf::from(frf);
-        let joints = self.description.config.robot.joint_names();
-        frf.result.input_names = joints.iter().map(|joint| format!("{joint} torque")).collect();
-        frf.result.output_names = joints.iter().map(|joint| format!("{joint} velocity")).collect();
-        frf.result.input_units.fill("N m".to_owned());
-        frf.result.output_units.fill("rad/s".to_owned());
-        frf.result.provenance = self.description.provenance();
-        Ok(frf)
+        Ok(Frf::of(result))
     }
 
     fn __len__(&self) -> usize {
@@ -189,20 +185,4 @@ impl Plan {
     fn ids(&self) -> Vec<RunId> {
         self.description.plan.run_ids().collect()
     }
-}
-
-/// The FRF and the number of missing periods.
-fn estimated(
-    description: &Description,
-    records: &[(RunId, Measured)],
-) -> Result<(frfid_signals::Frf, usize), frfid_experiment::ExperimentError> {
-    let mut estimator = Estimator::new(&description.plan, &description.config.estimate)?;
-    let glides = records.iter().filter(|(id, _)| id.kind == frfid_signals::RunKind::Glide);
-    estimator.set_glides(&glides.map(|(_, record)| record.clone()).collect::<Vec<_>>())?;
-    let mut spectra = Vec::new();
-    for (id, record) in records {
-        spectra.extend(estimator.spectra(*id, record, &|_| false)?);
-    }
-    let (frf, missing) = estimator.estimate(spectra)?;
-    Ok((frf, missing.len()))
 }

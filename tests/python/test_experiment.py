@@ -68,6 +68,7 @@ def test_from_description_to_frf(experiment):
     assert frf.noise_degrees_of_freedom == 3 and frf.total_degrees_of_freedom == 2
     assert (frf.input_names, frf.output_units) == (["joint_1 torque"], ["rad/s"])
     assert frf.provenance["seed"] == "1" and len(frf.provenance["config_sha256"]) == 64
+    assert frf.provenance["effort_peak_nm"] == str([float(max(np.abs(record.u).max() for record in records))])
     assert 149.0 < plan.predict()["peaks"]["effort_nm"][0] <= 150.0 + 1e-9
 
 
@@ -115,7 +116,7 @@ def test_a_missing_run_is_named_and_left_out(experiment):
     records = plan.run()
     with pytest.raises(ValueError, match="2 records were given, needed one for each of 3 runs"):
         plan.estimate(records[:2])
-    frf = plan.estimate([records[0], None, records[2]])
+    frf = plan.estimate([records[0], None, records[2]])  # with one experiment per realization nothing else is lost
     assert frf.total_degrees_of_freedom == 1
 
 
