@@ -3,7 +3,7 @@
 use std::ffi::CString;
 
 use frfid_experiment::Experiment as Description;
-use frfid_signals::{Record as Measured, RunId, Testbed};
+use frfid_signals::{Record as Measured, RunId};
 use numpy::PyArray2;
 use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
@@ -15,7 +15,7 @@ use crate::frf::Frf;
 use crate::interrupt::interruptible;
 use crate::plan_result::result_of;
 use crate::record::Record;
-use crate::runs::records_of;
+use crate::runs::{one_by_one, records_of};
 use crate::testbed::PythonTestbed;
 
 /// Every run of an experiment; made by ``Experiment.design``.
@@ -90,11 +90,14 @@ impl Plan {
 
     /// Does every run.
     ///
+    /// An exception, or Ctrl-C, ends it without records. On a machine where each run is dear, do them one by one and keep
+    /// what each returns: ``testbed.run(plan.reference(k))`` for each ``k`` of ``range(len(plan))``.
+    ///
     /// Parameters
     /// ----------
     /// testbed : object, optional
-    ///     Anything with ``run(reference) -> Record``, called for one run at a time with the reference of shape
-    ///     (channel, sample); the simulated robot of the experiment if left out.
+    ///     Anything with ``run(reference) -> Record``, called on this thread for one run after the other with the reference
+    ///     of shape (channel, sample); the simulated robot of the experiment if left out.
     /// progress : callable, optional
     ///     Called with (done, total), from (0, total) on; an exception from it stops the work.
     /// jobs : int, optional
@@ -119,12 +122,17 @@ impl Plan {
         progress: Option<&Bound<'_, PyAny>>,
         jobs: usize,
     ) -> PyResult<Vec<Record>> {
-        let (testbed, jobs): (Box<dyn Testbed>, usize) = match testbed {
-            Some(object) => (Box::new(PythonTestbed::new(object, self.description.plan.n_inputs)?), 1),
-            None => (self.description.testbed().map_err(error::experiment)?, jobs),
+        let (ids, run) = (self.ids(), |id| Ok(self.description.plan.run(id)?));
+        let records = match testbed {
+            Some(object) => {
+                let testbed = PythonTestbed::new(object, self.description.plan.n_inputs)?;
+                one_by_one(py, &ids, &run, &testbed, progress)?
+            }
+            None => {
+                let testbed = self.description.testbed().map_err(error::experiment)?;
+                records_of(py, &ids, &run, &*testbed, jobs, progress)?
+            }
         };
-        let run = |id| Ok(self.description.plan.run(id)?);
-        let records = records_of(py, &self.ids(), &run, &*testbed, jobs, progress)?;
         records.into_iter().map(|record| Record::of(py, vec![record], false)).collect()
     }
 

@@ -1,4 +1,4 @@
-//! Doing runs on a testbed while the interpreter goes on.
+//! Doing runs on a testbed: simulated ones side by side while the interpreter goes on, those of Python one by one.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -31,4 +31,24 @@ pub fn records_of(
     .map_err(error::experiment)?;
     let mut records = records.into_inner().unwrap_or_else(PoisonError::into_inner);
     Ok(ids.iter().filter_map(|id| records.remove(id)).collect())
+}
+
+/// The records of the runs `ids`, done one after the other on the calling thread: a testbed written in Python hears Ctrl-C
+/// in the middle of its run, where it can stop its machine.
+pub fn one_by_one(
+    py: Python<'_>,
+    ids: &[RunId],
+    reference: &(dyn Fn(RunId) -> Result<Run, ExperimentError> + Sync),
+    testbed: &dyn Testbed,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Vec<Record>> {
+    let tell = |done: usize| progress.map_or(Ok(()), |callable| callable.call1((done, ids.len())).map(drop));
+    tell(0)?;
+    let mut records = Vec::new();
+    for &id in ids {
+        let record = py.detach(|| reference(id).and_then(|run| Ok(testbed.run(&run)?)));
+        records.push(record.map_err(error::experiment)?);
+        tell(records.len())?;
+    }
+    Ok(records)
 }

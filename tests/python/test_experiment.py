@@ -1,8 +1,10 @@
 """The workflow of the command line, in Python and on testbeds written in Python."""
 
 import pathlib
+import signal
 import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
@@ -79,9 +81,9 @@ def test_the_same_seed_gives_the_same_bytes_whatever_the_number_of_jobs(experime
 
 
 def test_any_object_with_run_is_a_testbed(experiment):
-    machine, plan = Machine(), experiment.design()
-    records = plan.run(machine)
-    assert machine.runs == 3
+    machine, plan, told = Machine(), experiment.design(), []
+    records = plan.run(machine, progress=lambda *of: told.append(of))
+    assert machine.runs == 3 and told == [(0, 3), (1, 3), (2, 3), (3, 3)]
     simulated = plan.run()
     assert [record.y.tobytes() for record in records] == [record.y.tobytes() for record in simulated]
     assert plan.estimate(records).response.tobytes() == plan.estimate(simulated).response.tobytes()
@@ -94,6 +96,24 @@ def test_an_exception_of_the_testbed_comes_back_as_it_was(experiment):
 
     with pytest.raises(ConnectionError, match="does not answer"):
         experiment.design().run(Broken())
+
+
+def test_ctrl_c_reaches_the_testbed_in_the_middle_of_its_run(experiment):
+    class Robot(Machine):
+        stopped = False
+
+        def run(self, reference):
+            try:
+                signal.raise_signal(signal.SIGINT)
+                time.sleep(10.0)
+            except KeyboardInterrupt:
+                self.stopped = True
+                raise
+
+    robot = Robot()
+    with pytest.raises(KeyboardInterrupt):
+        experiment.design().run(robot)
+    assert robot.stopped
 
 
 @pytest.mark.parametrize(
