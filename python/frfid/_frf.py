@@ -63,7 +63,8 @@ class Plot:
         Returns
         -------
         ndarray of matplotlib axes, shape (2 * n_outputs, n_inputs)
-            Dashed lines in the magnitude axes are the standard deviations that were measured.
+            Below the magnitude the standard deviations that were measured: of the noise dotted, of noise and nonlinear
+            distortion together dashed.
         """
         import matplotlib.pyplot as plt
 
@@ -76,9 +77,9 @@ class Plot:
             magnitude, phase = axes[2 * output : 2 * output + 2, column]
             entry = (slice(None), output, column)
             (curve,) = magnitude.semilogx(frf.frequency_hz, _db(np.abs(frf.response[entry])), **line)
-            for variance in (frf.noise_variance, frf.total_variance):
+            for variance, dash in ((frf.noise_variance, ":"), (frf.total_variance, "--")):
                 if variance is not None:
-                    magnitude.semilogx(frf.frequency_hz, _db(np.sqrt(variance[entry])), "--", color=curve.get_color(), lw=0.8)
+                    magnitude.semilogx(frf.frequency_hz, _db(np.sqrt(variance[entry])), dash, color=curve.get_color(), lw=0.8)
             phase.semilogx(frf.frequency_hz, np.angle(frf.response[entry], deg=True), **line)
             magnitude.set(ylabel="magnitude in dB", title=f"{frf.input_names[column]} to {frf.output_names[output]}")
             phase.set(ylabel="phase in deg", xlabel="frequency in Hz" if output == frf.n_outputs - 1 else "")
@@ -88,6 +89,8 @@ class Plot:
 
 
 def repr_html(frf: Frf) -> str:
+    if not len(frf.frequency_hz):
+        return f"<p>{escape(repr(frf))}</p>"
     measured = {name: getattr(frf, name) is not None for name in ("noise_variance", "total_variance")}
     rows = {
         "outputs x inputs": f"{frf.n_outputs} x {frf.n_inputs}",
@@ -96,8 +99,12 @@ def repr_html(frf: Frf) -> str:
         "condition of U": "-" if frf.condition is None else f"at most {frf.condition.max():.3g}",
     }
     cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows.items())
-    picture = b64encode(frf.to_svg().encode()).decode()
-    return f'<table><caption>frfid.Frf</caption>{cells}</table><img alt="Bode diagram" src="data:image/svg+xml;base64,{picture}">'
+    try:
+        encoded = b64encode(frf.to_svg().encode()).decode()
+        picture = f'<img alt="Bode diagram" src="data:image/svg+xml;base64,{encoded}">'
+    except ValueError:  # a logarithmic axis has no room for 0 Hz
+        picture = ""
+    return f"<table><caption>frfid.Frf</caption>{cells}</table>{picture}"
 
 
 def _db(amplitude: Any) -> Any:

@@ -198,8 +198,11 @@ impl Frf {
         dtype: Option<&Bound<'py, PyAny>>,
         copy: Option<bool>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let keywords = [("copy", copy)].into_py_dict(py)?;
-        py.import("numpy")?.call_method("array", (self.response(py), dtype), Some(&keywords))
+        let (numpy, response) = (py.import("numpy")?, self.response(py));
+        match copy {
+            None => numpy.call_method1("asarray", (response, dtype)), // numpy 1 knows no copy=None
+            Some(copy) => numpy.call_method("array", (response, dtype), Some(&[("copy", copy)].into_py_dict(py)?)),
+        }
     }
 
     /// Number of outputs.

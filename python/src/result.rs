@@ -73,7 +73,7 @@ pub fn svg(result: &ResultFile) -> Result<String, ReportError> {
     let curves = [Curve { label: "G".into(), frf, style: Style::Line, band }];
     let gain_unit = match (output_units.first(), input_units.first()) {
         (Some(output), Some(input)) if !output.is_empty() && !input.is_empty() => format!("{output} per {input}"),
-        _ => "1".to_owned(),
+        _ => "output per input".to_owned(),
     };
     let labels = Labels { inputs: input_names.clone(), outputs: output_names.clone(), gain_unit };
     let single = (frf.n_outputs(), frf.n_inputs()) == (1, 1);

@@ -91,6 +91,8 @@ def test_a_notebook_shows_a_table_and_a_picture(frf):
     picture = xml.etree.ElementTree.fromstring(frf.to_svg())
     assert picture.tag.endswith("svg") and "output 2" in "".join(picture.itertext())
     assert "noise variance measured" in repr(frf)
+    for hz in ([], [0.0, 1.0]):  # nothing a logarithmic axis could show
+        assert "<img" not in frfid.Frf(frequency_hz=hz, response=np.ones((len(hz), 1, 1)))._repr_html_()
 
 
 def test_a_saved_result_comes_back(frf, tmp_path):
