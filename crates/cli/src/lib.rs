@@ -6,6 +6,7 @@ mod console;
 mod exit;
 mod interrupt;
 mod log_map;
+mod options;
 mod progress;
 mod report;
 mod summary;

@@ -4,34 +4,7 @@ use ndarray::{Array2, Array3, Axis, s};
 use serde::{Deserialize, Serialize};
 
 use crate::range::{LONGEST_SIGNAL, at_most, positive};
-use crate::{Chirp, Draw, Multisine, Phasing, Run, RunId, RunKind, SignalError};
-
-/// What excites the machine.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "kebab-case")]
-pub enum Excitation {
-    /// A periodic multisine, repeated back to back.
-    Multisine {
-        /// Lines, amplitude shape and phases.
-        #[serde(flatten)]
-        signal: Multisine,
-        /// Largest value per channel, in the unit of the injected quantity.
-        peak: Vec<f64>,
-    },
-    /// A chirp, once per run.
-    Chirp(Chirp),
-}
-
-/// The quantity the reference stands for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Injection {
-    /// Motor torque in N m: open loop.
-    #[default]
-    Torque,
-    /// Reference velocity in rad/s: closed loop; a constant velocity is part of the reference.
-    Velocity,
-}
+use crate::{Draw, Excitation, Injection, Phasing, Run, RunId, RunKind, SignalError};
 
 /// Most runs that a plan may have: a year of them would take 30 s each.
 const MOST_RUNS: f64 = 1e6;
@@ -258,7 +231,7 @@ impl Plan {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{GridDesign, GridKind, Phases, Profile};
+    use crate::{Chirp, GridDesign, GridKind, Multisine, Phases, Profile};
 
     fn plan() -> Plan {
         let design = GridDesign {

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 use frfid_experiment::Experiment;
 
-use crate::arguments::Options;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::options::Options;
 use crate::summary::{plan_as_json, plan_as_text};
 
 /// Check a description, and tell what its experiment will cost

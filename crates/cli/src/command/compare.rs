@@ -7,9 +7,9 @@ use frfid_estimate::{Change, CompareOptions, Comparison, EntryComparison, Featur
 use frfid_files::{ResultFile, read_result};
 use serde_json::{Value, json};
 
-use crate::arguments::{Options, existing_path};
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::options::{Options, existing_path};
 use crate::table::{significant, table};
 
 /// Compare two FRFs: shifts of resonances and antiresonances, damping, and what it says about stiffness and friction

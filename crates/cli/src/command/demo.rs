@@ -10,9 +10,9 @@ use frfid_files::{FileError, Overwrite, ResultFile, write_bytes, write_result};
 use frfid_report::{Named, section6_figures, section6_report};
 use serde_json::json;
 
-use crate::arguments::Options;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::options::Options;
 use crate::progress::watched;
 use crate::table::significant;
 

@@ -6,9 +6,9 @@ use clap::Args;
 use frfid_experiment::{ConfigError, Excess, Experiment, Prediction, predict};
 use serde_json::json;
 
-use crate::arguments::Options;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::options::Options;
 use crate::progress::watched;
 use crate::summary::{peaks_as_text, plan_as_json, plan_as_text};
 use crate::table::significant;

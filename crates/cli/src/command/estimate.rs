@@ -10,10 +10,10 @@ use frfid_signals::Uncertainty;
 use ndarray::Array3;
 use serde_json::{Value, json};
 
-use crate::arguments::{Options, existing_path};
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::log_map::MapOptions;
+use crate::options::{Options, existing_path};
 use crate::progress::watched;
 use crate::report;
 use crate::table::{list, significant, table};

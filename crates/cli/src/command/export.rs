@@ -6,9 +6,9 @@ use clap::{Args, ValueEnum};
 use frfid_files::{read_result, write_frf_csv, write_frf_npz};
 use serde_json::json;
 
-use crate::arguments::{Options, existing_path};
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::options::{Options, existing_path};
 
 /// Write a result as a table (csv) or as numpy arrays (npz)
 #[derive(Debug, Args)]

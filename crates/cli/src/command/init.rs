@@ -7,9 +7,9 @@ use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use frfid_experiment::init::{TEMPLATES, Template};
 use frfid_files::write_bytes;
 
-use crate::arguments::Options;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::options::Options;
 
 /// Write a description of an experiment to start from
 #[derive(Debug, Args)]

@@ -6,9 +6,9 @@ use clap::Args;
 use frfid_files::recover;
 use serde_json::json;
 
-use crate::arguments::{Options, existing_path};
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::options::{Options, existing_path};
 use crate::table::count;
 
 /// Salvage a damaged or half-written log: everything readable goes into a new file

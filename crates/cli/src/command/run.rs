@@ -7,10 +7,10 @@ use frfid_experiment::{Experiment, Order, RunOptions, RunSummary, predict, run_t
 use frfid_signals::{Event, EventKind};
 use serde_json::json;
 
-use crate::arguments::{Options, existing_path};
 use crate::command::design::{tell, with_seed};
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::options::{Options, existing_path};
 use crate::progress::watched;
 use crate::summary::{beyond_limits, peaks_as_text};
 use crate::table::{count, significant};

@@ -1,0 +1,32 @@
+//! What is injected: a multisine or a chirp, as a torque or as a velocity.
+
+use serde::{Deserialize, Serialize};
+
+use crate::{Chirp, Multisine};
+
+/// What excites the machine.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Excitation {
+    /// A periodic multisine, repeated back to back.
+    Multisine {
+        /// Lines, amplitude shape and phases.
+        #[serde(flatten)]
+        signal: Multisine,
+        /// Largest value per channel, in the unit of the injected quantity.
+        peak: Vec<f64>,
+    },
+    /// A chirp, once per run.
+    Chirp(Chirp),
+}
+
+/// The quantity the reference stands for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Injection {
+    /// Motor torque in N m: open loop.
+    #[default]
+    Torque,
+    /// Reference velocity in rad/s: closed loop; a constant velocity is part of the reference.
+    Velocity,
+}
