@@ -25,7 +25,6 @@ def campaign(signal):
 
 frf = frfid.estimate_bla(campaign(rec.u), campaign(rec.y), sample_time_s=T, harmonics=ms.harmonics)
 print(f"{frf!r}")
-print(f"condition number of U: {frf.condition.max():.3f}")
 for name in ("noise_variance", "total_variance", "nonlinear_variance"):
     level = 10 * np.log10(np.median(getattr(frf, name) / np.abs(frf.response) ** 2))
     print(f"{name.replace('_', ' ')}: {level:.0f} dB of the response in the median")
