@@ -4,8 +4,6 @@ use frfid_experiment::{Estimator, Experiment, ExperimentError, Peaks};
 use frfid_files::ResultFile;
 use frfid_signals::{Record, RunId, RunKind};
 
-use crate::frf::Frf;
-
 /// The FRF with names, units and provenance, amplitudes reached included, and the number of missing periods.
 pub fn result_of(
     description: &Experiment,
@@ -19,21 +17,6 @@ pub fn result_of(
         spectra.extend(estimator.spectra(*id, record, &|_| false)?);
     }
     let (frf, missing) = estimator.estimate(spectra)?;
-    let mut result = Frf::from(frf).result;
-    let joints = description.config.robot.joint_names();
-    result.input_names = joints.iter().map(|joint| format!("{joint} torque")).collect();
-    result.output_names = joints.iter().map(|joint| format!("{joint} velocity")).collect();
-    result.input_units.fill("N m".to_owned());
-    result.output_units.fill("rad/s".to_owned());
-    result.provenance = description.provenance();
-    if let Some(peaks) = records.iter().map(|(_, record)| Peaks::of(record)).reduce(|a, b| a.max(&b)) {
-        for (key, values) in [
-            ("effort_peak_nm", peaks.effort_nm),
-            ("effort_rms_nm", peaks.effort_rms_nm),
-            ("velocity_peak_rad_s", peaks.velocity_rad_s),
-        ] {
-            result.provenance.insert(key.into(), format!("{values:?}"));
-        }
-    }
-    Ok((result, missing.len()))
+    let peaks = records.iter().map(|(_, record)| Peaks::of(record)).reduce(|a, b| a.max(&b));
+    Ok((description.result(frf, peaks.as_ref(), Vec::new()), missing.len()))
 }

@@ -4,13 +4,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::PathBuf;
 
 use frfid_files::{Check, LogMap, Loss, ResultFile, sha256_file};
-use frfid_signals::{Frf, Injection};
+use frfid_signals::Frf;
 
 use crate::campaign::Progress;
 use crate::config::EstimateTable;
 use crate::foreign::estimate_foreign;
 use crate::own_logs::{estimate_own, find_logs};
-use crate::{ExperimentError, OwnLogs};
+use crate::{Experiment, ExperimentError, OwnLogs, Peaks};
 
 /// Largest condition number of U that passes the check.
 const GOOD_CONDITION: f64 = 20.0;
@@ -58,8 +58,7 @@ pub fn estimate_logs(
 
 fn own(paths: &[PathBuf], logs: OwnLogs) -> Result<Estimate, ExperimentError> {
     let OwnLogs { estimated, experiment, n_files, unreadable, losses, peaks } = logs;
-    let plan = &experiment.plan;
-    let (frf, n_runs) = (estimated.frf, plan.n_runs());
+    let n_runs = experiment.plan.n_runs();
     let mut warnings: Vec<String> =
         unreadable.iter().map(|(path, error)| format!("{}: not used: {error}", path.display())).collect();
     warnings.extend(in_words(&losses));
@@ -78,33 +77,39 @@ fn own(paths: &[PathBuf], logs: OwnLogs) -> Result<Estimate, ExperimentError> {
         advice: "do the missing runs (frfid run goes on where it stopped) and estimate again".into(),
     };
     let is_lossy = !complete.passed;
-    let joints = experiment.config.robot.joint_names();
-    let mut provenance = experiment.provenance();
-    provenance.insert("experiment_toml".into(), experiment.to_toml());
-    if let Some(peaks) = peaks {
-        for (key, values) in [
-            ("effort_peak_nm", peaks.effort_nm),
-            ("effort_rms_nm", peaks.effort_rms_nm),
-            ("velocity_peak_rad_s", peaks.velocity_rad_s),
-        ] {
-            provenance.insert(key.into(), format!("{values:?}"));
+    let checks = vec![complete, condition_check(&estimated.frf)];
+    let mut result = experiment.result(estimated.frf, peaks.as_ref(), checks);
+    log_hashes(paths, &mut result.provenance)?;
+    Ok(Estimate { result, warnings, is_lossy })
+}
+
+impl Experiment {
+    /// An FRF of this experiment as a result: names and units of the joints, and where it came from, the amplitudes reached
+    /// included.
+    #[must_use]
+    pub fn result(&self, frf: Frf, peaks: Option<&Peaks>, checks: Vec<Check>) -> ResultFile {
+        let joints = self.config.robot.joint_names();
+        let mut provenance = self.provenance();
+        provenance.insert("experiment_toml".into(), self.to_toml());
+        if let Some(peaks) = peaks {
+            for (key, values) in [
+                ("effort_peak_nm", &peaks.effort_nm),
+                ("effort_rms_nm", &peaks.effort_rms_nm),
+                ("velocity_peak_rad_s", &peaks.velocity_rad_s),
+            ] {
+                provenance.insert(key.into(), format!("{values:?}"));
+            }
+        }
+        ResultFile {
+            input_names: joints.iter().map(|joint| format!("{joint} torque")).collect(),
+            output_names: joints.iter().map(|joint| format!("{joint} velocity")).collect(),
+            input_units: vec!["N m".into(); frf.n_inputs()],
+            output_units: vec!["rad/s".into(); frf.n_outputs()],
+            frf,
+            checks,
+            provenance,
         }
     }
-    log_hashes(paths, &mut provenance)?;
-    provenance
-        .insert("reference_is".into(), if plan.injection == Injection::Torque { "torque" } else { "velocity" }.into());
-    let checks = vec![complete, condition_check(&frf)];
-    let (inputs, outputs) = (frf.n_inputs(), frf.n_outputs());
-    let result = ResultFile {
-        frf,
-        input_names: joints.iter().map(|joint| format!("{joint} torque")).collect(),
-        output_names: joints.iter().map(|joint| format!("{joint} velocity")).collect(),
-        input_units: vec!["N m".into(); inputs],
-        output_units: vec!["rad/s".into(); outputs],
-        checks,
-        provenance,
-    };
-    Ok(Estimate { result, warnings, is_lossy })
 }
 
 fn foreign(paths: &[PathBuf], map: &LogMap, options: &EstimateOptions) -> Result<Estimate, ExperimentError> {

@@ -11,7 +11,7 @@ const MOST_RUNS: f64 = 1e6;
 
 /// A campaign: realizations x experiments x repetitions, each run a lead-in and one or more periods back to back.
 ///
-/// The plan is a description: [`Plan::reference`] makes the signals from the seed when they are needed, so a campaign of any
+/// The plan is a description: [`Plan::run`] makes the signals from the seed when they are needed, so a campaign of any
 /// length costs the memory of one realization.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
