@@ -92,7 +92,15 @@ impl Report<'_> {
     fn checks(&self) -> String {
         let rows = self.checks.iter().map(|row| {
             let verdict = badge(row.passed, "passed", "failed");
-            table_row(&row.name, &[verdict, escaped(&row.found), escaped(&row.needed), escaped(&row.advice)])
+            table_row(
+                &row.name,
+                &[
+                    verdict,
+                    escaped(&row.found),
+                    escaped(&row.needed),
+                    escaped(if row.passed { "" } else { &row.advice }),
+                ],
+            )
         });
         table("Checks", &["Check", "Verdict", "Found", "Needed", "Advice"], rows)
     }
