@@ -138,3 +138,67 @@ pub(crate) fn located(source: &Source, table: &str, error: &SignalError) -> Conf
     let path = paths.into_iter().find(|path| source.has(path)).unwrap_or_else(|| vec![table]);
     source.error(&path, error.to_string())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Experiment;
+    use crate::init::Template;
+
+    /// What is said of the template `kind` with `from` replaced by `to`.
+    fn complaint(kind: &str, from: &str, to: &str) -> ConfigError {
+        let text = Template::named(kind).expect("built in").text();
+        assert!(text.contains(from), "{from} is not in the template");
+        let source = Source { name: "x.toml".into(), text: text.replace(from, to) };
+        Experiment::new(source, "nowhere".as_ref()).expect_err(to)
+    }
+
+    #[test]
+    fn every_complaint_points_at_its_value_and_says_what_is_needed() {
+        let all = [
+            ("multisine", "peak_nm = [150.0]", "peak_rad_s = [0.1]", "give peak_nm instead of peak_rad_s", "[0.1]"),
+            ("multisine", "peak_nm = [150.0]", "peak_nm = [-150.0]", "peak is -150", "[-150.0]"),
+            ("multisine", "peak_nm = [150.0]", "peak_nm = [1.0, 2.0]", "one for each of the 1 axes", "[1.0, 2.0]"),
+            ("multisine", "peak_nm = [150.0]", "", "peak_nm is missing", "multisine"),
+            ("multisine", "low_hz = 1.0", "low_hz = 61.0", "not below low_hz", "60.0"),
+            ("multisine", "resolution_hz = 0.1", "resolution_hz = 1e-9", "at most 2^26 samples", "1e-9"),
+            ("multisine", "realizations = 30", "realizations = 0", "above 0", "0"),
+            ("multisine", "realizations = 30", "realizations = 9000000000", "at most 10^6", "multisine"),
+            ("multisine", "periods = 1", "lead_in_s = -1.0", "0 to 10^8 samples", "-1.0"),
+            ("multisine", "max_effort = [150.0]", "max_effort = [nan]", "a number above 0", "[nan]"),
+            ("multisine", "coulomb_nm = 50.0", "coulomb_nm = -50.0", "0 or above", "-50.0"),
+            ("chirp", "duration_s = 20.0", "duration_s = inf", "duration_s", "inf"),
+            ("chirp", "amplitude_nm = [150.0]", "amplitude_nm = [[[2.0, 1.0], [1.0, 1.0]]]", "rise", "chirp"),
+            (
+                "constant-velocity",
+                "velocity_rad_s = [0.25]",
+                "velocity_rad_s = [0.25, 0.1]",
+                "one finite velocity",
+                "[0.25, 0.1]",
+            ),
+        ];
+        for (kind, from, to, reason, marked) in all {
+            let error = complaint(kind, from, to);
+            let place = error.place.clone().expect("a place in the text");
+            let found: String = place.text.chars().skip(place.column - 1).take(place.width).collect();
+            assert!(error.message.contains(reason), "{error}");
+            assert_eq!(found, marked, "{error}");
+        }
+    }
+
+    #[test]
+    fn an_empty_band_and_two_or_no_excitations_are_refused() {
+        let narrow = complaint(
+            "multisine",
+            "high_hz = 60.0\nresolution_hz = 0.1 # period 12.288 s, f0 = 0.08138 Hz\nn_lines = 80 ",
+            "high_hz = 1.001\nresolution_hz = 0.1\n",
+        );
+        assert!(narrow.message.contains("no odd line"), "{narrow}");
+        let both = complaint(
+            "multisine",
+            "[averaging]",
+            "[chirp]\nlow_hz = 1.0\nhigh_hz = 2.0\nduration_s = 1.0\n[averaging]",
+        );
+        assert!(both.message.contains("keep one of them"), "{both}");
+    }
+}

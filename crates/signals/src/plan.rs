@@ -59,12 +59,16 @@ impl Plan {
         }
         let runs = self.n_realizations as f64 * self.n_inputs as f64 * self.n_repetitions as f64 + self.n_glides as f64;
         at_most("number of runs", runs, MOST_RUNS, "at most 10^6: fewer realizations or repetitions")?;
-        let samples = self.lead_in_samples as f64 + self.n_periods as f64 * self.period_samples()? as f64;
-        at_most("samples of a run", samples, LONGEST_SIGNAL, "at most 2^26: fewer periods or a shorter lead-in")?;
         if self.velocity_rad_s.len() != self.n_inputs || self.velocity_rad_s.iter().any(|v| !v.is_finite()) {
             let needed = format!("one finite velocity for each of the {} inputs", self.n_inputs);
             return Err(SignalError::Shape { name: "velocity_rad_s", found: vec![self.velocity_rad_s.len()], needed });
         }
+        self.check_excitation()?;
+        let samples = self.lead_in_samples as f64 + self.n_periods as f64 * self.period_samples()? as f64;
+        at_most("samples of a run", samples, LONGEST_SIGNAL, "at most 2^26: fewer periods or a shorter lead-in")
+    }
+
+    fn check_excitation(&self) -> Result<(), SignalError> {
         match &self.excitation {
             Excitation::Multisine { peak, .. } if peak.len() != self.n_inputs => {
                 let needed = format!("one peak for each of the {} inputs", self.n_inputs);
