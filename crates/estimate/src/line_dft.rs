@@ -7,7 +7,7 @@ use std::cmp::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use frfid_signals::{SignalError, check_finite, range::positive};
-use ndarray::{Array2, ArrayView2, aview1};
+use ndarray::{Array2, ArrayView2, aview1, aview_mut1};
 use num_complex::Complex64;
 use realfft::{RealFftPlanner, RealToComplex};
 
@@ -64,7 +64,7 @@ impl Transform for LineDft {
         let mut spectra = Array2::zeros((period.nrows(), self.lines.len()));
         for (channel, mut spectrum) in period.rows().into_iter().zip(spectra.rows_mut()) {
             let Buffers { samples, bins, scratch } = &mut buffers;
-            samples.iter_mut().zip(channel).for_each(|(sample, value)| *sample = *value);
+            aview_mut1(samples).assign(&channel);
             // summed out of the buffer, so that the layout of the array cannot change a digit
             let mean = aview1(samples).sum() / self.n_samples() as f64;
             if !mean.is_finite() {
