@@ -7,7 +7,7 @@ use std::cmp::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use frfid_signals::{SignalError, check_finite, range::positive};
-use ndarray::{Array2, ArrayView2, aview1, aview_mut1};
+use ndarray::{Array2, ArrayView2, aview_mut1, aview1};
 use num_complex::Complex64;
 use realfft::{RealFftPlanner, RealToComplex};
 
