@@ -14,7 +14,8 @@ import time
 def main():
     options = arguments()
     if options.threads:
-        os.environ["RAYON_NUM_THREADS"] = str(options.threads)  # before frfid is loaded
+        for library in ("RAYON", "OPENBLAS", "OMP"):  # before they are loaded
+            os.environ[f"{library}_NUM_THREADS"] = str(options.threads)
     import numpy
     import scipy
 
@@ -24,8 +25,8 @@ def main():
     import multisine
     import simulation
 
-    threads = options.threads or os.cpu_count()
-    print(f"frfid {frfid.__version__} on {threads} threads, numpy {numpy.__version__}, scipy {scipy.__version__}")
+    threads = options.threads or f"up to {os.cpu_count()}"
+    print(f"{threads} threads, frfid {frfid.__version__}, numpy {numpy.__version__}, scipy {scipy.__version__}")
     print(f"{'work':34} {'instead':37} {'agree to':>8} {'times longer':>13} {'min':>7} {'max':>7}")
     for part in (multisine, simulation, bla, excerpts):
         for case in part.cases():
@@ -39,7 +40,7 @@ def main():
 
 def arguments():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--threads", type=int, help="threads of frfid; without it as many as cores, as a user has it")
+    parser.add_argument("--threads", type=int, help="threads of either side; without it what a user gets")
     parser.add_argument("--seconds", type=float, default=3.0, help="time for each row (at least three rounds)")
     return parser.parse_args()
 
