@@ -1,11 +1,15 @@
 """What several tests need: the paper's joint as scipy knows it, and the measured records."""
 
 import pathlib
+import signal
 
 import numpy as np
 import pytest
 import scipy.linalg
 import scipy.signal
+
+# A shell that starts the tests in the background makes them, and all their children, deaf to Ctrl-C.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 ROOT = pathlib.Path(__file__).parents[2]
 SHARED_DATA = ROOT.parent / "shared" / "data"
