@@ -2,23 +2,42 @@
 //!
 //! Run: cargo run --release --example 03_constant_velocity
 
-use frfid::experiment::{Config, Experiment, ExperimentError, Measured, Source, init::Template, silent};
-use frfid::plant::{Hold, Velocity};
+use std::error::Error;
 
-fn main() -> Result<(), ExperimentError> {
-    let text = Template::named("constant-velocity").expect("a template of this name is built in").text();
-    let source = Source { name: "constant-velocity".into(), text };
-    for velocity_rad_s in [0.25, 0.011] {
-        let mut config: Config = source.parse()?;
-        config.averaging.realizations = 1;
-        if let Some(table) = &mut config.constant_velocity {
-            table.velocity_rad_s = vec![velocity_rad_s];
-        }
-        let experiment = Experiment::of(config, source.clone())?;
-        let frf = experiment.measure(&*experiment.testbed()?, 0, &silent)?.frf;
-        let truth = experiment.truth(&frf.frequency_hz, Hold::Zoh, Velocity::True)?;
+use frfid::estimate::{BlaOptions, estimate_bla};
+use frfid::experiment::Measured;
+use frfid::plant::{Hold, OpenLoop, SingleJoint, Velocity};
+use frfid::signals::{
+    Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind, Testbed as _,
+};
+use ndarray::{Axis, concatenate, s};
+
+const T: f64 = 1e-3;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let joint = SingleJoint { coulomb_nm: 50.0, ..SingleJoint::default() };
+    let testbed = OpenLoop::new(joint.clone());
+    let (kind, seed) = (GridKind::Odd, 0);
+    let design =
+        GridDesign { low_hz: 1.0, high_hz: 60.0, sample_time_s: T, resolution_hz: 0.1, n_lines: Some(80), kind, seed };
+    let multisine = Multisine { grid: design.design()?, shape: Profile::constant(1.0), phases: Phases::Random };
+    let draw = Draw { seed: 1, realization: 0, phasing: Phasing::Orthogonal, peak: &[150.0] };
+    let period = multisine.realize(&draw)?.signal.index_axis_move(Axis(0), 0);
+    let reference = concatenate![Axis(1), period, period, period, period];
+
+    for velocity in [0.25, 0.011] {
+        // the testbed starts at this velocity and adds the torque that holds it against friction
+        let id = RunId { kind: RunKind::Excitation, realization: 0, experiment: 0, repetition: 0 };
+        let reference = reference.clone();
+        let record = testbed.run(&Run { id, sample_time_s: T, reference, velocity_rad_s: vec![velocity] })?;
+        // the last period, once the start has died out: (realization, experiment, period, channel, sample)
+        let last = s![ndarray::NewAxis, ndarray::NewAxis, ndarray::NewAxis, .., -(period.ncols() as isize)..];
+        let (u, y) = (record.u.slice(last), record.y.slice(last));
+        let frf = estimate_bla(u, y, None, T, &multisine.grid.excited, &BlaOptions::default())?;
+        let truth = joint.frf(&frf.frequency_hz, Hold::Zoh, T, Velocity::True)?;
         let worst = Measured { frf, truth }.worst_relative_error();
-        println!("v = {velocity_rad_s} rad/s: largest error of the FRF {worst:.1e}");
+        let slowest = record.y.iter().copied().fold(f64::INFINITY, f64::min);
+        println!("v = {velocity} rad/s: slowest {slowest:+.3} rad/s, largest error of the FRF {worst:.1e}");
     }
     println!("the smallest velocity decides: once it changes sign, the joint sticks and the FRF is wrong");
     Ok(())
