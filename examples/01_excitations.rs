@@ -32,7 +32,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let share = |realization| Ok(100.0 * power(realize(realization, &[150.0])?) / chirp_power);
     let mut shares = (0..200).map(share).collect::<Result<Vec<f64>, Box<dyn Error>>>()?;
     shares.sort_by(f64::total_cmp);
-    let (low, median, high) = (shares[10], shares[100], shares[190]);
+    let percentile = |q: f64| {
+        let (below, rest) = ((q * 199.0) as usize, (q * 199.0).fract());
+        shares[below] + rest * (shares[below + 1] - shares[below])
+    };
+    let (low, median, high) = (percentile(0.05), percentile(0.5), percentile(0.95));
     println!(
         "mean power over that of the chirp: {median:.1} % in the median, {low:.0} % to {high:.0} % (the paper saw 11 % to 20 %)"
     );

@@ -8,7 +8,7 @@ use std::error::Error;
 
 use frfid::estimate::{BlaOptions, ExcerptOptions, estimate_bla, estimate_chirp};
 use frfid::experiment::{Measured, log_spaced};
-use frfid::plant::{Hold, SingleJoint, Torque, Velocity, simulate};
+use frfid::plant::{Hold, SingleJoint, Torque, Trajectory, Velocity, simulate};
 use frfid::signals::{Chirp, Draw, Frf, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, power::rms};
 use ndarray::{Array5, Axis, concatenate, s};
 
@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let period = multisine.realize(&draw)?.signal.index_axis_move(Axis(0), 0);
         let twice = concatenate![Axis(1), period, period];
         let motion = simulate(&joint, Torque::Zoh(twice.view()), T, 0.0, None)?;
-        stuck += motion.stuck_share[0] / 10.0;
+        stuck += at_rest(&motion) / 10.0;
         u.slice_mut(s![realization, 0, 0, .., ..]).assign(&period);
         y.slice_mut(s![realization, 0, 0, .., ..]).assign(&motion.motor_velocity_rad_s.slice(s![.., n..]));
     }
@@ -47,7 +47,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let u = chirp.sample(T, 1, Phasing::SignFlip)?;
     let motion = simulate(&joint, Torque::Zoh(u.index_axis(Axis(0), 0)), T, 0.0, None)?;
     let strength = rms(u.as_slice().unwrap_or_default());
-    println!("chirp: rms torque {strength:.0} N m, stuck {:.0}% of the time", 100.0 * motion.stuck_share[0]);
+    println!("chirp: rms torque {strength:.0} N m, stuck {:.0}% of the time", 100.0 * at_rest(&motion));
     let hz = log_spaced(1.3, 55.0, 200)?;
     let u = u.insert_axis(Axis(0)); // (repeat, experiment, channel, sample)
     let y = motion.motor_velocity_rad_s.insert_axis(Axis(0)).insert_axis(Axis(0));
@@ -59,6 +59,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     }
     println!("the multisine's total variance says that something nonlinear is at work: {known}");
     Ok(())
+}
+
+/// Share of the samples at which the motor stands still.
+fn at_rest(motion: &Trajectory) -> f64 {
+    let velocity = &motion.motor_velocity_rad_s;
+    velocity.iter().filter(|&&velocity| velocity == 0.0).count() as f64 / velocity.len() as f64
 }
 
 /// By how many dB the highest value between 8 and 16 Hz lies below that of the joint without friction.
