@@ -195,6 +195,18 @@ fn a_recording_that_is_not_ours_is_estimated_from_its_reference() {
         assert_eq!((&summary["n_frequencies"], &summary["low_hz"]), (&240.into(), &11.0.into()));
         assert_eq!((&summary["noise"]["degrees_of_freedom"], &summary["total"]), (&18.into(), &Value::Null));
     }
+    // response and noise covariance of both files agree number by number
+    let [a, b] = ["a.json", "b.json"].map(|name| json(&here.join(name)));
+    for place in ["/response/re", "/response/im", "/noise/covariance/re", "/noise/covariance/im"] {
+        let numbers = |result: &Value| -> Vec<f64> {
+            let list = result.pointer(place).and_then(Value::as_array).expect(place);
+            list.iter().map(|number| number.as_f64().expect("a number")).collect()
+        };
+        let (a, b) = (numbers(&a), numbers(&b));
+        assert_eq!((a.len(), b.len()), (240, 240));
+        let largest = a.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+        assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() <= 1e-9 * a.abs() + 1e-15 * largest), "{place} differs");
+    }
     let compare = frfid(here, &["compare", "a.json", "b.json", "--json"]);
     let entry = serde_json::from_slice::<Value>(&compare.stdout).expect("JSON")["entries"][0].clone();
     assert!(entry["difference_db"].as_f64().is_some_and(|difference| difference < 1e-8), "{entry}");
