@@ -1,7 +1,7 @@
 //! What a plan is and costs, and what it will ask of the robot: for people and as JSON.
 
 use frfid_experiment::config::LimitsTable;
-use frfid_experiment::{Cost, Peaks};
+use frfid_experiment::{Cost, Excess, Peaks};
 use frfid_signals::{Excitation, Plan, SignalError};
 use serde_json::{Value, json};
 
@@ -133,14 +133,15 @@ pub(crate) fn peaks_as_text(
 
 /// Every limit that was exceeded, in words.
 pub(crate) fn beyond_limits(peaks: &Peaks, limits: &LimitsTable) -> Vec<String> {
-    const ROUNDING: f64 = 1.0 + 1e-9; // a value that touches its limit is inside it
-    let mut beyond = Vec::new();
-    for (quantity, unit, values, limits) in bounded(peaks, limits) {
-        let pairs = values.into_iter().flatten().zip(limits.into_iter().flatten()).enumerate();
-        for (axis, (value, limit)) in pairs.filter(|(_, (value, limit))| **value > **limit * ROUNDING) {
-            let [value, limit] = [value, limit].map(|number| significant(*number, 4));
-            beyond.push(format!("axis {} {quantity} reached {value} {unit}, the limit is {limit}", axis + 1));
-        }
-    }
-    beyond
+    let in_words = |excess: &Excess| {
+        let (quantity, unit) = match excess.limit {
+            "max_effort" => ("torque, peak", "N m"),
+            "max_effort_rate" => ("torque rate", "N m/s"),
+            "max_velocity" => ("velocity", "rad/s"),
+            _ => ("travel", "rad"),
+        };
+        let [value, limit] = [excess.found, excess.allowed].map(|number| significant(number, 4));
+        format!("axis {} {quantity} reached {value} {unit}, the limit is {limit}", excess.axis + 1)
+    };
+    peaks.excesses(limits).iter().map(in_words).collect()
 }

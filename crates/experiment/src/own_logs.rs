@@ -113,23 +113,29 @@ pub fn estimate_own(
 /// Which file holds which run.
 struct Labels {
     runs: Vec<(PathBuf, RunId)>,
+    /// The first description that is whole, under the name by which its faults are told.
+    description: Option<Source>,
     unreadable: Vec<(PathBuf, String)>,
 }
 
 impl Labels {
     /// Reads the label of every file; all must be of one design.
     fn read(paths: &[PathBuf]) -> Result<Self, ExperimentError> {
-        let (mut runs, mut unreadable, mut design) = (Vec::new(), Vec::new(), None);
-        let mut first_error = None;
+        let (mut runs, mut unreadable) = (Vec::new(), Vec::new());
+        let (mut design, mut description, mut first_error) = (None, None, None);
         for path in paths {
             match read_run_label(path) {
-                Ok((id, provenance)) => {
-                    let found = provenance.get(DESIGN).cloned().unwrap_or_default();
+                Ok(label) => {
+                    let found = label.metadata.get(DESIGN).cloned().unwrap_or_default();
                     let needed = design.get_or_insert_with(|| found.clone());
                     if found != *needed {
                         return Err(other_design(path, &found, needed));
                     }
-                    runs.push((path.clone(), id));
+                    runs.push((path.clone(), label.run));
+                    let name = || format!("experiment.toml in {}", path.display());
+                    description = description.or_else(|| {
+                        label.experiment_toml.filter(|text| !text.is_empty()).map(|text| Source { name: name(), text })
+                    });
                 }
                 Err(error) => {
                     unreadable.push((path.clone(), error.to_string()));
@@ -139,7 +145,7 @@ impl Labels {
         }
         match first_error {
             Some(error) if runs.is_empty() => Err(error.into()),
-            _ => Ok(Self { runs, unreadable }),
+            _ => Ok(Self { runs, description, unreadable }),
         }
     }
 
@@ -149,19 +155,8 @@ impl Labels {
 
     /// The description that travelled with the runs.
     fn experiment(&self) -> Result<Experiment, ExperimentError> {
-        let mut error = None;
-        for (path, _) in &self.runs {
-            match read_run(path) {
-                Ok((run, _)) if !run.experiment_toml.is_empty() => {
-                    let source =
-                        Source { name: format!("experiment.toml in {}", path.display()), text: run.experiment_toml };
-                    return Ok(Experiment::new(source, Path::new(""))?);
-                }
-                Ok(_) => {}
-                Err(found) => error = Some(found),
-            }
-        }
-        Err(error.map_or_else(no_description, Into::into))
+        let source = self.description.clone().ok_or_else(no_description)?;
+        Ok(Experiment::new(source, Path::new(""))?)
     }
 }
 

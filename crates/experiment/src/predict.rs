@@ -8,6 +8,7 @@ use serde::Serialize;
 use frfid_signals::{Record, RunId, power};
 
 use crate::campaign::{Progress, run_all};
+use crate::config::LimitsTable;
 use crate::{Experiment, ExperimentError};
 
 /// Largest values of a run or a campaign, one for each axis.
@@ -26,7 +27,7 @@ pub struct Peaks {
     pub effort_rms_nm: Vec<f64>,
 }
 
-/// A limit that a predicted peak exceeds.
+/// A limit that a peak exceeds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Excess {
     /// Axis, from 0.
@@ -35,7 +36,7 @@ pub struct Excess {
     pub limit: &'static str,
     /// Its value.
     pub allowed: f64,
-    /// The predicted peak.
+    /// The peak.
     pub found: f64,
 }
 
@@ -82,6 +83,17 @@ impl Peaks {
             travel_rad: self.travel_rad.as_ref().zip(other.travel_rad.as_ref()).map(|(a, b)| larger(a, b)),
             effort_rms_nm: larger(&self.effort_rms_nm, &other.effort_rms_nm),
         }
+    }
+
+    /// Every limit that the peaks exceed; one that is only touched is kept.
+    #[must_use]
+    pub fn excesses(&self, limits: &LimitsTable) -> Vec<Excess> {
+        const ROUNDING: f64 = 1e-9;
+        let all = limits.named().flat_map(|(limit, allowed)| {
+            let found = self.bounded_by(limit).into_iter().flatten().zip(allowed).enumerate();
+            found.map(move |(axis, (&found, &allowed))| Excess { axis, limit, allowed, found })
+        });
+        all.filter(|excess| excess.found > excess.allowed * (1.0 + ROUNDING)).collect()
     }
 
     /// The value that the limit of this name bounds.
@@ -135,18 +147,8 @@ pub fn predict(experiment: &Experiment, jobs: usize, progress: Progress) -> Resu
     })?;
     let found = found.into_inner().expect("no holder of the lock panics");
     let (peaks, crest_factor) = found.ok_or(ExperimentError::Interrupted { done: 0, total: ids.len() })?;
-    let excesses = excesses(experiment, &peaks);
+    let excesses = peaks.excesses(&experiment.config.limits);
     Ok(Prediction { peaks, crest_factor, excesses })
-}
-
-fn excesses(experiment: &Experiment, peaks: &Peaks) -> Vec<Excess> {
-    const ROUNDING: f64 = 1e-9; // a design that touches its limit is inside it
-    let limits = experiment.config.limits.named();
-    let all = limits.flat_map(|(limit, allowed)| {
-        let found = peaks.bounded_by(limit).into_iter().flatten().zip(allowed).enumerate();
-        found.map(move |(axis, (&found, &allowed))| Excess { axis, limit, allowed, found })
-    });
-    all.filter(|excess| excess.found > excess.allowed * (1.0 + ROUNDING)).collect()
 }
 
 impl Prediction {

@@ -5,7 +5,7 @@ use std::sync::Mutex;
 
 use serde::Serialize;
 
-use frfid_files::{FileError, Overwrite, RunFile, read_run, write_run};
+use frfid_files::{Overwrite, RunFile, create_folder, read_run, write_run};
 use frfid_signals::{Event, EventKind, Plan, Record, RunId, RunKind, Testbed};
 
 use crate::ExperimentError;
@@ -95,14 +95,6 @@ pub fn run_to_folder(
     let mut written = written.into_inner().expect("no holder of the lock panics");
     written.sort_by(|a, b| a.path.cmp(&b.path));
     Ok(RunSummary { written, n_skipped: done.len() })
-}
-
-fn create_folder(folder: &Path) -> Result<(), FileError> {
-    std::fs::create_dir_all(folder).map_err(|error| FileError::Io {
-        path: folder.to_owned(),
-        action: "create the folder",
-        reason: error.to_string(),
-    })
 }
 
 /// All runs, or the one at `index`.

@@ -69,6 +69,18 @@ pub fn write_bytes(path: &Path, overwrite: Overwrite, content: &[u8]) -> Result<
     write_file(path, overwrite, |file| Ok(file.write_all(content)?))
 }
 
+/// Creates a folder, and those above it, where they do not exist yet.
+///
+/// # Errors
+/// [`FileError::Io`].
+pub fn create_folder(folder: &Path) -> Result<(), FileError> {
+    std::fs::create_dir_all(folder).map_err(|error| FileError::Io {
+        path: folder.to_owned(),
+        action: "create the folder",
+        reason: error.to_string(),
+    })
+}
+
 /// Refuses an output that exists, before any work is done for it.
 ///
 /// # Errors

@@ -50,7 +50,7 @@ mod structure;
 mod topics;
 mod value;
 
-pub use atomic::{BoxError, Overwrite, check_free, part_path, write_bytes};
+pub use atomic::{BoxError, Overwrite, check_free, create_folder, part_path, write_bytes};
 pub use error::FileError;
 pub use frf_columns::write_frf_csv;
 pub use log::{Log, read_log};
@@ -63,5 +63,5 @@ pub use plan_write::write_plan;
 pub use recover::{Recovered, recover};
 pub use result::{Check, ResultFile, read_result, write_result};
 pub use run_file::{RunFile, write_run};
-pub use run_read::{read_run, read_run_label};
+pub use run_read::{RunLabel, read_run, read_run_label};
 pub use sha256::{sha256_file, sha256_hex};

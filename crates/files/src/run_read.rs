@@ -27,15 +27,29 @@ pub fn read_run(path: &Path) -> Result<(RunFile, Vec<Loss>), FileError> {
     read_from(open_mcap(path)?, path)
 }
 
-/// Which run a file holds, and its provenance (the metadata record `frfid`); the samples are not read.
+/// What a file says of its run outside of the samples.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunLabel {
+    /// Which run of the plan it is.
+    pub run: RunId,
+    /// Provenance (the metadata record `frfid`).
+    pub metadata: BTreeMap<String, String>,
+    /// The experiment's description; `None` where the attachment is missing or damaged.
+    pub experiment_toml: Option<String>,
+}
+
+/// Which run a file holds, where it comes from and which experiment it belongs to; the samples are not read.
 ///
 /// # Errors
 /// As [`read_run`].
-pub fn read_run_label(path: &Path) -> Result<(RunId, BTreeMap<String, String>), FileError> {
-    let (mut run, mut provenance) = (None, BTreeMap::new());
+pub fn read_run_label(path: &Path) -> Result<RunLabel, FileError> {
+    let (mut run, mut metadata, mut experiment_toml) = (None, BTreeMap::new(), None);
     scan(open_mcap(path)?, path, Part::Description, &mut |entry| {
         match entry {
-            Entry::Metadata { name, values } if name == structure::PROVENANCE => provenance = values,
+            Entry::Metadata { name, values } if name == structure::PROVENANCE => metadata = values,
+            Entry::Attachment(attachment) if attachment.name == structure::EXPERIMENT && attachment.is_sound => {
+                experiment_toml = String::from_utf8(attachment.data.to_vec()).ok();
+            }
             Entry::Metadata { name, values } if name == structure::RUN => {
                 let structure: RunStructure = structure::from_texts(&values).map_err(|error| not_a_run(path, error))?;
                 run = Some(structure.run);
@@ -44,7 +58,8 @@ pub fn read_run_label(path: &Path) -> Result<(RunId, BTreeMap<String, String>), 
         }
         Ok(())
     })?;
-    run.map(|run| (run, provenance)).ok_or_else(|| not_a_run(path, "an MCAP without it".into()))
+    let run = run.ok_or_else(|| not_a_run(path, "an MCAP without it".into()))?;
+    Ok(RunLabel { run, metadata, experiment_toml })
 }
 
 pub(crate) fn read_from<R: Read + Seek>(file: R, path: &Path) -> Result<(RunFile, Vec<Loss>), FileError> {

@@ -1,12 +1,11 @@
 //! `frfid demo`: the example of the paper, end to end, with figures, a report and the table of claims.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
 use frfid_experiment::{Claim, Section6};
-use frfid_files::{FileError, Overwrite, ResultFile, write_bytes, write_result};
+use frfid_files::{FileError, Overwrite, ResultFile, create_folder, write_bytes, write_result};
 use frfid_report::{Named, section6_figures, section6_report};
 use serde_json::json;
 
@@ -38,18 +37,10 @@ pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Consol
     let (folder, overwrite) = (arguments.output.as_path(), options.overwrite());
     let page = folder.join("report.html");
     options.check_free(&page)?;
-    fs::create_dir_all(folder).map_err(|error| FileError::Io {
-        path: folder.to_owned(),
-        action: "create the folder",
-        reason: error.to_string(),
-    })?;
+    create_folder(folder)?;
     let started = Instant::now();
-    let percent = |done: usize, total: usize| (100 * done / total.max(1), 100);
     let section6 = watched(console, "simulating section 6", "%", |progress| {
-        Section6::run(arguments.jobs, &|done, total| {
-            let (done, total) = percent(done, total);
-            progress(done, total)
-        })
+        Section6::run(arguments.jobs, &|done, total| progress(100 * done / total.max(1), 100))
     })?;
     let figures = section6_figures(&section6)?;
     for named in &figures {
