@@ -4,7 +4,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use frfid::estimate::{ExcerptOptions, estimate_chirp};
-use frfid::plant::{Hold, SingleJoint, Torque, Velocity, simulate};
+use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, Velocity, simulate};
 use frfid::signals::{Chirp, Frf, Phasing, Profile};
 use ndarray::{Array4, Axis, s};
 use num_complex::Complex64;

@@ -3,10 +3,11 @@
 //! Run: cargo run --release --example 03_constant_velocity
 
 use std::error::Error;
+use std::sync::Arc;
 
 use frfid::estimate::{BlaOptions, estimate_bla};
 use frfid::experiment::Measured;
-use frfid::plant::{Hold, OpenLoop, SingleJoint, Velocity};
+use frfid::plant::{Hold, OpenLoop, Robot as _, SingleJoint, Velocity};
 use frfid::signals::{
     Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind, Testbed as _,
 };
@@ -16,7 +17,7 @@ const T: f64 = 1e-3;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let joint = SingleJoint { coulomb_nm: 50.0, ..SingleJoint::default() };
-    let testbed = OpenLoop::new(joint.clone());
+    let testbed = OpenLoop::new(Arc::new(joint.clone()));
     let (kind, seed) = (GridKind::Odd, 0);
     let design =
         GridDesign { low_hz: 1.0, high_hz: 60.0, sample_time_s: T, resolution_hz: 0.1, n_lines: Some(80), kind, seed };
@@ -29,7 +30,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         // the testbed starts at this velocity and adds the torque that holds it against friction
         let id = RunId { kind: RunKind::Excitation, realization: 0, experiment: 0, repetition: 0 };
         let reference = reference.clone();
-        let record = testbed.run(&Run { id, sample_time_s: T, reference, velocity_rad_s: vec![velocity] })?;
+        let record = testbed.run(&Run {
+            id,
+            sample_time_s: T,
+            reference,
+            velocity_rad_s: vec![velocity],
+            start_rad: vec![0.0],
+        })?;
         // the last period, once the start has died out: (realization, experiment, period, channel, sample)
         let last = s![ndarray::NewAxis, ndarray::NewAxis, ndarray::NewAxis, .., -(period.ncols() as isize)..];
         let (u, y) = (record.u.slice(last), record.y.slice(last));

@@ -7,7 +7,7 @@ use std::error::Error;
 
 use frfid::estimate::{BlaOptions, CompareOptions, ExcerptOptions, Side, compare, estimate_bla, estimate_chirp};
 use frfid::experiment::{Measured, log_spaced};
-use frfid::plant::{Hold, SingleJoint, Torque, Velocity, simulate};
+use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, Velocity, simulate};
 use frfid::signals::{Chirp, Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile};
 use ndarray::{Array5, Axis, concatenate, s};
 

@@ -3,6 +3,7 @@
 //! Run: cargo run --release --example 05_uncertainty
 
 use std::error::Error;
+use std::sync::Arc;
 
 use frfid::estimate::{BlaOptions, estimate_bla};
 use frfid::plant::{OpenLoop, Sensor, SingleJoint};
@@ -18,7 +19,7 @@ const N_PERIODS: usize = 6;
 fn main() -> Result<(), Box<dyn Error>> {
     let joint = SingleJoint { coulomb_nm: 20.0, ..SingleJoint::default() };
     let sensor = Sensor { velocity_noise_rad_s: Some(1e-4), ..Sensor::default() };
-    let testbed = OpenLoop { sensors: vec![sensor], seed: 1, ..OpenLoop::new(joint) };
+    let testbed = OpenLoop { sensors: vec![sensor], seed: 1, ..OpenLoop::new(Arc::new(joint)) };
     let (kind, seed) = (GridKind::Odd, 0);
     let design =
         GridDesign { low_hz: 1.0, high_hz: 60.0, sample_time_s: T, resolution_hz: 0.5, n_lines: Some(40), kind, seed };
@@ -33,7 +34,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         let period = multisine.realize(&draw)?.signal.index_axis_move(Axis(0), 0);
         let id = RunId { kind: RunKind::Excitation, realization, experiment: 0, repetition: 0 };
         let reference = concatenate(Axis(1), &vec![period.view(); N_PERIODS + 1])?;
-        let record = testbed.run(&Run { id, sample_time_s: T, reference, velocity_rad_s: vec![0.0] })?;
+        let record =
+            testbed.run(&Run { id, sample_time_s: T, reference, velocity_rad_s: vec![0.0], start_rad: vec![0.0] })?;
         for period in 0..N_PERIODS {
             let samples = s![.., (period + 1) * n..(period + 2) * n];
             u.slice_mut(s![realization, 0, period, .., ..]).assign(&record.u.slice(samples));

@@ -3,9 +3,10 @@
 //! Run: cargo run --release --example 06_closed_loop
 
 use std::error::Error;
+use std::sync::Arc;
 
 use frfid::estimate::{Averaging, BlaOptions, estimate_bla};
-use frfid::plant::{ClosedLoop, Hold, PiController, Sensor, SingleJoint, Velocity};
+use frfid::plant::{ClosedLoop, Hold, PiController, Robot as _, Sensor, SingleJoint, Velocity};
 use frfid::signals::{
     Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind, Testbed as _, power::rms,
 };
@@ -19,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let sensor = Sensor { torque_noise_nm: Some(200.0), ..Sensor::default() };
     let (gain, integral_gain) = (vec![1500.0], vec![12_000.0]);
     let controller = PiController { gain, integral_gain, sample_time_s: T, delay_samples: 0, max_torque_nm: None };
-    let testbed = ClosedLoop { sensors: vec![sensor], seed: 3, ..ClosedLoop::new(joint.clone(), controller) };
+    let testbed = ClosedLoop { sensors: vec![sensor], seed: 3, ..ClosedLoop::new(Arc::new(joint.clone()), controller) };
     let (kind, seed) = (GridKind::Odd, 0);
     let design =
         GridDesign { low_hz: 2.0, high_hz: 60.0, sample_time_s: T, resolution_hz: 0.5, n_lines: Some(40), kind, seed };
@@ -29,7 +30,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let period = multisine.realize(&draw)?.signal.index_axis_move(Axis(0), 0);
     let reference = concatenate(Axis(1), &vec![period.view(); N_PERIODS + 2])?;
     let id = RunId { kind: RunKind::Excitation, realization: 0, experiment: 0, repetition: 0 };
-    let record = testbed.run(&Run { id, sample_time_s: T, reference: reference.clone(), velocity_rad_s: vec![0.0] })?;
+    let record = testbed.run(&Run {
+        id,
+        sample_time_s: T,
+        reference: reference.clone(),
+        velocity_rad_s: vec![0.0],
+        start_rad: vec![0.0],
+    })?;
     let strength = rms(record.u.as_slice().unwrap_or_default());
     println!(
         "torque {strength:.0} N m rms, most of it noise on its reading: nearly as strong as the signal on each line"

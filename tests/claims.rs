@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use frfid::estimate::{CompareOptions, Side, Verdict, compare};
 use frfid::experiment::{Pair, Section6, largest_relative_difference, silent};
-use frfid::plant::{Hold, SingleJoint, Velocity};
+use frfid::plant::{Hold, Robot as _, SingleJoint, Velocity};
 use frfid::signals::{GridDesign, GridKind};
 
 /// Every experiment of section 6, run once for all tests.

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 
-use frfid::plant::{Hold, SingleJoint, Torque, Trajectory, Velocity, simulate};
+use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, Trajectory, Velocity, simulate};
 use ndarray::{Array2, s};
 use num_complex::Complex64;
 

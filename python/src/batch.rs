@@ -34,7 +34,7 @@ pub fn simulate(
     let ids: Vec<RunId> = (0..array.len_of(Axis(0))).map(id).collect();
     let run = |id: RunId| {
         let reference: Array2<f64> = array.index_axis(Axis(0), id.repetition).to_owned();
-        Ok(Run { id, sample_time_s, reference, velocity_rad_s: velocity_rad_s.clone() })
+        Ok(Run { id, sample_time_s, reference, velocity_rad_s: velocity_rad_s.clone(), start_rad: vec![0.0; n_inputs] })
     };
     Record::of(value.py(), records_of(value.py(), &ids, &run, testbed, 0, progress)?, stacked)
 }

@@ -1,5 +1,7 @@
 //! `frfid.PiController` and `frfid.run_closed_loop`.
 
+use std::sync::Arc;
+
 use frfid_plant::{ClosedLoop, PiController as Controller};
 use pyo3::prelude::*;
 
@@ -54,7 +56,7 @@ impl PiController {
             delay_samples,
             max_torque_nm: max_torque_nm.map(|limit| per_channel("max_torque_nm", limit, 1)).transpose()?,
         };
-        controller.check::<1>().map_err(error::signal)?;
+        controller.check(1).map_err(error::signal)?;
         Ok(Self { controller })
     }
 
@@ -138,6 +140,6 @@ pub fn run_closed_loop(
 ) -> PyResult<Record> {
     let (joint, controller) = (plant.joint.clone(), controller.controller.clone());
     let sample_time_s = controller.sample_time_s;
-    let testbed = ClosedLoop { sensors: vec![plant.sensor], seed, ..ClosedLoop::new(joint, controller) };
+    let testbed = ClosedLoop { sensors: vec![plant.sensor], seed, ..ClosedLoop::new(Arc::new(joint), controller) };
     simulate("r", r, &testbed, sample_time_s, velocity_rad_s, progress)
 }

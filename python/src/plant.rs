@@ -1,9 +1,10 @@
 //! `frfid.Plant`.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use frfid_experiment::{RobotTable, Source};
-use frfid_plant::{Hold, OpenLoop, Ripple, Sensor, SingleJoint, Velocity};
+use frfid_plant::{Hold, OpenLoop, Ripple, Robot, Sensor, SingleJoint, Velocity};
 use ndarray::Ix1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -209,7 +210,7 @@ impl Plant {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Record> {
         let (joint, sensors) = (self.joint.clone(), vec![self.sensor]);
-        let testbed = OpenLoop { sensors, seed, hold: choice("hold", hold)?, ..OpenLoop::new(joint) };
+        let testbed = OpenLoop { sensors, seed, hold: choice("hold", hold)?, ..OpenLoop::new(Arc::new(joint)) };
         simulate("u", u, &testbed, sample_time_s, velocity_rad_s, progress)
     }
 

@@ -1,6 +1,8 @@
 //! The simulated robot that a configuration describes, and its linear truth.
 
-use frfid_plant::{ClosedLoop, Hold, OpenLoop, SingleJoint, Velocity};
+use std::sync::Arc;
+
+use frfid_plant::{ClosedLoop, Hold, OpenLoop, Robot, SingleJoint, Velocity};
 use frfid_signals::{Frf, Testbed};
 
 use crate::{Experiment, ExperimentError};
@@ -13,10 +15,10 @@ impl Experiment {
     pub fn testbed(&self) -> Result<Box<dyn Testbed>, ExperimentError> {
         let (joint, seed, sensors) = (self.joint()?, self.config.seed, vec![self.config.robot.sensor()]);
         Ok(match &self.config.controller {
-            None => Box::new(OpenLoop { sensors, seed, ..OpenLoop::new(joint) }),
+            None => Box::new(OpenLoop { sensors, seed, ..OpenLoop::new(Arc::new(joint)) }),
             Some(table) => {
                 let controller = table.controller(self.config.sample_time_s);
-                Box::new(ClosedLoop { sensors, seed, ..ClosedLoop::new(joint, controller) })
+                Box::new(ClosedLoop { sensors, seed, ..ClosedLoop::new(Arc::new(joint), controller) })
             }
         })
     }

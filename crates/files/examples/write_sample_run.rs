@@ -58,6 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             sample_time_s: 1e-3,
             reference: signal(10 + realization),
             velocity_rad_s: vec![0.25, 0.0],
+            start_rad: vec![0.0, 0.0],
         },
         n_repetitions: 4,
     };

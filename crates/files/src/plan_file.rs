@@ -52,6 +52,8 @@ pub struct PlanEntry {
     pub n_samples: usize,
     /// Constant velocity in rad/s on which it rides, per joint.
     pub velocity_rad_s: Vec<f64>,
+    /// Where it starts, in rad from the pose, per joint.
+    pub start_rad: Vec<f64>,
 }
 
 /// A plan on the disk: its description in memory, the references where they are.

@@ -77,8 +77,8 @@ impl PlanFile {
             },
         })?;
         let reference = self.reference(entry)?;
-        let velocity_rad_s = entry.velocity_rad_s.clone();
-        Ok(Run { id, sample_time_s: self.head.sample_time_s, reference, velocity_rad_s })
+        let (velocity_rad_s, start_rad) = (entry.velocity_rad_s.clone(), entry.start_rad.clone());
+        Ok(Run { id, sample_time_s: self.head.sample_time_s, reference, velocity_rad_s, start_rad })
     }
 
     fn reference(&self, entry: &PlanEntry) -> Result<Array2<f64>, FileError> {

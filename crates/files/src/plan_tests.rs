@@ -24,7 +24,8 @@ fn planned(realization: usize, experiment: usize) -> PlannedRun {
     let reference = Array2::from_shape_fn((2, 2100), |(row, k)| {
         ((realization * 7 + experiment * 3 + row) as f64 + 0.1 * k as f64).sin() / 3.0
     });
-    let run = Run { id, sample_time_s: 1e-3, reference, velocity_rad_s: vec![0.1 + 0.2, 0.0] };
+    let run =
+        Run { id, sample_time_s: 1e-3, reference, velocity_rad_s: vec![0.1 + 0.2, 0.0], start_rad: vec![-0.1, 0.0] };
     PlannedRun { run, n_repetitions: 3 }
 }
 

@@ -88,6 +88,7 @@ fn entry_of(planned: &PlannedRun, head: &PlanHead, start_sample: usize) -> Resul
         start_sample,
         n_samples,
         velocity_rad_s: run.velocity_rad_s.clone(),
+        start_rad: run.start_rad.clone(),
     })
 }
 

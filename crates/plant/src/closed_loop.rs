@@ -1,38 +1,39 @@
 //! The closed-loop testbed: the reference is the motor velocity, a sampled PI controller makes the torque.
 
-use std::array::from_fn;
+use std::sync::Arc;
 
 use frfid_signals::{Event, EventKind, Record, Run, SignalError, Testbed, TestbedError};
 
 use crate::controller::{PiAxis, PiOutput};
-use crate::dynamics::{Links, Machine};
-use crate::recorder::Recorder;
-use crate::{Clock, Motion, PiController, PlantError, Segment, Sensor, SingleJoint, Trajectory};
+use crate::recorder::{Recorder, check_run};
+use crate::{Acting, Clock, PiController, PlantError, Robot, Sensor, Trajectory};
 
-/// A joint under velocity control.
+/// A robot under velocity control.
 ///
 /// At t_k the controller reads the sensors and sets the torque that is held on `[t_k, t_k + T)` (later by its delay). The run
-/// starts at position 0 with motor and link at the run's constant velocity v and the controller holding it: its integral is
-/// F_c sgn(v) + F_v v. Reaching the torque limit is logged as an event, once until the torque is below it again.
-#[derive(Debug, Clone, PartialEq)]
+/// starts at its place with motors and links at the run's constant velocity v and the controller holding them: its integral
+/// is F_c sgn(v) + F_v v and what the gears transmit. Reaching the torque limit is logged as an event, once until the torque
+/// is below it again.
+#[derive(Debug, Clone)]
 pub struct ClosedLoop {
-    /// The joint.
-    pub joint: SingleJoint,
+    /// The robot.
+    pub robot: Arc<dyn Robot>,
     /// Its controller.
     pub controller: PiController,
     /// Sensors and torque resolution, one per axis.
     pub sensors: Vec<Sensor>,
-    /// Longest step of the integrator in s; [`SingleJoint::default_step_s`] if `None`.
+    /// Longest step of the integrator in s; [`Robot::default_step_s`] if `None`.
     pub max_step_s: Option<f64>,
     /// Seed of the sensors' noise.
     pub seed: u64,
 }
 
 impl ClosedLoop {
-    /// A joint with ideal sensors.
+    /// A robot with ideal sensors.
     #[must_use]
-    pub fn new(joint: SingleJoint, controller: PiController) -> Self {
-        Self { joint, controller, sensors: vec![Sensor::default()], max_step_s: None, seed: 0 }
+    pub fn new(robot: Arc<dyn Robot>, controller: PiController) -> Self {
+        let sensors = vec![Sensor::default(); robot.n_axes()];
+        Self { robot, controller, sensors, max_step_s: None, seed: 0 }
     }
 
     /// Does one run; returns the true motion beside what the sensors recorded.
@@ -40,43 +41,37 @@ impl ClosedLoop {
     /// # Errors
     /// [`PlantError`]; a run with another sample time than the controller's is refused.
     pub fn simulate(&self, run: &Run) -> Result<(Record, Trajectory), PlantError> {
-        self.joint.check()?;
-        let max_step_s = self.max_step_s.unwrap_or_else(|| self.joint.default_step_s());
-        self.simulate_machine(&self.joint.machine(), Clock::new(run.sample_time_s, max_step_s)?, run)
-    }
-
-    fn simulate_machine<K: Links<A>, const A: usize>(
-        &self,
-        machine: &Machine<K, A>,
-        clock: Clock,
-        run: &Run,
-    ) -> Result<(Record, Trajectory), PlantError> {
-        self.controller.check::<A>()?;
+        let n_axes = self.robot.n_axes();
+        self.controller.check(n_axes)?;
+        check_run(n_axes, &self.sensors, run)?;
         if run.sample_time_s != self.controller.sample_time_s {
             let needed = "the controller's sample time";
             return Err(SignalError::Parameter { name: "sample_time_s", found: run.sample_time_s, needed }.into());
         }
-        let (mut recorder, velocity_rad_s) = Recorder::<A>::new(&self.sensors, self.seed, run)?;
-        let holding_nm = |axis: usize| machine.drives[axis].friction.holding_nm(velocity_rad_s[axis]);
-        let mut axes: [PiAxis; A] = from_fn(|axis| self.controller.axis(axis, holding_nm(axis)));
-        let mut motion = Motion::start(machine, velocity_rad_s);
+        let clock = Clock::new(run.sample_time_s, self.max_step_s.unwrap_or_else(|| self.robot.default_step_s()))?;
+        let mut motion = self.robot.start(&run.start_rad, &run.velocity_rad_s)?;
+        let mut recorder = Recorder::new(&self.sensors, self.seed, run, &*motion);
+        let holding = motion.holding_nm().into_iter().enumerate();
+        let mut axes: Vec<PiAxis> = holding.map(|(axis, holding_nm)| self.controller.axis(axis, holding_nm)).collect();
         let n_samples = run.reference.ncols();
-        let mut truth = Trajectory::zeros(run.sample_time_s, A, n_samples);
+        let mut truth = Trajectory::zeros(run.sample_time_s, n_axes, n_samples);
+        let mut torque = vec![0.0; n_axes];
         for sample in 0..n_samples {
-            let state = *motion.state();
-            truth.set(sample, &state);
-            let velocity = recorder.motion(sample, state.motor_position, state.motor_velocity);
-            let torque = from_fn(|axis| {
-                let output = axes[axis].step(run.reference[[axis, sample]] - velocity[axis]);
+            truth.set(sample, &*motion);
+            for (axis, acting_nm) in torque.iter_mut().enumerate() {
+                let at = [axis, sample];
+                let (_, velocity) =
+                    recorder.motion(axis, sample, truth.motor_position_rad[at], truth.motor_velocity_rad_s[at]);
+                let output = axes[axis].step(run.reference[at] - velocity);
                 recorder.record.events.extend(limit_event(output, axis, sample as f64 * run.sample_time_s));
-                self.sensors[axis].acting_torque(output.torque_nm)
-            });
-            recorder.torque(sample, torque);
+                *acting_nm = self.sensors[axis].acting_torque(output.torque_nm);
+                recorder.torque(axis, sample, *acting_nm);
+            }
             if sample + 1 < n_samples {
-                motion.advance(clock.n_steps, clock.step_s(), |_| Segment::constant(torque))?;
+                motion.advance(clock.n_steps, clock.step_s(), Acting::Held(&torque))?;
             }
         }
-        truth.set_stuck(motion.stuck_s(), motion.time_s());
+        truth.set_stuck(&*motion);
         Ok((recorder.record, truth))
     }
 }
@@ -90,7 +85,7 @@ fn limit_event(output: PiOutput, channel: usize, time_s: f64) -> Option<Event> {
 
 impl Testbed for ClosedLoop {
     fn n_inputs(&self) -> usize {
-        1
+        self.robot.n_axes()
     }
 
     fn run(&self, run: &Run) -> Result<Record, TestbedError> {
@@ -101,6 +96,7 @@ impl Testbed for ClosedLoop {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::SingleJoint;
     use frfid_signals::{RunId, RunKind};
     use ndarray::Array2;
     use std::f64::consts::TAU;
@@ -122,6 +118,7 @@ mod tests {
             sample_time_s: 1e-3,
             reference: Array2::from_shape_fn((1, 1000), reference),
             velocity_rad_s: vec![velocity],
+            start_rad: vec![0.0],
         }
     }
 
@@ -129,7 +126,8 @@ mod tests {
     fn a_constant_velocity_is_held_against_friction_from_the_first_sample() {
         let joint = SingleJoint { coulomb_nm: 50.0, viscous_nms_per_rad: 20.0, ..SingleJoint::default() };
         for velocity in [0.1, -0.1] {
-            let record = ClosedLoop::new(joint.clone(), controller()).run(&run(velocity, 0.0)).expect("sound");
+            let record =
+                ClosedLoop::new(Arc::new(joint.clone()), controller()).run(&run(velocity, 0.0)).expect("sound");
             assert!(record.y.iter().all(|y| (y - velocity).abs() < 1e-12));
             assert!(record.u.iter().all(|u| (u - 520.0 * velocity).abs() < 1e-9));
             assert_eq!(record.check(), Ok(()));
@@ -139,7 +137,8 @@ mod tests {
     #[test]
     fn the_recorded_torque_makes_the_recorded_motion() {
         let joint = SingleJoint { coulomb_nm: 50.0, ..SingleJoint::default() };
-        let (record, truth) = ClosedLoop::new(joint.clone(), controller()).simulate(&run(0.0, 0.1)).expect("sound");
+        let (record, truth) =
+            ClosedLoop::new(Arc::new(joint.clone()), controller()).simulate(&run(0.0, 0.1)).expect("sound");
         let again = crate::simulate(&joint, crate::Torque::Zoh(record.u.view()), 1e-3, 0.0, None).expect("sound");
         assert_eq!(again, truth);
         assert!(truth.stuck_share[0] > 0.0 && truth.stuck_share[0] < 0.2, "{:?}", truth.stuck_share);
@@ -148,7 +147,7 @@ mod tests {
     #[test]
     fn reaching_the_torque_limit_is_an_event_and_not_an_error() {
         let limited = PiController { max_torque_nm: Some(vec![100.0]), ..controller() };
-        let record = ClosedLoop::new(SingleJoint::default(), limited).run(&run(0.0, 0.1)).expect("sound");
+        let record = ClosedLoop::new(Arc::new(SingleJoint::default()), limited).run(&run(0.0, 0.1)).expect("sound");
         assert!(record.u.iter().all(|u| u.abs() <= 100.0));
         // a sine of 3 Hz over 1 s meets the limit once per half-wave
         assert!((3..=12).contains(&record.events.len()), "{:?}", record.events);
@@ -159,13 +158,13 @@ mod tests {
     #[test]
     fn an_unstable_loop_says_where_it_left_the_numbers() {
         let wild = PiController { gain: vec![1e9], ..controller() };
-        let error = ClosedLoop::new(SingleJoint::default(), wild).run(&run(0.0, 0.1)).expect_err("unstable");
+        let error = ClosedLoop::new(Arc::new(SingleJoint::default()), wild).run(&run(0.0, 0.1)).expect_err("unstable");
         assert!(matches!(error, TestbedError::Diverged { quantity: "motor velocity", channel: 0, .. }), "{error}");
     }
 
     #[test]
     fn runs_that_do_not_fit_are_refused() {
-        let testbed = ClosedLoop::new(SingleJoint::default(), controller());
+        let testbed = ClosedLoop::new(Arc::new(SingleJoint::default()), controller());
         let refused = |run: Run| testbed.run(&run).expect_err("does not fit").to_string();
         assert!(refused(Run { sample_time_s: 2e-3, ..run(0.0, 0.1) }).contains("controller's sample time"));
         assert!(refused(Run { velocity_rad_s: vec![], ..run(0.0, 0.1) }).starts_with("velocity_rad_s has shape [0]"));

@@ -5,7 +5,7 @@ use std::collections::VecDeque;
 use frfid_signals::SignalError;
 use serde::{Deserialize, Serialize};
 
-use crate::recorder::channels;
+use crate::recorder::of_axes;
 use frfid_signals::range::{not_negative, positive};
 
 /// u = gain (r - y) + integral, the integral growing by integral_gain (r - y) sample_time_s per sample; one value per axis.
@@ -41,21 +41,18 @@ pub(crate) struct PiAxis {
 }
 
 impl PiController {
-    /// Checks every parameter for a machine of `A` axes.
+    /// Checks every parameter for a robot of `n_axes`.
     ///
     /// # Errors
     /// [`SignalError::Shape`] for another number of axes, [`SignalError::Parameter`] for a gain that is negative, a limit or
     /// sample time that is not above 0, or a number that is not finite.
-    pub fn check<const A: usize>(&self) -> Result<(), SignalError> {
-        let [gain, integral_gain] =
-            [channels::<_, A>("gain", &self.gain)?, channels::<_, A>("integral_gain", &self.integral_gain)?];
-        gain.iter().try_for_each(|&gain| not_negative("gain", gain))?;
-        integral_gain.iter().try_for_each(|&gain| not_negative("integral_gain", gain))?;
+    pub fn check(&self, n_axes: usize) -> Result<(), SignalError> {
+        for (name, gains) in [("gain", &self.gain), ("integral_gain", &self.integral_gain)] {
+            of_axes(name, gains, n_axes)?.iter().try_for_each(|&gain| not_negative(name, gain))?;
+        }
         positive("sample_time_s", self.sample_time_s)?;
         if let Some(limits) = &self.max_torque_nm {
-            channels::<_, A>("max_torque_nm", limits)?
-                .iter()
-                .try_for_each(|&limit| positive("max_torque_nm", limit))?;
+            of_axes("max_torque_nm", limits, n_axes)?.iter().try_for_each(|&limit| positive("max_torque_nm", limit))?;
         }
         Ok(())
     }
@@ -140,15 +137,15 @@ mod tests {
 
     #[test]
     fn parameters_out_of_range_are_named() {
-        assert_eq!(controller().check::<1>(), Ok(()));
-        assert!(matches!(controller().check::<2>(), Err(SignalError::Shape { name: "gain", .. })));
+        assert_eq!(controller().check(1), Ok(()));
+        assert!(matches!(controller().check(2), Err(SignalError::Shape { name: "gain", .. })));
         for (name, bad) in [
             ("gain", PiController { gain: vec![f64::NAN], ..controller() }),
             ("integral_gain", PiController { integral_gain: vec![-1.0], ..controller() }),
             ("sample_time_s", PiController { sample_time_s: 0.0, ..controller() }),
             ("max_torque_nm", PiController { max_torque_nm: Some(vec![0.0]), ..controller() }),
         ] {
-            assert!(bad.check::<1>().expect_err(name).to_string().starts_with(name));
+            assert!(bad.check(1).expect_err(name).to_string().starts_with(name));
         }
     }
 }

@@ -25,6 +25,9 @@ pub struct Drive {
 pub trait Links<const A: usize> {
     /// Accelerations in rad/s^2 of the links at positions in rad and velocities in rad/s under torques in N m.
     fn acceleration<L: Lane>(&self, position: [L; A], velocity: [L; A], torque: [L; A]) -> [L; A];
+
+    /// Torques in N m that keep the links at constant velocities in rad/s when they pass positions in rad.
+    fn holding(&self, position: [f64; A], velocity: [f64; A]) -> [f64; A];
 }
 
 /// A single link on a fixed axis: J_o qo'' = torque (SK15 eq. (22)).
@@ -38,6 +41,10 @@ impl Links<1> for Inertia {
     #[inline(always)]
     fn acceleration<L: Lane>(&self, _position: [L; 1], _velocity: [L; 1], [torque]: [L; 1]) -> [L; 1] {
         [torque * L::splat(self.mobility)]
+    }
+
+    fn holding(&self, _position: [f64; 1], _velocity: [f64; 1]) -> [f64; 1] {
+        [0.0]
     }
 }
 
@@ -113,15 +120,17 @@ impl Drive {
             offset_nm,
         }
     }
-
-    /// Torque tau_s(dq) + d dq' in N m that the gear transmits to the link.
-    #[inline(always)]
-    fn transmitted<L: Lane>(&self, regime: &Regime<L>, deflection: L, rate: L) -> L {
-        regime.slope_nm_per_rad * deflection + regime.offset_nm + L::splat(self.damping_nms_per_rad) * rate
-    }
 }
 
 impl<K: Links<A>, const A: usize> Machine<K, A> {
+    /// Torque tau_s(dq) + d dq' in N m that an axis' gear transmits to its link.
+    #[inline(always)]
+    pub fn transmitted<L: Lane>(&self, axis: usize, regime: &Regime<L>, x: &State<L, A>) -> L {
+        let rate = x.motor_velocity[axis] - x.link_velocity[axis];
+        let damping = L::splat(self.drives[axis].damping_nms_per_rad);
+        regime.slope_nm_per_rad * x.deflection[axis] + regime.offset_nm + damping * rate
+    }
+
     /// Torque in N m on an axis' motor besides its friction: u - ripple(qm) - tau_s(dq) - d dq'. What changes last within
     /// a step is subtracted last: the steps wait for each other, and this shortens the wait.
     #[inline(always)]
@@ -136,9 +145,8 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
     /// Time derivative of the state under motor torques in N m (SK15 eqs. (20)-(22)).
     #[inline(always)]
     pub fn derivative<L: Lane>(&self, regimes: &[Regime<L>; A], torque: &[L; A], x: &State<L, A>) -> State<L, A> {
-        let deflection: [L; A] = from_fn(|axis| x.motor_velocity[axis] - x.link_velocity[axis]);
-        let transmitted =
-            from_fn(|axis| self.drives[axis].transmitted(&regimes[axis], x.deflection[axis], deflection[axis]));
+        let deflection = from_fn(|axis| x.motor_velocity[axis] - x.link_velocity[axis]);
+        let transmitted = from_fn(|axis| self.transmitted(axis, &regimes[axis], x));
         let link_position = from_fn(|axis| x.motor_position[axis] - x.deflection[axis]);
         State {
             motor_position: x.motor_velocity,

@@ -36,7 +36,7 @@ pub struct Exit {
 /// A step that is being tried: the rest of a segment, from its share `from`.
 pub struct Trial<'a, K, const A: usize> {
     /// The motion so far.
-    pub motion: &'a Motion<'a, K, A>,
+    pub motion: &'a Motion<K, A>,
     /// The torque over the whole segment.
     pub torque: &'a Segment<A>,
     /// Share of the segment at which the trial starts.

@@ -100,16 +100,6 @@ impl SingleJoint {
     pub fn friction(&self) -> Friction {
         Friction { coulomb_nm: self.coulomb_nm, viscous_nms_per_rad: self.viscous_nms_per_rad }
     }
-
-    /// A step of the integrator in s that keeps the linear FRF within about 1e-10 of the truth: 0.0075 over the fastest
-    /// rate of the joint, 1e-4 s for the paper's. RK4 errs by (rate step)^4 / 120 of a state.
-    #[must_use]
-    pub fn default_step_s(&self) -> f64 {
-        let compliance = 1.0 / self.motor_inertia_kg_m2 + 1.0 / self.link_inertia_kg_m2;
-        let resonance = (self.stiffness_nm_per_rad.max(self.stiffness_beyond_nm_per_rad) * compliance).sqrt();
-        let decay = self.damping_nms_per_rad * compliance + self.viscous_nms_per_rad / self.motor_inertia_kg_m2;
-        0.0075 / resonance.max(decay)
-    }
 }
 
 #[cfg(test)]

@@ -14,8 +14,8 @@ const CHANGES_PER_AXIS: usize = 64;
 
 /// A machine in motion.
 #[derive(Debug, Clone)]
-pub struct Motion<'a, K, const A: usize> {
-    pub(crate) machine: &'a Machine<K, A>,
+pub struct Motion<K, const A: usize> {
+    pub(crate) machine: Machine<K, A>,
     pub(crate) state: State<f64, A>,
     pub(crate) modes: [Mode; A],
     pub(crate) regimes: [Regime<f64>; A],
@@ -26,18 +26,21 @@ pub struct Motion<'a, K, const A: usize> {
     watched: bool,
 }
 
-impl<'a, K: Links<A>, const A: usize> Motion<'a, K, A> {
-    /// Starts at position 0 with undeflected gears, motors and links at the given velocities in rad/s.
-    pub fn start(machine: &'a Machine<K, A>, velocity_rad_s: [f64; A]) -> Self {
-        let zero = [0.0; A];
+impl<K: Links<A>, const A: usize> Motion<K, A> {
+    /// Starts with the links at positions in rad and motors and links at velocities in rad/s, the gears deflected by the
+    /// torques that hold the links there.
+    pub fn start(machine: Machine<K, A>, position_rad: [f64; A], velocity_rad_s: [f64; A]) -> Self {
+        let transmitted = machine.links.holding(position_rad, velocity_rad_s);
+        let deflection = from_fn(|axis| machine.drives[axis].spring.deflection_rad(transmitted[axis]));
         let state = State {
-            motor_position: zero,
-            deflection: zero,
+            motor_position: from_fn(|axis| position_rad[axis] + deflection[axis]),
+            deflection,
             motor_velocity: velocity_rad_s,
             link_velocity: velocity_rad_s,
         };
         let slip = |axis: usize| machine.drives[axis].friction.slip(velocity_rad_s[axis]);
-        let modes = from_fn(|axis| Mode { slip: slip(axis), branch: Branch::Within });
+        let branch = |axis: usize| machine.drives[axis].spring.branch(deflection[axis]);
+        let modes = from_fn(|axis| Mode { slip: slip(axis), branch: branch(axis) });
         let regimes = from_fn(|axis| machine.drives[axis].regime(modes[axis]));
         let watched = machine.drives.iter().any(|drive| drive.friction.coulomb_nm > 0.0 || !drive.spring.is_linear());
         Self { machine, state, modes, regimes, time_s: 0.0, stuck_s: [0.0; A], watched }
@@ -50,22 +53,26 @@ impl<'a, K: Links<A>, const A: usize> Motion<'a, K, A> {
     }
 
     /// Time in s since the start.
-    #[must_use]
-    pub fn time_s(&self) -> f64 {
+    pub(crate) fn time(&self) -> f64 {
         self.time_s
     }
 
     /// Time in s that each motor has spent stuck.
-    #[must_use]
-    pub fn stuck_s(&self) -> [f64; A] {
-        self.stuck_s
+    pub(crate) fn stuck(&self) -> &[f64; A] {
+        &self.stuck_s
+    }
+
+    /// Motor torque in N m that holds the present velocity of an axis against friction and against what the gear transmits.
+    pub(crate) fn axis_holding_nm(&self, axis: usize) -> f64 {
+        let friction = self.machine.drives[axis].friction.holding_nm(self.state.motor_velocity[axis]);
+        friction + self.machine.transmitted(axis, &self.regimes[axis], &self.state)
     }
 
     /// Moves on by `n_steps` steps of `step_s` under the torque of each, which may jump before the first but not between.
     ///
     /// # Errors
     /// [`PlantError::Diverged`] if the state is no longer finite, [`PlantError::Chatter`].
-    pub fn advance(
+    pub fn steps(
         &mut self,
         n_steps: usize,
         step_s: f64,

@@ -1,37 +1,39 @@
 //! The open-loop testbed: the reference is the motor torque (SK15 section 6.1).
 
-use std::array::from_fn;
+use std::sync::Arc;
 
 use frfid_signals::{Record, Run, Testbed, TestbedError};
 use ndarray::Array2;
 
-use crate::dynamics::{Links, Machine};
-use crate::recorder::Recorder;
-use crate::{Clock, Hold, PlantError, Sensor, SingleJoint, Torque, Trajectory, trajectory};
+use crate::recorder::{Recorder, check_run};
+use crate::simulate::trajectory;
+use crate::{Clock, Hold, PlantError, Robot, Sensor, Torque, Trajectory};
 
-/// A joint driven by its motor torque.
+/// A robot driven by its motor torques.
 ///
-/// The torque that acts, and is recorded, is the reference plus what holds the run's constant velocity against friction,
-/// F_c sgn(v) + F_v v, rounded to the torque resolution. The run starts at position 0 with motor and link at velocity v.
-#[derive(Debug, Clone, PartialEq)]
+/// The torque that acts, and is recorded, is the reference plus what holds the robot at the start of the run: the run's
+/// constant velocity v against friction, F_c sgn(v) + F_v v, and the links against gravity; all rounded to the torque
+/// resolution. The run starts at its place with motors and links at velocity v.
+#[derive(Debug, Clone)]
 pub struct OpenLoop {
-    /// The joint.
-    pub joint: SingleJoint,
+    /// The robot.
+    pub robot: Arc<dyn Robot>,
     /// Sensors and torque resolution, one per axis.
     pub sensors: Vec<Sensor>,
     /// What the torque does between samples: [`Hold::Zoh`] or [`Hold::Linear`].
     pub hold: Hold,
-    /// Longest step of the integrator in s; [`SingleJoint::default_step_s`] if `None`.
+    /// Longest step of the integrator in s; [`Robot::default_step_s`] if `None`.
     pub max_step_s: Option<f64>,
     /// Seed of the sensors' noise.
     pub seed: u64,
 }
 
 impl OpenLoop {
-    /// A joint with ideal sensors, its torque held between samples.
+    /// A robot with ideal sensors, its torque held between samples.
     #[must_use]
-    pub fn new(joint: SingleJoint) -> Self {
-        Self { joint, sensors: vec![Sensor::default()], hold: Hold::Zoh, max_step_s: None, seed: 0 }
+    pub fn new(robot: Arc<dyn Robot>) -> Self {
+        let sensors = vec![Sensor::default(); robot.n_axes()];
+        Self { robot, sensors, hold: Hold::Zoh, max_step_s: None, seed: 0 }
     }
 
     /// Does one run; returns the true motion beside what the sensors recorded.
@@ -39,34 +41,24 @@ impl OpenLoop {
     /// # Errors
     /// [`PlantError`].
     pub fn simulate(&self, run: &Run) -> Result<(Record, Trajectory), PlantError> {
-        self.joint.check()?;
-        let max_step_s = self.max_step_s.unwrap_or_else(|| self.joint.default_step_s());
-        self.simulate_machine(&self.joint.machine(), Clock::new(run.sample_time_s, max_step_s)?, run)
-    }
-
-    fn simulate_machine<K: Links<A>, const A: usize>(
-        &self,
-        machine: &Machine<K, A>,
-        clock: Clock,
-        run: &Run,
-    ) -> Result<(Record, Trajectory), PlantError> {
-        let (mut recorder, velocity_rad_s) = Recorder::new(&self.sensors, self.seed, run)?;
-        let holding_nm: [f64; A] = from_fn(|axis| machine.drives[axis].friction.holding_nm(velocity_rad_s[axis]));
-        let acting = |(axis, sample)| {
-            let command: f64 = run.reference[[axis, sample]] + holding_nm[axis];
-            self.sensors[axis].acting_torque(command)
-        };
-        let acting = Array2::from_shape_fn(run.reference.dim(), acting);
+        check_run(self.robot.n_axes(), &self.sensors, run)?;
+        let mut motion = self.robot.start(&run.start_rad, &run.velocity_rad_s)?;
+        let clock = Clock::new(run.sample_time_s, self.max_step_s.unwrap_or_else(|| self.robot.default_step_s()))?;
+        let holding_nm = motion.holding_nm();
+        let acting = Array2::from_shape_fn(run.reference.dim(), |(axis, sample)| {
+            self.sensors[axis].acting_torque(run.reference[[axis, sample]] + holding_nm[axis])
+        });
         let torque = match self.hold {
             Hold::Zoh => Torque::Zoh(acting.view()),
             Hold::Linear => Torque::Linear(acting.view()),
             Hold::Continuous => return Err(PlantError::NoHold),
         };
-        let truth = trajectory(machine, torque, clock, velocity_rad_s)?;
-        for sample in 0..acting.ncols() {
-            let at = |signal: &Array2<f64>| from_fn(|axis| signal[[axis, sample]]);
-            recorder.motion(sample, at(&truth.motor_position_rad), at(&truth.motor_velocity_rad_s));
-            recorder.torque(sample, at(&acting));
+        let mut recorder = Recorder::new(&self.sensors, self.seed, run, &*motion);
+        let truth = trajectory(&mut *motion, torque, clock)?;
+        for ((axis, sample), &acting_nm) in acting.indexed_iter() {
+            let at = [axis, sample];
+            recorder.motion(axis, sample, truth.motor_position_rad[at], truth.motor_velocity_rad_s[at]);
+            recorder.torque(axis, sample, acting_nm);
         }
         Ok((recorder.record, truth))
     }
@@ -74,7 +66,7 @@ impl OpenLoop {
 
 impl Testbed for OpenLoop {
     fn n_inputs(&self) -> usize {
-        1
+        self.robot.n_axes()
     }
 
     fn run(&self, run: &Run) -> Result<Record, TestbedError> {
@@ -85,7 +77,7 @@ impl Testbed for OpenLoop {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Velocity;
+    use crate::{SingleJoint, Velocity};
     use frfid_signals::{InputKind, RunId, RunKind, SignalError};
     use std::f64::consts::TAU;
 
@@ -93,7 +85,7 @@ mod tests {
 
     fn run(velocity: f64, amplitude: f64) -> Run {
         let reference = Array2::from_shape_fn((1, 2000), |(_, n)| amplitude * (TAU * 7.0 * n as f64 * 1e-3).sin());
-        Run { id: ID, sample_time_s: 1e-3, reference, velocity_rad_s: vec![velocity] }
+        Run { id: ID, sample_time_s: 1e-3, reference, velocity_rad_s: vec![velocity], start_rad: vec![0.0] }
     }
 
     fn joint() -> SingleJoint {
@@ -102,9 +94,9 @@ mod tests {
 
     #[test]
     fn riding_on_a_constant_velocity_friction_is_invisible() {
-        let free = OpenLoop::new(SingleJoint { coulomb_nm: 0.0, ..joint() });
+        let free = OpenLoop::new(Arc::new(SingleJoint { coulomb_nm: 0.0, ..joint() }));
         for velocity in [0.4, -0.4] {
-            let record = OpenLoop::new(joint()).run(&run(velocity, 100.0)).expect("sound");
+            let record = OpenLoop::new(Arc::new(joint())).run(&run(velocity, 100.0)).expect("sound");
             let still = free.run(&run(0.0, 100.0)).expect("sound");
             let holding = 50.0 * velocity.signum() + 20.0 * velocity;
             assert!((&record.u - &still.u - holding).iter().all(|difference| difference.abs() < 1e-9));
@@ -122,7 +114,7 @@ mod tests {
             torque_noise_nm: Some(0.3),
             ..Sensor::default()
         };
-        let testbed = OpenLoop { sensors: vec![sensor], seed: 3, ..OpenLoop::new(joint()) };
+        let testbed = OpenLoop { sensors: vec![sensor], seed: 3, ..OpenLoop::new(Arc::new(joint())) };
         let (record, truth) = testbed.simulate(&run(0.0, 100.0)).expect("sound");
         assert_eq!(record.check(), Ok(()));
         assert_eq!(record.input_kind, InputKind::Measured);
@@ -138,16 +130,16 @@ mod tests {
     #[test]
     fn runs_and_settings_that_do_not_fit_are_refused() {
         let refused = |testbed: OpenLoop, run: Run| testbed.run(&run).expect_err("does not fit").to_string();
-        let testbed = || OpenLoop::new(joint());
+        let testbed = || OpenLoop::new(Arc::new(joint()));
         assert!(refused(OpenLoop { hold: Hold::Continuous, ..testbed() }, run(0.0, 1.0)).contains("continuous"));
         assert!(refused(OpenLoop { sensors: vec![], ..testbed() }, run(0.0, 1.0)).starts_with("sensors has shape [0]"));
         assert!(refused(OpenLoop { max_step_s: Some(0.0), ..testbed() }, run(0.0, 1.0)).starts_with("max_step_s is 0"));
         assert!(refused(OpenLoop { max_step_s: Some(1e-12), ..testbed() }, run(0.0, 1.0)).contains("too stiff"));
         let joint = SingleJoint { motor_inertia_kg_m2: -35.0, ..joint() };
-        assert!(refused(OpenLoop::new(joint), run(0.0, 1.0)).starts_with("motor_inertia_kg_m2 is -35"));
+        assert!(refused(OpenLoop::new(Arc::new(joint)), run(0.0, 1.0)).starts_with("motor_inertia_kg_m2 is -35"));
         let mut holed = run(0.0, 1.0);
         holed.reference[[0, 17]] = f64::NAN;
-        let error = OpenLoop::new(SingleJoint::default()).run(&holed).expect_err("NaN");
+        let error = OpenLoop::new(Arc::new(SingleJoint::default())).run(&holed).expect_err("NaN");
         assert!(matches!(error, TestbedError::Run(SignalError::NotFinite { sample: 17, .. })), "{error}");
         assert!(
             refused(testbed(), Run { velocity_rad_s: vec![f64::NAN], ..run(0.0, 1.0) })
@@ -159,7 +151,7 @@ mod tests {
     fn steps_too_long_for_the_joint_are_reported_with_their_run() {
         let reported = |coulomb_nm: f64| {
             let joint = SingleJoint { motor_inertia_kg_m2: 1e-4, coulomb_nm, ..joint() }; // its resonance lies at 6 kHz
-            let testbed = OpenLoop { max_step_s: Some(1e-3), ..OpenLoop::new(joint) };
+            let testbed = OpenLoop { max_step_s: Some(1e-3), ..OpenLoop::new(Arc::new(joint)) };
             let error = testbed.run(&run(0.0, 100.0)).expect_err("RK4 is unstable");
             assert!(error.to_string().starts_with("run p000-m0-q0: "), "{error}");
             error

@@ -3,33 +3,40 @@
 use frfid_signals::{InputKind, Record, Run, SignalError, check_finite};
 use ndarray::Array2;
 
-use crate::Sensor;
 use crate::sensor::Reader;
+use crate::{Moving, Sensor};
 use frfid_signals::range::{finite, positive};
 
-/// A record in the making, of a run on a machine of `A` axes.
-pub(crate) struct Recorder<const A: usize> {
-    readers: [Reader; A],
+/// A record in the making.
+pub(crate) struct Recorder {
+    readers: Vec<Reader>,
     /// What has been recorded so far.
     pub record: Record,
 }
 
-impl<const A: usize> Recorder<A> {
-    /// Checks the run and the sensors and begins the record; returns the run's constant velocity in rad/s with it.
-    ///
-    /// # Errors
-    /// [`SignalError`] for a parameter out of range, a number of channels other than `A`, or a reference that is not finite.
-    pub fn new(sensors: &[Sensor], seed: u64, run: &Run) -> Result<(Self, [f64; A]), SignalError> {
-        positive("sample_time_s", run.sample_time_s)?;
-        if run.reference.nrows() != A {
-            return Err(shape("reference", run.reference.shape().to_vec(), format!("({A}, sample)")));
-        }
-        check_finite("reference", run.reference.view())?;
-        let velocity_rad_s = channels("velocity_rad_s", &run.velocity_rad_s)?;
-        velocity_rad_s.iter().try_for_each(|&velocity| finite("velocity_rad_s", velocity))?;
-        let sensors: [Sensor; A] = channels("sensors", sensors)?;
-        sensors.iter().try_for_each(Sensor::check)?;
-        let reader = |axis| Reader::new(sensors[axis], seed, run.id, axis, velocity_rad_s[axis], run.sample_time_s);
+/// Checks that run and sensors fit a robot of `n_axes`.
+///
+/// # Errors
+/// [`SignalError`] for a parameter out of range, another number of channels, or a reference that is not finite.
+pub(crate) fn check_run(n_axes: usize, sensors: &[Sensor], run: &Run) -> Result<(), SignalError> {
+    positive("sample_time_s", run.sample_time_s)?;
+    if run.reference.nrows() != n_axes {
+        return Err(shape("reference", run.reference.shape().to_vec(), format!("({n_axes}, sample)")));
+    }
+    check_finite("reference", run.reference.view())?;
+    for (name, values) in [("velocity_rad_s", &run.velocity_rad_s), ("start_rad", &run.start_rad)] {
+        of_axes(name, values, n_axes)?.iter().try_for_each(|&value| finite(name, value))?;
+    }
+    of_axes("sensors", sensors, n_axes)?.iter().try_for_each(Sensor::check)
+}
+
+impl Recorder {
+    /// Begins the record of a run of a robot that stands at the start of it.
+    pub fn new(sensors: &[Sensor], seed: u64, run: &Run, motion: &dyn Moving) -> Self {
+        let (position, velocity) = (motion.motor_position_rad(), motion.motor_velocity_rad_s());
+        let reader = |(axis, sensor): (usize, &Sensor)| {
+            Reader::new(*sensor, seed, run.id, axis, [position[axis], velocity[axis]], run.sample_time_s)
+        };
         let zeros = || Array2::zeros(run.reference.dim());
         let measured = sensors.iter().any(|sensor| sensor.torque_noise_nm.is_some());
         let record = Record {
@@ -41,27 +48,28 @@ impl<const A: usize> Recorder<A> {
             input_kind: if measured { InputKind::Measured } else { InputKind::Commanded },
             events: Vec::new(),
         };
-        Ok((Self { readers: std::array::from_fn(reader), record }, velocity_rad_s))
+        Self { readers: sensors.iter().enumerate().map(reader).collect(), record }
     }
 
-    /// Records what the sensors say of the motion at a sample; returns the velocity readings in rad/s.
-    pub fn motion(&mut self, sample: usize, position_rad: [f64; A], velocity_rad_s: [f64; A]) -> [f64; A] {
-        std::array::from_fn(|axis| {
-            let (position, velocity) = self.readers[axis].motion(position_rad[axis], velocity_rad_s[axis]);
-            self.record.y[[axis, sample]] = velocity;
-            if let Some(positions) = &mut self.record.position_rad {
-                positions[[axis, sample]] = position;
-            }
-            velocity
-        })
-    }
-
-    /// Records the torques in N m that act from a sample on.
-    pub fn torque(&mut self, sample: usize, acting_nm: [f64; A]) {
-        for (axis, reader) in self.readers.iter_mut().enumerate() {
-            self.record.u[[axis, sample]] = reader.torque(acting_nm[axis]);
+    /// Records what an axis' sensors say of position and velocity at a sample; returns the readings.
+    pub fn motion(&mut self, axis: usize, sample: usize, position_rad: f64, velocity_rad_s: f64) -> (f64, f64) {
+        let (position, velocity) = self.readers[axis].motion(position_rad, velocity_rad_s);
+        self.record.y[[axis, sample]] = velocity;
+        if let Some(positions) = &mut self.record.position_rad {
+            positions[[axis, sample]] = position;
         }
+        (position, velocity)
     }
+
+    /// Records the torque in N m that acts on an axis from a sample on.
+    pub fn torque(&mut self, axis: usize, sample: usize, acting_nm: f64) {
+        self.record.u[[axis, sample]] = self.readers[axis].torque(acting_nm);
+    }
+}
+
+/// The values, if there is one for each axis.
+pub(crate) fn of_axes<'a, T>(name: &'static str, values: &'a [T], n_axes: usize) -> Result<&'a [T], SignalError> {
+    if values.len() == n_axes { Ok(values) } else { Err(shape(name, vec![values.len()], format!("({n_axes})"))) }
 }
 
 /// Exactly one value per axis.

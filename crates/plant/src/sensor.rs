@@ -82,8 +82,15 @@ pub(crate) struct Reader {
 }
 
 impl Reader {
-    /// Begins to read a run that starts at position 0 and has been moving at a constant velocity until then.
-    pub fn new(sensor: Sensor, seed: u64, run: RunId, channel: usize, velocity_rad_s: f64, sample_time_s: f64) -> Self {
+    /// Begins to read a run that starts at a position in rad, reached at a constant velocity in rad/s.
+    pub fn new(
+        sensor: Sensor,
+        seed: u64,
+        run: RunId,
+        channel: usize,
+        [position_rad, velocity_rad_s]: [f64; 2],
+        sample_time_s: f64,
+    ) -> Self {
         let indices = [run.kind as usize, run.realization, run.experiment, run.repetition, channel].map(|i| i as u64);
         let noise = |name, rms: Option<f64>| rms.map(|rms| Noise { rms, rng: random::stream(seed, name, &indices) });
         let mut reader = Self {
@@ -94,7 +101,7 @@ impl Reader {
             torque_noise: noise("torque-noise", sensor.torque_noise_nm),
             last_position_rad: 0.0,
         };
-        reader.last_position_rad = reader.position(-velocity_rad_s * sample_time_s);
+        reader.last_position_rad = reader.position(position_rad - velocity_rad_s * sample_time_s);
         reader
     }
 
@@ -131,7 +138,7 @@ mod tests {
     const RUN: RunId = RunId { kind: RunKind::Excitation, realization: 2, experiment: 0, repetition: 1 };
 
     fn reader(sensor: Sensor, run: RunId, channel: usize) -> Reader {
-        Reader::new(sensor, 5, run, channel, 0.25, 1e-3)
+        Reader::new(sensor, 5, run, channel, [0.0, 0.25], 1e-3)
     }
 
     #[test]

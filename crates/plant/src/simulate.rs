@@ -1,12 +1,9 @@
 //! Open-loop simulation: a motor torque in, the true motion out.
 
-use std::array::from_fn;
-
 use frfid_signals::{SignalError, check_finite};
 use ndarray::ArrayView2;
 
-use crate::dynamics::{Links, Machine};
-use crate::{Motion, PlantError, Segment, SingleJoint, Trajectory};
+use crate::{Acting, Moving, PlantError, Robot, Trajectory};
 use frfid_signals::range::{finite, positive};
 
 /// A motor torque over time.
@@ -61,46 +58,41 @@ impl Clock {
     }
 }
 
-/// Simulates a joint from position 0, motor and link moving at `velocity_rad_s`, under a motor torque, with steps of at
-/// most `max_step_s` ([`SingleJoint::default_step_s`] if `None`). As many samples as the torque has; sample `k` is the
-/// state at `t_k`, just before `u[k]` acts.
+/// Simulates a robot from its pose, motors and links moving at `velocity_rad_s` (the same for every axis), under motor
+/// torques, with steps of at most `max_step_s` ([`Robot::default_step_s`] if `None`). As many samples as the torque has;
+/// sample `k` is the state at `t_k`, just before `u[k]` acts.
 ///
 /// # Errors
-/// [`PlantError::Signal`] for a parameter out of range or a torque that is not `(1, sample)` and finite,
+/// [`PlantError::Signal`] for a parameter out of range or a torque that is not `(axis, sample)` and finite,
 /// [`PlantError::Diverged`], [`PlantError::Chatter`].
 pub fn simulate(
-    joint: &SingleJoint,
+    robot: &dyn Robot,
     torque: Torque,
     sample_time_s: f64,
     velocity_rad_s: f64,
     max_step_s: Option<f64>,
 ) -> Result<Trajectory, PlantError> {
-    joint.check()?;
     finite("velocity_rad_s", velocity_rad_s)?;
-    let clock = Clock::new(sample_time_s, max_step_s.unwrap_or_else(|| joint.default_step_s()))?;
-    trajectory(&joint.machine(), torque, clock, [velocity_rad_s])
+    let mut motion = robot.start(&vec![0.0; robot.n_axes()], &vec![velocity_rad_s; robot.n_axes()])?;
+    let clock = Clock::new(sample_time_s, max_step_s.unwrap_or_else(|| robot.default_step_s()))?;
+    trajectory(&mut *motion, torque, clock)
 }
 
-/// Simulates a machine of `A` axes from position 0, motors and links moving at `velocity_rad_s`.
+/// Simulates a robot from where it is.
 ///
 /// # Errors
-/// As [`simulate`], for a torque that is not `(A, sample)`.
-pub fn trajectory<K: Links<A>, const A: usize>(
-    machine: &Machine<K, A>,
-    torque: Torque,
-    clock: Clock,
-    velocity_rad_s: [f64; A],
-) -> Result<Trajectory, PlantError> {
-    let n_samples = torque.n_samples(A)?;
-    let mut motion = Motion::start(machine, velocity_rad_s);
-    let mut trajectory = Trajectory::zeros(clock.sample_time_s, A, n_samples);
+/// As [`simulate`].
+pub(crate) fn trajectory(motion: &mut dyn Moving, torque: Torque, clock: Clock) -> Result<Trajectory, PlantError> {
+    let n_axes = motion.motor_position_rad().len();
+    let n_samples = torque.n_samples(n_axes)?;
+    let mut trajectory = Trajectory::zeros(clock.sample_time_s, n_axes, n_samples);
     for sample in 0..n_samples {
-        trajectory.set(sample, motion.state());
+        trajectory.set(sample, motion);
         if sample + 1 < n_samples {
-            torque.act(&mut motion, clock, sample)?;
+            torque.act(motion, clock, sample)?;
         }
     }
-    trajectory.set_stuck(motion.stuck_s(), motion.time_s());
+    trajectory.set_stuck(motion);
     Ok(trajectory)
 }
 
@@ -119,31 +111,19 @@ impl Torque<'_> {
         Ok(samples.ncols())
     }
 
-    /// Moves the machine from one sample to the next.
-    fn act<K: Links<A>, const A: usize>(
-        &self,
-        motion: &mut Motion<K, A>,
-        clock: Clock,
-        sample: usize,
-    ) -> Result<(), PlantError> {
+    /// Moves the robot from one sample to the next.
+    fn act(&self, motion: &mut dyn Moving, clock: Clock, sample: usize) -> Result<(), PlantError> {
         let (n_steps, step_s) = (clock.n_steps, clock.step_s());
+        let start_s = sample as f64 * clock.sample_time_s;
         match self {
-            Self::Zoh(u) => {
-                let segment = Segment::constant(from_fn(|axis| u[[axis, sample]]));
-                motion.advance(n_steps, step_s, |_| segment)
+            Self::Zoh(u) => motion.advance(n_steps, step_s, Acting::Held(&u.column(sample).to_vec())),
+            Self::Linear(u) => {
+                let [from, to] = [sample, sample + 1].map(|sample| u.column(sample).to_vec());
+                motion.advance(n_steps, step_s, Acting::Line(&from, &to))
             }
-            Self::Linear(u) => motion.advance(n_steps, step_s, |step| {
-                let at = |share: f64| {
-                    let share = (step as f64 + share) / n_steps as f64;
-                    from_fn(|axis| (1.0 - share) * u[[axis, sample]] + share * u[[axis, sample + 1]])
-                };
-                Segment::through(at(0.0), at(0.5), at(1.0))
-            }),
-            Self::Analytic { torque, .. } => motion.advance(n_steps, step_s, |step| {
-                let start_s = sample as f64 * clock.sample_time_s + step as f64 * step_s;
-                let at = |share: f64| from_fn(|axis| torque(start_s + share * step_s, axis));
-                Segment::through(at(0.0), at(0.5), at(1.0))
-            }),
+            Self::Analytic { torque, .. } => {
+                motion.advance(n_steps, step_s, Acting::Function(&|time_s, axis| torque(start_s + time_s, axis)))
+            }
         }
     }
 }
@@ -156,7 +136,7 @@ mod tests {
     use ndarray::{Array2, s};
     use num_complex::Complex64;
 
-    use crate::{Hold, Velocity};
+    use crate::{Hold, SingleJoint, Velocity};
 
     const PERIOD: usize = 2000;
 

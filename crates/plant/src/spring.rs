@@ -57,6 +57,15 @@ impl Spring {
         }
     }
 
+    /// The deflection in rad under a torque in N m.
+    #[must_use]
+    pub fn deflection_rad(&self, torque_nm: f64) -> f64 {
+        let within_nm = torque_nm.abs().min(self.stiffness_nm_per_rad * self.knee_rad);
+        let beyond_nm = torque_nm.abs() - within_nm;
+        let size = within_nm / self.stiffness_nm_per_rad + beyond_nm / self.stiffness_beyond_nm_per_rad;
+        size.copysign(torque_nm)
+    }
+
     /// Whether the two slopes are one.
     #[must_use]
     pub fn is_linear(&self) -> bool {
@@ -90,6 +99,13 @@ mod tests {
         assert!((torque(1e-3 + 1e-12) - 150.0).abs() < 1e-6);
         assert!((torque(2e-3) - (150.0 + 255.0)).abs() < 1e-9);
         assert!((torque(-2e-3) + 405.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn the_deflection_under_a_torque_is_the_inverse_of_the_characteristic() {
+        for deflection in [-3e-3, -1e-3, 0.0, 4e-4, 2e-3] {
+            assert!((SPRING.deflection_rad(torque(deflection)) - deflection).abs() < 1e-17);
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use ndarray::Array2;
 
-use crate::dynamics::State;
+use crate::Moving;
 
 /// The true motion at the sample instants, `(channel, sample)`, and how long the motors were stuck.
 #[derive(Debug, Clone, PartialEq)]
@@ -35,19 +35,23 @@ impl Trajectory {
         }
     }
 
-    /// Writes the state at a sample.
-    pub(crate) fn set<const A: usize>(&mut self, sample: usize, state: &State<f64, A>) {
-        for axis in 0..A {
-            self.motor_position_rad[[axis, sample]] = state.motor_position[axis];
-            self.motor_velocity_rad_s[[axis, sample]] = state.motor_velocity[axis];
-            self.deflection_rad[[axis, sample]] = state.deflection[axis];
-            self.link_velocity_rad_s[[axis, sample]] = state.link_velocity[axis];
+    /// Writes the motion at a sample.
+    pub(crate) fn set(&mut self, sample: usize, motion: &dyn Moving) {
+        let signals = [
+            (&mut self.motor_position_rad, motion.motor_position_rad()),
+            (&mut self.motor_velocity_rad_s, motion.motor_velocity_rad_s()),
+            (&mut self.deflection_rad, motion.deflection_rad()),
+            (&mut self.link_velocity_rad_s, motion.link_velocity_rad_s()),
+        ];
+        for (signal, values) in signals {
+            signal.column_mut(sample).iter_mut().zip(values).for_each(|(x, value)| *x = *value);
         }
     }
 
-    /// Writes the share of `duration_s` that each motor has been stuck.
-    pub(crate) fn set_stuck<const A: usize>(&mut self, stuck_s: [f64; A], duration_s: f64) {
-        for (share, stuck_s) in self.stuck_share.iter_mut().zip(stuck_s) {
+    /// Writes the share of the time that each motor has been stuck.
+    pub(crate) fn set_stuck(&mut self, motion: &dyn Moving) {
+        let duration_s = motion.time_s();
+        for (share, stuck_s) in self.stuck_share.iter_mut().zip(motion.stuck_s()) {
             *share = if duration_s > 0.0 { stuck_s / duration_s } else { 0.0 };
         }
     }

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use frfid_plant::{Hold, Ripple, SingleJoint, Torque, Trajectory, Velocity, simulate};
+use frfid_plant::{Hold, Ripple, Robot as _, SingleJoint, Torque, Trajectory, Velocity, simulate};
 use frfid_signals::random::{normal, stream, uniform};
 use ndarray::Array2;
 

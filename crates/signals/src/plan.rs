@@ -218,7 +218,11 @@ impl Plan {
                 row += *velocity;
             }
         }
-        Run { id, sample_time_s: self.sample_time_s, reference, velocity_rad_s: self.velocity_rad_s.clone() }
+        let half_way_s = 0.5 * reference.ncols() as f64 * self.sample_time_s;
+        let velocity_rad_s = self.velocity_rad_s.clone();
+        // the way lies symmetrically about the pose, so that it stays as near to it as it can
+        let start_rad = velocity_rad_s.iter().map(|velocity| 0.0 - velocity * half_way_s).collect();
+        Run { id, sample_time_s: self.sample_time_s, reference, velocity_rad_s, start_rad }
     }
 
     fn no_such_run(&self, id: RunId) -> SignalError {

@@ -54,6 +54,8 @@ pub struct Run {
     /// Constant velocity in rad/s on which the run rides, per channel; zeros where there is none. The testbed starts at
     /// this velocity; in open loop it adds the torque that holds it.
     pub velocity_rad_s: Vec<f64>,
+    /// Where the run starts, in rad from the pose, per channel.
+    pub start_rad: Vec<f64>,
 }
 
 /// A machine on which runs can be done: the simulator, a folder of recordings, or a robot behind somebody's own code.
