@@ -3,8 +3,8 @@
 use frfid_signals::SignalError;
 use serde::{Deserialize, Serialize};
 
-use crate::{Drive, Friction, Inertia, Machine, Ripple, Spring};
-use frfid_signals::range::{finite, not_negative, positive};
+use crate::{FlexibleJoint, Inertia, Machine, Ripple, Spring};
+use frfid_signals::range::positive;
 
 /// One motor and one link with a gear between them; everything on the joint side of the gear.
 ///
@@ -55,50 +55,35 @@ impl SingleJoint {
     /// # Errors
     /// [`SignalError::Parameter`] naming the first one that is not finite or out of range.
     pub fn check(&self) -> Result<(), SignalError> {
-        positive("motor_inertia_kg_m2", self.motor_inertia_kg_m2)?;
         positive("link_inertia_kg_m2", self.link_inertia_kg_m2)?;
-        not_negative("damping_nms_per_rad", self.damping_nms_per_rad)?;
-        positive("stiffness_nm_per_rad", self.stiffness_nm_per_rad)?;
-        positive("stiffness_beyond_nm_per_rad", self.stiffness_beyond_nm_per_rad)?;
-        positive("knee_rad", self.knee_rad)?;
-        not_negative("coulomb_nm", self.coulomb_nm)?;
-        not_negative("viscous_nms_per_rad", self.viscous_nms_per_rad)?;
-        self.ripple.iter().try_for_each(|ripple| {
-            not_negative("cycles_per_turn", ripple.cycles_per_turn)?;
-            not_negative("amplitude_nm", ripple.amplitude_nm)?;
-            finite("phase_rad", ripple.phase_rad)
-        })
+        self.flexible_joint().check()
+    }
+
+    /// Motor and gear, without the link.
+    #[must_use]
+    pub fn flexible_joint(&self) -> FlexibleJoint {
+        FlexibleJoint {
+            motor_inertia_kg_m2: self.motor_inertia_kg_m2,
+            damping_nms_per_rad: self.damping_nms_per_rad,
+            stiffness_nm_per_rad: self.stiffness_nm_per_rad,
+            stiffness_beyond_nm_per_rad: self.stiffness_beyond_nm_per_rad,
+            knee_rad: self.knee_rad,
+            coulomb_nm: self.coulomb_nm,
+            viscous_nms_per_rad: self.viscous_nms_per_rad,
+            ripple: self.ripple.clone(),
+        }
     }
 
     /// The joint as a machine of one axis, ready to move.
     #[must_use]
     pub fn machine(&self) -> Machine<Inertia, 1> {
-        Machine {
-            drives: [Drive {
-                motor_inertia_kg_m2: self.motor_inertia_kg_m2,
-                damping_nms_per_rad: self.damping_nms_per_rad,
-                spring: self.spring(),
-                friction: self.friction(),
-                ripple: self.ripple.clone(),
-            }],
-            links: Inertia { mobility: 1.0 / self.link_inertia_kg_m2 },
-        }
+        Machine { drives: [self.flexible_joint().drive()], links: Inertia { mobility: 1.0 / self.link_inertia_kg_m2 } }
     }
 
     /// The gear's spring.
     #[must_use]
     pub fn spring(&self) -> Spring {
-        Spring {
-            stiffness_nm_per_rad: self.stiffness_nm_per_rad,
-            stiffness_beyond_nm_per_rad: self.stiffness_beyond_nm_per_rad,
-            knee_rad: self.knee_rad,
-        }
-    }
-
-    /// The motor's friction.
-    #[must_use]
-    pub fn friction(&self) -> Friction {
-        Friction { coulomb_nm: self.coulomb_nm, viscous_nms_per_rad: self.viscous_nms_per_rad }
+        self.flexible_joint().spring()
     }
 }
 

@@ -3,11 +3,14 @@
 //! Everything on the joint side of the gear, SI units inside, Hz for public frequencies. The numeric core knows no files,
 //! no clock and no global random state. Equation numbers are those of Saupe and Knoblach, MSSP 52-53 (2015) 60-72 (SK15).
 
+mod arm;
+mod challenges;
 mod closed_loop;
 mod controller;
 pub mod dynamics;
 mod error;
 mod exit;
+mod flexible_joint;
 mod friction;
 mod joint;
 mod lane;
@@ -26,10 +29,13 @@ mod spring;
 mod trajectory;
 mod truth;
 
+pub use arm::{Arm, Body, BodyJoint, Payload};
+pub use challenges::Challenges;
 pub use closed_loop::ClosedLoop;
 pub use controller::PiController;
 pub use dynamics::{Drive, Inertia, Links, Machine};
 pub use error::PlantError;
+pub use flexible_joint::FlexibleJoint;
 pub use friction::{Friction, Slip};
 pub use joint::SingleJoint;
 pub use lane::Lane;

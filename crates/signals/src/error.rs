@@ -15,6 +15,14 @@ pub enum SignalError {
         /// The range or property needed.
         needed: &'static str,
     },
+    /// One of several parts of the same kind has a parameter that does not fit.
+    #[error("{part}: {source}")]
+    In {
+        /// Which part, by its name or number.
+        part: String,
+        /// What does not fit.
+        source: Box<SignalError>,
+    },
     /// The band reaches past the Nyquist frequency of the sampling.
     #[error(
         "high_hz = {high_hz} Hz is not below the Nyquist frequency {nyquist_hz} Hz of sample_time_s = {sample_time_s}; \
