@@ -125,6 +125,50 @@ pub enum EstimateError {
         /// Mean velocity of the glide.
         glide_mean: f64,
     },
+    /// A record without positions, where torque over position was asked for.
+    #[error("the {0} has no motor position; record position_rad, or subtract the glide sample by sample")]
+    NoPosition(
+        /// Which record.
+        &'static str,
+    ),
+    /// A glide that turns back.
+    #[error(
+        "channel {channel}: the glide goes back by {back_rad:.3e} rad on a way of {way_rad:.3e} rad, so that a position has no one torque; \
+         glide faster, or subtract the glide sample by sample"
+    )]
+    NotMonotone {
+        /// Axis.
+        channel: usize,
+        /// How far it goes back in rad.
+        back_rad: f64,
+        /// Its whole way in rad.
+        way_rad: f64,
+    },
+    /// A run that goes further than its glide.
+    #[error(
+        "channel {channel}: the run goes {beyond_rad:.3e} rad beyond the glide's {low_rad} to {high_rad} rad, at most {allowed_rad:.3e} rad \
+         are allowed; start both at the same place and let the glide last as long as the run"
+    )]
+    BeyondGlide {
+        /// Axis.
+        channel: usize,
+        /// How far beyond in rad.
+        beyond_rad: f64,
+        /// How far it may go in rad.
+        allowed_rad: f64,
+        /// Lowest position of the glide in rad.
+        low_rad: f64,
+        /// Highest position of the glide in rad.
+        high_rad: f64,
+    },
+    /// A plant that has no inverse at a frequency.
+    #[error(
+        "the plant's FRF cannot be inverted at {frequency_hz} Hz; an estimate in which every axis responds is needed"
+    )]
+    SingularPlant {
+        /// The frequency in Hz.
+        frequency_hz: f64,
+    },
     /// A frequency the chirp never reaches, or too close to the ends of the recording.
     #[error("{frequency_hz} Hz: {reason}; the recording holds {low_s} s to {high_s} s")]
     OutsideChirp {

@@ -2,7 +2,7 @@
 //! recorded once and taken off every run of the same start, velocity and direction.
 
 use frfid_signals::{Record, SignalError};
-use ndarray::{Array2, s};
+use ndarray::{Array2, ArrayView1, s};
 
 use crate::EstimateError;
 
@@ -55,16 +55,20 @@ fn check_same_clock(run: &Record, glide: &Record) -> Result<(), EstimateError> {
 /// Refuses a glide that moved the other way: the difference of direction would be booked as noise or dynamics.
 fn check_same_direction(run: &Array2<f64>, glide: &Array2<f64>) -> Result<(), EstimateError> {
     for (channel, (run, glide)) in run.rows().into_iter().zip(glide.rows()).enumerate() {
-        let mean = |signal: ndarray::ArrayView1<f64>| signal.sum() / signal.len() as f64;
-        let (run_mean, glide_mean) = (mean(run), mean(glide));
-        let rms = (glide.dot(&glide) / glide.len() as f64).sqrt();
-        // an axis that stands still has a mean of either sign and no direction
-        let glides = glide_mean.abs() > 0.5 * rms;
-        if glides && run_mean * glide_mean < 0.0 {
+        let Some(glide_mean) = glide_velocity(glide) else { continue };
+        let run_mean = run.sum() / run.len() as f64;
+        if run_mean * glide_mean < 0.0 {
             return Err(EstimateError::OtherDirection { channel, run_mean, glide_mean });
         }
     }
     Ok(())
+}
+
+/// Mean velocity of an axis that glides; `None` for one that stands still, whose mean has either sign and no direction.
+pub(crate) fn glide_velocity(glide: ArrayView1<f64>) -> Option<f64> {
+    let mean = glide.sum() / glide.len() as f64;
+    let rms = (glide.dot(&glide) / glide.len() as f64).sqrt();
+    (mean.abs() > 0.5 * rms).then_some(mean)
 }
 
 #[cfg(test)]

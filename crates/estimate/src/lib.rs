@@ -1,4 +1,5 @@
-//! From recordings to FRFs: direct, best linear approximation, excerpts, comparison.
+//! From recordings to FRFs: direct, best linear approximation, excerpts, comparison; and the shaping of excitations in closed
+//! loop, which rests on such estimates.
 //!
 //! Equation numbers are those of Saupe and Knoblach, MSSP 52-53 (2015) 60-72, cited SK15. Shapes, units and the DFT follow
 //! `frfid_signals`. Nothing here knows files, clocks or chance.
@@ -17,9 +18,11 @@ mod lines;
 mod period;
 mod resonance;
 mod right_division;
+mod ripple_torque;
 mod singular;
 #[cfg(test)]
 mod testing;
+mod torque_table;
 mod transient;
 mod verdict;
 
@@ -34,6 +37,11 @@ pub use line_dft::LineDft;
 pub use lines::{find_lines, lines_at};
 pub use period::find_period;
 pub use resonance::{Feature, FeatureKind, find_features};
+pub use ripple_torque::RippleTorque;
+pub use shape::{
+    BandMotion, Estimate, Iteration, Note, Peaks, Quantity, ShapeError, ShapeLimits, ShapeOptions, Shaped, Shaper,
+    Step, Sticking, Stop, Summary, Target, shape,
+};
 pub use singular::{condition_number, singular_values};
 pub use transient::count_transient_periods;
 pub use verdict::Verdict;
