@@ -19,6 +19,7 @@ mod period;
 mod resonance;
 mod right_division;
 mod ripple_torque;
+mod shape;
 mod singular;
 #[cfg(test)]
 mod testing;

@@ -1,0 +1,68 @@
+//! Why a reference could not be shaped.
+
+use std::error::Error;
+
+use frfid_signals::{SignalError, TestbedError};
+use thiserror::Error;
+
+use crate::{EstimateError, Quantity};
+
+/// Errors of iterative shaping. Channels and experiments count from 0, iterations from 1.
+#[derive(Debug, Error)]
+pub enum ShapeError {
+    /// Options, signals or records that are wrong in themselves, or a response that cannot be inverted.
+    #[error(transparent)]
+    Estimate(#[from] EstimateError),
+    /// A run could not be done.
+    #[error(transparent)]
+    Testbed(#[from] TestbedError),
+    /// The initial reference already exceeds a limit.
+    #[error(
+        "the initial reference asks axis {axis} for a {quantity} of {found:.4}, the limit is {limit:.4}; start with a smaller amplitude"
+    )]
+    StartTooLarge {
+        /// Axis, from 0.
+        axis: usize,
+        /// What is exceeded.
+        quantity: Quantity,
+        /// Peak of the initial reference in the unit of the quantity.
+        found: f64,
+        /// The limit.
+        limit: f64,
+    },
+    /// The first iteration exceeded a limit or was stopped: there is nothing to go back to.
+    #[error("the initial reference was too much for the machine: {reason}; start with a smaller amplitude")]
+    FirstTooMuch {
+        /// What happened.
+        reason: String,
+    },
+    /// The target does not follow the reference.
+    #[error(
+        "iteration {iteration}: the {target} of axis {axis} does not respond to the reference, the coherence in the band is {coherence:.2}, \
+         at least {needed} is needed; is the loop closed, the channel order right, the reference strong enough for the noise?"
+    )]
+    NoResponse {
+        /// Iteration, from 1.
+        iteration: usize,
+        /// Name of the target.
+        target: &'static str,
+        /// Axis, from 0.
+        axis: usize,
+        /// Share of the target's power in the band that the references explain.
+        coherence: f64,
+        /// Share needed.
+        needed: f64,
+    },
+    /// [`crate::Shaper::finish`] before the first iteration was measured.
+    #[error("nothing has been measured yet, at least one iteration is needed")]
+    NothingMeasured,
+    /// Whoever watched the iterations failed.
+    #[error(transparent)]
+    Watch(Box<dyn Error + Send + Sync>),
+}
+
+impl From<SignalError> for ShapeError {
+    fn from(error: SignalError) -> Self {
+        Self::Estimate(error.into())
+    }
+}

@@ -1,0 +1,169 @@
+//! Spectra of whole records on the lines of a band, experiments as columns, and the way back into time.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use frfid_signals::SignalError;
+use nalgebra::DMatrix;
+use ndarray::{Array3, ArrayView2};
+use num_complex::Complex64;
+use realfft::{ComplexToReal, RealFftPlanner};
+
+use crate::{EstimateError, LineDft, ShapeOptions, Transform};
+
+/// Width of the fades at both ends of the band, as a factor of frequency.
+const FADE: f64 = 1.1;
+
+/// The lines of a band in records of one length, with half-cosine fades outside of it.
+#[derive(Clone)]
+pub(super) struct Band {
+    /// Frequencies in Hz of the lines inside the band.
+    pub frequency_hz: Vec<f64>,
+    lines: Vec<usize>,
+    /// Weight of every line, fades included.
+    weight: Vec<f64>,
+    /// Lines in the lower fade.
+    n_below: usize,
+    dft: LineDft,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+}
+
+impl Band {
+    /// The band of the options in records of `n_samples`.
+    pub fn new(n_samples: usize, options: &ShapeOptions) -> Result<Self, EstimateError> {
+        let (low_hz, high_hz, spacing_hz) =
+            (options.low_hz, options.high_hz, 1.0 / (n_samples as f64 * options.sample_time_s));
+        let mut band = (Vec::new(), Vec::new(), Vec::new(), 0);
+        for line in 1..=n_samples.saturating_sub(1) / 2 {
+            let hz = line as f64 * spacing_hz;
+            let outside = (low_hz / hz).max(hz / high_hz).max(1.0).ln() / FADE.ln();
+            if outside >= 1.0 {
+                continue;
+            }
+            band.0.push(line);
+            band.1.push(0.5 + 0.5 * (std::f64::consts::PI * outside).cos());
+            if outside == 0.0 {
+                band.2.push(hz);
+            } else if hz < low_hz {
+                band.3 += 1;
+            }
+        }
+        let (lines, weight, frequency_hz, n_below) = band;
+        if frequency_hz.len() < 2 {
+            let needed = "at least 2 lines of the record in the band: a longer record or a wider band";
+            let found = frequency_hz.len() as f64;
+            return Err(SignalError::Parameter { name: "lines in the band", found, needed }.into());
+        }
+        let dft = LineDft::new(n_samples, &lines)?;
+        Ok(Self {
+            frequency_hz,
+            weight,
+            n_below,
+            dft,
+            inverse: RealFftPlanner::new().plan_fft_inverse(n_samples),
+            lines,
+        })
+    }
+
+    /// Spectra of one signal of all experiments, each `(channel, sample)`, on the lines inside the band: one matrix
+    /// `(channel, experiment)` per line.
+    pub fn spectra<'a>(
+        &self,
+        name: &'static str,
+        experiments: impl Iterator<Item = ArrayView2<'a, f64>>,
+    ) -> Result<Vec<DMatrix<Complex64>>, EstimateError> {
+        let all = self.all(name, experiments)?;
+        Ok(all[self.inside()].to_vec())
+    }
+
+    /// As [`Band::spectra`], with the lines in the fades.
+    pub fn all<'a>(
+        &self,
+        name: &'static str,
+        experiments: impl Iterator<Item = ArrayView2<'a, f64>>,
+    ) -> Result<Vec<DMatrix<Complex64>>, EstimateError> {
+        let spectra = experiments.map(|signal| self.dft.transform(name, signal)).collect::<Result<Vec<_>, _>>()?;
+        let n_channels = spectra.first().map_or(0, |spectrum| spectrum.nrows());
+        let matrix = |line| DMatrix::from_fn(n_channels, spectra.len(), |channel, m| spectra[m][[channel, line]]);
+        Ok((0..self.lines.len()).map(matrix).collect())
+    }
+
+    /// The lines inside the band, among all.
+    pub fn inside(&self) -> Range<usize> {
+        self.n_below..self.n_below + self.frequency_hz.len()
+    }
+
+    /// Index inside the band of the line nearest to each line, fades included: what holds at the edge holds beyond it.
+    pub fn nearest(&self, line: usize) -> usize {
+        line.saturating_sub(self.n_below).min(self.frequency_hz.len() - 1)
+    }
+
+    /// Number of lines, fades included.
+    pub fn n_lines(&self) -> usize {
+        self.lines.len()
+    }
+
+    /// Weight of a line: 1 in the band, falling to 0 in the fades.
+    pub fn weight(&self, line: usize) -> f64 {
+        self.weight[line]
+    }
+
+    /// The signals `(experiment, channel, sample)` that have these spectra on the lines of the band, fades included.
+    pub fn signals(&self, spectra: &[DMatrix<Complex64>]) -> Array3<f64> {
+        let n_samples = self.dft.n_samples();
+        let (n_channels, n_experiments) = spectra[0].shape();
+        let mut signals = Array3::zeros((n_experiments, n_channels, n_samples));
+        let (mut samples, mut scratch) = (self.inverse.make_output_vec(), self.inverse.make_scratch_vec());
+        for experiment in 0..n_experiments {
+            for channel in 0..n_channels {
+                let mut bins = self.inverse.make_input_vec(); // zeros; the transform spoils it
+                for (&line, matrix) in self.lines.iter().zip(spectra) {
+                    bins[line] = matrix[(channel, experiment)] / n_samples as f64;
+                }
+                let done = self.inverse.process_with_scratch(&mut bins, &mut samples, &mut scratch);
+                done.expect("the plan made the buffers, and bins 0 and Nyquist are no lines");
+                for (to, from) in signals.slice_mut(ndarray::s![experiment, channel, ..]).iter_mut().zip(&samples) {
+                    *to = *from;
+                }
+            }
+        }
+        signals
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::Axis;
+
+    #[test]
+    fn what_lies_in_the_band_comes_back_and_the_rest_does_not() {
+        let options = ShapeOptions { low_hz: 5.0, high_hz: 20.0, sample_time_s: 0.01, ..ShapeOptions::default() };
+        let wave = |hz: f64, k: usize| (std::f64::consts::TAU * hz * k as f64 * 0.01 + hz).sin();
+        for n_samples in [1000, 999] {
+            let band = Band::new(n_samples, &options).expect("sound");
+            let spacing_hz = 100.0 / n_samples as f64;
+            let (inside, outside) = (100.0 * spacing_hz, 300.0 * spacing_hz);
+            let signal = |low, high| {
+                Array3::from_shape_fn((2, 3, n_samples), |(m, c, k)| {
+                    (m + c) as f64 * (low * wave(inside, k) + high * wave(outside, k))
+                })
+            };
+            let all = band.all("r", signal(1.0, 0.7).axis_iter(Axis(0))).expect("finite");
+            let back = band.signals(&all);
+            assert!((&back - &signal(1.0, 0.0)).iter().all(|difference| difference.abs() < 1e-10));
+        }
+    }
+
+    #[test]
+    fn fades_fall_from_one_to_zero_outside_the_band() {
+        let band = Band::new(21_000, &ShapeOptions::default()).expect("sound");
+        assert!((band.frequency_hz[0] - 2.0).abs() < 0.05 && band.frequency_hz[band.frequency_hz.len() - 1] <= 60.0);
+        for line in 0..band.n_lines() {
+            assert_eq!(band.weight(line) == 1.0, band.inside().contains(&line), "line {line}");
+            assert!(band.weight(line) > 0.0);
+        }
+        assert_eq!((band.nearest(0), band.nearest(band.n_lines() - 1)), (0, band.frequency_hz.len() - 1));
+        assert!(Band::new(100, &ShapeOptions { high_hz: 3.0, ..ShapeOptions::default() }).is_err());
+    }
+}

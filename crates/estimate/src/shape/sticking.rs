@@ -1,0 +1,182 @@
+//! How long each axis was stuck, band by band: whether the excitation was strong enough (SK15 footnote 2).
+
+use std::fmt;
+use std::iter::zip;
+use std::ops::Range;
+
+use frfid_signals::Record;
+use nalgebra::DMatrix;
+use ndarray::{Array2, Array3, Axis};
+use num_complex::Complex64;
+
+use super::spectra::Band;
+
+/// Bands per octave in which stuck time is told.
+const PER_OCTAVE: f64 = 3.0;
+/// Stuck share from which an axis is said to stick in a band: most of the time.
+const MOSTLY: f64 = 0.5;
+
+/// How an axis moved while the excitation was in a band.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BandMotion {
+    /// Axis, from 0.
+    pub axis: usize,
+    /// Lower edge of the band in Hz.
+    pub low_hz: f64,
+    /// Upper edge of the band in Hz.
+    pub high_hz: f64,
+    /// Share of the time that the motor was stuck.
+    pub stuck_share: f64,
+    /// Rms of the torque about its mean, in N m.
+    pub rms_nm: f64,
+}
+
+/// An axis that sticks, and where.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Sticking {
+    /// Axis, from 0.
+    pub axis: usize,
+    /// Lower end of where it sticks, in Hz.
+    pub low_hz: f64,
+    /// Upper end of where it sticks, in Hz.
+    pub high_hz: f64,
+    /// Share of the time that the motor was stuck there.
+    pub stuck_share: f64,
+    /// Rms of the torque there, in N m.
+    pub rms_nm: f64,
+    /// Coulomb friction in N m, where it is known.
+    pub coulomb_nm: Option<f64>,
+}
+
+impl fmt::Display for Sticking {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { axis, low_hz, high_hz, stuck_share, rms_nm, coulomb_nm } = self;
+        write!(f, "axis {axis} sticks {:.0} % of the time from {low_hz:.3} to {high_hz:.3} Hz", 100.0 * stuck_share)?;
+        write!(f, ": the torque there is {rms_nm:.3} N m rms")?;
+        match coulomb_nm {
+            Some(coulomb_nm) => write!(f, " against {coulomb_nm:.3} N m of friction"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// When the excitation is where.
+#[derive(Debug, Clone)]
+pub(super) struct Sweep {
+    /// Samples between which the desired signal is not zero.
+    samples: Range<usize>,
+    /// Edges of the bands in Hz.
+    edges_hz: Vec<f64>,
+    /// Power of the desired signal in each band over time, `(band, sample)`.
+    weight: Array2<f64>,
+}
+
+impl Sweep {
+    /// Reads the sweep off the desired signal `(experiment, channel, sample)`; the experiments differ in phase only, so the first
+    /// one tells.
+    pub fn of(band: &Band, desired: &Array3<f64>, spectra: &[DMatrix<Complex64>], [low_hz, high_hz]: [f64; 2]) -> Self {
+        let active = |k: usize| desired.index_axis(Axis(2), k).iter().any(|&x| x != 0.0);
+        let n_samples = desired.len_of(Axis(2));
+        let first = (0..n_samples).find(|&k| active(k)).unwrap_or(0);
+        let last = (0..n_samples).rfind(|&k| active(k)).unwrap_or(0);
+        let n_bands = (PER_OCTAVE * (high_hz / low_hz).log2()).ceil().max(1.0);
+        let edge = |b: usize| low_hz * (high_hz / low_hz).powf(b as f64 / n_bands);
+        let edges_hz: Vec<f64> = (0..=n_bands as usize).map(edge).collect();
+        let mut weight = Array2::zeros((edges_hz.len() - 1, n_samples));
+        for (edges, mut weight) in zip(edges_hz.windows(2), weight.rows_mut()) {
+            // power of the analytic signal: the signal and its quadrature, each squared
+            for turn in [Complex64::ONE, -Complex64::I] {
+                let part = |line: usize| {
+                    let hz = band.frequency_hz[band.nearest(line)];
+                    let factor = if (edges[0]..=edges[1]).contains(&hz) { turn } else { Complex64::ZERO };
+                    spectra[line].columns(0, 1) * factor
+                };
+                let parts: Vec<DMatrix<Complex64>> = (0..band.n_lines()).map(part).collect();
+                for channel in band.signals(&parts).index_axis(Axis(0), 0).rows() {
+                    zip(&mut weight, channel).for_each(|(weight, x)| *weight += x * x);
+                }
+            }
+        }
+        Self { samples: first..last + 1, edges_hz, weight }
+    }
+
+    /// Share of the sweep that each axis was stuck, over all records.
+    pub fn stuck_share(&self, stuck: &[Array2<bool>]) -> Vec<f64> {
+        let n_axes = stuck.first().map_or(0, Array2::nrows);
+        let share = |axis: usize| {
+            let samples =
+                || stuck.iter().flat_map(|stuck| self.samples.clone().filter_map(move |k| stuck.get([axis, k])));
+            samples().filter(|&&stuck| stuck).count() as f64 / samples().count().max(1) as f64
+        };
+        (0..n_axes).map(share).collect()
+    }
+
+    /// Stuck share and torque of every axis in every band, axis by axis.
+    pub fn bands(&self, records: &[Record], stuck: &[Array2<bool>]) -> Vec<BandMotion> {
+        let n_axes = stuck.first().map_or(0, Array2::nrows);
+        let mut bands = Vec::new();
+        for axis in 0..n_axes {
+            for (edges, weight) in zip(self.edges_hz.windows(2), self.weight.rows()) {
+                let (mut total, mut held, mut square) = (f64::MIN_POSITIVE, 0.0, 0.0);
+                for (record, stuck) in zip(records, stuck) {
+                    let mean = record.u.row(axis).sum() / record.n_samples() as f64;
+                    for ((weight, &u), &stuck) in zip(zip(weight, record.u.row(axis)), stuck.row(axis)) {
+                        total += weight;
+                        held += weight * f64::from(u8::from(stuck));
+                        square += weight * (u - mean).powi(2);
+                    }
+                }
+                let (stuck_share, rms_nm) = (held / total, (square / total).sqrt());
+                bands.push(BandMotion { axis, low_hz: edges[0], high_hz: edges[1], stuck_share, rms_nm });
+            }
+        }
+        bands
+    }
+}
+
+/// Samples in which the position reading does not change, or the velocity reading is at most `still_rad_s`, `(axis, sample)`.
+pub(super) fn stuck_samples(record: &Record, still_rad_s: f64) -> Array2<bool> {
+    let mut stuck = record.y.mapv(|y| y.abs() <= still_rad_s);
+    if let Some(position) = &record.position_rad {
+        for ((axis, k), stuck) in stuck.indexed_iter_mut() {
+            *stuck |= k > 0 && position[[axis, k]] == position[[axis, k - 1]];
+        }
+    }
+    stuck
+}
+
+/// Where axes stick: neighbouring bands in which an axis sticks most of the time, merged, and an axis that sticks for a larger
+/// share of the sweep than `max_stuck_share` without doing so in any one band.
+pub(super) fn sticking(
+    bands: &[BandMotion],
+    stuck_share: &[f64],
+    max_stuck_share: f64,
+    coulomb_nm: Option<&[f64]>,
+) -> Vec<Sticking> {
+    let mut found: Vec<Sticking> = Vec::new();
+    for (axis, &share) in stuck_share.iter().enumerate() {
+        let of_axis: Vec<&BandMotion> = bands.iter().filter(|band| band.axis == axis).collect();
+        let runs = of_axis.chunk_by(|a, b| (a.stuck_share > MOSTLY) == (b.stuck_share > MOSTLY));
+        let sticky = |run: &&[&BandMotion]| run[0].stuck_share > MOSTLY;
+        let before = found.len();
+        found.extend(runs.filter(sticky).map(|run| merged(run, coulomb_nm)));
+        if found.len() == before && share > max_stuck_share && !of_axis.is_empty() {
+            found.push(Sticking { stuck_share: share, ..merged(&of_axis, coulomb_nm) });
+        }
+    }
+    found
+}
+
+/// Neighbouring bands as one, equal parts of the logarithm of the frequency.
+fn merged(bands: &[&BandMotion], coulomb_nm: Option<&[f64]>) -> Sticking {
+    let mean = |of: &dyn Fn(&BandMotion) -> f64| bands.iter().map(|band| of(band)).sum::<f64>() / bands.len() as f64;
+    let axis = bands[0].axis;
+    Sticking {
+        axis,
+        low_hz: bands[0].low_hz,
+        high_hz: bands[bands.len() - 1].high_hz,
+        stuck_share: mean(&|band| band.stuck_share),
+        rms_nm: mean(&|band| band.rms_nm.powi(2)).sqrt(),
+        coulomb_nm: coulomb_nm.map(|coulomb_nm| coulomb_nm[axis]),
+    }
+}
