@@ -19,7 +19,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     let joint = SingleJoint::default();
     let sensor = Sensor { torque_noise_nm: Some(200.0), ..Sensor::default() };
     let (gain, integral_gain) = (vec![1500.0], vec![12_000.0]);
-    let controller = PiController { gain, integral_gain, sample_time_s: T, delay_samples: 0, max_torque_nm: None };
+    let controller = PiController {
+        gain,
+        integral_gain,
+        position_gain: None,
+        sample_time_s: T,
+        delay_samples: 0,
+        max_torque_nm: None,
+        max_torque_rate_nm_per_s: None,
+    };
     let testbed = ClosedLoop { sensors: vec![sensor], seed: 3, ..ClosedLoop::new(Arc::new(joint.clone()), controller) };
     let (kind, seed) = (GridKind::Odd, 0);
     let design =

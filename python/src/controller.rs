@@ -52,9 +52,11 @@ impl PiController {
         let controller = Controller {
             gain: per_channel("gain", gain, 1)?,
             integral_gain: per_channel("integral_gain", integral_gain, 1)?,
+            position_gain: None,
             sample_time_s,
             delay_samples,
             max_torque_nm: max_torque_nm.map(|limit| per_channel("max_torque_nm", limit, 1)).transpose()?,
+            max_torque_rate_nm_per_s: None,
         };
         controller.check(1).map_err(error::signal)?;
         Ok(Self { controller })

@@ -104,6 +104,7 @@ impl Plant {
             position_increment_rad,
             position_noise_rad,
             velocity_noise_rad_s,
+            velocity_filter_hz: None,
             torque_quantum_nm,
             torque_noise_nm,
         };

@@ -73,8 +73,10 @@ pub struct SensorTable {
     pub position_increment_rad: Option<f64>,
     /// Rms of the white noise on the position in rad.
     pub position_noise_rad: Option<f64>,
-    /// Rms of the white noise on the velocity in rad/s.
+    /// Rms of the white noise on the velocity in rad/s, before it is filtered.
     pub velocity_noise_rad_s: Option<f64>,
+    /// Corner in Hz of a low-pass of first order on the velocity reading.
+    pub velocity_filter_hz: Option<f64>,
     /// Resolution of the motor torque in N m.
     pub torque_quantum_nm: Option<f64>,
     /// Rms of the white noise on the torque reading in N m; with it the recorded input is a measurement.
@@ -94,6 +96,10 @@ pub struct ControllerTable {
     pub delay_samples: usize,
     /// Torque limit in N m, one for each axis; none without it.
     pub max_torque_nm: Option<Vec<f64>>,
+    /// Largest change of the torque in N m/s, one for each axis; none without it.
+    pub max_torque_rate_nm_per_s: Option<Vec<f64>>,
+    /// Gain of a position loop around the velocity loop in 1/s, one for each axis; no position loop without it.
+    pub position_gain_per_s: Option<Vec<f64>>,
 }
 
 fn default_knee_rad() -> f64 {
@@ -156,6 +162,7 @@ impl RobotTable {
             position_increment_rad: table.position_increment_rad,
             position_noise_rad: table.position_noise_rad,
             velocity_noise_rad_s: table.velocity_noise_rad_s,
+            velocity_filter_hz: table.velocity_filter_hz,
             torque_quantum_nm: table.torque_quantum_nm,
             torque_noise_nm: table.torque_noise_nm,
         }
@@ -178,6 +185,8 @@ impl ControllerTable {
             sample_time_s,
             delay_samples: self.delay_samples,
             max_torque_nm: self.max_torque_nm.clone(),
+            max_torque_rate_nm_per_s: self.max_torque_rate_nm_per_s.clone(),
+            position_gain: self.position_gain_per_s.clone(),
         }
     }
 }

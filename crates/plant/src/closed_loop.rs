@@ -2,18 +2,19 @@
 
 use std::sync::Arc;
 
-use frfid_signals::{Event, EventKind, Record, Run, SignalError, Testbed, TestbedError};
+use frfid_signals::{Record, Run, SignalError, Testbed, TestbedError};
 
 use crate::controller::{PiAxis, PiOutput};
-use crate::recorder::{Recorder, check_run};
-use crate::{Acting, Clock, PiController, PlantError, Robot, Sensor, Trajectory};
+use crate::rig::{Command, Rig};
+use crate::watch::Reached;
+use crate::{Moving, PiController, PlantError, Robot, Sensor, Trajectory, Watch};
 
 /// A robot under velocity control.
 ///
 /// At t_k the controller reads the sensors and sets the torque that is held on `[t_k, t_k + T)` (later by its delay). The run
 /// starts at its place with motors and links at the run's constant velocity v and the controller holding them: its integral
-/// is F_c sgn(v) + F_v v and what the gears transmit. Reaching the torque limit is logged as an event, once until the torque
-/// is below it again.
+/// is F_c sgn(v) + F_v v and what the gears transmit. Reaching a limit of the controller is logged as an event, once until
+/// the torque is free of it again, and does not stop the run; only a [`Watch`] does.
 #[derive(Debug, Clone)]
 pub struct ClosedLoop {
     /// The robot.
@@ -22,18 +23,38 @@ pub struct ClosedLoop {
     pub controller: PiController,
     /// Sensors and torque resolution, one per axis.
     pub sensors: Vec<Sensor>,
+    /// What stops a run before its end; `None` if nothing does.
+    pub watch: Option<Watch>,
     /// Longest step of the integrator in s; [`Robot::default_step_s`] if `None`.
     pub max_step_s: Option<f64>,
     /// Seed of the sensors' noise.
     pub seed: u64,
 }
 
+/// The controllers of all axes at work.
+struct Controllers(Vec<PiAxis>);
+
+impl Controllers {
+    /// Controllers that hold a robot as it moves.
+    fn holding(controller: &PiController, motion: &dyn Moving) -> Self {
+        let held = motion.holding_nm().into_iter().zip(motion.motor_position_rad());
+        Self(held.enumerate().map(|(axis, (torque_nm, &rad))| controller.axis(axis, torque_nm, rad)).collect())
+    }
+}
+
+impl Command for Controllers {
+    fn torque(&mut self, axis: usize, reference: f64, (position, velocity): (f64, f64)) -> (f64, Option<Reached>) {
+        let PiOutput { torque_nm, reached } = self.0[axis].step(reference, position, velocity);
+        (torque_nm, reached)
+    }
+}
+
 impl ClosedLoop {
-    /// A robot with ideal sensors.
+    /// A robot with ideal sensors, not watched.
     #[must_use]
     pub fn new(robot: Arc<dyn Robot>, controller: PiController) -> Self {
         let sensors = vec![Sensor::default(); robot.n_axes()];
-        Self { robot, controller, sensors, max_step_s: None, seed: 0 }
+        Self { robot, controller, sensors, watch: None, max_step_s: None, seed: 0 }
     }
 
     /// Does one run; returns the true motion beside what the sensors recorded.
@@ -41,46 +62,21 @@ impl ClosedLoop {
     /// # Errors
     /// [`PlantError`]; a run with another sample time than the controller's is refused.
     pub fn simulate(&self, run: &Run) -> Result<(Record, Trajectory), PlantError> {
-        let n_axes = self.robot.n_axes();
-        self.controller.check(n_axes)?;
-        check_run(n_axes, &self.sensors, run)?;
+        self.controller.check(self.robot.n_axes())?;
         if run.sample_time_s != self.controller.sample_time_s {
             let needed = "the controller's sample time";
             return Err(SignalError::Parameter { name: "sample_time_s", found: run.sample_time_s, needed }.into());
         }
-        let clock = Clock::new(run.sample_time_s, self.max_step_s.unwrap_or_else(|| self.robot.default_step_s()))?;
-        let mut motion = self.robot.start(&run.start_rad, &run.velocity_rad_s)?;
-        let mut recorder = Recorder::new(&self.sensors, self.seed, run, &*motion);
-        let holding = motion.holding_nm().into_iter().enumerate();
-        let mut axes: Vec<PiAxis> = holding.map(|(axis, holding_nm)| self.controller.axis(axis, holding_nm)).collect();
-        let n_samples = run.reference.ncols();
-        let mut truth = Trajectory::zeros(run.sample_time_s, n_axes, n_samples);
-        let mut torque = vec![0.0; n_axes];
-        for sample in 0..n_samples {
-            truth.set(sample, &*motion);
-            for (axis, acting_nm) in torque.iter_mut().enumerate() {
-                let at = [axis, sample];
-                let (_, velocity) =
-                    recorder.motion(axis, sample, truth.motor_position_rad[at], truth.motor_velocity_rad_s[at]);
-                let output = axes[axis].step(run.reference[at] - velocity);
-                recorder.record.events.extend(limit_event(output, axis, sample as f64 * run.sample_time_s));
-                *acting_nm = self.sensors[axis].acting_torque(output.torque_nm);
-                recorder.torque(axis, sample, *acting_nm);
-            }
-            if sample + 1 < n_samples {
-                motion.advance(clock.n_steps, clock.step_s(), Acting::Held(&torque))?;
-            }
-        }
-        truth.set_stuck(&*motion);
-        Ok((recorder.record, truth))
+        let rig = Rig {
+            robot: &*self.robot,
+            sensors: &self.sensors,
+            watch: self.watch.as_ref(),
+            max_step_s: self.max_step_s,
+            seed: self.seed,
+            gains: &self.controller.gain,
+        };
+        rig.run(run, |motion| Controllers::holding(&self.controller, motion))
     }
-}
-
-/// The event of a torque that has just reached its limit.
-fn limit_event(output: PiOutput, channel: usize, time_s: f64) -> Option<Event> {
-    let PiOutput { asked_nm: value, max_torque_nm: limit, limit_reached, .. } = output;
-    limit_reached
-        .then(|| Event { time_s, kind: EventKind::Limit { channel, quantity: "effort_nm".into(), value, limit } })
 }
 
 impl Testbed for ClosedLoop {
@@ -89,7 +85,7 @@ impl Testbed for ClosedLoop {
     }
 
     fn run(&self, run: &Run) -> Result<Record, TestbedError> {
-        self.simulate(run).map(|(record, _)| record).map_err(|error| error.in_run(run.id))
+        self.simulate(run).map(|(record, _)| record).map_err(|error| error.in_run(run.id, &self.controller.gain))
     }
 }
 
@@ -97,17 +93,19 @@ impl Testbed for ClosedLoop {
 mod tests {
     use super::*;
     use crate::SingleJoint;
-    use frfid_signals::{RunId, RunKind};
-    use ndarray::Array2;
+    use frfid_signals::{Event, EventKind, RunId, RunKind};
+    use ndarray::{Array2, s};
     use std::f64::consts::TAU;
 
     fn controller() -> PiController {
         PiController {
             gain: vec![2000.0],
             integral_gain: vec![16000.0],
+            position_gain: None,
             sample_time_s: 1e-3,
             delay_samples: 0,
             max_torque_nm: None,
+            max_torque_rate_nm_per_s: None,
         }
     }
 
@@ -160,6 +158,8 @@ mod tests {
         let wild = PiController { gain: vec![1e9], ..controller() };
         let error = ClosedLoop::new(Arc::new(SingleJoint::default()), wild).run(&run(0.0, 0.1)).expect_err("unstable");
         assert!(matches!(error, TestbedError::Diverged { quantity: "motor velocity", channel: 0, .. }), "{error}");
+        let told = error.to_string();
+        assert!(told.contains("axis 1") && told.ends_with("is 1000000000 N m s/rad: lower the gains"), "{told}");
     }
 
     #[test]
@@ -170,5 +170,68 @@ mod tests {
         assert!(refused(Run { velocity_rad_s: vec![], ..run(0.0, 0.1) }).starts_with("velocity_rad_s has shape [0]"));
         assert!(refused(Run { reference: Array2::zeros((2, 5)), ..run(0.0, 0.1) }).starts_with("reference has shape"));
         assert!(refused(Run { reference: Array2::from_elem((1, 5), f64::NAN), ..run(0.0, 0.1) }).contains("NaN"));
+    }
+
+    /// What stopped a run and the times in s of the excess and of the stop.
+    fn stop(record: &Record) -> (&str, f64, f64) {
+        let Some(Event { time_s, kind: EventKind::Stopped { reason, since_s: Some(since_s) } }) = record.events.last()
+        else {
+            panic!("not stopped: {:?}", record.events)
+        };
+        (reason, *since_s, *time_s)
+    }
+
+    #[test]
+    fn an_excess_brings_the_reference_smoothly_to_zero_and_ends_the_record_there() {
+        let watch = |watch: Watch| Some(Watch { ramp_s: 0.1, ..watch });
+        let none = || Watch { max_effort_nm: None, max_velocity_rad_s: None, max_travel_rad: None, ramp_s: 0.1 };
+        let free = ClosedLoop::new(Arc::new(SingleJoint::default()), controller());
+        let planned = Run { start_rad: vec![-0.02], ..run(0.2, 0.1) };
+        let whole = free.run(&planned).expect("sound");
+        let position = whole.position_rad.as_ref().expect("recorded");
+        let peaks = [&whole.u, &whole.y, position].map(|x| x.iter().fold(0.0, |peak: f64, x| peak.max(x.abs())));
+        let limits = peaks.map(|peak| Some(vec![0.8 * peak]));
+        for (word, signal, limited) in [
+            ("effort", &whole.u, Watch { max_effort_nm: limits[0].clone(), ..none() }),
+            ("velocity", &whole.y, Watch { max_velocity_rad_s: limits[1].clone(), ..none() }),
+            ("travel", position, Watch { max_travel_rad: limits[2].clone(), ..none() }),
+        ] {
+            let peak = signal.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
+            let first = signal.iter().position(|x| x.abs() > 0.8 * peak).expect("0.8 of the peak is exceeded");
+            let record = ClosedLoop { watch: watch(limited), ..free.clone() }.run(&planned).expect("sound");
+            let (reason, since_s, time_s) = stop(&record);
+            assert!(
+                reason.starts_with(&format!("axis 1: {word} ")) && reason.contains("gain 2000 N m s/rad"),
+                "{reason}"
+            );
+            assert!((since_s - 1e-3 * first as f64).abs() < 1e-9 && (time_s - since_s - 0.1).abs() < 1e-9, "{reason}");
+            assert_eq!((record.n_steady_samples(), record.n_samples()), (first, first + 101));
+            assert_eq!(record.check(), Ok(()));
+            let Event { kind: EventKind::Limit { channel: 0, quantity, .. }, .. } = &record.events[0] else {
+                panic!("{:?}", record.events)
+            };
+            assert!(quantity.starts_with(word));
+            let r = record.r.as_ref().expect("recorded").row(0).to_owned();
+            assert_eq!(r.slice(s![..=first]), planned.reference.slice(s![0, ..=first]));
+            assert_eq!(record.u.slice(s![.., ..=first]), whole.u.slice(s![.., ..=first]));
+            assert!(
+                r[first + 100].abs() < 1e-15
+                    && (r[first + 50] / planned.reference[[0, first + 50]] - 0.5).abs() < 1e-12
+            );
+        }
+    }
+
+    #[test]
+    fn an_unstable_loop_is_cut_off_at_the_first_limit() {
+        let wild = PiController { gain: vec![1e9], ..controller() };
+        let watch =
+            Watch { max_effort_nm: Some(vec![1000.0]), max_velocity_rad_s: None, max_travel_rad: None, ramp_s: 0.5 };
+        let testbed = ClosedLoop { watch: Some(watch), ..ClosedLoop::new(Arc::new(SingleJoint::default()), wild) };
+        let record = testbed.run(&run(0.0, 0.1)).expect("stopped, not lost");
+        assert_eq!((record.n_samples(), record.n_steady_samples(), record.check()), (2, 1, Ok(())));
+        let (reason, ..) = stop(&record);
+        for part in ["axis 1: effort ", "limit 1000 N m, at 0.0010 s", "gain 1000000000 N m s/rad", "lower the gains"] {
+            assert!(reason.contains(part), "{reason}");
+        }
     }
 }

@@ -15,7 +15,7 @@ pub enum PlantError {
     )]
     NoHold,
     /// The simulation left the numbers.
-    #[error("{quantity} of channel {channel} is no longer finite at {time_s} s; lower the amplitude or the gains")]
+    #[error("{quantity} of axis {} is no longer finite at {time_s} s; lower the amplitude or the gains", channel + 1)]
     Diverged {
         /// The first quantity that was not finite.
         quantity: &'static str,
@@ -23,6 +23,21 @@ pub enum PlantError {
         channel: usize,
         /// Time in s after the first sample.
         time_s: f64,
+    },
+    /// The linear loop of robot, sensors and controller has a pole outside the unit circle.
+    #[error(
+        "unstable gains: spectral radius {spectral_radius:.4} at {hz:.3} Hz; lower the gain of axis {} ({gain_nms_per_rad} N m s/rad)",
+        channel + 1
+    )]
+    Unstable {
+        /// Largest magnitude of a pole: the growth per sample.
+        spectral_radius: f64,
+        /// Frequency of that pole in Hz.
+        hz: f64,
+        /// The axis whose controller feeds the growing motion most, from 0.
+        channel: usize,
+        /// Its proportional gain in N m s/rad.
+        gain_nms_per_rad: f64,
     },
     /// Modes changed too often within one step of the integrator.
     #[error(
@@ -37,13 +52,19 @@ pub enum PlantError {
 }
 
 impl PlantError {
-    /// The same error as a testbed reports it, with the run in which it happened.
+    /// The same error as a testbed reports it, with the run in which it happened and the gains in N m s/rad of the axes'
+    /// controllers, if there are any.
     #[must_use]
-    pub fn in_run(self, run: RunId) -> TestbedError {
+    pub fn in_run(self, run: RunId, gains: &[f64]) -> TestbedError {
         match self {
             Self::Signal(error) => TestbedError::Run(error),
-            Self::Diverged { quantity, channel, time_s } => TestbedError::Diverged { run, quantity, channel, time_s },
-            error @ (Self::NoHold | Self::Chatter { .. }) => TestbedError::Foreign { run, source: Box::new(error) },
+            Self::Diverged { quantity, channel, time_s } => {
+                let gain_nms_per_rad = gains.get(channel).copied();
+                TestbedError::Diverged { run, quantity, channel, time_s, gain_nms_per_rad }
+            }
+            error @ (Self::NoHold | Self::Unstable { .. } | Self::Chatter { .. }) => {
+                TestbedError::Foreign { run, source: Box::new(error) }
+            }
         }
     }
 }

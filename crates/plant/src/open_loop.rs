@@ -3,11 +3,10 @@
 use std::sync::Arc;
 
 use frfid_signals::{Record, Run, Testbed, TestbedError};
-use ndarray::Array2;
 
-use crate::recorder::{Recorder, check_run};
-use crate::simulate::trajectory;
-use crate::{Clock, Hold, PlantError, Robot, Sensor, Torque, Trajectory};
+use crate::rig::{Command, Rig};
+use crate::watch::Reached;
+use crate::{Hold, PlantError, Robot, Sensor, Trajectory, Watch};
 
 /// A robot driven by its motor torques.
 ///
@@ -22,6 +21,8 @@ pub struct OpenLoop {
     pub sensors: Vec<Sensor>,
     /// What the torque does between samples: [`Hold::Zoh`] or [`Hold::Linear`].
     pub hold: Hold,
+    /// What stops a run before its end; `None` if nothing does.
+    pub watch: Option<Watch>,
     /// Longest step of the integrator in s; [`Robot::default_step_s`] if `None`.
     pub max_step_s: Option<f64>,
     /// Seed of the sensors' noise.
@@ -29,11 +30,11 @@ pub struct OpenLoop {
 }
 
 impl OpenLoop {
-    /// A robot with ideal sensors, its torque held between samples.
+    /// A robot with ideal sensors, its torque held between samples, not watched.
     #[must_use]
     pub fn new(robot: Arc<dyn Robot>) -> Self {
         let sensors = vec![Sensor::default(); robot.n_axes()];
-        Self { robot, sensors, hold: Hold::Zoh, max_step_s: None, seed: 0 }
+        Self { robot, sensors, hold: Hold::Zoh, watch: None, max_step_s: None, seed: 0 }
     }
 
     /// Does one run; returns the true motion beside what the sensors recorded.
@@ -41,26 +42,34 @@ impl OpenLoop {
     /// # Errors
     /// [`PlantError`].
     pub fn simulate(&self, run: &Run) -> Result<(Record, Trajectory), PlantError> {
-        check_run(self.robot.n_axes(), &self.sensors, run)?;
-        let mut motion = self.robot.start(&run.start_rad, &run.velocity_rad_s)?;
-        let clock = Clock::new(run.sample_time_s, self.max_step_s.unwrap_or_else(|| self.robot.default_step_s()))?;
-        let holding_nm = motion.holding_nm();
-        let acting = Array2::from_shape_fn(run.reference.dim(), |(axis, sample)| {
-            self.sensors[axis].acting_torque(run.reference[[axis, sample]] + holding_nm[axis])
-        });
-        let torque = match self.hold {
-            Hold::Zoh => Torque::Zoh(acting.view()),
-            Hold::Linear => Torque::Linear(acting.view()),
-            Hold::Continuous => return Err(PlantError::NoHold),
-        };
-        let mut recorder = Recorder::new(&self.sensors, self.seed, run, &*motion);
-        let truth = trajectory(&mut *motion, torque, clock)?;
-        for ((axis, sample), &acting_nm) in acting.indexed_iter() {
-            let at = [axis, sample];
-            recorder.motion(axis, sample, truth.motor_position_rad[at], truth.motor_velocity_rad_s[at]);
-            recorder.torque(axis, sample, acting_nm);
+        if self.hold == Hold::Continuous {
+            return Err(PlantError::NoHold);
         }
-        Ok((recorder.record, truth))
+        let rig = Rig {
+            robot: &*self.robot,
+            sensors: &self.sensors,
+            watch: self.watch.as_ref(),
+            max_step_s: self.max_step_s,
+            seed: self.seed,
+            gains: &[],
+        };
+        rig.run(run, |motion| Torques { holding_nm: motion.holding_nm(), hold: self.hold })
+    }
+}
+
+/// Reference torques on top of those that hold the robot at the start.
+struct Torques {
+    holding_nm: Vec<f64>,
+    hold: Hold,
+}
+
+impl Command for Torques {
+    fn torque(&mut self, axis: usize, reference: f64, _reading: (f64, f64)) -> (f64, Option<Reached>) {
+        (self.holding_nm[axis] + reference, None)
+    }
+
+    fn ahead(&self, axis: usize, next_reference: f64) -> Option<f64> {
+        (self.hold == Hold::Linear).then(|| self.holding_nm[axis] + next_reference)
     }
 }
 
@@ -70,7 +79,7 @@ impl Testbed for OpenLoop {
     }
 
     fn run(&self, run: &Run) -> Result<Record, TestbedError> {
-        self.simulate(run).map(|(record, _)| record).map_err(|error| error.in_run(run.id))
+        self.simulate(run).map(|(record, _)| record).map_err(|error| error.in_run(run.id, &[]))
     }
 }
 
@@ -79,6 +88,7 @@ mod tests {
     use super::*;
     use crate::{SingleJoint, Velocity};
     use frfid_signals::{InputKind, RunId, RunKind, SignalError};
+    use ndarray::Array2;
     use std::f64::consts::TAU;
 
     const ID: RunId = RunId { kind: RunKind::Excitation, realization: 0, experiment: 0, repetition: 0 };

@@ -4,6 +4,7 @@ use frfid_signals::{InputKind, Record, Run, SignalError, check_finite};
 use ndarray::Array2;
 
 use crate::sensor::Reader;
+use crate::watch::Reached;
 use crate::{Moving, Sensor};
 use frfid_signals::range::{finite, positive};
 
@@ -43,7 +44,7 @@ impl Recorder {
             sample_time_s: run.sample_time_s,
             u: zeros(),
             y: zeros(),
-            r: Some(run.reference.clone()),
+            r: Some(zeros()),
             position_rad: Some(zeros()),
             input_kind: if measured { InputKind::Measured } else { InputKind::Commanded },
             events: Vec::new(),
@@ -61,15 +62,29 @@ impl Recorder {
         (position, velocity)
     }
 
-    /// Records the torque in N m that acts on an axis from a sample on.
-    pub fn torque(&mut self, axis: usize, sample: usize, acting_nm: f64) {
+    /// Records what is injected on an axis at a sample.
+    pub fn reference(&mut self, axis: usize, sample: usize, injected: f64) {
+        if let Some(references) = &mut self.record.r {
+            references[[axis, sample]] = injected;
+        }
+    }
+
+    /// Records the torque in N m that acts on an axis from a sample on, and the limit that it has just reached.
+    pub fn torque(&mut self, axis: usize, sample: usize, acting_nm: f64, reached: Option<Reached>) {
         self.record.u[[axis, sample]] = self.readers[axis].torque(acting_nm);
+        let time_s = sample as f64 * self.record.sample_time_s;
+        self.record.events.extend(reached.map(|reached| reached.event(axis, time_s)));
     }
 }
 
 /// The values, if there is one for each axis.
 pub(crate) fn of_axes<'a, T>(name: &'static str, values: &'a [T], n_axes: usize) -> Result<&'a [T], SignalError> {
     if values.len() == n_axes { Ok(values) } else { Err(shape(name, vec![values.len()], format!("({n_axes})"))) }
+}
+
+/// Limits above 0, one for each axis, if there are any.
+pub(crate) fn positive_limits(name: &'static str, limits: Option<&[f64]>, n_axes: usize) -> Result<(), SignalError> {
+    limits.map_or(Ok(()), |limits| of_axes(name, limits, n_axes)?.iter().try_for_each(|&limit| positive(name, limit)))
 }
 
 /// Exactly one value per axis.

@@ -1,12 +1,11 @@
 //! What every simulated robot can tell of itself: the seam between descriptions, testbeds and the linear truth.
 
-use std::f64::consts::TAU;
 use std::fmt::Debug;
 
 use frfid_signals::{Frf, SignalError};
-use num_complex::Complex64;
 
-use crate::{Hold, Moving, PlantError, StateSpace, Velocity};
+use crate::recorder::of_axes;
+use crate::{Hold, Moving, PlantError, Sensor, StateSpace, Velocity};
 
 /// A robot in software: the description of a machine that can be set in motion and linearised.
 pub trait Robot: Debug + Send + Sync {
@@ -35,27 +34,38 @@ pub trait Robot: Debug + Send + Sync {
     fn state_space(&self) -> StateSpace;
 
     /// The exact FRF in rad/s per N m from motor torques to the velocity readings at the pose, `(frequency, output, input)`,
-    /// through a hold of `sample_time_s`.
-    ///
-    /// A differenced velocity is the FRF of the position times (1 - e^{-s T}) / T, which is exact under every hold.
+    /// through a hold of `sample_time_s`; every axis read alike and without a filter.
     ///
     /// # Errors
     /// [`SignalError::Parameter`] for a parameter of the robot, a frequency or a sample time out of range.
     fn frf(&self, hz: &[f64], hold: Hold, sample_time_s: f64, velocity: Velocity) -> Result<Frf, SignalError> {
+        self.frf_seen(hz, hold, sample_time_s, &vec![Sensor { velocity, ..Sensor::default() }; self.n_axes()])
+    }
+
+    /// [`Robot::frf`] as each axis' own sensor sees it, filter included.
+    ///
+    /// A sensor sees samples, so the FRF of the velocity, or the position where it is differenced, times
+    /// [`Sensor::response`] is exact under every hold.
+    ///
+    /// # Errors
+    /// As [`Robot::frf`]; [`SignalError::Shape`] unless there is a sensor for each axis.
+    fn frf_seen(&self, hz: &[f64], hold: Hold, sample_time_s: f64, sensors: &[Sensor]) -> Result<Frf, SignalError> {
         self.check()?;
-        let StateSpace { a, b, c, d } = self.state_space();
         let n_axes = self.n_axes();
-        let first = match velocity {
-            Velocity::True => 0,
-            Velocity::Differenced => n_axes,
-        };
-        let (c, d) = (c.rows(first, n_axes).into_owned(), d.rows(first, n_axes).into_owned());
-        let mut frf = StateSpace { a, b, c, d }.frf(hz, hold, sample_time_s)?;
-        if velocity == Velocity::Differenced {
-            for (mut matrix, f) in frf.response.outer_iter_mut().zip(hz) {
-                let difference = (1.0 - Complex64::cis(-TAU * f * sample_time_s)) / sample_time_s;
-                matrix.mapv_inplace(|value| value * difference);
-            }
+        of_axes("sensors", sensors, n_axes)?.iter().try_for_each(Sensor::check)?;
+        let StateSpace { a, b, c, d } = self.state_space();
+        let rows: Vec<usize> = sensors
+            .iter()
+            .enumerate()
+            .map(|(axis, sensor)| match sensor.velocity {
+                Velocity::True => axis,
+                Velocity::Differenced => n_axes + axis,
+            })
+            .collect();
+        let mut frf =
+            StateSpace { a, b, c: c.select_rows(&rows), d: d.select_rows(&rows) }.frf(hz, hold, sample_time_s)?;
+        for ((line, axis, _), value) in frf.response.indexed_iter_mut() {
+            *value *= sensors[axis].response(hz[line], sample_time_s);
         }
         Ok(frf)
     }

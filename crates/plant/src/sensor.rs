@@ -1,6 +1,9 @@
 //! What is seen of the motion, and how finely the torque is made (SK15 section 2, challenge F).
 
+use std::f64::consts::TAU;
+
 use frfid_signals::{RunId, SignalError, random};
+use num_complex::Complex64;
 use rand::rngs::ChaCha8Rng;
 use serde::{Deserialize, Serialize};
 
@@ -27,8 +30,11 @@ pub struct Sensor {
     pub position_increment_rad: Option<f64>,
     /// Rms of the white noise in rad on the position, before it is rounded to increments.
     pub position_noise_rad: Option<f64>,
-    /// Rms of the white noise in rad/s on the velocity reading.
+    /// Rms of the white noise in rad/s on the velocity, before it is filtered.
     pub velocity_noise_rad_s: Option<f64>,
+    /// Corner in Hz of a low-pass of first order on the velocity reading, y[k] = p y[k-1] + (1 - p) v[k] with
+    /// p = e^{-2 pi f_c T}: the pole of 2 pi f_c / (s + 2 pi f_c), mapped exactly, H(z) = (1 - p) / (1 - p z^-1).
+    pub velocity_filter_hz: Option<f64>,
     /// Resolution of the motor torque in N m: the torque that acts is a multiple of it.
     pub torque_quantum_nm: Option<f64>,
     /// Rms of the white noise in N m on the torque reading; with it the recorded input is a measurement, without it the
@@ -46,10 +52,29 @@ impl Sensor {
             ("position_increment_rad", self.position_increment_rad),
             ("position_noise_rad", self.position_noise_rad),
             ("velocity_noise_rad_s", self.velocity_noise_rad_s),
+            ("velocity_filter_hz", self.velocity_filter_hz),
             ("torque_quantum_nm", self.torque_quantum_nm),
             ("torque_noise_nm", self.torque_noise_nm),
         ];
         parameters.into_iter().try_for_each(|(name, value)| value.map_or(Ok(()), |value| positive(name, value)))
+    }
+
+    /// What the reading does to a sampled signal at a frequency in Hz: (1 - z^-1) / T from the position where velocities
+    /// are differences, 1 from the true velocity, times the filter (1 - p) / (1 - p z^-1); z = e^{j 2 pi f T}.
+    #[must_use]
+    pub fn response(&self, hz: f64, sample_time_s: f64) -> Complex64 {
+        let before = Complex64::cis(-TAU * hz * sample_time_s);
+        let reading = match self.velocity {
+            Velocity::True => Complex64::from(1.0),
+            Velocity::Differenced => (1.0 - before) / sample_time_s,
+        };
+        let pole = self.filter_pole(sample_time_s);
+        reading * (1.0 - pole) / (1.0 - pole * before)
+    }
+
+    /// Pole p of the velocity filter; 0 without one.
+    pub(crate) fn filter_pole(&self, sample_time_s: f64) -> f64 {
+        self.velocity_filter_hz.map_or(0.0, |hz| (-TAU * hz * sample_time_s).exp())
     }
 
     /// The torque in N m that acts when this one is commanded.
@@ -79,10 +104,14 @@ pub(crate) struct Reader {
     torque_noise: Option<Noise>,
     /// Position reading of the sample before, in rad.
     last_position_rad: f64,
+    /// Velocity reading of the sample before, in rad/s.
+    last_velocity_rad_s: f64,
+    filter_pole: f64,
 }
 
 impl Reader {
-    /// Begins to read a run that starts at a position in rad, reached at a constant velocity in rad/s.
+    /// Begins to read a run that starts at a position in rad, reached at a constant velocity in rad/s, at which the filter
+    /// has settled.
     pub fn new(
         sensor: Sensor,
         seed: u64,
@@ -100,6 +129,8 @@ impl Reader {
             velocity_noise: noise("velocity-noise", sensor.velocity_noise_rad_s),
             torque_noise: noise("torque-noise", sensor.torque_noise_nm),
             last_position_rad: 0.0,
+            last_velocity_rad_s: velocity_rad_s,
+            filter_pole: sensor.filter_pole(sample_time_s),
         };
         reader.last_position_rad = reader.position(position_rad - velocity_rad_s * sample_time_s);
         reader
@@ -113,7 +144,9 @@ impl Reader {
             Velocity::Differenced => (position - self.last_position_rad) / self.sample_time_s,
         };
         self.last_position_rad = position;
-        (position, noisy(velocity, &mut self.velocity_noise))
+        let velocity = noisy(velocity, &mut self.velocity_noise);
+        self.last_velocity_rad_s = self.filter_pole * self.last_velocity_rad_s + (1.0 - self.filter_pole) * velocity;
+        (position, self.last_velocity_rad_s)
     }
 
     /// Reading of the torque that acts from the next sample on.
@@ -160,6 +193,20 @@ mod tests {
     fn a_differenced_velocity_knows_the_motion_before_the_first_sample() {
         let sensor = Sensor { velocity: Velocity::Differenced, ..Sensor::default() };
         assert!((reader(sensor, RUN, 0).motion(0.0, 0.25).1 - 0.25).abs() < 1e-15);
+    }
+
+    #[test]
+    fn a_filter_starts_settled_and_answers_a_step_as_its_time_constant_says() {
+        let sensor = Sensor { velocity_filter_hz: Some(20.0), ..Sensor::default() };
+        let mut reader = reader(sensor, RUN, 0);
+        assert_eq!(reader.motion(0.0, 0.25).1, 0.25);
+        let step = (1..=100).map(|k| (k, reader.motion(0.0, 1.25).1));
+        for (k, velocity) in step {
+            // the continuous filter's step response, (1 - e^{-2 pi f_c t}), at the sample instants
+            let expected = 1.25 - (-TAU * 20.0 * 1e-3 * f64::from(k)).exp();
+            assert!((velocity - expected).abs() < 1e-12, "{velocity} at sample {k}");
+        }
+        assert!((sensor.response(1e-9, 1e-3) - 1.0).norm() < 1e-9);
     }
 
     #[test]

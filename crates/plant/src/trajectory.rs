@@ -1,6 +1,6 @@
 //! What a simulation knows: the true motion, before any sensor.
 
-use ndarray::Array2;
+use ndarray::{Array2, s};
 
 use crate::Moving;
 
@@ -45,6 +45,18 @@ impl Trajectory {
         ];
         for (signal, values) in signals {
             signal.column_mut(sample).iter_mut().zip(values).for_each(|(x, value)| *x = *value);
+        }
+    }
+
+    /// Keeps the first samples, as many as are asked for.
+    pub(crate) fn truncate(&mut self, n_samples: usize) {
+        for signal in [
+            &mut self.motor_position_rad,
+            &mut self.motor_velocity_rad_s,
+            &mut self.deflection_rad,
+            &mut self.link_velocity_rad_s,
+        ] {
+            *signal = signal.slice(s![.., ..n_samples]).to_owned();
         }
     }
 

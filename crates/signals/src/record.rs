@@ -1,6 +1,6 @@
 //! A record: what one run of a testbed measured.
 
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array2, ArrayView2, s};
 use serde::{Deserialize, Serialize};
 
 use crate::{SignalError, range::positive};
@@ -50,6 +50,10 @@ pub enum EventKind {
     Stopped {
         /// Why.
         reason: String,
+        /// Time in s after the first sample from which on it was no longer the run that was asked for, but on its way to rest;
+        /// `None` if it broke off at once.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        since_s: Option<f64>,
     },
 }
 
@@ -105,6 +109,37 @@ impl Record {
     pub fn n_samples(&self) -> usize {
         self.u.ncols()
     }
+
+    /// When the run was stopped before its end, in s after the first sample; `None` if it was not.
+    #[must_use]
+    pub fn stopped_at_s(&self) -> Option<f64> {
+        let stopped = |event: &&Event| matches!(event.kind, EventKind::Stopped { .. });
+        self.events.iter().find(stopped).map(|event| event.time_s)
+    }
+
+    /// How many samples, from the first on, belong to the run that was asked for: all of them, or in a stopped run those
+    /// before the instant that led to the stop. A period that reaches beyond them is not steady.
+    #[must_use]
+    pub fn n_steady_samples(&self) -> usize {
+        let from_s = |event: &Event| match event.kind {
+            EventKind::Stopped { since_s, .. } => Some(since_s.unwrap_or(event.time_s)),
+            _ => None,
+        };
+        let samples_until = |time_s: f64| (time_s / self.sample_time_s).round().max(0.0) as usize;
+        self.events
+            .iter()
+            .find_map(from_s)
+            .map_or(self.n_samples(), |time_s| samples_until(time_s).min(self.n_samples()))
+    }
+
+    /// Keeps the first samples of every signal, as many as are asked for. Events stay.
+    pub fn truncate(&mut self, n_samples: usize) {
+        let n_samples = n_samples.min(self.n_samples());
+        let signals = [Some(&mut self.u), Some(&mut self.y), self.r.as_mut(), self.position_rad.as_mut()];
+        for signal in signals.into_iter().flatten() {
+            *signal = signal.slice(s![.., ..n_samples]).to_owned();
+        }
+    }
 }
 
 /// Refuses NaN and infinite samples with their count and first place.
@@ -148,5 +183,26 @@ mod tests {
         holed.y[[1, 2]] = f64::NAN;
         holed.y[[1, 1]] = f64::INFINITY;
         assert_eq!(holed.check(), Err(SignalError::NotFinite { name: "y", count: 2, channel: 1, sample: 1 }));
+    }
+
+    #[test]
+    fn a_stopped_run_is_steady_until_the_instant_that_led_to_the_stop() {
+        let limit = EventKind::Limit { channel: 0, quantity: "effort_nm".into(), value: 2.0, limit: 1.0 };
+        let stopped = |since_s| {
+            let stop = EventKind::Stopped { reason: "axis 1 ...".into(), since_s };
+            let events = [(1e-3, limit.clone()), (3e-3, stop)];
+            Record { events: events.map(|(time_s, kind)| Event { time_s, kind }).to_vec(), ..record() }
+        };
+        assert_eq!((record().stopped_at_s(), record().n_steady_samples()), (None, 3));
+        assert_eq!((stopped(Some(1e-3)).stopped_at_s(), stopped(Some(1e-3)).n_steady_samples()), (Some(3e-3), 1));
+        assert_eq!(stopped(None).n_steady_samples(), 3);
+        assert_eq!(stopped(Some(f64::NAN)).n_steady_samples(), 0); // from a file: no sample is known to be steady
+    }
+
+    #[test]
+    fn a_truncated_record_is_sound() {
+        let mut short = Record { r: Some(array![[1.0, 2.0, 3.0]]), ..record() };
+        short.truncate(2);
+        assert_eq!((short.check(), short.n_samples(), short.y), (Ok(()), 2, array![[1.0, 2.0], [4.0, 5.0]]));
     }
 }

@@ -81,7 +81,9 @@ pub enum TestbedError {
     Run(#[from] SignalError),
     /// The simulation left the numbers: the first quantity that was not finite.
     #[error(
-        "run {run}: {quantity} of channel {channel} is no longer finite at {time_s} s; lower the amplitude or the gains"
+        "run {run}: {quantity} of axis {} is no longer finite at {time_s} s; {}",
+        channel + 1,
+        lower(*gain_nms_per_rad)
     )]
     Diverged {
         /// The run.
@@ -92,6 +94,8 @@ pub enum TestbedError {
         channel: usize,
         /// Time in s after the first sample.
         time_s: f64,
+        /// Gain in N m s/rad of that axis' controller, in closed loop.
+        gain_nms_per_rad: Option<f64>,
     },
     /// The testbed's own code failed (a file missing, a robot that refused, a Python exception).
     #[error("run {run}: {source}")]
@@ -101,4 +105,12 @@ pub enum TestbedError {
         /// What the testbed said.
         source: Box<dyn std::error::Error + Send + Sync>,
     },
+}
+
+/// What to do about a simulation that left the numbers.
+fn lower(gain_nms_per_rad: Option<f64>) -> String {
+    match gain_nms_per_rad {
+        Some(gain) => format!("the gain of that axis is {gain} N m s/rad: lower the gains"),
+        None => "lower the amplitude".into(),
+    }
 }

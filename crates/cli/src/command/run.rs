@@ -124,7 +124,7 @@ fn told(event: &Event) -> String {
             let [value, limit] = [value, limit].map(|number| significant(*number, 4));
             format!("axis {} reached its limit: {quantity} {value}, allowed {limit}", channel + 1)
         }
-        EventKind::Stopped { reason } => format!("stopped: {reason}"),
+        EventKind::Stopped { reason, .. } => format!("stopped: {reason}"),
     };
     format!("at {} s {what}", significant(event.time_s, 5))
 }
