@@ -16,6 +16,7 @@ mod indirect;
 mod line_dft;
 mod lines;
 mod period;
+mod residual;
 mod resonance;
 mod right_division;
 mod ripple_torque;
@@ -37,6 +38,7 @@ pub use glide::subtract_glide;
 pub use line_dft::LineDft;
 pub use lines::{find_lines, lines_at};
 pub use period::find_period;
+pub use residual::{FreeLines, ResidualLevel};
 pub use resonance::{Feature, FeatureKind, find_features};
 pub use ripple_torque::RippleTorque;
 pub use shape::{

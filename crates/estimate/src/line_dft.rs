@@ -43,6 +43,11 @@ impl LineDft {
         self.fft.len()
     }
 
+    /// Number of lines.
+    pub(crate) fn n_lines(&self) -> usize {
+        self.lines.len()
+    }
+
     /// Frequencies of the lines in Hz: `line / (n_samples sample_time_s)`.
     ///
     /// # Errors
