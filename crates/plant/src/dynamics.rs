@@ -28,6 +28,15 @@ pub trait Links<const A: usize> {
 
     /// Torques in N m that keep the links at constant velocities in rad/s when they pass positions in rad.
     fn holding(&self, position: [f64; A], velocity: [f64; A]) -> [f64; A];
+
+    /// Mass matrix in kg m^2 at positions in rad.
+    fn mass(&self, position: [f64; A]) -> [[f64; A]; A];
+
+    /// Derivative in N m/rad of the torques against gravity with respect to the positions, (torque, position).
+    fn gravity_gradient(&self, position: [f64; A]) -> [[f64; A]; A];
+
+    /// Potential energy in J in the field of gravity, but for a constant.
+    fn potential_j(&self, position: [f64; A]) -> f64;
 }
 
 /// A single link on a fixed axis: J_o qo'' = torque (SK15 eq. (22)).
@@ -45,6 +54,18 @@ impl Links<1> for Inertia {
 
     fn holding(&self, _position: [f64; 1], _velocity: [f64; 1]) -> [f64; 1] {
         [0.0]
+    }
+
+    fn mass(&self, _position: [f64; 1]) -> [[f64; 1]; 1] {
+        [[1.0 / self.mobility]]
+    }
+
+    fn gravity_gradient(&self, _position: [f64; 1]) -> [[f64; 1]; 1] {
+        [[0.0]]
+    }
+
+    fn potential_j(&self, _position: [f64; 1]) -> f64 {
+        0.0
     }
 }
 
@@ -184,7 +205,7 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
 mod tests {
     use super::*;
     use crate::SingleJoint;
-    use std::ops::{Add, Mul, Neg, Sub};
+    use std::ops::{Add, Div, Mul, Neg, Sub};
 
     /// Four realizations side by side.
     #[derive(Debug, Clone, Copy, PartialEq)]
@@ -211,6 +232,13 @@ mod tests {
         }
     }
 
+    impl Div for Four {
+        type Output = Self;
+        fn div(self, other: Self) -> Self {
+            Self(from_fn(|lane| self.0[lane] / other.0[lane]))
+        }
+    }
+
     impl Neg for Four {
         type Output = Self;
         fn neg(self) -> Self {
@@ -224,6 +252,9 @@ mod tests {
         }
         fn sin(self) -> Self {
             Self(self.0.map(f64::sin))
+        }
+        fn sin_cos(self) -> (Self, Self) {
+            (self.sin(), Self(self.0.map(f64::cos)))
         }
     }
 

@@ -4,6 +4,10 @@
 //! no clock and no global random state. Equation numbers are those of Saupe and Knoblach, MSSP 52-53 (2015) 60-72 (SK15).
 
 mod arm;
+mod arm_check;
+mod arm_robot;
+mod chain;
+mod chain_dynamics;
 mod challenges;
 mod closed_loop;
 mod controller;
@@ -12,14 +16,17 @@ mod error;
 mod exit;
 mod flexible_joint;
 mod friction;
+mod frozen;
 mod joint;
 mod lane;
 mod linear;
+mod mechanics;
 mod motion;
 mod moving;
 mod open_loop;
 mod recorder;
 mod rig;
+mod rigid;
 mod ripple;
 mod robot;
 mod root;
