@@ -169,6 +169,12 @@ pub enum EstimateError {
         /// The frequency in Hz.
         frequency_hz: f64,
     },
+    /// A signal that does not hold the chirp at a frequency.
+    #[error("{frequency_hz} Hz: the signal is zero there, so that harmonics have nothing to be compared with")]
+    NoFundamental {
+        /// Frequency of the fundamental in Hz.
+        frequency_hz: f64,
+    },
     /// A frequency the chirp never reaches, or too close to the ends of the recording.
     #[error("{frequency_hz} Hz: {reason}; the recording holds {low_s} s to {high_s} s")]
     OutsideChirp {

@@ -12,6 +12,7 @@ mod compare;
 mod error;
 mod excerpt;
 mod glide;
+mod harmonics;
 mod indirect;
 mod line_dft;
 mod lines;
@@ -22,6 +23,11 @@ mod right_division;
 mod ripple_torque;
 mod shape;
 mod singular;
+mod spectrogram;
+mod strength;
+#[cfg(test)]
+mod strength_tests;
+mod strength_warning;
 #[cfg(test)]
 mod testing;
 mod torque_table;
@@ -35,6 +41,7 @@ pub use compare::{Change, CompareOptions, Comparison, EntryComparison, Side, com
 pub use error::{Deficiency, DeficientLine, EstimateError};
 pub use excerpt::{ExcerptOptions, Excerpts};
 pub use glide::subtract_glide;
+pub use harmonics::harmonic_levels;
 pub use line_dft::LineDft;
 pub use lines::{find_lines, lines_at};
 pub use period::find_period;
@@ -46,5 +53,8 @@ pub use shape::{
     Step, Sticking, Stop, Summary, Target, shape,
 };
 pub use singular::{condition_number, singular_values};
+pub use spectrogram::{Spectrogram, SpectrogramOptions, spectrogram};
+pub use strength::{AxisStrength, BandStrength, pooled_strength, strength};
+pub use strength_warning::strength_warnings;
 pub use transient::count_transient_periods;
 pub use verdict::Verdict;
