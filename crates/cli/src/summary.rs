@@ -2,9 +2,11 @@
 
 use frfid_experiment::config::LimitsTable;
 use frfid_experiment::{Cost, Excess, Peaks};
+use frfid_files::Check;
 use frfid_signals::{Excitation, Plan, SignalError};
 use serde_json::{Value, json};
 
+use crate::console::Console;
 use crate::table::{bytes, count, duration, list, significant, table};
 
 /// Excitation, runs and cost of a plan.
@@ -92,18 +94,20 @@ fn runs(plan: &Plan) -> String {
     if plan.n_glides > 0 { format!("{product}, and {}", count(plan.n_glides, "glide")) } else { product }
 }
 
-/// A quantity with its unit, its largest value on every axis, and the limits on it.
-type Bounded<'a> = (&'static str, &'static str, Option<&'a Vec<f64>>, Option<&'a Vec<f64>>);
+/// A quantity that may have a limit: the name of the limit, its own name, and its unit.
+const QUANTITIES: [(&str, &str, &str); 8] = [
+    ("max_effort", "torque, peak", "N m"),
+    ("max_effort_rate", "torque rate", "N m/s"),
+    ("max_velocity", "velocity", "rad/s"),
+    ("max_acceleration", "acceleration", "rad/s^2"),
+    ("max_jerk", "jerk", "rad/s^3"),
+    ("max_travel", "travel", "rad"),
+    ("min_position", "lowest position", "rad"),
+    ("max_position", "highest position", "rad"),
+];
 
-fn bounded<'a>(peaks: &'a Peaks, limits: &'a LimitsTable) -> [Bounded<'a>; 5] {
-    [
-        ("torque, peak", "N m", Some(&peaks.effort_nm), limits.max_effort.as_ref()),
-        ("torque rate", "N m/s", Some(&peaks.effort_rate_nm_per_s), limits.max_effort_rate.as_ref()),
-        ("velocity", "rad/s", Some(&peaks.velocity_rad_s), limits.max_velocity.as_ref()),
-        ("travel", "rad", peaks.travel_rad.as_ref(), limits.max_travel.as_ref()),
-        ("torque, rms", "N m", Some(&peaks.effort_rms_nm), None),
-    ]
-}
+/// Those that are told also where they have no limit.
+const ALWAYS_TOLD: [&str; 4] = ["max_effort", "max_effort_rate", "max_velocity", "max_travel"];
 
 /// Largest values beside their limits, a row for each axis and quantity, and below them `others`: name and value per axis.
 pub(crate) fn peaks_as_text(
@@ -114,34 +118,53 @@ pub(crate) fn peaks_as_text(
 ) -> String {
     let mut rows = vec![[title, "at most", "limit", "used"].map(str::to_owned).to_vec()];
     for axis in 0..peaks.effort_nm.len() {
-        for (quantity, unit, values, limits) in bounded(peaks, limits) {
-            let Some(value) = values.and_then(|values| values.get(axis)) else { continue };
+        for (name, quantity, unit) in QUANTITIES {
+            let Some(value) = peaks.bounded_by(name).and_then(|values| values.get(axis)) else { continue };
+            let limit = limits.named().find(|(given, _)| *given == name).and_then(|(_, limit)| limit.get(axis));
+            let limit = limit.filter(|limit| limit.is_finite());
+            if limit.is_none() && !ALWAYS_TOLD.contains(&name) {
+                continue;
+            }
             let with_unit = |value: f64| format!("{} {unit}", significant(value, 4));
-            let limit = limits.and_then(|limits| limits.get(axis));
+            let used = |limit: &f64| format!("{:.0} %", 100.0 * value / limit);
+            let is_size = !name.ends_with("_position");
             rows.push(vec![
                 format!("axis {} {quantity}", axis + 1),
                 with_unit(*value),
                 limit.map_or_else(|| "-".into(), |limit| with_unit(*limit)),
-                limit.map_or_else(String::new, |limit| format!("{:.0} %", 100.0 * value / limit)),
+                limit.filter(|_| is_size).map_or_else(String::new, used),
             ]);
         }
+        let rms = with_torque_unit(peaks.effort_rms_nm[axis]);
+        rows.push(vec![format!("axis {} torque, rms", axis + 1), rms, "-".into(), String::new()]);
         let others = others.iter().filter_map(|(name, values)| Some((name, values.get(axis)?)));
         rows.extend(others.map(|(name, value)| vec![format!("axis {} {name}", axis + 1), value.clone(), "-".into()]));
     }
     table(&rows)
 }
 
-/// Every limit that was exceeded, in words.
-pub(crate) fn beyond_limits(peaks: &Peaks, limits: &LimitsTable) -> Vec<String> {
-    let in_words = |excess: &Excess| {
-        let (quantity, unit) = match excess.limit {
-            "max_effort" => ("torque, peak", "N m"),
-            "max_effort_rate" => ("torque rate", "N m/s"),
-            "max_velocity" => ("velocity", "rad/s"),
-            _ => ("travel", "rad"),
-        };
-        let [value, limit] = [excess.found, excess.allowed].map(|number| significant(number, 4));
-        format!("axis {} {quantity} reached {value} {unit}, the limit is {limit}", excess.axis + 1)
-    };
-    peaks.excesses(limits).iter().map(in_words).collect()
+fn with_torque_unit(value_nm: f64) -> String {
+    format!("{} N m", significant(value_nm, 4))
+}
+
+/// A limit that was exceeded, in words.
+pub(crate) fn excess_in_words(excess: &Excess) -> String {
+    let (_, quantity, unit) =
+        QUANTITIES.into_iter().find(|(name, _, _)| *name == excess.limit).unwrap_or((excess.limit, excess.limit, ""));
+    let [value, limit] = [excess.found, excess.allowed].map(|number| significant(number, 4));
+    format!("axis {} {quantity} reached {value} {unit}, the limit is {limit}", excess.axis + 1)
+}
+
+/// What was checked and whether it holds, a row for each check.
+pub(crate) fn checks_as_text(checks: &[Check]) -> String {
+    let verdict = |passed: bool| if passed { "passed" } else { "FAILED" };
+    let row = |check: &Check| vec![format!("{}: {}", check.name, check.found), verdict(check.passed).to_owned()];
+    table(&checks.iter().map(row).collect::<Vec<_>>())
+}
+
+/// Warns of every check that failed, with what to do.
+pub(crate) fn warn_of_failed(checks: &[Check], console: &mut Console) {
+    for Check { name, found, needed, advice, .. } in checks.iter().filter(|check| !check.passed) {
+        console.warning(format_args!("{name}: {found}, needed {needed}; {advice}"));
+    }
 }

@@ -29,8 +29,7 @@ pub fn design(config: &Config, source: &Source) -> Result<Plan, ConfigError> {
             source.error(&["averaging", "lead_in_s"], format!("lead_in_s is {lead_in_s}, needed: 0 to 10^8 samples"))
         );
     }
-    let velocity = config.constant_velocity.as_ref();
-    let plan = Plan {
+    let mut plan = Plan {
         seed: config.seed,
         sample_time_s: config.sample_time_s,
         n_inputs,
@@ -41,18 +40,57 @@ pub fn design(config: &Config, source: &Source) -> Result<Plan, ConfigError> {
         n_repetitions: config.averaging.repetitions,
         n_periods: config.averaging.periods,
         lead_in_samples: lead_in.round() as usize,
-        velocity_rad_s: velocity.map_or_else(|| vec![0.0; n_inputs], |table| table.velocity_rad_s.clone()),
-        n_glides: velocity.map_or(0, |table| table.glides),
+        velocity_rad_s: vec![0.0; n_inputs],
+        n_glides: config.constant_velocity.as_ref().map_or(0, |table| table.glides),
     };
+    ride(&mut plan, config, source)?;
     // one draw shows whether amplitudes, phasing and inputs fit together; its numbers are thrown away
     plan.period(0).map_err(|error| located(source, band, &error))?;
-    check_limit_lengths(config, n_inputs, source)?;
+    config.limits.check(n_inputs, source)?;
     Ok(plan)
 }
 
+/// Puts the runs on their constant velocity, and a multisine whose peak is a share of it to its peak.
+fn ride(plan: &mut Plan, config: &Config, source: &Source) -> Result<(), ConfigError> {
+    if let Some(table) = &config.constant_velocity {
+        plan.velocity_rad_s = match (&table.velocity_rad_s, &table.travel_rad) {
+            (Some(velocity), None) => velocity.clone(),
+            (None, Some(travel)) => {
+                let samples = plan.run_samples().map_err(|error| located(source, "constant_velocity", &error))?;
+                travel.iter().map(|way| way / (samples as f64 * plan.sample_time_s)).collect()
+            }
+            _ => {
+                let message = "give the velocity (velocity_rad_s) or the way of a run (travel_rad), one of the two";
+                return Err(source.error(&["constant_velocity"], message));
+            }
+        };
+    }
+    let share = config.multisine.as_ref().and_then(|table| table.peak_of_velocity);
+    if let (Some(share), Excitation::Multisine { peak, .. }) = (share, &mut plan.excitation) {
+        *peak = plan.velocity_rad_s.iter().map(|velocity| share * velocity.abs()).collect();
+        if peak.iter().any(|peak| !(peak.is_finite() && *peak > 0.0)) {
+            let message = format!(
+                "{share} of the constant velocities {:?} rad/s leaves no peak; needed: a share above 0 and a \
+                 [constant_velocity] on every axis",
+                plan.velocity_rad_s
+            );
+            return Err(source.error(&["multisine", "peak_of_velocity"], message));
+        }
+    }
+    Ok(())
+}
+
 fn multisine_of(config: &Config, table: &MultisineTable, source: &Source) -> Result<Excitation, ConfigError> {
-    let peak =
-        of_injection(config, source, "multisine", ["peak_nm", "peak_rad_s"], [&table.peak_nm, &table.peak_rad_s])?;
+    let (names, values) = (["peak_nm", "peak_rad_s"], [&table.peak_nm, &table.peak_rad_s]);
+    let peak = match table.peak_of_velocity {
+        None => of_injection(config, source, "multisine", names, values)?,
+        // put in its place when the velocity is known
+        Some(_) if config.controller.is_some() && values == [&None, &None] => vec![1.0; config.robot.n_axes()],
+        Some(_) => {
+            let message = "a share of the velocity is for experiments with a [controller], and instead of another peak";
+            return Err(source.error(&["multisine", "peak_of_velocity"], message));
+        }
+    };
     let design = GridDesign {
         low_hz: table.low_hz,
         high_hz: table.high_hz,
@@ -111,16 +149,6 @@ fn of_injection<T: Clone>(
         }
         None => Err(source.error(&[table], format!("{} is missing ({why})", names[closed]))),
     }
-}
-
-fn check_limit_lengths(config: &Config, n_axes: usize, source: &Source) -> Result<(), ConfigError> {
-    for (name, limit) in config.limits.named() {
-        if limit.len() != n_axes || limit.iter().any(|value| value.is_nan() || *value <= 0.0) {
-            let message = format!("{name} is {limit:?}, needed: a number above 0 for each of the {n_axes} axes");
-            return Err(source.error(&["limits", name], message));
-        }
-    }
-    Ok(())
 }
 
 /// A numeric crate's complaint, put where the value stands in the text: its parameters carry the names of the keys.

@@ -35,7 +35,7 @@ impl Experiment {
     /// As [`Experiment::load`].
     pub fn new(source: Source, folder: &Path) -> Result<Self, ConfigError> {
         let mut config: Config = source.parse()?;
-        config.robot.read_file(&source, folder)?;
+        config.robot.read_files(&source, folder)?;
         Self::of(config, source)
     }
 

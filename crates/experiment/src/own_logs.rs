@@ -87,6 +87,8 @@ pub fn estimate_own(
     let mut estimator = Estimator::new(&experiment.plan, options.unwrap_or(&experiment.config.estimate))?;
     let files = Files {
         plan: &experiment.plan,
+        pose_rad: experiment.config.robot.pose(),
+        start_rad: experiment.plan.start_rad()?,
         total: paths.len(),
         read: AtomicUsize::new(0),
         found: Mutex::default(),
@@ -190,6 +192,8 @@ struct Found {
 /// The files while they are read, several at once.
 struct Files<'a> {
     plan: &'a Plan,
+    pose_rad: Vec<f64>,
+    start_rad: Vec<f64>,
     total: usize,
     read: AtomicUsize,
     found: Mutex<Found>,
@@ -206,7 +210,7 @@ impl Files<'_> {
         let (run, losses) = read_run(path)?;
         let mut found = self.found.lock().expect("no holder of the lock panics");
         if losses.is_empty() {
-            let peaks = Peaks::of(&run.record);
+            let peaks = Peaks::of(&run.record, &self.start_rad, &self.pose_rad);
             found.peaks = Some(found.peaks.take().map_or_else(|| peaks.clone(), |before| before.max(&peaks)));
         }
         found.losses.extend(losses.iter().map(|loss| (path.to_owned(), loss.clone())));

@@ -2,13 +2,15 @@
 
 use std::sync::Mutex;
 
-use ndarray::{ArrayView1, ArrayView2};
+use ndarray::{Array2, ArrayView1, ArrayView2, s};
 use serde::Serialize;
 
-use frfid_signals::{Record, RunId, power};
+use frfid_plant::Trajectory;
+use frfid_signals::{Plan, Record, Run, RunId, RunKind, Testbed, TestbedError, power};
 
 use crate::campaign::{Progress, run_all};
 use crate::config::LimitsTable;
+use crate::testbed::Simulator;
 use crate::{Experiment, ExperimentError};
 
 /// Largest values of a run or a campaign, one for each axis.
@@ -20,8 +22,17 @@ pub struct Peaks {
     pub effort_rate_nm_per_s: Vec<f64>,
     /// Motor velocity in rad/s.
     pub velocity_rad_s: Vec<f64>,
-    /// Way of the motor from the start in rad; `None` where no position is measured.
+    /// Motor acceleration in rad/s^2 from sample to sample of the true velocity; `None` for recordings, whose noise would be
+    /// all that is left.
+    pub acceleration_rad_s2: Option<Vec<f64>>,
+    /// Motor jerk in rad/s^3, likewise.
+    pub jerk_rad_s3: Option<Vec<f64>>,
+    /// Way of the motor from the pose in rad; `None` where no position is measured.
     pub travel_rad: Option<Vec<f64>>,
+    /// Lowest position in rad; `None` where no position is measured.
+    pub lowest_rad: Option<Vec<f64>>,
+    /// Highest position in rad; `None` where no position is measured.
+    pub highest_rad: Option<Vec<f64>>,
     /// Root mean square of the motor torque about its mean in N m: against the Coulomb friction it tells whether the
     /// excitation is strong enough (SK15 footnote 2). What holds a constant velocity or a weight does not count.
     pub effort_rms_nm: Vec<f64>,
@@ -45,6 +56,8 @@ pub struct Excess {
 pub struct Prediction {
     /// Largest values over all realizations and experiments.
     pub peaks: Peaks,
+    /// What is asked without the excitation: by the constant velocity, friction and gravity alone.
+    pub baseline: Peaks,
     /// Crest factor of the motor torque about its mean, peak over rms of the same run, largest over all runs, one for each axis.
     pub crest_factor: Vec<f64>,
     /// Every limit that is exceeded; empty for a design inside the limits.
@@ -52,35 +65,61 @@ pub struct Prediction {
 }
 
 impl Peaks {
-    /// Largest values of one record.
+    /// Largest values of one record that began `start_rad` from the pose `pose_rad`, one value for each axis. Where the robot
+    /// counts its positions from does not matter.
     #[must_use]
-    pub fn of(record: &Record) -> Self {
+    pub fn of(record: &Record, start_rad: &[f64], pose_rad: &[f64]) -> Self {
         let rows = |signal: ArrayView2<f64>, value: &dyn Fn(ArrayView1<f64>) -> f64| {
             signal.rows().into_iter().map(value).collect()
         };
-        let largest = |row: ArrayView1<f64>| row.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
-        let steepest = |row: ArrayView1<f64>| {
-            let steps = row.iter().zip(row.iter().skip(1)).map(|(before, after)| (after - before).abs());
-            steps.fold(0.0, f64::max) / record.sample_time_s
+        let way = |extreme: &dyn Fn(f64, f64) -> f64| {
+            let position = record.position_rad.as_ref()?;
+            let axes = position.rows().into_iter().zip(start_rad);
+            Some(axes.map(|(row, start)| start + row.iter().fold(0.0, |way, x| extreme(way, x - row[0]))).collect())
         };
-        let farthest = |row: ArrayView1<f64>| row.iter().fold(0.0, |way: f64, x| way.max((x - row[0]).abs()));
+        let (low, high): (Option<Vec<f64>>, Option<Vec<f64>>) = (way(&f64::min), way(&f64::max));
+        let about_pose = |way: &Option<Vec<f64>>| {
+            Some(way.as_ref()?.iter().zip(pose_rad).map(|(way, pose)| pose + way).collect())
+        };
         Self {
             effort_nm: rows(record.u.view(), &largest),
-            effort_rate_nm_per_s: rows(record.u.view(), &steepest),
+            effort_rate_nm_per_s: rows(record.u.view(), &|row| steepest(row) / record.sample_time_s),
             velocity_rad_s: rows(record.y.view(), &largest),
-            travel_rad: record.position_rad.as_ref().map(|position| rows(position.view(), &farthest)),
+            acceleration_rad_s2: None,
+            jerk_rad_s3: None,
+            travel_rad: low.as_ref().zip(high.as_ref()).map(|(low, high)| larger(&low.iter().map(|x| -x).collect::<Vec<_>>(), high)),
+            lowest_rad: about_pose(&low),
+            highest_rad: about_pose(&high),
             effort_rms_nm: rows(record.u.view(), &|row| power::rms(&about_mean(row))),
         }
+    }
+
+    /// The same with the acceleration and jerk of the true motion.
+    #[must_use]
+    pub fn with_motion(self, truth: &Trajectory) -> Self {
+        let rows = |signal: &Array2<f64>| signal.rows().into_iter().map(largest).collect();
+        let slope = |signal: &Array2<f64>| {
+            let samples = signal.ncols().max(1);
+            (&signal.slice(s![.., 1..samples]) - &signal.slice(s![.., ..samples - 1])) / truth.sample_time_s
+        };
+        let acceleration = slope(&truth.motor_velocity_rad_s);
+        Self { acceleration_rad_s2: Some(rows(&acceleration)), jerk_rad_s3: Some(rows(&slope(&acceleration))), ..self }
     }
 
     /// The larger of two, axis by axis.
     #[must_use]
     pub fn max(&self, other: &Self) -> Self {
+        let both = |a: &Option<Vec<f64>>, b: &Option<Vec<f64>>| a.as_ref().zip(b.as_ref()).map(|(a, b)| larger(a, b));
+        let smaller = |(a, b): (&Vec<f64>, &Vec<f64>)| a.iter().zip(b).map(|(x, y)| x.min(*y)).collect();
         Self {
             effort_nm: larger(&self.effort_nm, &other.effort_nm),
             effort_rate_nm_per_s: larger(&self.effort_rate_nm_per_s, &other.effort_rate_nm_per_s),
             velocity_rad_s: larger(&self.velocity_rad_s, &other.velocity_rad_s),
-            travel_rad: self.travel_rad.as_ref().zip(other.travel_rad.as_ref()).map(|(a, b)| larger(a, b)),
+            acceleration_rad_s2: both(&self.acceleration_rad_s2, &other.acceleration_rad_s2),
+            jerk_rad_s3: both(&self.jerk_rad_s3, &other.jerk_rad_s3),
+            travel_rad: both(&self.travel_rad, &other.travel_rad),
+            lowest_rad: self.lowest_rad.as_ref().zip(other.lowest_rad.as_ref()).map(smaller),
+            highest_rad: both(&self.highest_rad, &other.highest_rad),
             effort_rms_nm: larger(&self.effort_rms_nm, &other.effort_rms_nm),
         }
     }
@@ -93,18 +132,41 @@ impl Peaks {
             let found = self.bounded_by(limit).into_iter().flatten().zip(allowed).enumerate();
             found.map(move |(axis, (&found, &allowed))| Excess { axis, limit, allowed, found })
         });
-        all.filter(|excess| excess.found > excess.allowed * (1.0 + ROUNDING)).collect()
+        all.filter(|excess| {
+            let margin = ROUNDING * excess.allowed.abs();
+            if excess.limit == "min_position" {
+                excess.found < excess.allowed - margin
+            } else {
+                excess.found > excess.allowed + margin
+            }
+        })
+        .collect()
     }
 
-    /// The value that the limit of this name bounds.
-    fn bounded_by(&self, limit: &str) -> Option<&Vec<f64>> {
+    /// The value that the limit of this name bounds; `None` where it is not known.
+    #[must_use]
+    pub fn bounded_by(&self, limit: &str) -> Option<&Vec<f64>> {
         match limit {
             "max_effort" => Some(&self.effort_nm),
             "max_effort_rate" => Some(&self.effort_rate_nm_per_s),
             "max_velocity" => Some(&self.velocity_rad_s),
+            "max_acceleration" => self.acceleration_rad_s2.as_ref(),
+            "max_jerk" => self.jerk_rad_s3.as_ref(),
+            "min_position" => self.lowest_rad.as_ref(),
+            "max_position" => self.highest_rad.as_ref(),
             _ => self.travel_rad.as_ref(),
         }
     }
+}
+
+/// Largest size of a signal.
+fn largest(row: ArrayView1<f64>) -> f64 {
+    row.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()))
+}
+
+/// Largest change of a signal from sample to sample.
+fn steepest(row: ArrayView1<f64>) -> f64 {
+    row.iter().zip(row.iter().skip(1)).map(|(before, after)| (after - before).abs()).fold(0.0, f64::max)
 }
 
 /// A signal without its mean.
@@ -126,36 +188,84 @@ fn larger(a: &[f64], b: &[f64]) -> Vec<f64> {
     a.iter().zip(b).map(|(x, y)| x.max(*y)).collect()
 }
 
-/// Does every run of the design once on the robot's model and compares the peaks with the limits.
+/// Does every run of the design once on the robot's model, beyond its limits too, and compares the peaks with the limits.
 ///
 /// # Errors
 /// [`ExperimentError`]: no model, a run that diverges, or an interruption.
 pub fn predict(experiment: &Experiment, jobs: usize, progress: Progress) -> Result<Prediction, ExperimentError> {
-    let testbed = experiment.testbed()?;
+    let simulator = Watching { simulator: experiment.simulator(None)?, experiment, found: Mutex::new(None) };
+    let baseline = simulator.baseline()?;
     let ids: Vec<RunId> = experiment.plan.run_ids().filter(|id| id.repetition == 0).collect();
-    let found: Mutex<Option<(Peaks, Vec<f64>)>> = Mutex::new(None);
-    let reference = |id| Ok(experiment.plan.run(id)?);
-    run_all(&ids, &reference, &*testbed, jobs, progress, &|_, record| {
-        let peaks = Peaks::of(&record);
+    run_all(&ids, &|id| Ok(experiment.plan.run(id)?), &simulator, jobs, progress, &|_, _| Ok(()))?;
+    let found = simulator.found.into_inner().expect("no holder of the lock panics");
+    let (peaks, crest_factor) = found.ok_or(ExperimentError::Interrupted { done: 0, total: ids.len() })?;
+    let excesses = peaks.excesses(&experiment.limits());
+    Ok(Prediction { peaks, baseline, crest_factor, excesses })
+}
+
+/// The simulator, looking at the true motion of every run: peaks and crest factors of the torque.
+struct Watching<'a> {
+    simulator: Simulator,
+    experiment: &'a Experiment,
+    found: Mutex<Option<(Peaks, Vec<f64>)>>,
+}
+
+impl Watching<'_> {
+    fn peaks(&self, run: &Run) -> Result<(Record, Peaks), TestbedError> {
+        let (record, truth) = self.simulator.simulate(run)?;
+        let peaks = Peaks::of(&record, &run.start_rad, &self.experiment.config.robot.pose()).with_motion(&truth);
+        Ok((record, peaks))
+    }
+
+    /// The peaks without the excitation.
+    fn baseline(&self) -> Result<Peaks, ExperimentError> {
+        let plan = Plan { n_glides: 1, ..self.experiment.plan.clone() };
+        let glide = RunId { kind: RunKind::Glide, realization: 0, experiment: 0, repetition: 0 };
+        Ok(self.peaks(&plan.run(glide)?)?.1)
+    }
+}
+
+impl Testbed for Watching<'_> {
+    fn n_inputs(&self) -> usize {
+        self.simulator.n_inputs()
+    }
+
+    fn run(&self, run: &Run) -> Result<Record, TestbedError> {
+        let (record, peaks) = self.peaks(run)?;
         let crest = crest_factors(&record);
-        let mut found = found.lock().expect("no holder of the lock panics");
+        let mut found = self.found.lock().expect("no holder of the lock panics");
         *found = Some(match found.take() {
             Some((before, crest_before)) => (before.max(&peaks), larger(&crest_before, &crest)),
             None => (peaks, crest),
         });
-        Ok(())
-    })?;
-    let found = found.into_inner().expect("no holder of the lock panics");
-    let (peaks, crest_factor) = found.ok_or(ExperimentError::Interrupted { done: 0, total: ids.len() })?;
-    let excesses = peaks.excesses(&experiment.config.limits);
-    Ok(Prediction { peaks, crest_factor, excesses })
+        Ok(record)
+    }
 }
 
 impl Prediction {
-    /// Factor by which all amplitudes must shrink to keep every limit, from the limit that binds most: exact for torques in
-    /// open loop, where the torque is the reference, a first guess for the other quantities. `None` inside the limits.
+    /// Factor by which all amplitudes must shrink to keep every limit, from the limit that binds most: the excitation's part
+    /// of a peak taken as proportional to the amplitude, which is exact for torques in open loop and a first guess for other
+    /// quantities. 0 or less where the limit is exceeded without any excitation; `None` inside the limits.
     #[must_use]
     pub fn feasible_factor(&self) -> Option<f64> {
-        self.excesses.iter().map(|excess| excess.allowed / excess.found).reduce(f64::min)
+        self.excesses.iter().map(|excess| self.factor(excess)).reduce(f64::min)
+    }
+
+    /// The limit that binds most.
+    #[must_use]
+    pub fn binding(&self) -> Option<&Excess> {
+        self.excesses.iter().min_by(|a, b| self.factor(a).total_cmp(&self.factor(b)))
+    }
+
+    /// What is asked of a limited quantity without the excitation.
+    #[must_use]
+    pub fn without_excitation(&self, excess: &Excess) -> f64 {
+        self.baseline.bounded_by(excess.limit).map_or(0.0, |baseline| baseline[excess.axis])
+    }
+
+    fn factor(&self, excess: &Excess) -> f64 {
+        let baseline = self.without_excitation(excess);
+        // without a part of its own the excitation cannot mend it
+        if excess.found == baseline { 0.0 } else { (excess.allowed - baseline) / (excess.found - baseline) }
     }
 }

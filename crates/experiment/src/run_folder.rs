@@ -73,13 +73,15 @@ pub fn run_to_folder(
     let model = if testbed.is_none() { Some(experiment.testbed()?) } else { None };
     let testbed = testbed.or(model.as_deref()).expect("one of the two was given");
     let (joint_names, toml) = (experiment.config.robot.joint_names(), experiment.to_toml());
+    let pose_rad = experiment.config.robot.pose();
     let written: Mutex<Vec<RunReport>> = Mutex::default();
     create_folder(folder)?;
     let progress_of_all = |now: usize, _: usize| progress(done.len() + now, ids.len());
     run_all(&open, &|id| order.run(id), testbed, options.jobs, &progress_of_all, &|run, mut record| {
         record.events.extend(period_starts(&experiment.plan, run.id, &record)?);
         record.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-        let report = report(&path_of(run.id), &record);
+        let peaks = Peaks::of(&record, &run.start_rad, &pose_rad);
+        let report = report(path_of(run.id), peaks, &record);
         let file = RunFile {
             joint_names: joint_names.clone(),
             run: run.id,
@@ -126,13 +128,13 @@ fn period_starts(plan: &Plan, id: RunId, record: &Record) -> Result<Vec<Event>, 
         .collect())
 }
 
-fn report(path: &Path, record: &Record) -> RunReport {
+fn report(path: PathBuf, peaks: Peaks, record: &Record) -> RunReport {
     let standing =
         |row: ndarray::ArrayView1<f64>| row.iter().filter(|&&y| y == 0.0).count() as f64 / row.len().max(1) as f64;
     let is_start = |event: &&Event| matches!(event.kind, EventKind::PeriodStart { .. });
     RunReport {
-        path: path.to_owned(),
-        peaks: Peaks::of(record),
+        path,
+        peaks,
         standing_share: record.y.rows().into_iter().map(standing).collect(),
         events: record.events.iter().filter(|event| !is_start(event)).cloned().collect(),
     }

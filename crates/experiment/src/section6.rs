@@ -1,6 +1,6 @@
 //! Section 6 of the paper: the academic example, every experiment of figures 4 and 5 and the claims drawn from them.
 
-use frfid_plant::{Hold, Velocity};
+use frfid_plant::Hold;
 use frfid_signals::{Draw, Excitation, Frf, power};
 
 use crate::campaign::Progress;
@@ -88,7 +88,7 @@ impl Section6 {
         let stiffening = pair(Variant { stiffness_beyond_nm_per_rad: STIFFER_NM_PER_RAD, ..LINEAR })?;
         let dense = log_spaced(1.0, 60.0, 600)?;
         Ok(Self {
-            truth: LINEAR.experiment("chirp")?.truth(&dense, Hold::Zoh, Velocity::True)?,
+            truth: LINEAR.experiment("chirp")?.truth(&dense, Hold::Zoh, false)?,
             linear,
             friction: with_friction,
             gliding,
@@ -113,7 +113,7 @@ impl Variant {
         }
         if self.velocity_rad_s > 0.0 {
             config.constant_velocity =
-                Some(ConstantVelocityTable { velocity_rad_s: vec![self.velocity_rad_s], glides: 0 });
+                Some(ConstantVelocityTable { velocity_rad_s: Some(vec![self.velocity_rad_s]), travel_rad: None, glides: 0 });
             config.limits.max_effort = None;
         }
         Ok(Experiment::of(config, source)?)
@@ -122,7 +122,7 @@ impl Variant {
     fn measure(self, kind: &str, jobs: usize, progress: Progress) -> Result<Measured, ExperimentError> {
         let experiment = self.experiment(kind)?;
         let frf = experiment.measure(&*experiment.testbed()?, jobs, progress)?.frf;
-        let truth = experiment.truth(&frf.frequency_hz, Hold::Zoh, Velocity::True)?;
+        let truth = experiment.truth(&frf.frequency_hz, Hold::Zoh, false)?;
         Ok(Measured { frf, truth })
     }
 }

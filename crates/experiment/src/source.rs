@@ -5,7 +5,7 @@ use std::ops::Range;
 use std::path::Path;
 
 use serde::de::DeserializeOwned;
-use toml::de::DeTable;
+use toml::de::{DeTable, DeValue};
 
 /// A configuration text and the name it goes by in messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -77,8 +77,8 @@ impl Source {
         toml::from_str(&self.text).map_err(|error| self.error_at(error.span(), error.message().trim().to_owned()))
     }
 
-    /// An error at the value of `path` (keys from the outermost table inwards), or at the innermost of its tables that
-    /// exists.
+    /// An error at the value of `path` (keys from the outermost table inwards, in lists the number from 0), or at the innermost
+    /// of its tables that exists.
     #[must_use]
     pub fn error(&self, path: &[&str], message: impl Into<String>) -> ConfigError {
         self.error_at(self.span_of(path), message.into())
@@ -102,13 +102,23 @@ impl Source {
     /// Spans along `path` as far as it exists: of the name for a table, of the value otherwise.
     fn walk(&self, path: &[&str]) -> Vec<Range<usize>> {
         let Ok(root) = DeTable::parse(&self.text) else { return Vec::new() };
-        let mut table = Some(root.get_ref());
-        let mut spans = Vec::new();
+        let root = DeValue::Table(root.into_inner());
+        let (mut outer, mut spans) = (&root, Vec::new());
         for key in path {
-            let entry = table.and_then(|table| table.iter().find(|(name, _)| name.get_ref() == key));
-            let Some((name, value)) = entry else { break };
-            table = value.get_ref().as_table();
-            spans.push(if table.is_some() { name.span() } else { value.span() });
+            let (name, value) = match outer {
+                DeValue::Table(table) => match table.iter().find(|(name, _)| name.get_ref() == key) {
+                    Some((name, value)) => (name.span(), value),
+                    None => break,
+                },
+                // a table of a list has no name of its own: the place of its header, or of its brace
+                DeValue::Array(list) => match key.parse().ok().and_then(|index: usize| list.get(index)) {
+                    Some(value) => (value.span(), value),
+                    None => break,
+                },
+                _ => break,
+            };
+            outer = value.get_ref();
+            spans.push(if outer.is_table() { name } else { value.span() });
         }
         spans
     }

@@ -1,38 +1,120 @@
-//! The simulated robot that a configuration describes, and its linear truth.
+//! The simulated robot that a configuration describes, watched as a real one would be, and its linear truth.
 
 use std::sync::Arc;
 
-use frfid_plant::{ClosedLoop, Hold, OpenLoop, Robot, SingleJoint, Velocity};
-use frfid_signals::{Frf, Testbed};
+use frfid_plant::{ClosedLoop, Hold, OpenLoop, Robot, Sensor, Trajectory, Watch};
+use frfid_signals::{Frf, Record, Run, Testbed, TestbedError};
 
+use crate::config::LimitsTable;
 use crate::{Experiment, ExperimentError};
 
+/// Time in s in which a run that exceeds a limit is brought to rest.
+const RAMP_S: f64 = 0.2;
+/// A limit that is only touched, but for rounding, is kept.
+const ROUNDING: f64 = 1e-9;
+
+/// A robot in open loop, or under its controller.
+#[derive(Debug, Clone)]
+pub(crate) enum Simulator {
+    /// The reference is the motor torque.
+    Open(OpenLoop),
+    /// The reference is the motor velocity.
+    Closed(ClosedLoop),
+}
+
+impl Simulator {
+    /// Does one run; returns the true motion beside what the sensors recorded.
+    pub fn simulate(&self, run: &Run) -> Result<(Record, Trajectory), TestbedError> {
+        match self {
+            Self::Open(testbed) => testbed.simulate(run).map_err(|error| error.in_run(run.id, &[])),
+            Self::Closed(testbed) => {
+                testbed.simulate(run).map_err(|error| error.in_run(run.id, &testbed.controller.gain))
+            }
+        }
+    }
+}
+
+impl Testbed for Simulator {
+    fn n_inputs(&self) -> usize {
+        match self {
+            Self::Open(testbed) => testbed.n_inputs(),
+            Self::Closed(testbed) => testbed.n_inputs(),
+        }
+    }
+
+    fn run(&self, run: &Run) -> Result<Record, TestbedError> {
+        Ok(self.simulate(run)?.0)
+    }
+}
+
 impl Experiment {
-    /// The simulated robot: in open loop, or under its controller if one is described.
+    /// The simulated robot, in open loop or under its controller if one is described. Runs that exceed a limit of torque,
+    /// velocity or travel are brought to rest, and end there.
     ///
     /// # Errors
     /// [`ExperimentError::Config`] where no robot is described.
     pub fn testbed(&self) -> Result<Box<dyn Testbed>, ExperimentError> {
-        let (joint, seed, sensors) = (self.joint()?, self.config.seed, vec![self.config.robot.sensor()]);
+        Ok(Box::new(self.simulator(Some(self.watch()))?))
+    }
+
+    /// The simulated robot, watched or not.
+    pub(crate) fn simulator(&self, watch: Option<Watch>) -> Result<Simulator, ExperimentError> {
+        let (robot, seed, sensors) = (self.robot()?, self.config.seed, self.config.robot.sensors());
         Ok(match &self.config.controller {
-            None => Box::new(OpenLoop { sensors, seed, ..OpenLoop::new(Arc::new(joint)) }),
+            None => Simulator::Open(OpenLoop { sensors, seed, watch, ..OpenLoop::new(robot) }),
             Some(table) => {
                 let controller = table.controller(self.config.sample_time_s);
-                Box::new(ClosedLoop { sensors, seed, ..ClosedLoop::new(Arc::new(joint), controller) })
+                Simulator::Closed(ClosedLoop { sensors, seed, watch, ..ClosedLoop::new(robot, controller) })
             }
         })
     }
 
-    /// Exact FRF from motor torque to velocity reading of the robot without its nonlinearities; see [`SingleJoint::frf`].
+    /// Exact FRF from motor torque to velocity at the pose of the robot without its nonlinearities; with `sensor` as the robot's
+    /// sensors see it, by differencing and through a filter ([`Robot::frf_seen`]).
     ///
     /// # Errors
     /// [`ExperimentError`] where no robot is described, or for frequencies out of range.
-    pub fn truth(&self, hz: &[f64], hold: Hold, velocity: Velocity) -> Result<Frf, ExperimentError> {
-        Ok(self.joint()?.frf(hz, hold, self.config.sample_time_s, velocity)?)
+    pub fn truth(&self, hz: &[f64], hold: Hold, sensor: bool) -> Result<Frf, ExperimentError> {
+        let robot = self.robot()?;
+        let sensors = if sensor { self.config.robot.sensors() } else { vec![Sensor::default(); robot.n_axes()] };
+        Ok(robot.frf_seen(hz, hold, self.config.sample_time_s, &sensors)?)
     }
 
-    fn joint(&self) -> Result<SingleJoint, ExperimentError> {
-        let missing = || self.source.error(&["robot"], "no robot to simulate: a table [robot.single_joint] is needed");
-        Ok(self.config.robot.joint().ok_or_else(missing)?)
+    /// The robot to be simulated, without the challenges that are switched off.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Config`] where none is described.
+    pub fn robot(&self) -> Result<Arc<dyn Robot>, ExperimentError> {
+        let missing = || self.source.error(&["robot"], "no robot to simulate: a robot file, or tables of one, are needed");
+        Ok(self.config.robot.robot().ok_or_else(missing)?)
+    }
+
+    /// The limits that bind: those of the experiment and those of the robot, the tighter of the two.
+    #[must_use]
+    pub fn limits(&self) -> LimitsTable {
+        self.config.limits.tighter(&self.config.robot.limits())
+    }
+
+    /// Whether a limit of an axis is the robot's own, not that of the experiment.
+    #[must_use]
+    pub fn is_robots(&self, limit: &str, axis: usize) -> bool {
+        let of = |limits: &LimitsTable| limits.clone().entry(limit).as_ref().and_then(|limit| limit.get(axis).copied());
+        of(&self.config.limits) != of(&self.limits())
+    }
+
+    /// What stops a run.
+    #[must_use]
+    pub fn watch(&self) -> Watch {
+        // an axis without a limit has one that no number reaches
+        let watched = |limit: Option<Vec<f64>>| {
+            limit.map(|limit| limit.iter().map(|limit| (limit * (1.0 + ROUNDING)).min(f64::MAX)).collect())
+        };
+        let LimitsTable { max_effort, max_velocity, max_travel, .. } = self.limits();
+        Watch {
+            max_effort_nm: watched(max_effort),
+            max_velocity_rad_s: watched(max_velocity),
+            max_travel_rad: watched(max_travel),
+            ramp_s: RAMP_S,
+        }
     }
 }

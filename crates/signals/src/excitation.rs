@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Chirp, Multisine};
+use crate::{Chirp, Multisine, Profile};
 
 /// What excites the machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -18,6 +18,17 @@ pub enum Excitation {
     },
     /// A chirp, once per run.
     Chirp(Chirp),
+}
+
+impl Excitation {
+    /// Largest value per channel, in the unit of the injected quantity; for a chirp with one profile for all that of any.
+    #[must_use]
+    pub fn peaks(&self) -> Vec<f64> {
+        match self {
+            Self::Multisine { peak, .. } => peak.clone(),
+            Self::Chirp(chirp) => chirp.amplitude.iter().map(Profile::peak).collect(),
+        }
+    }
 }
 
 /// The quantity the reference stands for.

@@ -218,11 +218,23 @@ impl Plan {
                 row += *velocity;
             }
         }
-        let half_way_s = 0.5 * reference.ncols() as f64 * self.sample_time_s;
+        let start_rad = self.start_before(reference.ncols());
         let velocity_rad_s = self.velocity_rad_s.clone();
-        // the way lies symmetrically about the pose, so that it stays as near to it as it can
-        let start_rad = velocity_rad_s.iter().map(|velocity| 0.0 - velocity * half_way_s).collect();
         Run { id, sample_time_s: self.sample_time_s, reference, velocity_rad_s, start_rad }
+    }
+
+    /// Where every run starts, in rad from the pose, one for each channel.
+    ///
+    /// # Errors
+    /// As [`Plan::period_samples`].
+    pub fn start_rad(&self) -> Result<Vec<f64>, SignalError> {
+        Ok(self.start_before(self.run_samples()?))
+    }
+
+    /// The way of a run lies symmetrically about the pose, so that it stays as near to it as it can.
+    fn start_before(&self, run_samples: usize) -> Vec<f64> {
+        let half_way_s = 0.5 * run_samples as f64 * self.sample_time_s;
+        self.velocity_rad_s.iter().map(|velocity| 0.0 - velocity * half_way_s).collect()
     }
 
     fn no_such_run(&self, id: RunId) -> SignalError {

@@ -76,29 +76,43 @@ pub(crate) fn tell(
 ) -> Result<(), Failure> {
     if options.json {
         let plan = plan_as_json(&experiment.plan)?;
-        return console.json(&json!({ "plan": plan, "prediction": prediction, "limits": experiment.config.limits }));
+        return console.json(&json!({ "plan": plan, "prediction": prediction, "limits": experiment.limits() }));
     }
     let crest = prediction.crest_factor.iter().map(|crest| significant(*crest, 4)).collect();
-    let peaks =
-        peaks_as_text("predicted", &prediction.peaks, &experiment.config.limits, &[("torque, crest factor", crest)]);
+    let peaks = peaks_as_text("predicted", &prediction.peaks, &experiment.limits(), &[("torque, crest factor", crest)]);
     console.data(&format!("{}\n{peaks}", plan_as_text(&experiment.plan)?))
 }
 
 /// The limit that binds most, if any is exceeded, at its place in the description.
 fn outside(experiment: &Experiment, prediction: &Prediction) -> Option<ConfigError> {
-    let ratio = |excess: &Excess| excess.found / excess.allowed;
-    let worst = prediction.excesses.iter().max_by(|a, b| ratio(a).total_cmp(&ratio(b)))?;
-    let factor = prediction.feasible_factor().unwrap_or(1.0);
-    // a travel comes from the constant velocity, if there is one, and no amplitude would mend it
-    let glides = experiment.plan.velocity_rad_s.iter().any(|velocity| *velocity != 0.0);
-    let advice = if glides && worst.limit == "max_travel" {
-        "lower the constant velocity, shorten lead-in or periods, or raise the limit".to_owned()
-    } else {
-        // rounded down, so that the advice is inside the limit
-        let factor = significant((factor * 1000.0).floor() / 1000.0, 3);
-        format!("multiply the amplitudes by {factor} or less, or raise the limit")
-    };
+    let worst = prediction.binding()?;
     let (found, allowed) = (significant(worst.found, 4), significant(worst.allowed, 4));
-    let message = format!("axis {} would reach {found}, the limit is {allowed}; {advice}", worst.axis + 1);
-    Some(experiment.source.error(&["limits", worst.limit], message))
+    let (axis, limit) = (worst.axis + 1, worst.limit);
+    let robots = experiment.is_robots(limit, worst.axis);
+    let whose = if robots { format!("the robot's {limit}") } else { "the limit".to_owned() };
+    let advice = advice(experiment, prediction, worst);
+    let message = format!("axis {axis} would reach {found}, {whose} is {allowed}; {advice}");
+    let place: &[&str] = if robots { &["robot"] } else { &["limits", limit] };
+    Some(experiment.source.error(place, message))
+}
+
+/// What to do about the limit that binds most.
+fn advice(experiment: &Experiment, prediction: &Prediction, worst: &Excess) -> String {
+    let glides = experiment.plan.velocity_rad_s.iter().any(|velocity| *velocity != 0.0);
+    // rounded down, so that the advice is inside the limit
+    let factor = (prediction.feasible_factor().unwrap_or(1.0) * 1000.0).floor() / 1000.0;
+    if factor > 0.0 {
+        let peaks = experiment.plan.excitation.peaks();
+        let best: Vec<String> = peaks.iter().map(|peak| significant(factor * peak, 3)).collect();
+        let unit = if experiment.config.controller.is_some() { "rad/s" } else { "N m" };
+        let factor = significant(factor, 3);
+        return format!(
+            "multiply the amplitudes by {factor} or less (to {} {unit}), or raise the limit",
+            best.join(", ")
+        );
+    }
+    let without = significant(prediction.without_excitation(worst), 4);
+    let slower =
+        if glides { "lower the constant velocity, shorten lead-in or periods, " } else { "choose another pose, " };
+    format!("no amplitude is left: without any excitation it is {without} already; {slower}or raise the limit")
 }

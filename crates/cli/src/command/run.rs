@@ -12,7 +12,7 @@ use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::{Options, existing_path};
 use crate::progress::watched;
-use crate::summary::{beyond_limits, peaks_as_text};
+use crate::summary::{excess_in_words, peaks_as_text};
 use crate::table::{count, significant};
 
 /// Do the runs of a description or a plan in simulation, one MCAP each; runs that are there already are skipped
@@ -85,13 +85,14 @@ fn report(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
-    let limits = &experiment.config.limits;
+    let limits = &experiment.limits();
     let peaks = summary.written.iter().map(|run| run.peaks.clone()).reduce(|a, b| a.max(&b));
     let events = summary
         .written
         .iter()
         .flat_map(|run| run.events.iter().map(|event| format!("{}: {}", run.path.display(), told(event))));
-    let beyond = peaks.as_ref().map_or_else(Vec::new, |peaks| beyond_limits(peaks, limits));
+    let excesses = peaks.iter().flat_map(|peaks| peaks.excesses(limits));
+    let beyond = excesses.map(|excess| excess_in_words(&excess));
     let flaws: Vec<String> = events.chain(beyond).collect();
     for flaw in &flaws {
         console.warning(flaw);

@@ -1,0 +1,45 @@
+//! How the records become an FRF: the table `[estimate]`.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use frfid_estimate::Averaging;
+
+/// How the records become an FRF.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct EstimateTable {
+    /// What is averaged over periods: the FRFs (the paper) or the spectra (better when u is noisy).
+    pub average: Average,
+    /// Estimate through the reference (joint input-output), which noise on u does not bias.
+    pub indirect: bool,
+    /// Frequencies at which a chirp is evaluated: their number, logarithmically spaced over the band.
+    pub n_frequencies: usize,
+}
+
+impl Default for EstimateTable {
+    fn default() -> Self {
+        Self { average: Average::Frfs, indirect: false, n_frequencies: 200 }
+    }
+}
+
+/// What is averaged over periods.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Average {
+    /// The FRFs of single periods, SK15 (14).
+    #[default]
+    Frfs,
+    /// The spectra, before dividing.
+    Spectra,
+}
+
+impl From<Average> for Averaging {
+    fn from(average: Average) -> Self {
+        match average {
+            Average::Frfs => Self::Frfs,
+            Average::Spectra => Self::Spectra,
+        }
+    }
+}
+
