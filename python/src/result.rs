@@ -70,13 +70,13 @@ pub fn described(frf: &Response) -> String {
 pub fn svg(result: &ResultFile) -> Result<String, ReportError> {
     let ResultFile { frf, input_names, output_names, input_units, output_units, .. } = result;
     let band = if frf.total.is_some() { Band::Total } else { Band::Noise };
-    let curves = [Curve { label: "G".into(), frf, style: Style::Line, band }];
+    let curves = [Curve { label: "G".into(), frf, style: Style::Line, band, flagged: None }];
     let gain_unit = match (output_units.first(), input_units.first()) {
         (Some(output), Some(input)) if !output.is_empty() && !input.is_empty() => format!("{output} per {input}"),
         _ => "output per input".to_owned(),
     };
     let labels = Labels { inputs: input_names.clone(), outputs: output_names.clone(), gain_unit };
     let single = (frf.n_outputs(), frf.n_inputs()) == (1, 1);
-    let figure = if single { bode(&curves, 0, 0, &labels)? } else { bode_matrix(&curves, &labels, true)? };
+    let figure = if single { bode(&curves, 0, 0, &labels)? } else { bode_matrix(&curves, &labels, true, &[])? };
     Ok(figure.svg())
 }

@@ -1,7 +1,7 @@
 //! From results to figures and the HTML report.
 
 use frfid_files::ResultFile;
-use frfid_report::{Band, Curve, Labels, Report, ReportError, Style, bode, bode_matrix};
+use frfid_report::{Band, Curve, Labels, Part, Report, ReportError, Responses, Style, bode, bode_matrix};
 use frfid_signals::Frf;
 
 /// More frequencies than this are drawn as a line, fewer as markers.
@@ -17,21 +17,26 @@ pub(crate) fn html(title: &str, result: &ResultFile, notes: Vec<String>) -> Resu
         frf: &result.frf,
         style: if result.frf.n_frequencies() > DENSE { Style::Line } else { Style::Markers },
         band: band(&result.frf),
+        flagged: None,
     }];
     let labels = labels(result);
     let is_single = result.frf.n_outputs() * result.frf.n_inputs() == 1;
-    let figure = if is_single { bode(&curves, 0, 0, &labels) } else { bode_matrix(&curves, &labels, true) }?;
+    let figure = if is_single { bode(&curves, 0, 0, &labels) } else { bode_matrix(&curves, &labels, true, &[]) }?;
     // the plan follows from the description, which reads better
     let provenance = result.provenance.clone().into_iter().filter(|(name, _)| name != "plan").collect();
+    let part = Part {
+        title: "Frequency response".to_owned(),
+        notes,
+        tables: Vec::new(),
+        responses: Some(Responses { title: "Interactive diagram".to_owned(), curves, labels }),
+        figures: vec![(caption(&result.frf), figure)],
+    };
     let report = Report {
         title: title.to_owned(),
-        checks: result.checks.clone(),
-        provenance,
         claims: Vec::new(),
-        figures: vec![(caption(&result.frf), figure)],
-        notes,
-        curves,
-        labels,
+        checks: result.checks.clone(),
+        parts: vec![part],
+        provenance,
     };
     report.html()
 }

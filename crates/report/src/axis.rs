@@ -7,6 +7,9 @@ const ROOM_X: f64 = 45.0;
 const ROOM_VALUE: f64 = 30.0;
 const ROOM_DEGREES: f64 = 24.0;
 const ROOM_END: f64 = 18.0;
+/// The same on upright logarithmic axes, and of whole numbers.
+const ROOM_LINE: f64 = 16.0;
+const ROOM_COUNT: f64 = 18.0;
 
 /// One axis: its range, what is labelled, and the finer grid.
 #[derive(Debug, Clone, PartialEq)]
@@ -21,17 +24,27 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// A logarithmic frequency axis over positive values, `length` pixels long: from and to round numbers, labelled at
+    /// A horizontal logarithmic axis over positive values, `length` pixels long: from and to round numbers, labelled at
     /// 1-2-5 or at decades, whatever has room.
     pub fn frequency(values: impl Iterator<Item = f64>, length: f64) -> Self {
+        Self::logarithmic(values, length, ROOM_LOG)
+    }
+
+    /// The same upright, `length` pixels high.
+    pub fn upright_log(values: impl Iterator<Item = f64>, length: f64) -> Self {
+        Self::logarithmic(values, length, ROOM_LINE)
+    }
+
+    fn logarithmic(values: impl Iterator<Item = f64>, length: f64, room: f64) -> Self {
         let (low, high) = round_outward(extent(values.filter(|&hz| hz > 1.0 / ABSURD)).unwrap_or((1.0, 10.0)));
         let fine = digits(low, high, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
         let per_decade = length / (high / low).log10();
-        let mut labelled = labelled_frequencies(low, high, per_decade, &fine);
+        let mut labelled = labelled_frequencies((low, high), per_decade, room, &fine);
         if labelled.len() < 3 && high / low < 10.0 {
-            return Self { log: true, ..Self::linear_within(low, high, length, ROOM_X) };
+            return Self { log: true, ..Self::linear_within(low, high, length, 1.5 * room) };
         }
-        let keeps_off = |end: &f64| labelled.iter().all(|hz| (hz / end).log10().abs() * per_decade > ROOM_END);
+        let keeps_off =
+            |end: &f64| labelled.iter().all(|hz| (hz / end).log10().abs() * per_decade > room.min(ROOM_END));
         let ends: Vec<f64> = [low, high].into_iter().filter(keeps_off).collect();
         labelled.extend(ends);
         let ticks = labelled.into_iter().map(|hz| (hz, label(hz, digits_of(hz)))).collect();
@@ -56,6 +69,15 @@ impl Axis {
     pub fn exact(values: impl Iterator<Item = f64>, length: f64) -> Self {
         let (low, high) = widened(extent(values).unwrap_or((0.0, 1.0)));
         Self::linear_within(low, high, length, ROOM_X)
+    }
+
+    /// An axis of whole numbers from `first` to `last` with a little room at both ends, `length` pixels long.
+    pub fn counts(first: usize, last: usize, length: f64) -> Self {
+        let (low, high) = (first as f64 - 0.4, last.max(first) as f64 + 0.4);
+        let step = round_step(((high - low) * ROOM_COUNT / length).max(1.0));
+        let within = ((low / step).ceil() * step, (high / step).floor() * step);
+        let ticks = Self::ending_on(within, step, step).ticks;
+        Self { low, high, log: false, ticks, minor: Vec::new() }
     }
 
     /// A phase axis in degrees, `length` pixels high: labelled at multiples of 45 or 90, at most from -180 to 180.
@@ -98,6 +120,11 @@ impl Axis {
         } else {
             (value - self.low) / (self.high - self.low)
         }
+    }
+
+    /// The value at a share of the axis, the inverse of [`Axis::share`].
+    pub fn value(&self, share: f64) -> f64 {
+        if self.log { self.low * (self.high / self.low).powf(share) } else { self.low + share * (self.high - self.low) }
     }
 
     /// Whether a value lies on the axis.
@@ -157,14 +184,14 @@ fn digits(low: f64, high: f64, set: &[f64]) -> Vec<f64> {
 
 /// What is labelled on a logarithmic axis with `per_decade` pixels per decade: all digits, 1-2-5, or every n-th decade, the
 /// first of these that has room.
-fn labelled_frequencies(low: f64, high: f64, per_decade: f64, fine: &[f64]) -> Vec<f64> {
-    let fits = |ratio: f64| per_decade * ratio.log10() > ROOM_LOG;
+fn labelled_frequencies((low, high): (f64, f64), per_decade: f64, room: f64, fine: &[f64]) -> Vec<f64> {
+    let fits = |ratio: f64| per_decade * ratio.log10() > room;
     if fits(10.0 / 9.0) {
         fine.to_vec()
     } else if fits(2.0) {
         digits(low, high, &[1.0, 2.0, 5.0])
     } else {
-        let every = (ROOM_LOG / per_decade).ceil() as i32;
+        let every = (room / per_decade).ceil() as i32;
         let power = |ten: &f64| ten.log10().round() as i32;
         digits(low, high, &[1.0]).into_iter().filter(|ten| power(ten).rem_euclid(every) == 0).collect()
     }

@@ -1,13 +1,22 @@
 //! Bode diagrams: magnitude in dB above phase in degrees, over a logarithmic frequency axis in Hz.
 
 use crate::axis::Axis;
-use crate::curve::{self, Curve, Ink, Labels, inks};
-use crate::figure::{Align, Figure, Rect};
+use crate::curve::{self, Curve, Ink, Labels, Mark, inks};
+use crate::figure::{Align, Figure, Marker, Rect};
 use crate::legend::Legend;
 use crate::panel::{BELOW, GAP, LABEL_SIZE, LEFT, Panel, RIGHT, TICK_SIZE};
 use crate::{ReportError, phase};
 
 const TITLE: f64 = 24.0;
+/// Half the height of a mark in pixels.
+const MARK: f64 = 5.5;
+/// The same of the cross at a flagged line.
+const CROSS: f64 = 3.2;
+/// Width that a matrix is given, and that of a cell at least and at most, in pixels.
+const ACROSS: f64 = 1100.0;
+const CELL: (f64, f64) = (170.0, 260.0);
+/// What lies further below the highest magnitude is rounding and does not stretch the axis, in dB.
+const DEEPEST_DB: f64 = 140.0;
 
 /// Bode diagram of one entry `(output, input)` of several FRFs: magnitude above, phase below, as in SK15 figures 4 and 5.
 ///
@@ -26,6 +35,7 @@ pub fn bode(curves: &[Curve], output: usize, input: usize, labels: &Labels) -> R
     Ok(Sheet {
         curves,
         labels,
+        marks: &[],
         rows: vec![output],
         columns: vec![input],
         width: 540.0,
@@ -38,20 +48,31 @@ pub fn bode(curves: &[Curve], output: usize, input: usize, labels: &Labels) -> R
 /// Bode diagrams of all entries, one row per output and one column per input, on common axes.
 ///
 /// With `with_phase` every magnitude has its phase below it; without, the figure holds magnitudes only (SK15 figures 8-10).
+/// `marks` point out magnitudes, as figure 9 does with peaks.
 ///
 /// # Errors
-/// As [`bode`].
-pub fn bode_matrix(curves: &[Curve], labels: &Labels, with_phase: bool) -> Result<Figure, ReportError> {
+/// As [`bode`], or if a mark belongs to no curve or entry.
+pub fn bode_matrix(curves: &[Curve], labels: &Labels, with_phase: bool, marks: &[Mark]) -> Result<Figure, ReportError> {
     let (outputs, inputs) = curve::check("a matrix of Bode diagrams", curves, labels)?;
-    let (rows, columns) = ((0..outputs).collect(), (0..inputs).collect());
-    Ok(Sheet { curves, labels, rows, columns, width: 260.0, magnitude: 150.0, phase: with_phase.then_some(100.0) }
-        .draw())
+    curve::check_marks(marks, curves, (outputs, inputs))?;
+    Ok(Sheet {
+        curves,
+        labels,
+        marks,
+        rows: (0..outputs).collect(),
+        columns: (0..inputs).collect(),
+        width: (ACROSS / inputs as f64).clamp(CELL.0, CELL.1),
+        magnitude: 150.0,
+        phase: with_phase.then_some(100.0),
+    }
+    .draw())
 }
 
 /// The layout of a figure: which entries, and the size of a cell's panels in pixels.
 struct Sheet<'a> {
     curves: &'a [Curve<'a>],
     labels: &'a Labels,
+    marks: &'a [Mark],
     rows: Vec<usize>,
     columns: Vec<usize>,
     width: f64,
@@ -64,7 +85,9 @@ impl Sheet<'_> {
         let inks = inks(self.curves.iter().map(|curve| curve.style));
         let cell = TITLE + self.magnitude + self.phase.map_or(0.0, |height| height + GAP) + 6.0;
         let across = self.columns.len() as f64 * (self.width + GAP) - GAP;
-        let legend = Legend::new(self.curves.iter().map(|curve| curve.label.as_str()).zip(&inks), across);
+        let special = self.special(&inks);
+        let names = self.curves.iter().map(|curve| curve.label.as_str()).zip(&inks);
+        let legend = Legend::new(names.chain(special.iter().map(|(name, ink)| (*name, ink))), across);
         let top = 8.0 + legend.height();
         let mut figure = Figure::new(LEFT + across + RIGHT, top + self.rows.len() as f64 * cell + BELOW + 10.0);
         legend.draw(&mut figure, LEFT, 8.0);
@@ -83,6 +106,22 @@ impl Sheet<'_> {
         figure
     }
 
+    /// Names and inks of what the legend explains besides the curves: marks and flagged lines.
+    fn special(&self, inks: &[Ink]) -> Vec<(&str, Ink)> {
+        let mut names: Vec<(&str, Ink)> = Vec::new();
+        for mark in self.marks {
+            if names.iter().all(|(name, _)| *name != mark.label) {
+                names.push((&mark.label, mark.ink(inks)));
+            }
+        }
+        for (curve, ink) in self.curves.iter().zip(inks) {
+            if (0..curve.frf.n_frequencies()).any(|k| curve.is_flagged(k)) {
+                names.push(("flagged line", cross(ink)));
+            }
+        }
+        names
+    }
+
     /// Axes that hold every curve of every entry: frequency, magnitude and phase.
     fn axes(&self) -> (Axis, Axis, Axis) {
         let entries = || self.rows.iter().flat_map(|&output| self.columns.iter().map(move |&input| (output, input)));
@@ -91,7 +130,10 @@ impl Sheet<'_> {
                 .flat_map(|(output, input)| self.curves.iter().flat_map(move |curve| values(curve, output, input)))
                 .collect()
         };
-        let magnitudes = of_all(|curve, output, input| curve.frf.magnitude_db(output, input));
+        let mut magnitudes = of_all(|curve, output, input| curve.frf.magnitude_db(output, input));
+        let highest = magnitudes.iter().copied().filter(|db| db.is_finite()).fold(f64::NEG_INFINITY, f64::max);
+        magnitudes.retain(|db| *db >= highest - DEEPEST_DB);
+        magnitudes.extend(self.marks.iter().map(|mark| mark.magnitude_db));
         let phases = of_all(|curve, output, input| curve.frf.phase_deg(output, input));
         let frequencies = self.curves.iter().flat_map(|curve| curve.frf.frequency_hz.iter().copied());
         (
@@ -119,6 +161,12 @@ impl Sheet<'_> {
         magnitude.draw(figure, |figure| {
             self.curves.iter().zip(inks).for_each(|(curve, ink)| draw_magnitude(figure, &magnitude, curve, entry, ink));
         });
+        self.curves.iter().zip(inks).for_each(|(curve, ink)| {
+            draw_flags(figure, &magnitude, curve, &curve.frf.magnitude_db(entry.0, entry.1), ink);
+        });
+        for mark in self.marks.iter().filter(|mark| (mark.output, mark.input) == entry) {
+            magnitude.mark(figure, (mark.frequency_hz, mark.magnitude_db), &mark.ink(inks), MARK);
+        }
         if edge.left {
             magnitude.label_y(figure, "Magnitude in dB");
         }
@@ -127,6 +175,9 @@ impl Sheet<'_> {
             let phase = panel(corner.1 + self.magnitude + GAP, height, &axes.2);
             phase.draw(figure, |figure| {
                 self.curves.iter().zip(inks).for_each(|(curve, ink)| draw_phase(figure, &phase, curve, entry, ink));
+            });
+            self.curves.iter().zip(inks).for_each(|(curve, ink)| {
+                draw_flags(figure, &phase, curve, &curve.frf.phase_deg(entry.0, entry.1), ink);
             });
             if edge.left {
                 phase.label_y(figure, "Phase in deg");
@@ -156,7 +207,28 @@ fn draw_magnitude(figure: &mut Figure, panel: &Panel, curve: &Curve, (output, in
         panel.band(figure, &bound(-1.0), &bound(1.0), ink.color);
     }
     let values: Vec<(f64, f64)> = frf.frequency_hz.iter().copied().zip(frf.magnitude_db(output, input)).collect();
-    panel.curve(figure, &values, ink);
+    panel.curve(figure, &values, &Ink { marker: None, ..*ink });
+    draw_markers(figure, panel, curve, &values, ink);
+}
+
+/// The markers of a curve, where it is not flagged.
+fn draw_markers(figure: &mut Figure, panel: &Panel, curve: &Curve, values: &[(f64, f64)], ink: &Ink) {
+    let sound = values.iter().enumerate().filter(|(k, _)| !curve.is_flagged(*k)).map(|(_, value)| *value);
+    panel.curve(figure, &sound.collect::<Vec<_>>(), &Ink { pen: None, ..*ink });
+}
+
+/// Crosses where a curve is flagged, over all curves.
+fn draw_flags(figure: &mut Figure, panel: &Panel, curve: &Curve, values: &[f64], ink: &Ink) {
+    for (k, (&hz, &value)) in curve.frf.frequency_hz.iter().zip(values).enumerate() {
+        if curve.is_flagged(k) {
+            panel.mark(figure, (hz, value), &cross(ink), CROSS);
+        }
+    }
+}
+
+/// How flagged lines of a curve are drawn.
+fn cross(ink: &Ink) -> Ink {
+    Ink { pen: None, marker: Some(Marker::Cross), ..*ink }
 }
 
 fn draw_phase(figure: &mut Figure, panel: &Panel, curve: &Curve, (output, input): (usize, usize), ink: &Ink) {
@@ -177,5 +249,5 @@ fn draw_phase(figure: &mut Figure, panel: &Panel, curve: &Curve, (output, input)
         panel.curve(figure, &shifted(&|_| 0.0), &Ink { marker: None, ..*ink });
     }
     let values: Vec<(f64, f64)> = frf.frequency_hz.iter().copied().zip(phase_deg).collect();
-    panel.curve(figure, &values, &Ink { pen: None, ..*ink });
+    draw_markers(figure, panel, curve, &values, ink);
 }

@@ -2,8 +2,8 @@
 
 use frfid_signals::{Frf, Uncertainty};
 
-use crate::ReportError;
 use crate::figure::{Marker, Pen};
+use crate::{ReportError, check};
 
 /// How an FRF is drawn.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -39,6 +39,15 @@ pub struct Curve<'a> {
     pub style: Style,
     /// What is shaded around it; nothing where that variance was not measured.
     pub band: Band,
+    /// Lines not to be trusted, one value per frequency: they are drawn as crosses. `None` where all are sound.
+    pub flagged: Option<Vec<bool>>,
+}
+
+impl Curve<'_> {
+    /// Whether the line of that number is not to be trusted.
+    pub(crate) fn is_flagged(&self, k: usize) -> bool {
+        self.flagged.as_ref().is_some_and(|flagged| flagged[k])
+    }
 }
 
 /// Names of the channels and the unit of the gain, as they appear in titles and on axes.
@@ -65,6 +74,45 @@ impl Labels {
     pub(crate) fn entry(&self, output: usize, input: usize) -> String {
         let name = |names: &[String], k: usize| names.get(k).cloned().unwrap_or_else(|| (k + 1).to_string());
         format!("{} → {}", name(&self.inputs, input), name(&self.outputs, output))
+    }
+}
+
+/// The shape of a [`Mark`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MarkShape {
+    /// An open circle.
+    Circle,
+    /// A cross.
+    Cross,
+}
+
+/// A point of a matrix of Bode diagrams that is pointed out, in the colour of a curve: a peak, or where another entry has its.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mark {
+    /// Name in the legend; marks of one name share one entry, an empty name has none.
+    pub label: String,
+    /// Number of the curve it belongs to.
+    pub curve: usize,
+    /// Row of the matrix.
+    pub output: usize,
+    /// Column of the matrix.
+    pub input: usize,
+    /// Frequency in Hz.
+    pub frequency_hz: f64,
+    /// Magnitude in dB.
+    pub magnitude_db: f64,
+    /// How it is drawn.
+    pub shape: MarkShape,
+}
+
+impl Mark {
+    /// Its ink, in a figure with curves of these inks.
+    pub(crate) fn ink(&self, curves: &[Ink]) -> Ink {
+        let marker = match self.shape {
+            MarkShape::Circle => Marker::Circle,
+            MarkShape::Cross => Marker::Cross,
+        };
+        Ink { pen: None, marker: Some(marker), color: curves[self.curve].color }
     }
 }
 
@@ -117,9 +165,12 @@ pub(crate) fn check(figure: &'static str, curves: &[Curve], labels: &Labels) -> 
         let fits = (found_outputs, found_inputs) == (outputs, inputs);
         if fits { Ok(()) } else { Err(ReportError::Size { what, found_outputs, found_inputs, outputs, inputs }) }
     };
-    for Curve { label, frf, .. } in curves {
+    for Curve { label, frf, flagged, .. } in curves {
         size(format!("curve \"{label}\""), frf.n_outputs(), frf.n_inputs())?;
         frf.check()?;
+        if let Some(flagged) = flagged {
+            check::length(&format!("flagged of curve \"{label}\""), flagged.len(), frf.n_frequencies())?;
+        }
         if let Some(&found) = frf.frequency_hz.iter().find(|hz| !(hz.is_finite() && **hz > 0.0)) {
             let needed = "finite and above 0 (the frequency axis is logarithmic)";
             return Err(ReportError::Value { what: format!("a frequency_hz of curve \"{label}\""), found, needed });
@@ -130,6 +181,23 @@ pub(crate) fn check(figure: &'static str, curves: &[Curve], labels: &Labels) -> 
     }
     size("the list of channel names".to_owned(), labels.outputs.len(), labels.inputs.len())?;
     Ok((outputs, inputs))
+}
+
+/// Refuses marks that belong to no curve or no entry of an `outputs` x `inputs` matrix.
+pub(crate) fn check_marks(
+    marks: &[Mark],
+    curves: &[Curve],
+    (outputs, inputs): (usize, usize),
+) -> Result<(), ReportError> {
+    for &Mark { curve, output, input, .. } in marks {
+        let found = curve as f64;
+        check::value("the curve of a mark", found, "the number of a curve, from 0", |_| curve < curves.len())?;
+        if output >= outputs || input >= inputs {
+            let curve = curves[curve].label.clone();
+            return Err(ReportError::NoSuchEntry { curve, outputs, inputs, output, input });
+        }
+    }
+    Ok(())
 }
 
 /// Radius of the 95 % region of an entry over the square root of its variance; `None` without degrees of freedom.

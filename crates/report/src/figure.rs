@@ -1,4 +1,4 @@
-//! A finished picture, as SVG or PNG. The only module that knows the plotting library (kuva).
+//! A finished picture, as SVG or PNG. Only this module and `image` know the plotting library (kuva).
 //!
 //! We draw axes, curves and legends ourselves and use kuva as paper: its primitives, its SVG writer and its rasteriser with
 //! the DejaVu font built in, so that both outputs come from one list of shapes and no system font is needed. Its ready-made
@@ -9,11 +9,14 @@ use kuva::backend::svg::SvgBackend;
 use kuva::render::color::Color;
 use kuva::render::render::{PathData, Primitive, Scene, TextAnchor};
 
-use crate::ReportError;
-use crate::dash;
+use crate::image::{Image, Rgb};
+use crate::{ReportError, dash};
 
 /// Largest PNG we make, in pixels: 16 times a 4K screen.
 const MOST_PIXELS: f64 = 128e6;
+
+/// Width of the outline of hollow markers in pixels.
+const OUTLINE: f64 = 1.2;
 
 /// A point of a picture in CSS pixels, y down.
 pub(crate) type Point = (f64, f64);
@@ -42,6 +45,8 @@ pub(crate) enum Marker {
     Ring,
     Square,
     Diamond,
+    Circle,
+    Cross,
 }
 
 /// On which side of its point a text stands.
@@ -59,8 +64,15 @@ pub(crate) enum Align {
 pub struct Figure {
     width: f64,
     height: f64,
-    shapes: Vec<Primitive>,
+    shapes: Vec<Shape>,
     clip_rects: Vec<String>,
+}
+
+/// What a picture is made of.
+#[derive(Debug, Clone)]
+enum Shape {
+    Plain(Primitive),
+    Image(Image),
 }
 
 impl Figure {
@@ -77,7 +89,18 @@ impl Figure {
     /// The picture as a stand-alone SVG document.
     #[must_use]
     pub fn svg(&self) -> String {
-        let svg = SvgBackend::new().render_scene(&self.scene(self.shapes.clone()));
+        let (mut shapes, mut patterns) = (Vec::new(), Vec::new());
+        for shape in &self.shapes {
+            match shape {
+                Shape::Plain(primitive) => shapes.push(primitive.clone()),
+                Shape::Image(image) => {
+                    let id = format!("image{}", patterns.len());
+                    shapes.push(image.rectangle(&id));
+                    patterns.push(image.pattern(&id));
+                }
+            }
+        }
+        let svg = SvgBackend::new().render_scene(&self.scene(shapes, patterns));
         // Without a viewBox an SVG does not scale with the page it is put on.
         svg.replacen("<svg ", &format!("<svg viewBox=\"0 0 {} {}\" ", self.width, self.height), 1)
     }
@@ -93,19 +116,20 @@ impl Figure {
             return Err(ReportError::Value { what: "PNG scale".to_owned(), found: scale, needed });
         }
         // kuva's rasteriser begins the dash pattern anew at every point, so dense dashed curves would come out solid.
-        let shapes = self.shapes.iter().flat_map(cut_dashes).collect();
-        RasterBackend::new().with_scale(scale as f32).render_scene(&self.scene(shapes)).map_err(ReportError::Png)
+        let plain = |shape: &Shape| match shape {
+            Shape::Plain(primitive) => cut_dashes(primitive),
+            Shape::Image(image) => vec![image.cells()],
+        };
+        let scene = self.scene(self.shapes.iter().flat_map(plain).collect(), Vec::new());
+        RasterBackend::new().with_scale(scale as f32).render_scene(&scene).map_err(ReportError::Png)
     }
 
-    fn scene(&self, shapes: Vec<Primitive>) -> Scene {
+    fn scene(&self, shapes: Vec<Primitive>, patterns: Vec<String>) -> Scene {
         let mut scene = Scene::new(self.width, self.height);
         scene.font_family = Some("Arial, Helvetica, DejaVu Sans, sans-serif".to_owned());
-        scene.defs = self
-            .clip_rects
-            .iter()
-            .enumerate()
-            .map(|(k, rect)| format!("<clipPath id=\"clip{k}\">{rect}</clipPath>"))
-            .collect();
+        let clips = self.clip_rects.iter().enumerate();
+        scene.defs = clips.map(|(k, rect)| format!("<clipPath id=\"clip{k}\">{rect}</clipPath>")).collect();
+        scene.defs.extend(patterns);
         scene.elements = shapes;
         scene
     }
@@ -115,52 +139,64 @@ impl Figure {
         if points.len() > 1 {
             let stroke_dasharray = (!pen.dash.is_empty()).then(|| pen.dash.to_owned());
             let stroke = Color::from(pen.color);
-            self.shapes.push(Primitive::PolyLine { points, stroke, stroke_width: pen.width, stroke_dasharray });
+            self.push(Primitive::PolyLine { points, stroke, stroke_width: pen.width, stroke_dasharray });
         }
     }
 
     /// A filled area without an outline.
     pub(crate) fn area(&mut self, outline: &[Point], color: &str, opacity: f64) {
         if outline.len() > 2 {
-            self.shapes.push(path(outline, Some(Color::from(color)), Color::None, Some(opacity)));
+            self.push(path(outline, Some(Color::from(color)), Color::None, Some(opacity)));
         }
     }
 
     /// One marker; `radius` is half its height.
     pub(crate) fn marker(&mut self, (x, y): Point, marker: Marker, radius: f64, color: &str) {
         let ink = Color::from(color);
-        let shape = match marker {
-            Marker::Dot => Primitive::Circle {
-                cx: x,
-                cy: y,
-                r: radius,
-                fill: ink,
-                fill_opacity: None,
-                stroke: None,
-                stroke_width: None,
-            },
-            Marker::Ring => {
-                let fill = Color::from("#ffffff");
-                Primitive::Circle {
-                    cx: x,
-                    cy: y,
-                    r: radius,
-                    fill,
-                    fill_opacity: None,
-                    stroke: Some(ink),
-                    stroke_width: Some(1.2),
-                }
-            }
+        let circle = |fill: Color, stroke: Option<Color>| Primitive::Circle {
+            cx: x,
+            cy: y,
+            r: radius,
+            fill,
+            fill_opacity: None,
+            stroke_width: stroke.as_ref().map(|_| OUTLINE),
+            stroke,
+        };
+        let white = || Color::from("#ffffff");
+        match marker {
+            Marker::Dot => self.push(circle(ink, None)),
+            Marker::Ring => self.push(circle(white(), Some(ink))),
+            Marker::Circle => self.push(circle(Color::None, Some(ink))),
             Marker::Square => {
                 let r = 0.85 * radius;
-                path(&[(x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)], Some(ink), Color::None, None)
+                let corners = [(x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)];
+                self.push(path(&corners, Some(ink), Color::None, None));
             }
             Marker::Diamond => {
                 let r = 1.2 * radius;
-                path(&[(x - r, y), (x, y - r), (x + r, y), (x, y + r)], Some(Color::from("#ffffff")), ink, None)
+                self.push(path(&[(x - r, y), (x, y - r), (x + r, y), (x, y + r)], Some(white()), ink, None));
             }
-        };
-        self.shapes.push(shape);
+            Marker::Cross => {
+                for (dx, dy) in [(radius, radius), (radius, -radius)] {
+                    let (points, stroke) = (vec![(x - dx, y - dy), (x + dx, y + dy)], ink.clone());
+                    self.push(Primitive::PolyLine { points, stroke, stroke_width: OUTLINE, stroke_dasharray: None });
+                }
+            }
+        }
+    }
+
+    /// A grid of coloured cells that fills a rectangle.
+    ///
+    /// # Errors
+    /// [`ReportError::Png`].
+    pub(crate) fn image(
+        &mut self,
+        rect: Rect,
+        size: (usize, usize),
+        color: impl Fn(usize, usize) -> Rgb,
+    ) -> Result<(), ReportError> {
+        self.shapes.push(Shape::Image(Image::new(rect, size, color)?));
+        Ok(())
     }
 
     /// Text with its baseline at the point, in black.
@@ -180,7 +216,11 @@ impl Figure {
             Align::Right => TextAnchor::End,
         };
         let color = Some(Color::from("#000000"));
-        self.shapes.push(Primitive::Text { x, y, content: printable(text), size, anchor, rotate, bold: false, color });
+        self.push(Primitive::Text { x, y, content: printable(text), size, anchor, rotate, bold: false, color });
+    }
+
+    fn push(&mut self, shape: Primitive) {
+        self.shapes.push(Shape::Plain(shape));
     }
 
     /// Draws `content` clipped to the rectangle.
@@ -192,9 +232,9 @@ impl Figure {
             self.clip_rects.len() - 1
         });
         let id = format!("clip{number}");
-        self.shapes.push(Primitive::ClipStart { x, y, width, height, id });
+        self.push(Primitive::ClipStart { x, y, width, height, id });
         content(self);
-        self.shapes.push(Primitive::ClipEnd);
+        self.push(Primitive::ClipEnd);
     }
 }
 
@@ -205,7 +245,7 @@ fn path(outline: &[Point], fill: Option<Color>, stroke: Color, opacity: Option<f
         d.push_str(&format!("{} {x:.2} {y:.2} ", if k == 0 { 'M' } else { 'L' }));
     }
     d.push('Z');
-    let stroke_width = if matches!(stroke, Color::None) { 0.0 } else { 1.2 };
+    let stroke_width = if matches!(stroke, Color::None) { 0.0 } else { OUTLINE };
     Primitive::Path(Box::new(PathData { d, fill, stroke, stroke_width, opacity, stroke_dasharray: None }))
 }
 

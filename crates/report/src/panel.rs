@@ -12,10 +12,12 @@ pub(crate) const GAP: f64 = 16.0;
 /// Font sizes in pixels.
 pub(crate) const TICK_SIZE: u32 = 12;
 pub(crate) const LABEL_SIZE: u32 = 13;
+/// Length of a tick in pixels.
+pub(crate) const TICK: f64 = 3.0;
 
 const GRID: Pen = Pen { color: "#c8c8c8", width: 0.8, dash: "" };
 const FINE_GRID: Pen = Pen { color: "#e8e8e8", width: 0.6, dash: "" };
-const FRAME: Pen = Pen { color: "#000000", width: 1.0, dash: "" };
+pub(crate) const FRAME: Pen = Pen { color: "#000000", width: 1.0, dash: "" };
 
 /// A rectangle of the picture with a horizontal and a vertical axis.
 pub(crate) struct Panel {
@@ -30,9 +32,27 @@ impl Panel {
         self.grid(figure, self.x.minor.iter(), self.y.minor.iter(), FINE_GRID);
         self.grid(figure, self.x.ticks.iter().map(|(x, _)| x), self.y.ticks.iter().map(|(y, _)| y), GRID);
         curves(figure);
+        self.frame(figure);
+    }
+
+    /// Draws the frame.
+    pub fn frame(&self, figure: &mut Figure) {
         let Rect { x, y, width, height } = self.rect;
         let corners = vec![(x, y), (x + width, y), (x + width, y + height), (x, y + height), (x, y)];
         figure.line(corners, FRAME);
+    }
+
+    /// Draws short strokes outside the frame at the labelled values, for panels that hide their grid.
+    pub fn ticks(&self, figure: &mut Figure) {
+        let Rect { x: left, y: top, width, height } = self.rect;
+        for (value, _) in &self.x.ticks {
+            let x = left + width * self.x.share(*value);
+            figure.line(vec![(x, top + height), (x, top + height + TICK)], FRAME);
+        }
+        for (value, _) in &self.y.ticks {
+            let y = top + height * (1.0 - self.y.share(*value));
+            figure.line(vec![(left - TICK, y), (left, y)], FRAME);
+        }
     }
 
     /// Writes the tick labels and the label below the panel.
@@ -62,11 +82,17 @@ impl Panel {
                 }
             });
         }
-        if let Some(marker) = ink.marker {
-            let radius = (0.5 * self.rect.width / values.len() as f64).clamp(1.3, 2.6);
-            for &(x, y) in values.iter().filter(|(x, y)| self.x.holds(*x) && self.y.holds(*y)) {
-                figure.marker(self.at(x, y), marker, radius, ink.color);
-            }
+        let radius = (0.5 * self.rect.width / values.len().max(1) as f64).clamp(1.3, 2.6);
+        values.iter().for_each(|&point| self.mark(figure, point, ink, radius));
+    }
+
+    /// Draws one marker of the given radius, if the panel holds the point.
+    pub fn mark(&self, figure: &mut Figure, (x, y): (f64, f64), ink: &Ink, radius: f64) {
+        if let Some(marker) = ink.marker
+            && self.x.holds(x)
+            && self.y.holds(y)
+        {
+            figure.marker(self.at(x, y), marker, radius, ink.color);
         }
     }
 

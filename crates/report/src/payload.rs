@@ -5,9 +5,10 @@ use base64::engine::general_purpose::STANDARD;
 use ndarray::Array3;
 use serde::Serialize;
 
-use crate::curve::{Curve, Labels, Style, confidence_radius};
+use crate::curve::{Curve, Style, confidence_radius};
+use crate::part::Responses;
 
-/// Everything the interactive diagram needs.
+/// Everything an interactive diagram needs.
 #[derive(Serialize)]
 struct Payload<'a> {
     inputs: &'a [String],
@@ -28,15 +29,19 @@ struct CurveData<'a> {
     total_deviation: Option<String>,
     total_factor: Option<f64>,
     nonlinear_deviation: Option<String>,
+    flagged: Option<&'a [bool]>,
 }
 
-/// The data block, safe inside `<script type="application/json">`.
-pub(crate) fn json(curves: &[Curve], labels: &Labels) -> String {
-    let curves = curves.iter().map(curve_data).collect();
-    let payload = Payload { inputs: &labels.inputs, outputs: &labels.outputs, curves };
-    let text = serde_json::to_string(&payload).expect("strings and finite numbers always make JSON");
+/// The data block of a page, a list with one part per diagram, safe inside `<script type="application/json">`.
+pub(crate) fn json(all: &[&Responses]) -> String {
+    let payloads: Vec<Payload> = all.iter().map(|responses| payload(responses)).collect();
+    let text = serde_json::to_string(&payloads).expect("strings and finite numbers always make JSON");
     // A script block ends at "</script" and may be misread at "<!--", wherever they stand: no "<" is let through.
     text.replace('<', "\\u003c")
+}
+
+fn payload<'a>(Responses { curves, labels, .. }: &'a Responses) -> Payload<'a> {
+    Payload { inputs: &labels.inputs, outputs: &labels.outputs, curves: curves.iter().map(curve_data).collect() }
 }
 
 fn curve_data<'a>(curve: &'a Curve) -> CurveData<'a> {
@@ -56,6 +61,7 @@ fn curve_data<'a>(curve: &'a Curve) -> CurveData<'a> {
         total_deviation: frf.total_variance().map(deviation),
         total_factor: frf.total.as_ref().and_then(confidence_radius),
         nonlinear_deviation: frf.nonlinear_variance().map(deviation),
+        flagged: curve.flagged.as_deref(),
     }
 }
 

@@ -1,19 +1,9 @@
-//! Figures 4 and 5 of the paper and the report of its section 6.
+//! Figures 4 and 5 of the paper and its section 6 in the report.
 
 use frfid_experiment::{Measured, Section6};
 
-use crate::{Band, Curve, Figure, Labels, Report, ReportError, Style, bode};
-
-/// A figure with its file name (without ending) and its caption.
-#[derive(Debug, Clone)]
-pub struct Named {
-    /// File name without ending.
-    pub name: &'static str,
-    /// Caption.
-    pub caption: &'static str,
-    /// The figure.
-    pub figure: Figure,
-}
+use crate::paper::Named;
+use crate::{Band, Curve, Labels, Part, ReportError, Responses, Style, bode};
 
 /// The figures of section 6: 4, 5, and the one of which the paper says that it is not depicted.
 ///
@@ -27,7 +17,7 @@ pub fn section6_figures(section6: &Section6) -> Result<Vec<Named>, ReportError> 
     Ok(vec![
         Named {
             name: "figure_4_friction",
-            caption: "Figure 4: influence of Coulomb friction. The multisine is too weak and loses the resonance, the chirp is only damped.",
+            caption: "Figure 4: influence of Coulomb friction. The multisine is too weak and loses the resonance, the chirp is only damped.".into(),
             figure: figure(&[
                 truth(),
                 estimate("multisine, no friction", &linear.multisine, Style::Markers),
@@ -38,7 +28,7 @@ pub fn section6_figures(section6: &Section6) -> Result<Vec<Named>, ReportError> 
         },
         Named {
             name: "figure_4b_constant_velocity",
-            caption: "Not depicted in the paper: the same friction, the excitation on a constant velocity of 0.25 rad/s. Friction drops out.",
+            caption: "Not depicted in the paper: the same friction, the excitation on a constant velocity of 0.25 rad/s. Friction drops out.".into(),
             figure: figure(&[
                 truth(),
                 estimate("multisine, 50 N m, 0.25 rad/s", &gliding.multisine, Style::Markers),
@@ -47,7 +37,7 @@ pub fn section6_figures(section6: &Section6) -> Result<Vec<Named>, ReportError> 
         },
         Named {
             name: "figure_5_stiffness",
-            caption: "Figure 5: influence of a stiffness that grows with deflection (k2 = 1.7 k1). Only the chirp reaches the stiffer part: its resonance is warped upwards.",
+            caption: "Figure 5: influence of a stiffness that grows with deflection (k2 = 1.7 k1). Only the chirp reaches the stiffer part: its resonance is warped upwards.".into(),
             figure: figure(&[
                 truth(),
                 estimate("multisine, k2 = 1.7 k1", &stiffening.multisine, Style::Markers),
@@ -57,38 +47,32 @@ pub fn section6_figures(section6: &Section6) -> Result<Vec<Named>, ReportError> 
     ])
 }
 
-/// The report of section 6: the table of claims, the figures, and the responses to look into.
+/// Section 6 as a part of the report: the figures and the responses to look into.
 #[must_use]
-pub fn section6_report<'a>(section6: &'a Section6, figures: &[Named]) -> Report<'a> {
-    let claims = section6.claims();
-    Report {
-        title: "Saupe and Knoblach (2015), section 6: an academic example".into(),
-        curves: vec![
-            curve("linear joint, exact", &section6.truth, Style::Reference),
-            estimate("multisine, 50 N m", &section6.friction.multisine, Style::Markers),
-            estimate("chirp, 50 N m", &section6.friction.chirp, Style::Line),
-            estimate("multisine, k2 = 1.7 k1", &section6.stiffening.multisine, Style::Markers),
-            estimate("chirp, k2 = 1.7 k1", &section6.stiffening.chirp, Style::Line),
-        ],
-        labels: Labels::torque_to_velocity(1, 1),
-        checks: Vec::new(),
-        provenance: vec![
-            ("frfid".into(), env!("CARGO_PKG_VERSION").into()),
-            ("source".into(), "F. Saupe, A. Knoblach, MSSP 52-53 (2015) 60-72, doi:10.1016/j.ymsp.2014.08.011".into()),
-        ],
-        claims,
-        figures: figures.iter().map(|named| (named.caption.into(), named.figure.clone())).collect(),
+pub fn section6_part<'a>(section6: &'a Section6, figures: &[Named]) -> Part<'a> {
+    let curves = vec![
+        curve("linear joint, exact", &section6.truth, Style::Reference),
+        estimate("multisine, 50 N m", &section6.friction.multisine, Style::Markers),
+        estimate("chirp, 50 N m", &section6.friction.chirp, Style::Line),
+        estimate("multisine, k2 = 1.7 k1", &section6.stiffening.multisine, Style::Markers),
+        estimate("chirp, k2 = 1.7 k1", &section6.stiffening.chirp, Style::Line),
+    ];
+    Part {
+        title: "Section 6: an academic example".into(),
         notes: vec![
             "Motor torque to motor velocity of a single flexible joint in open loop: J_m = 35 kg m^2, J_o = 150 kg m^2, d = 400 N m s/rad, \
              k1 = 1.5e5 N m/rad, knee at 1e-3 rad. Multisine: 30 realizations of 12.288 s, peak 150 N m. Chirp: 20 s, 150 N m. \
              Everything was simulated and estimated when this page was made."
                 .into(),
         ],
+        tables: Vec::new(),
+        responses: Some(Responses { title: "Frequency responses".into(), curves, labels: Labels::torque_to_velocity(1, 1) }),
+        figures: figures.iter().map(Named::captioned).collect(),
     }
 }
 
 fn curve<'a>(label: &str, frf: &'a frfid_signals::Frf, style: Style) -> Curve<'a> {
-    Curve { label: label.into(), frf, style, band: Band::None }
+    Curve { label: label.into(), frf, style, band: Band::None, flagged: None }
 }
 
 fn estimate<'a>(label: &str, measured: &'a Measured, style: Style) -> Curve<'a> {

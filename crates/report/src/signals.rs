@@ -12,6 +12,7 @@ use crate::panel::{BELOW, GAP, LEFT, Panel, RIGHT};
 const WIDTH: f64 = 540.0;
 const HEIGHT: f64 = 140.0;
 const LIMIT: Ink = Ink { pen: Some(Pen { color: "#666666", width: 1.2, dash: "8 4" }), marker: None, color: "#666666" };
+const ENVELOPE: Ink = Ink { pen: Some(Pen { color: "#000000", width: 1.4, dash: "" }), marker: None, color: "#000000" };
 
 /// One signal over time.
 #[derive(Debug, Clone)]
@@ -31,6 +32,8 @@ pub struct TimePanel<'a> {
     pub traces: Vec<Trace<'a>>,
     /// Limit on the absolute value, drawn as two dashed lines.
     pub limit: Option<f64>,
+    /// Amplitude over time that the signals should have, drawn as two black lines, positive and negative.
+    pub envelope: Option<Trace<'a>>,
 }
 
 /// Signals over time in s, one panel per quantity on a common time axis; the first sample is at time 0.
@@ -48,7 +51,8 @@ pub fn time_series(sample_time_s: f64, panels: &[TimePanel]) -> Result<Figure, R
     let names = legend_names(panels);
     let inks: Vec<Ink> = (0..names.len()).map(trace_ink).collect();
     let limited = panels.iter().any(|panel| panel.limit.is_some());
-    let entries = names.iter().copied().zip(&inks).chain(limited.then_some(("limit", &LIMIT)));
+    let envelope = panels.iter().find_map(|panel| Some((panel.envelope.as_ref()?.label.as_str(), &ENVELOPE)));
+    let entries = names.iter().copied().zip(&inks).chain(envelope).chain(limited.then_some(("limit", &LIMIT)));
     let legend = Legend::new(entries, WIDTH);
     let top = 16.0 + legend.height();
     let mut figure = Figure::new(LEFT + WIDTH + RIGHT, top + panels.len() as f64 * (HEIGHT + GAP) - GAP + BELOW);
@@ -58,7 +62,9 @@ pub fn time_series(sample_time_s: f64, panels: &[TimePanel]) -> Result<Figure, R
     for (row, content) in panels.iter().enumerate() {
         let rect = Rect { x: LEFT, y: top + row as f64 * (HEIGHT + GAP), width: WIDTH, height: HEIGHT };
         let limits = content.limit.into_iter().flat_map(|limit| [-limit, limit]);
-        let values = content.traces.iter().flat_map(|trace| trace.samples.iter().copied()).chain(limits);
+        let envelope = content.envelope.iter().flat_map(|trace| trace.samples.iter().flat_map(|&a| [-a, a]));
+        let traces = content.traces.iter().flat_map(|trace| trace.samples.iter().copied());
+        let values = traces.chain(limits).chain(envelope);
         let panel = Panel { rect, x: time.clone(), y: Axis::padded(values, HEIGHT) };
         panel.draw(&mut figure, |figure| draw_traces(figure, &panel, content, sample_time_s, &names, &inks));
         panel.label_y(&mut figure, &content.label);
@@ -87,12 +93,17 @@ fn legend_names<'a>(panels: &'a [TimePanel]) -> Vec<&'a str> {
 }
 
 fn draw_traces(figure: &mut Figure, panel: &Panel, content: &TimePanel, step: f64, names: &[&str], inks: &[Ink]) {
+    let points = |trace: &Trace, factor: f64| -> Vec<(f64, f64)> {
+        trace.samples.iter().enumerate().map(|(k, &y)| (k as f64 * step, factor * y)).collect()
+    };
     for trace in &content.traces {
-        let points: Vec<(f64, f64)> = trace.samples.iter().enumerate().map(|(k, &y)| (k as f64 * step, y)).collect();
         let ink = names.iter().zip(inks).find(|(name, _)| **name == trace.label);
         if let Some((_, ink)) = ink {
-            panel.curve(figure, &points, ink);
+            panel.curve(figure, &points(trace, 1.0), ink);
         }
+    }
+    for (trace, factor) in content.envelope.iter().flat_map(|trace| [(trace, 1.0), (trace, -1.0)]) {
+        panel.curve(figure, &points(trace, factor), &ENVELOPE);
     }
     let end = content.traces.iter().map(|trace| trace.samples.len()).max().unwrap_or(0) as f64 * step;
     for limit in content.limit.into_iter().flat_map(|limit| [-limit, limit]) {

@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use frfid_experiment::Claim;
 use frfid_files::Check;
-use frfid_report::{Band, Curve, Figure, Labels, Report, ReportError, Style, bode};
+use frfid_report::{Band, Curve, Figure, Labels, Part, Report, ReportError, Responses, Style, Table, bode};
 use frfid_signals::{Frf, Uncertainty};
 use ndarray::Array3;
 use num_complex::Complex64;
@@ -34,7 +34,8 @@ fn frf() -> Frf {
 
 fn hostile_page() -> String {
     let frf = frf();
-    let curve = |text: &str, style| Curve { label: text.to_owned(), frf: &frf, style, band: Band::Total };
+    let curve =
+        |text: &str, style| Curve { label: text.to_owned(), frf: &frf, style, band: Band::Total, flagged: None };
     let curves =
         vec![curve(HOSTILE[0], Style::Reference), curve(HOSTILE[1], Style::Line), curve(HOSTILE[3], Style::Markers)];
     let labels = Labels {
@@ -46,15 +47,20 @@ fn hostile_page() -> String {
     let text = |k: usize| HOSTILE[k].to_owned();
     let check = Check { name: text(0), passed: false, found: text(1), needed: text(2), advice: text(3) };
     let claim = Claim { id: "9", statement: text(4).leak(), expected: text(0).leak(), found: text(1), holds: true };
+    let table = Table { title: text(0), columns: vec![text(1), text(2)], rows: vec![(text(3), vec![text(4)])] };
+    let part = Part {
+        title: text(0),
+        notes: HOSTILE.map(str::to_owned).to_vec(),
+        tables: vec![table],
+        responses: Some(Responses { title: text(4), curves, labels }),
+        figures: vec![(text(0), figure)],
+    };
     Report {
         title: text(4),
-        curves,
-        labels,
         checks: vec![check],
         provenance: vec![(text(0), text(1))],
         claims: vec![claim],
-        figures: vec![(text(0), figure)],
-        notes: HOSTILE.map(str::to_owned).to_vec(),
+        parts: vec![part.clone(), part],
     }
     .html()
     .expect("the report is sound")
@@ -112,7 +118,8 @@ fn profile(folder: &Path) -> String {
 #[test]
 fn the_page_runs_and_hostile_strings_stay_text() {
     let Some((dom, log)) = in_chromium(&hostile_page()) else { return };
-    assert!(dom.contains("data-drawn=\"8\""), "4 entries give 8 panels; the browser said:\n{log}");
+    let drawn = dom.matches("data-drawn=\"8\"").count();
+    assert_eq!(drawn, 2, "two diagrams, each of 4 entries in 8 panels; the browser said:\n{log}");
     assert!(!log.contains("CONSOLE"), "the console must stay empty:\n{log}");
     // The head comes first: the title element holds the hostile title as text, unchanged by any script.
     assert!(dom.contains("<title>&lt;/title&gt;&lt;svg onload=document.title='broken in'&gt;</title>"));
@@ -145,19 +152,11 @@ fn the_page_is_deterministic_and_loads_nothing() {
 #[test]
 fn an_empty_report_is_a_page_and_unfit_labels_are_refused() {
     let labels = Labels::torque_to_velocity(0, 0);
-    let empty = Report {
-        title: "Nothing yet".to_owned(),
-        curves: Vec::new(),
-        labels,
-        checks: Vec::new(),
-        provenance: Vec::new(),
-        claims: Vec::new(),
-        figures: Vec::new(),
-        notes: Vec::new(),
-    };
+    let empty = Report { title: "Nothing yet".to_owned(), ..Report::default() };
     assert!(!empty.html().expect("nothing can be wrong").contains("<section>"));
     let frf = frf();
-    let curve = Curve { label: String::new(), frf: &frf, style: Style::Line, band: Band::None };
-    let refused = Report { curves: vec![curve], ..empty }.html();
+    let curve = Curve { label: String::new(), frf: &frf, style: Style::Line, band: Band::None, flagged: None };
+    let responses = Some(Responses { title: String::new(), curves: vec![curve], labels });
+    let refused = Report { parts: vec![Part { responses, ..Part::default() }], ..empty }.html();
     assert!(matches!(refused, Err(ReportError::Size { outputs: 2, inputs: 2, .. })), "{refused:?}");
 }

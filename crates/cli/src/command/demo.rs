@@ -6,7 +6,7 @@ use std::time::Instant;
 use clap::Args;
 use frfid_experiment::{Claim, Section6};
 use frfid_files::{FileError, Overwrite, ResultFile, create_folder, write_bytes, write_result};
-use frfid_report::{Named, section6_figures, section6_report};
+use frfid_report::{Named, paper_report, section6_figures, section6_part};
 use serde_json::json;
 
 use crate::console::Console;
@@ -47,8 +47,9 @@ pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Consol
         write_figure(folder, named, overwrite)?;
     }
     write_results(folder, &section6, overwrite)?;
-    write_bytes(&page, overwrite, section6_report(&section6, &figures).html()?.as_bytes())?;
     let claims = section6.claims();
+    let report = paper_report(vec![section6_part(&section6, &figures)], claims.clone());
+    write_bytes(&page, overwrite, report.html()?.as_bytes())?;
     if options.json {
         console.json(&json!({ "report": page, "claims": claims }))?;
     } else {

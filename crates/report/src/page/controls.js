@@ -11,8 +11,8 @@ function writeReadout() {
     });
     return row;
   });
-  document.getElementById("readout-body").replaceChildren(...rows);
-  document.getElementById("readout-entry").textContent = view.entry ? name(view.entry) : "Curve";
+  root.querySelector(".readout tbody").replaceChildren(...rows);
+  root.querySelector(".readout th").textContent = view.entry ? name(view.entry) : "Curve";
 }
 
 /** Frequency, magnitude, phase and 95 % region of a curve at the cursor, as text. */
@@ -22,7 +22,8 @@ function values(curve) {
   const k = nearest(curve, view.cursor), i = place(k, view.entry), known = radius(curve, i), size = curve.magnitude[i];
   const region = ({ rho, kind }) =>
     db(1 + rho / size).toPrecision(2) + " dB, " + halfWidth(rho, size).toPrecision(2) + " deg (" + kind + ")";
-  return [number(curve.hz[k]), number(curve.db[i], 2), number(curve.phase[i], 1), known ? region(known) : none];
+  const hz = number(curve.hz[k]) + (curve.flagged[k] ? " (flagged)" : "");
+  return [hz, number(curve.db[i], 2), number(curve.phase[i], 1), known ? region(known) : none];
 }
 
 function panelAt([x, y]) {
@@ -96,7 +97,7 @@ function addToggle(text, checked, use, ...sample) {
   box.checked = checked;
   box.addEventListener("change", () => { use(box.checked); draw(); });
   label.append(box, ...sample, text);
-  document.getElementById("controls").append(label);
+  root.querySelector(".controls").append(label);
 }
 
 /** The ink of a curve as it stands in a legend. */
@@ -124,22 +125,25 @@ function addControls() {
   for (const [kind, text] of LEVELS) {
     if (curves.some((curve) => curve[kind])) addToggle(text, shown[kind], (on) => { shown[kind] = on; });
   }
+  if (curves.some((curve) => curve.flagged.includes(true))) {
+    const note = document.createElement("span");
+    note.textContent = "\u00d7 flagged line";
+    root.querySelector(".controls").append(note);
+  }
   const button = document.createElement("button");
   button.type = "button";
   button.textContent = "Whole band";
   button.addEventListener("click", () => { showAll(); draw(); });
-  document.getElementById("controls").append(button);
+  root.querySelector(".controls").append(button);
 }
 
-if (canvas) {
-  addControls();
-  showAll();
-  draw();
-  listenToPointer();
-  listenToKeys();
-  new ResizeObserver(() => draw()).observe(canvas.parentElement);
-  matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => draw());
-  const print = (on) => { document.documentElement.classList.toggle("print", on); draw(); };
-  window.addEventListener("beforeprint", () => print(true));
-  window.addEventListener("afterprint", () => print(false));
-}
+addControls();
+showAll();
+draw();
+listenToPointer();
+listenToKeys();
+new ResizeObserver(() => draw()).observe(canvas.parentElement);
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => draw());
+const print = (on) => { document.documentElement.classList.toggle("print", on); draw(); };
+window.addEventListener("beforeprint", () => print(true));
+window.addEventListener("afterprint", () => print(false));

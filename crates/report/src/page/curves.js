@@ -1,5 +1,5 @@
-"use strict";
-// The data of a frfid report, and the axes it is drawn on. Numbers come as base64 of little-endian float32.
+// One diagram of a frfid report: its data and the axes it is drawn on. Numbers come as base64 of little-endian float32.
+// `root` is its section of the page and `data` its part of the data block.
 
 const DEG = 180 / Math.PI;
 const DASHES = [[], [7, 3], [7, 2, 2, 2], [2, 2]];
@@ -7,9 +7,8 @@ const MARKERS = ["dot", "diamond", "square", "ring"];
 const LEVELS = [["noise", "noise level"], ["total", "total level"],
   ["nonlinear", "nonlinear distortion of one realization"]];
 
-const data = JSON.parse(document.getElementById("data").textContent);
-const canvas = document.getElementById("bode");
-const curves = canvas ? data.curves.map(decoded) : [];
+const canvas = root.querySelector("canvas");
+const curves = data.curves.map(decoded);
 const entries = data.outputs.flatMap((_, output) => data.inputs.map((_, input) => ({ output, input })));
 /** The band and magnitudes in view (`db` null: what the curves need), the entry and frequency under the cursor. */
 const view = { low: 1, high: 10, db: null, entry: null, cursor: null, drag: null };
@@ -32,7 +31,7 @@ function decoded(raw) {
     db: magnitude.map(db), phase: re.map((x, i) => Math.atan2(im[i], x) * DEG),
     noise: floats(raw.noise_deviation), noiseFactor: raw.noise_factor,
     total: floats(raw.total_deviation), totalFactor: raw.total_factor,
-    nonlinear: floats(raw.nonlinear_deviation),
+    nonlinear: floats(raw.nonlinear_deviation), flagged: raw.flagged || [],
   };
 }
 

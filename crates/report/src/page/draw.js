@@ -24,7 +24,7 @@ function draw() {
   pen.font = FONT;
   panels.forEach((panel) => drawPanel(pen, panel));
   show(width, height);
-  document.documentElement.dataset.drawn = String(panels.length);
+  root.dataset.drawn = String(panels.length);
 }
 
 /** Puts the sheet on the canvas, with cursor and zoom rectangle. */
@@ -134,11 +134,22 @@ function drawCurve(pen, panel, curve) {
       if (shown[kind] && curve[kind]) stroke(pen, panel, curve, all(curve[kind].map(db)), 1.2, DASHES[3 - n]);
     });
   }
-  if (curve.marker) {
-    for (const [k, value] of all(panel.phase ? curve.phase : curve.db)) {
-      if (Number.isFinite(value)) drawMarker(pen, curve, toX(panel, curve.hz[k]), toY(panel, value));
-    }
+  for (const [k, value] of all(panel.phase ? curve.phase : curve.db)) {
+    if (!Number.isFinite(value)) continue;
+    const [x, y] = [toX(panel, curve.hz[k]), toY(panel, value)];
+    if (curve.flagged[k]) drawCross(pen, curve, x, y);
+    else if (curve.marker) drawMarker(pen, curve, x, y);
   }
+}
+
+/** A line that is not to be trusted. */
+function drawCross(pen, curve, x, y) {
+  const r = 3.2;
+  pen.strokeStyle = paint[curve.color];
+  pen.lineWidth = 1.2;
+  pen.beginPath();
+  for (const [dx, dy] of [[r, r], [r, -r]]) { pen.moveTo(x - dx, y - dy); pen.lineTo(x + dx, y + dy); }
+  pen.stroke();
 }
 
 function stroke(pen, panel, curve, run, width, dash) {
