@@ -26,7 +26,8 @@ pub enum PlantError {
     },
     /// The linear loop of robot, sensors and controller has a pole outside the unit circle.
     #[error(
-        "unstable gains: spectral radius {spectral_radius:.4} at {hz:.3} Hz; lower the gain of axis {} ({gain_nms_per_rad} N m s/rad)",
+        "unstable gains: spectral radius {spectral_radius:.6} at {hz:.3} Hz; {} of axis {} ({gain_nms_per_rad} N m s/rad)",
+        if *hz > 0.0 { "lower the gain" } else { "it drifts away: raise the integral or position gain, or lower the gain" },
         channel + 1
     )]
     Unstable {

@@ -73,7 +73,7 @@ impl StateSpace {
     }
 
     /// Phi and Gamma_1, Gamma_2 of the model sampled behind a hold.
-    fn held(&self, hold: Hold, sample_time_s: f64) -> (DMatrix<f64>, [DMatrix<f64>; 2]) {
+    pub(crate) fn held(&self, hold: Hold, sample_time_s: f64) -> (DMatrix<f64>, [DMatrix<f64>; 2]) {
         let (n, m) = self.b.shape();
         let mut generator = DMatrix::zeros(n + 2 * m, n + 2 * m);
         generator.view_mut((0, 0), (n, n)).copy_from(&(&self.a * sample_time_s));

@@ -87,8 +87,8 @@ impl Testbed for OpenLoop {
 mod tests {
     use super::*;
     use crate::{SingleJoint, Velocity};
-    use frfid_signals::{InputKind, RunId, RunKind, SignalError};
-    use ndarray::Array2;
+    use frfid_signals::{EventKind, InputKind, RunId, RunKind, SignalError};
+    use ndarray::{Array2, s};
     use std::f64::consts::TAU;
 
     const ID: RunId = RunId { kind: RunKind::Excitation, realization: 0, experiment: 0, repetition: 0 };
@@ -168,5 +168,28 @@ mod tests {
         };
         assert!(matches!(reported(0.0), TestbedError::Diverged { channel: 0, .. }));
         assert!(reported(50.0).to_string().ends_with("lower max_step_s"));
+    }
+
+    #[test]
+    fn an_excess_takes_the_excitation_away_and_leaves_what_holds_the_robot() {
+        let watch =
+            Watch { max_effort_nm: None, max_velocity_rad_s: Some(vec![0.42]), max_travel_rad: None, ramp_s: 0.05 };
+        for hold in [Hold::Zoh, Hold::Linear] {
+            let free = OpenLoop { hold, ..OpenLoop::new(Arc::new(joint())) };
+            let (whole, record) =
+                (free.run(&run(0.4, 100.0)), OpenLoop { watch: Some(watch.clone()), ..free }.run(&run(0.4, 100.0)));
+            let (whole, record) = (whole.expect("sound"), record.expect("stopped, not lost"));
+            let first =
+                whole.y.iter().position(|y| y.abs() > 0.42).expect("the sine moves the motor by more than 0.02");
+            assert_eq!((record.n_steady_samples(), record.n_samples(), record.check()), (first, first + 51, Ok(())));
+            assert_eq!(record.y.slice(s![.., ..=first]), whole.y.slice(s![.., ..=first]));
+            assert!((record.u[[0, first + 50]] - (50.0 + 20.0 * 0.4)).abs() < 1e-12);
+            let kinds: Vec<&EventKind> = record.events.iter().map(|event| &event.kind).collect();
+            let [EventKind::Limit { channel: 0, limit: 0.42, .. }, EventKind::Stopped { reason, .. }] = kinds[..]
+            else {
+                panic!("{kinds:?}")
+            };
+            assert!(reason.starts_with("axis 1: velocity ") && reason.ends_with("; brought to rest"), "{reason}");
+        }
     }
 }
