@@ -4,7 +4,9 @@ use std::ffi::OsString;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use crate::command::{check, compare, completions, demo, design, estimate, export, init, man, recover, run, schema};
+use crate::command::{
+    check, compare, completions, demo, design, estimate, export, init, man, recover, run, schema, shape,
+};
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::Options;
@@ -48,6 +50,7 @@ enum Command {
     Schema(schema::Arguments),
     Design(design::Arguments),
     Run(run::Arguments),
+    Shape(shape::Arguments),
     Estimate(estimate::Arguments),
     Compare(compare::Arguments),
     Export(export::Arguments),
@@ -72,6 +75,7 @@ impl Arguments {
             Command::Schema(arguments) => schema::run(arguments, console),
             Command::Design(arguments) => design::run(arguments, options, console),
             Command::Run(arguments) => run::run(arguments, options, console),
+            Command::Shape(arguments) => shape::run(arguments, options, console),
             Command::Estimate(arguments) => estimate::run(arguments, options, console),
             Command::Compare(arguments) => compare::run(arguments, options, console),
             Command::Export(arguments) => export::run(arguments, options, console),

@@ -57,7 +57,10 @@ impl From<ExperimentError> for Failure {
         match error {
             ExperimentError::Config(error) => error.into(),
             ExperimentError::File(error) => error.into(),
-            ExperimentError::Interrupted { .. } => Self::of(Exit::Interrupted, &error),
+            ExperimentError::Interrupted { .. } | ExperimentError::ShapingInterrupted { .. } => {
+                Self::of(Exit::Interrupted, &error)
+            }
+            ExperimentError::Trail { .. } => Self::of(Exit::Usage, &error),
             error => Self::of(Exit::Failed, &error),
         }
     }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use frfid_estimate::EstimateError;
+use frfid_estimate::{EstimateError, ShapeError};
 use frfid_files::FileError;
 use frfid_plant::PlantError;
 use frfid_signals::{SignalError, TestbedError};
@@ -47,6 +47,27 @@ pub enum ExperimentError {
         done: usize,
         /// Runs in all.
         total: usize,
+    },
+    /// A reference that could not be shaped.
+    #[error(transparent)]
+    Shape(#[from] ShapeError),
+    /// Somebody asked to stop a shaping.
+    #[error("interrupted in iteration {iteration}; what was done is kept, the same command goes on from there")]
+    ShapingInterrupted {
+        /// The iteration, from 1, whose runs are not all done.
+        iteration: usize,
+    },
+    /// A file in the folder of a shaping that does not belong to it.
+    #[error("{}: found {found}, needed {needed}; {advice}", path.display())]
+    Trail {
+        /// The file.
+        path: PathBuf,
+        /// What it is.
+        found: String,
+        /// What it should be.
+        needed: &'static str,
+        /// What to do.
+        advice: &'static str,
     },
     /// The operating system gave no threads.
     #[error("cannot start {jobs} threads: {reason}; ask for fewer with --jobs")]

@@ -22,6 +22,10 @@ mod run_folder;
 mod schema;
 mod section6;
 mod section6_claims;
+mod shape;
+mod shape_folder;
+mod shape_iteration;
+mod shape_report;
 mod source;
 mod testbed;
 
@@ -46,4 +50,6 @@ pub use robot::{
 pub use run_folder::{RunOptions, RunReport, RunSummary, run_to_folder};
 pub use schema::schema;
 pub use section6::{Pair, Section6};
+pub use shape_folder::{ShapeFolderOptions, shape_to_folder};
+pub use shape_report::{IterationReport, ShapePeaks, ShapeReport};
 pub use source::{ConfigError, Place, Source};

@@ -16,6 +16,11 @@ pub(crate) const DESIGN: &str = "design_sha256";
 pub(crate) const CONFIG: &str = "config_sha256";
 
 impl Experiment {
+    /// SHA-256 of the whole description, robot included.
+    pub(crate) fn config_sha256(&self) -> String {
+        sha256_hex(self.to_toml().as_bytes())
+    }
+
     /// Version, seed, hashes and the plan itself, as they stand in the metadata record `frfid` of plans and runs.
     #[must_use]
     pub fn provenance(&self) -> BTreeMap<String, String> {
@@ -23,7 +28,7 @@ impl Experiment {
         let entries = [
             ("frfid_version", env!("CARGO_PKG_VERSION").to_owned()),
             ("seed", self.config.seed.to_string()),
-            (CONFIG, sha256_hex(self.to_toml().as_bytes())),
+            (CONFIG, self.config_sha256()),
             (DESIGN, sha256_hex(plan.as_bytes())),
             (PLAN, plan),
         ];

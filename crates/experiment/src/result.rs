@@ -156,7 +156,7 @@ fn in_words(losses: &[(PathBuf, Loss)]) -> Vec<String> {
     losses.iter().map(|(path, loss)| format!("{}: {loss}", path.display())).collect()
 }
 
-fn condition_check(frf: &Frf) -> Check {
+pub(crate) fn condition_check(frf: &Frf) -> Check {
     let worst = frf.condition.iter().flatten().copied().fold(1.0, f64::max);
     Check {
         name: "condition number of U".into(),

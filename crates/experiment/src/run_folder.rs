@@ -1,5 +1,6 @@
 //! The runs of an order into a folder, one MCAP each; what is there already and belongs to it is not done again.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
@@ -8,7 +9,7 @@ use serde::Serialize;
 use frfid_files::{Overwrite, RunFile, create_folder, read_run, write_run};
 use frfid_signals::{Event, EventKind, Plan, Record, RunId, RunKind, Testbed};
 
-use crate::ExperimentError;
+use crate::{Experiment, ExperimentError};
 use crate::campaign::{Progress, run_all};
 use crate::order::Order;
 use crate::predict::Peaks;
@@ -72,24 +73,14 @@ pub fn run_to_folder(
     let (done, open): (Vec<RunId>, Vec<RunId>) = ids.iter().partition(|id| is_done(id));
     let model = if testbed.is_none() { Some(experiment.testbed()?) } else { None };
     let testbed = testbed.or(model.as_deref()).expect("one of the two was given");
-    let (joint_names, toml) = (experiment.config.robot.joint_names(), experiment.to_toml());
     let pose_rad = experiment.config.robot.pose();
     let written: Mutex<Vec<RunReport>> = Mutex::default();
     create_folder(folder)?;
     let progress_of_all = |now: usize, _: usize| progress(done.len() + now, ids.len());
-    run_all(&open, &|id| order.run(id), testbed, options.jobs, &progress_of_all, &|run, mut record| {
-        record.events.extend(period_starts(&experiment.plan, run.id, &record)?);
-        record.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-        let peaks = Peaks::of(&record, &run.start_rad, &pose_rad);
-        let report = report(path_of(run.id), peaks, &record);
-        let file = RunFile {
-            joint_names: joint_names.clone(),
-            run: run.id,
-            injection: experiment.plan.injection,
-            record,
-            metadata: metadata.clone(),
-            experiment_toml: toml.clone(),
-        };
+    run_all(&open, &|id| order.run(id), testbed, options.jobs, &progress_of_all, &|run, record| {
+        let file = run_file(experiment, run.id, record, metadata.clone())?;
+        let peaks = Peaks::of(&file.record, &run.start_rad, &pose_rad);
+        let report = report(path_of(run.id), peaks, &file.record);
         write_run(&report.path, options.overwrite, &file)?;
         written.lock().expect("no holder of the lock panics").push(report);
         Ok(())
@@ -112,6 +103,25 @@ fn chosen(order: &Order, index: Option<usize>) -> Result<Vec<RunId>, ExperimentE
             advice: "the order has no more runs",
         }),
     }
+}
+
+/// A record with what belongs to it, ready to be written.
+pub(crate) fn run_file(
+    experiment: &Experiment,
+    run: RunId,
+    mut record: Record,
+    metadata: BTreeMap<String, String>,
+) -> Result<RunFile, ExperimentError> {
+    record.events.extend(period_starts(&experiment.plan, run, &record)?);
+    record.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
+    Ok(RunFile {
+        joint_names: experiment.config.robot.joint_names(),
+        run,
+        injection: experiment.plan.injection,
+        record,
+        metadata,
+        experiment_toml: experiment.to_toml(),
+    })
 }
 
 /// The starts of the measured periods that the record reaches.

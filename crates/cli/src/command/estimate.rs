@@ -16,7 +16,8 @@ use crate::log_map::MapOptions;
 use crate::options::{Options, existing_path};
 use crate::progress::watched;
 use crate::report;
-use crate::table::{list, significant, table};
+use crate::summary::{checks_as_text, warn_of_failed};
+use crate::table::{list, significant};
 
 /// Estimate the FRF from logs, with variances and checks
 #[derive(Debug, Args)]
@@ -80,6 +81,7 @@ impl EstimatorOptions {
             },
             indirect: self.indirect,
             n_frequencies: self.n_frequencies.unwrap_or(default.n_frequencies),
+            ..default
         })
     }
 }
@@ -106,14 +108,12 @@ fn tell(arguments: &Arguments, estimate: &Estimate, options: &Options, console: 
     for warning in &estimate.warnings {
         console.warning(warning);
     }
-    for check in estimate.result.checks.iter().filter(|check| !check.passed) {
-        console.warning(format_args!("{}: {}, needed {}; {}", check.name, check.found, check.needed, check.advice));
-    }
+    warn_of_failed(&estimate.result.checks, console);
     let output = arguments.output.display();
     if options.json {
         return console.json(&as_json(arguments, estimate));
     }
-    console.data(&format!("{output}\n{}\n{}", summary(&estimate.result), checks(&estimate.result)))?;
+    console.data(&format!("{output}\n{}\n{}", summary(&estimate.result), checks_as_text(&estimate.result.checks)))?;
     if let Some(report) = &arguments.report {
         console.note(format_args!("report in {}", report.display()));
     }
@@ -164,16 +164,6 @@ fn relative_deviation(result: &ResultFile, variance: &Array3<f64>) -> Option<f64
     let mut ratios: Vec<f64> = both.map(|(variance, g)| variance.sqrt() / g.norm()).filter(|x| x.is_finite()).collect();
     ratios.sort_by(f64::total_cmp);
     ratios.get(ratios.len() / 2).copied()
-}
-
-fn checks(result: &ResultFile) -> String {
-    let verdict = |passed: bool| if passed { "passed" } else { "FAILED" };
-    let rows: Vec<Vec<String>> = result
-        .checks
-        .iter()
-        .map(|check| vec![format!("{}: {}", check.name, check.found), verdict(check.passed).to_owned()])
-        .collect();
-    table(&rows)
 }
 
 fn as_json(arguments: &Arguments, estimate: &Estimate) -> Value {

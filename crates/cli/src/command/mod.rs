@@ -12,3 +12,4 @@ pub(crate) mod man;
 pub(crate) mod recover;
 pub(crate) mod run;
 pub(crate) mod schema;
+pub(crate) mod shape;

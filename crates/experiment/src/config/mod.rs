@@ -3,6 +3,7 @@
 mod estimate;
 mod excitation;
 mod limits;
+mod shape;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -10,6 +11,7 @@ use serde::{Deserialize, Serialize};
 pub use estimate::{Average, EstimateTable};
 pub use excitation::{Amplitude, ChirpTable, MultisineTable};
 pub use limits::LimitsTable;
+pub use shape::{ShapeTable, StepName};
 
 use crate::robot::{ControllerTable, RobotTable};
 
@@ -41,6 +43,8 @@ pub struct Config {
     /// How the records become an FRF.
     #[serde(default)]
     pub estimate: EstimateTable,
+    /// What the reference of the chirp is shaped towards, by `frfid shape`.
+    pub shape: Option<ShapeTable>,
 }
 
 /// How often what is repeated.
