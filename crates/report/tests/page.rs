@@ -34,8 +34,14 @@ fn frf() -> Frf {
 
 fn hostile_page() -> String {
     let frf = frf();
-    let curve =
-        |text: &str, style| Curve { label: text.to_owned(), frf: &frf, style, band: Band::Total, flagged: None };
+    let flagged: Vec<bool> = (0..40).map(|k| k % 7 == 0).collect();
+    let curve = |text: &str, style| Curve {
+        label: text.to_owned(),
+        frf: &frf,
+        style,
+        band: Band::Total,
+        flagged: (style == Style::Markers).then(|| flagged.clone()),
+    };
     let curves =
         vec![curve(HOSTILE[0], Style::Reference), curve(HOSTILE[1], Style::Line), curve(HOSTILE[3], Style::Markers)];
     let labels = Labels {
@@ -121,6 +127,7 @@ fn the_page_runs_and_hostile_strings_stay_text() {
     let drawn = dom.matches("data-drawn=\"8\"").count();
     assert_eq!(drawn, 2, "two diagrams, each of 4 entries in 8 panels; the browser said:\n{log}");
     assert!(!log.contains("CONSOLE"), "the console must stay empty:\n{log}");
+    assert_eq!(dom.matches("<span>× flagged line</span>").count(), 2, "each diagram explains its crosses");
     // The head comes first: the title element holds the hostile title as text, unchanged by any script.
     assert!(dom.contains("<title>&lt;/title&gt;&lt;svg onload=document.title='broken in'&gt;</title>"));
     // What a browser writes back is escaped exactly when it was text.
