@@ -15,12 +15,17 @@ from ._core import (
     Plan,
     Plant,
     Record,
+    Shaped,
     __version__,
     compare,
     estimate_bla,
     estimate_chirp,
     load,
+    loop_frf,
     run_closed_loop,
+    shape,
+    spectrogram,
+    subtract_glide,
 )
 
 __all__ = [
@@ -34,10 +39,15 @@ __all__ = [
     "Plan",
     "Plant",
     "Record",
+    "Shaped",
     "__version__",
     "compare",
     "estimate_bla",
     "estimate_chirp",
     "load",
+    "loop_frf",
     "run_closed_loop",
+    "shape",
+    "spectrogram",
+    "subtract_glide",
 ]

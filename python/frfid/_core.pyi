@@ -18,13 +18,18 @@ __all__ = [
     "Plan",
     "Plant",
     "Record",
+    "Shaped",
     "__version__",
     "cli",
     "compare",
     "estimate_bla",
     "estimate_chirp",
     "load",
+    "loop_frf",
     "run_closed_loop",
+    "shape",
+    "spectrogram",
+    "subtract_glide",
 ]
 
 __version__: str
@@ -34,6 +39,16 @@ _PerChannel: TypeAlias = float | list[float]
 _Mimo: TypeAlias = Literal["orthogonal", "sign-flip", "independent"]
 _Progress: TypeAlias = Callable[[int, int], object]
 _Phases: TypeAlias = Literal["random", "low-crest"]
+
+_Challenge: TypeAlias = Literal[
+    "gear_load_limit",
+    "coulomb_friction",
+    "stiffening",
+    "position_dependence",
+    "torque_ripple",
+    "sensing",
+    "gravity",
+]
 
 class NumericalError(ArithmeticError): ...
 
@@ -139,6 +154,8 @@ class PiController:
         sample_time_s: float,
         delay_samples: int = 0,
         max_torque_nm: _PerChannel | None = None,
+        max_torque_rate_nm_per_s: _PerChannel | None = None,
+        position_gain: _PerChannel | None = None,
     ) -> PiController: ...
     @property
     def gain(self) -> list[float]: ...
@@ -150,6 +167,14 @@ class PiController:
     def delay_samples(self) -> int: ...
     @property
     def max_torque_nm(self) -> list[float] | None: ...
+    @property
+    def max_torque_rate_nm_per_s(self) -> list[float] | None: ...
+    @property
+    def position_gain(self) -> list[float] | None: ...
+    @property
+    def position_gain(self) -> list[float] | None: ...
+    @property
+    def max_torque_rate_nm_per_s(self) -> list[float] | None: ...
     def __eq__(self, other: object, /) -> bool: ...
     def __ne__(self, other: object, /) -> bool: ...
     def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
@@ -172,11 +197,26 @@ class Plant:
         position_increment_rad: float | None = None,
         position_noise_rad: float | None = None,
         velocity_noise_rad_s: float | None = None,
+        velocity_filter_hz: float | None = None,
         torque_quantum_nm: float | None = None,
         torque_noise_nm: float | None = None,
     ) -> Plant: ...
     @staticmethod
-    def load(path: str | PathLike[str]) -> Plant: ...
+    def load(
+        path: str | PathLike[str],
+        *,
+        pose_rad: Sequence[float] | None = None,
+        challenges: dict[_Challenge, bool] | None = None,
+    ) -> Plant: ...
+    @staticmethod
+    def from_toml(text: str) -> Plant: ...
+    def to_toml(self) -> str: ...
+    @property
+    def n_axes(self) -> int: ...
+    @property
+    def joint_names(self) -> list[str]: ...
+    @property
+    def pose_rad(self) -> list[float]: ...
     def frf(
         self,
         hz: ArrayLike,
@@ -195,6 +235,10 @@ class Plant:
         seed: int = 0,
         progress: _Progress | None = None,
     ) -> Record: ...
+    def mass_matrix(self, q: ArrayLike) -> NDArray[np.float64]: ...
+    def gravity_torque(self, q: ArrayLike) -> NDArray[np.float64]: ...
+    def link_acceleration(self, q: ArrayLike, qd: ArrayLike, torque: ArrayLike) -> NDArray[np.float64]: ...
+    def modes_hz(self, *, motors_locked: bool = False) -> list[float]: ...
     @property
     def parameters(self) -> dict[str, Any]: ...
     def __eq__(self, other: object, /) -> bool: ...
@@ -336,6 +380,61 @@ class Comparison:
     @property
     def entries(self) -> list[dict[str, Any]]: ...
 
+@final
+class Shaped:
+    @property
+    def reference(self) -> NDArray[np.float64]: ...
+    @property
+    def records(self) -> list[Record]: ...
+    @property
+    def number(self) -> int: ...
+    @property
+    def error(self) -> float | None: ...
+    @property
+    def errors(self) -> list[float | None]: ...
+    @property
+    def error_per_frequency(self) -> NDArray[np.float64] | None: ...
+    @property
+    def r_to_u(self) -> Frf | None: ...
+    @property
+    def r_to_y(self) -> Frf | None: ...
+    @property
+    def condition(self) -> NDArray[np.float64] | None: ...
+    @property
+    def stuck_share(self) -> list[float]: ...
+    @property
+    def sticking(self) -> list[str]: ...
+    @property
+    def iterations(self) -> list[dict[str, Any]]: ...
+    @property
+    def notes(self) -> list[str]: ...
+    @property
+    def stop(self) -> str: ...
+
+def shape(
+    testbed: _Testbed | tuple[Plant, PiController],
+    *,
+    desired: ArrayLike,
+    start: ArrayLike,
+    sample_time_s: float,
+    low_hz: float = 2.0,
+    high_hz: float = 60.0,
+    target: Literal["torque", "velocity"] = "torque",
+    step: Literal["damped", "paper"] = "damped",
+    damping: float = 0.7,
+    smoothing_bins: int = 30,
+    n_iterations: int = 6,
+    good_enough: float = 0.05,
+    largest_change: float = 3.0,
+    max_torque_nm: _PerChannel | None = None,
+    max_velocity_rad_s: _PerChannel | None = None,
+    max_travel_rad: _PerChannel | None = None,
+    max_stuck_share: float = 0.15,
+    still_rad_s: float = 0.0,
+    coulomb_nm: _PerChannel | None = None,
+    seed: int = 0,
+    progress: _Progress | None = None,
+) -> Shaped: ...
 def compare(
     a: Frf,
     b: Frf,
@@ -375,5 +474,12 @@ def run_closed_loop(
     velocity_rad_s: _PerChannel | None = None,
     seed: int = 0,
     progress: _Progress | None = None,
+) -> Record: ...
+def loop_frf(plant: Plant, controller: PiController, hz: ArrayLike) -> dict[str, Frf]: ...
+def spectrogram(
+    signal: ArrayLike, *, sample_time_s: float, window_s: float = 1.0, step_s: float = 0.1
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]: ...
+def subtract_glide(
+    run: Record, glide: Record, *, by: Literal["time", "position"] = "time", plant: Frf | None = None
 ) -> Record: ...
 def cli(args: Sequence[str]) -> int: ...

@@ -1,7 +1,5 @@
 //! `frfid.PiController` and `frfid.run_closed_loop`.
 
-use std::sync::Arc;
-
 use frfid_plant::{ClosedLoop, PiController as Controller};
 use pyo3::prelude::*;
 
@@ -12,13 +10,14 @@ use crate::plant::Plant;
 use crate::profile::per_channel;
 use crate::record::Record;
 
-/// A sampled PI controller of the motor velocity: ``u = gain (r - y) + integral``, which grows by
-/// ``integral_gain (r - y) sample_time_s`` per sample.
+/// A sampled PI controller of the motor velocity: ``u = gain e + integral``, which grows by
+/// ``integral_gain e sample_time_s`` per sample; ``e = r - y``, plus ``position_gain`` times the error of the position where
+/// there is a position loop.
 ///
 /// Parameters
 /// ----------
 /// gain : float or sequence of float
-///     Proportional gain of each axis in N m s/rad.
+///     Proportional gain of each axis in N m s/rad; the longest of the sequences says how many axes there are.
 /// integral_gain : float or sequence of float
 ///     Integral gain of each axis in N m/rad.
 /// sample_time_s : float
@@ -27,6 +26,10 @@ use crate::record::Record;
 ///     Whole samples from reading the velocity to the torque's acting.
 /// max_torque_nm : float or sequence of float, optional
 ///     Torque limit of each axis in N m.
+/// max_torque_rate_nm_per_s : float or sequence of float, optional
+///     Largest change of each axis' torque in N m/s.
+/// position_gain : float or sequence of float, optional
+///     Gain of the position loop of each axis in 1/s; no position loop without it.
 ///
 /// Raises
 /// ------
@@ -41,24 +44,30 @@ pub struct PiController {
 #[pymethods]
 impl PiController {
     #[new]
-    #[pyo3(signature = (*, gain, integral_gain, sample_time_s, delay_samples = 0, max_torque_nm = None))]
+    #[pyo3(signature = (*, gain, integral_gain, sample_time_s, delay_samples = 0, max_torque_nm = None,
+                        max_torque_rate_nm_per_s = None, position_gain = None))]
     fn new(
         gain: &Bound<'_, PyAny>,
         integral_gain: &Bound<'_, PyAny>,
         sample_time_s: f64,
         delay_samples: usize,
         max_torque_nm: Option<&Bound<'_, PyAny>>,
+        max_torque_rate_nm_per_s: Option<&Bound<'_, PyAny>>,
+        position_gain: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
+        let given = [Some(gain), Some(integral_gain), max_torque_nm, max_torque_rate_nm_per_s, position_gain];
+        let n_axes = given.into_iter().flatten().filter_map(|value| value.len().ok()).max().unwrap_or(1);
+        let per_axis = |name, value: Option<&Bound<'_, PyAny>>| value.map(|v| per_channel(name, v, n_axes)).transpose();
         let controller = Controller {
-            gain: per_channel("gain", gain, 1)?,
-            integral_gain: per_channel("integral_gain", integral_gain, 1)?,
-            position_gain: None,
+            gain: per_channel("gain", gain, n_axes)?,
+            integral_gain: per_channel("integral_gain", integral_gain, n_axes)?,
+            position_gain: per_axis("position_gain", position_gain)?,
             sample_time_s,
             delay_samples,
-            max_torque_nm: max_torque_nm.map(|limit| per_channel("max_torque_nm", limit, 1)).transpose()?,
-            max_torque_rate_nm_per_s: None,
+            max_torque_nm: per_axis("max_torque_nm", max_torque_nm)?,
+            max_torque_rate_nm_per_s: per_axis("max_torque_rate_nm_per_s", max_torque_rate_nm_per_s)?,
         };
-        controller.check(1).map_err(error::signal)?;
+        controller.check(n_axes).map_err(error::signal)?;
         Ok(Self { controller })
     }
 
@@ -92,17 +101,32 @@ impl PiController {
         self.controller.max_torque_nm.clone()
     }
 
+    /// Largest change of each axis' torque in N m/s, or None.
+    #[getter]
+    fn max_torque_rate_nm_per_s(&self) -> Option<Vec<f64>> {
+        self.controller.max_torque_rate_nm_per_s.clone()
+    }
+
+    /// Gain of the position loop of each axis in 1/s, or None.
+    #[getter]
+    fn position_gain(&self) -> Option<Vec<f64>> {
+        self.controller.position_gain.clone()
+    }
+
     fn __repr__(&self) -> String {
         let Controller { gain, integral_gain, sample_time_s, .. } = &self.controller;
         format!("<frfid.PiController: gain {gain:?}, integral_gain {integral_gain:?}, {sample_time_s} s per sample>")
     }
 
     fn __getnewargs_ex__<'py>(slf: &Bound<'py, Self>) -> PyResult<NewArguments<'py>> {
-        attributes(slf, &["gain", "integral_gain", "sample_time_s", "delay_samples", "max_torque_nm"])
+        let limits = ["max_torque_nm", "max_torque_rate_nm_per_s"];
+        let names =
+            [&["gain", "integral_gain", "position_gain", "sample_time_s", "delay_samples"][..], &limits].concat();
+        attributes(slf, &names)
     }
 }
 
-/// Simulates a plant under velocity control, from position 0.
+/// Simulates a plant under velocity control, from its pose.
 ///
 /// Parameters
 /// ----------
@@ -113,7 +137,7 @@ impl PiController {
 /// r : array_like, shape (channel, sample) or (batch, channel, sample)
 ///     Reference velocity in rad/s, the constant velocity included.
 /// velocity_rad_s : float or sequence of float, optional
-///     Constant velocity in rad/s with which motor and link start, held by the controller.
+///     Constant velocity in rad/s with which motors and links start, held by the controller.
 /// seed : int, optional
 ///     Seed of the sensors' noise.
 /// progress : callable, optional
@@ -140,8 +164,12 @@ pub fn run_closed_loop(
     seed: u64,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Record> {
-    let (joint, controller) = (plant.joint.clone(), controller.controller.clone());
-    let sample_time_s = controller.sample_time_s;
-    let testbed = ClosedLoop { sensors: vec![plant.sensor], seed, ..ClosedLoop::new(Arc::new(joint), controller) };
-    simulate("r", r, &testbed, sample_time_s, velocity_rad_s, progress)
+    let testbed = closed_loop(plant, controller, seed);
+    simulate("r", r, &testbed, controller.controller.sample_time_s, velocity_rad_s, progress)
+}
+
+/// The plant under the controller, with the plant's sensors.
+pub fn closed_loop(plant: &Plant, controller: &PiController, seed: u64) -> ClosedLoop {
+    let (robot, controller) = (plant.robot.clone(), controller.controller.clone());
+    ClosedLoop { sensors: plant.sensors.clone(), seed, ..ClosedLoop::new(robot, controller) }
 }

@@ -1,6 +1,6 @@
 //! Errors of the crates as Python exceptions: `ValueError` for bad input, `NumericalError` for singular or divergent.
 
-use frfid_estimate::EstimateError;
+use frfid_estimate::{EstimateError, ShapeError};
 use frfid_experiment::{ConfigError, ExperimentError};
 use frfid_files::FileError;
 use frfid_plant::PlantError;
@@ -25,6 +25,15 @@ pub fn signal(error: SignalError) -> PyErr {
 pub fn estimate(error: EstimateError) -> PyErr {
     match error {
         EstimateError::RankDeficient(_) => NumericalError::new_err(error.to_string()),
+        _ => PyValueError::new_err(error.to_string()),
+    }
+}
+
+/// Whatever happens while a reference is shaped.
+pub fn shape(error: ShapeError) -> PyErr {
+    match error {
+        ShapeError::Estimate(error) => estimate(error),
+        ShapeError::Testbed(error) => testbed(error),
         _ => PyValueError::new_err(error.to_string()),
     }
 }

@@ -13,7 +13,9 @@ mod excerpt;
 mod experiment;
 mod frf;
 mod frf_parts;
+mod glide;
 mod interrupt;
+mod loop_frf;
 mod multisine;
 mod pickle;
 mod plan;
@@ -23,6 +25,10 @@ mod profile;
 mod record;
 mod result;
 mod runs;
+mod shape;
+mod shaped;
+mod spectrogram;
+mod states;
 mod testbed;
 
 /// Frequency response functions of flexible-joint robots, by experiment: the compiled part of the package `frfid`.
@@ -47,6 +53,10 @@ mod _core {
     #[pymodule_export]
     use crate::frf::Frf;
     #[pymodule_export]
+    use crate::glide::subtract_glide;
+    #[pymodule_export]
+    use crate::loop_frf::loop_frf;
+    #[pymodule_export]
     use crate::multisine::Multisine;
     #[pymodule_export]
     use crate::plan::Plan;
@@ -54,9 +64,14 @@ mod _core {
     use crate::plant::Plant;
     #[pymodule_export]
     use crate::record::Record;
-
     #[pymodule_export]
     use crate::result::load;
+    #[pymodule_export]
+    use crate::shape::shape;
+    #[pymodule_export]
+    use crate::shaped::Shaped;
+    #[pymodule_export]
+    use crate::spectrogram::spectrogram;
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "its name in Python")]
     const __version__: &str = env!("CARGO_PKG_VERSION");

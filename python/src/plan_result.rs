@@ -17,6 +17,7 @@ pub fn result_of(
         spectra.extend(estimator.spectra(*id, record, &|_| false)?);
     }
     let (frf, missing) = estimator.estimate(spectra)?;
-    let peaks = records.iter().map(|(_, record)| Peaks::of(record)).reduce(|a, b| a.max(&b));
+    let (start, pose) = (description.plan.start_rad()?, description.config.robot.pose());
+    let peaks = records.iter().map(|(_, record)| Peaks::of(record, &start, &pose)).reduce(|a, b| a.max(&b));
     Ok((description.result(frf, peaks.as_ref(), Vec::new()), missing.len()))
 }

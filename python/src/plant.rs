@@ -3,12 +3,13 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use frfid_experiment::{RobotTable, Source};
-use frfid_plant::{Hold, OpenLoop, Ripple, Robot, Sensor, SingleJoint, Velocity};
+use frfid_experiment::{ChallengesTable, RippleTable, RobotTable, SensorTable, SingleJointTable, Source};
+use frfid_plant::{Arm, Hold, OpenLoop, Robot, Sensor, Velocity};
 use ndarray::Ix1;
+use numpy::PyArrayDyn;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
+use pyo3::types::PyDict;
 
 use crate::array::real;
 use crate::batch::simulate;
@@ -16,13 +17,23 @@ use crate::choice::{choice, from_python, to_python};
 use crate::error;
 use crate::frf::Frf;
 use crate::record::Record;
+use crate::states::per_state;
 
 /// A robot in software, made by ``Plant.single_joint`` or ``Plant.load``.
 #[pyclass(frozen, eq, module = "frfid")]
-#[derive(PartialEq)]
 pub struct Plant {
-    pub joint: SingleJoint,
-    pub sensor: Sensor,
+    /// The robot as its file says it.
+    table: RobotTable,
+    pub robot: Arc<dyn Robot>,
+    pub sensors: Vec<Sensor>,
+}
+
+/// Plants are the same if they move and measure in the same way, however they are written.
+impl PartialEq for Plant {
+    fn eq(&self, other: &Self) -> bool {
+        let machine = |table: &RobotTable| (table.joint(), table.arm(), table.sensors());
+        machine(&self.table) == machine(&other.table)
+    }
 }
 
 #[pymethods]
@@ -54,6 +65,8 @@ impl Plant {
     /// position_increment_rad, position_noise_rad, velocity_noise_rad_s, torque_quantum_nm, torque_noise_nm : float, optional
     ///     Encoder count, rms of the white noise on position and velocity, resolution of the torque, rms of the noise on its
     ///     reading; whatever is left out is ideal.
+    /// velocity_filter_hz : float, optional
+    ///     Corner of a low-pass of first order on the velocity reading.
     ///
     /// Returns
     /// -------
@@ -68,7 +81,7 @@ impl Plant {
                         stiffness_nm_per_rad = 1.5e5, stiffness_beyond_nm_per_rad = None, knee_rad = 1e-3,
                         coulomb_nm = 0.0, viscous_nms_per_rad = 0.0, ripple = None, velocity_by_differencing = false,
                         position_increment_rad = None, position_noise_rad = None, velocity_noise_rad_s = None,
-                        torque_quantum_nm = None, torque_noise_nm = None))]
+                        velocity_filter_hz = None, torque_quantum_nm = None, torque_noise_nm = None))]
     #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
     fn single_joint(
         motor_inertia_kg_m2: f64,
@@ -84,39 +97,45 @@ impl Plant {
         position_increment_rad: Option<f64>,
         position_noise_rad: Option<f64>,
         velocity_noise_rad_s: Option<f64>,
+        velocity_filter_hz: Option<f64>,
         torque_quantum_nm: Option<f64>,
         torque_noise_nm: Option<f64>,
     ) -> PyResult<Self> {
-        let ripple: Option<Vec<Ripple>> = ripple.map(|ripple| from_python("ripple", ripple)).transpose()?;
-        let joint = SingleJoint {
+        let ripple: Option<Vec<RippleTable>> = ripple.map(|ripple| from_python("ripple", ripple)).transpose()?;
+        let joint = SingleJointTable {
             motor_inertia_kg_m2,
             link_inertia_kg_m2,
             damping_nms_per_rad,
             stiffness_nm_per_rad,
-            stiffness_beyond_nm_per_rad: stiffness_beyond_nm_per_rad.unwrap_or(stiffness_nm_per_rad),
+            stiffness_beyond_nm_per_rad,
             knee_rad,
             coulomb_nm,
             viscous_nms_per_rad,
             ripple: ripple.unwrap_or_default(),
         };
-        let sensor = Sensor {
-            velocity: if velocity_by_differencing { Velocity::Differenced } else { Velocity::True },
+        let sensor = SensorTable {
+            velocity_by_differencing,
             position_increment_rad,
             position_noise_rad,
             velocity_noise_rad_s,
-            velocity_filter_hz: None,
+            velocity_filter_hz,
             torque_quantum_nm,
             torque_noise_nm,
         };
-        Self::checked(joint, sensor)
+        Self::of(RobotTable { single_joint: Some(joint), sensor: Some(sensor), ..RobotTable::default() })
     }
 
-    /// Reads a robot file, such as ``examples/robots/paper_joint.toml``.
+    /// Reads a robot file, such as ``examples/robots/manutec_r3.toml``: a single joint, or an arm of any number of axes.
     ///
     /// Parameters
     /// ----------
     /// path : str or path-like
-    ///     The TOML file.
+    ///     The TOML file; URDF that it names is looked up beside it.
+    /// pose_rad : sequence of float, optional
+    ///     Pose of an arm, one link position in rad for each axis; that of the file if left out.
+    /// challenges : dict of bool, optional
+    ///     Challenges to switch on or off, those that are not named as the file says: ``gear_load_limit``,
+    ///     ``coulomb_friction``, ``stiffening``, ``position_dependence``, ``torque_ripple``, ``sensing``, ``gravity``.
     ///
     /// Returns
     /// -------
@@ -129,11 +148,64 @@ impl Plant {
     /// ValueError
     ///     With file, line and caret of an unknown key or wrong type, or the parameter that is out of range.
     #[staticmethod]
-    fn load(path: PathBuf) -> PyResult<Self> {
+    #[pyo3(signature = (path, *, pose_rad = None, challenges = None))]
+    fn load(path: PathBuf, pose_rad: Option<Vec<f64>>, challenges: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
         path.metadata()?;
-        let robot: RobotTable = Source::read(&path).and_then(|source| source.parse()).map_err(error::config)?;
-        let missing = || PyValueError::new_err(format!("{}: a table [single_joint] is needed", path.display()));
-        Self::checked(robot.joint().ok_or_else(missing)?, robot.sensor())
+        let table = RobotTable::load(&path).map_err(error::config)?;
+        let challenges: Option<ChallengesTable> =
+            challenges.map(|challenges| from_python("challenges", challenges)).transpose()?;
+        if pose_rad.is_some() && table.arm().is_none() {
+            return Err(PyValueError::new_err("pose_rad: a single joint has no pose, leave it out"));
+        }
+        Self::of(RobotTable {
+            pose_rad: pose_rad.or_else(|| table.pose_rad.clone()),
+            challenges: challenges.unwrap_or_default().or(table.challenges),
+            ..table
+        })
+    }
+
+    /// A plant from the text of a robot file that stands alone, as ``to_toml`` writes it.
+    ///
+    /// Parameters
+    /// ----------
+    /// text : str
+    ///     TOML.
+    ///
+    /// Returns
+    /// -------
+    /// Plant
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     As ``load``.
+    #[staticmethod]
+    fn from_toml(text: String) -> PyResult<Self> {
+        let source = Source { name: "robot".into(), text };
+        Self::of(source.parse().map_err(error::config)?)
+    }
+
+    /// The plant as the text of a robot file that stands alone.
+    fn to_toml(&self) -> PyResult<String> {
+        toml::to_string(&self.table).map_err(|error| PyValueError::new_err(error.to_string()))
+    }
+
+    /// Number of axes.
+    #[getter]
+    fn n_axes(&self) -> usize {
+        self.robot.n_axes()
+    }
+
+    /// Names of the joints, from the base to the tip.
+    #[getter]
+    fn joint_names(&self) -> Vec<String> {
+        self.table.joint_names()
+    }
+
+    /// The pose: link positions in rad, one for each axis; 0 for a single joint.
+    #[getter]
+    fn pose_rad(&self) -> Vec<f64> {
+        self.table.pose()
     }
 
     /// Linearised truth from motor torque to motor velocity: gear damping and viscous friction are in it; Coulomb friction,
@@ -148,7 +220,7 @@ impl Plant {
     /// sample_time_s : float, optional
     ///     Sample time in s; needed by all but the plain transfer function.
     /// sensor : bool, optional
-    ///     Whether the velocity is seen as the difference of the last two positions over the sample time.
+    ///     Whether the velocity is the reading of the plant's sensors: differenced positions and filters, where it has them.
     ///
     /// Returns
     /// -------
@@ -168,11 +240,15 @@ impl Plant {
             None if hold == Hold::Continuous && !sensor => 1.0, // the transfer function does not depend on it
             None => return Err(PyValueError::new_err("sample_time_s is needed by a hold and by the sensor")),
         };
-        let velocity = if sensor { Velocity::Differenced } else { Velocity::True };
-        Ok(self.joint.frf(&hz, hold, sample_time_s, velocity).map_err(error::signal)?.into())
+        let frf = if sensor {
+            self.robot.frf_seen(&hz, hold, sample_time_s, &self.sensors)
+        } else {
+            self.robot.frf(&hz, hold, sample_time_s, Velocity::True)
+        };
+        Ok(frf.map_err(error::signal)?.into())
     }
 
-    /// Simulates in open loop, from position 0.
+    /// Simulates in open loop, from the pose.
     ///
     /// Parameters
     /// ----------
@@ -183,7 +259,8 @@ impl Plant {
     /// hold : {"zoh", "linear"}, optional
     ///     What the torque does between samples.
     /// velocity_rad_s : float or sequence of float, optional
-    ///     Constant velocity in rad/s with which motor and link start; the torque that holds it against friction is added.
+    ///     Constant velocity in rad/s with which motors and links start; the torques that hold it against friction, and the
+    ///     links against gravity, are added.
     /// seed : int, optional
     ///     Seed of the sensors' noise.
     /// progress : callable, optional
@@ -210,37 +287,140 @@ impl Plant {
         seed: u64,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Record> {
-        let (joint, sensors) = (self.joint.clone(), vec![self.sensor]);
-        let testbed = OpenLoop { sensors, seed, hold: choice("hold", hold)?, ..OpenLoop::new(Arc::new(joint)) };
+        let (robot, sensors) = (self.robot.clone(), self.sensors.clone());
+        let testbed = OpenLoop { sensors, seed, hold: choice("hold", hold)?, ..OpenLoop::new(robot) };
         simulate("u", u, &testbed, sample_time_s, velocity_rad_s, progress)
     }
 
-    /// The parameters, as ``Plant.single_joint`` takes them.
+    /// Mass matrix of an arm's links.
+    ///
+    /// Parameters
+    /// ----------
+    /// q : array_like, shape (axis,) or (batch, axis)
+    ///     Link positions in rad.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, float64, shape (axis, axis) or (batch, axis, axis)
+    ///     In kg m^2.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a single joint, or another number of axes.
+    fn mass_matrix<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let (arm, n) = (self.arm()?, self.n_axes());
+        let matrix = |state: &[&[f64]]| Ok(arm.mass_matrix(state[0])?.transpose().as_slice().to_vec());
+        per_state(q.py(), n, &[("q", q)], &[n, n], matrix)
+    }
+
+    /// Torques that hold an arm's links against gravity.
+    ///
+    /// Parameters
+    /// ----------
+    /// q : array_like, shape (axis,) or (batch, axis)
+    ///     Link positions in rad.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, float64, shape of q
+    ///     In N m.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a single joint, or another number of axes.
+    fn gravity_torque<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let arm = self.arm()?;
+        per_state(q.py(), self.n_axes(), &[("q", q)], &[self.n_axes()], |state| arm.gravity_torque_nm(state[0]))
+    }
+
+    /// Accelerations of an arm's links: M^-1 (torque - C qd - g).
+    ///
+    /// Parameters
+    /// ----------
+    /// q, qd, torque : array_like, shape (axis,) or (batch, axis)
+    ///     Link positions in rad, velocities in rad/s, and the torques in N m that the gears transmit.
+    ///
+    /// Returns
+    /// -------
+    /// ndarray, float64, shape of q
+    ///     In rad/s^2.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a single joint, or shapes that do not fit.
+    fn link_acceleration<'py>(
+        &self,
+        q: &Bound<'py, PyAny>,
+        qd: &Bound<'py, PyAny>,
+        torque: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
+        let arm = self.arm()?;
+        let arguments = [("q", q), ("qd", qd), ("torque", torque)];
+        per_state(q.py(), self.n_axes(), &arguments, &[self.n_axes()], |state| {
+            arm.link_acceleration(state[0], state[1], state[2])
+        })
+    }
+
+    /// Frequencies of an arm's undamped elastic modes at the pose, without gravity.
+    ///
+    /// Parameters
+    /// ----------
+    /// motors_locked : bool, optional
+    ///     The modes of the links with the motors held: the zeros of the FRFs taken together.
+    ///
+    /// Returns
+    /// -------
+    /// list of float
+    ///     In Hz, rising.
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     For a single joint.
+    #[pyo3(signature = (*, motors_locked = false))]
+    fn modes_hz(&self, motors_locked: bool) -> PyResult<Vec<f64>> {
+        let arm = self.arm()?;
+        if motors_locked { arm.locked_motor_hz() } else { arm.modes_hz() }.map_err(error::signal)
+    }
+
+    /// The parameters of a single joint, as ``Plant.single_joint`` takes them.
     #[getter]
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        let parameters = to_python(py, &self.joint)?.cast_into::<PyDict>()?;
-        let sensor = to_python(py, &self.sensor)?.cast_into::<PyDict>()?;
-        sensor.del_item("velocity")?;
-        sensor.set_item("velocity_by_differencing", self.sensor.velocity == Velocity::Differenced)?;
+        let arm = || PyValueError::new_err("an arm has no parameters of a single joint; to_toml() tells its tables");
+        let joint = self.table.single_joint.as_ref().ok_or_else(arm)?;
+        let parameters = to_python(py, joint)?.cast_into::<PyDict>()?;
+        let sensor = to_python(py, &self.table.sensor.clone().unwrap_or_default())?.cast_into::<PyDict>()?;
         parameters.update(sensor.as_mapping())?;
         Ok(parameters)
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        Ok(format!("<frfid.Plant: {}>", self.parameters(py)?))
+        if self.table.single_joint.is_some() {
+            return Ok(format!("<frfid.Plant: {}>", self.parameters(py)?));
+        }
+        let (n_axes, names, pose) = (self.n_axes(), self.joint_names().join(", "), self.pose_rad());
+        Ok(format!("<frfid.Plant: {n_axes} axes ({names}) at {pose:?} rad>"))
     }
 
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, ())> {
-        let single_joint = slf.get_type().getattr("single_joint")?;
-        let keywords = slf.get().parameters(slf.py())?.into_py_dict(slf.py())?;
-        let partial = slf.py().import("functools")?.getattr("partial")?;
-        Ok((partial.call((single_joint,), Some(&keywords))?, ()))
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        Ok((slf.get_type().getattr("from_toml")?, (slf.get().to_toml()?,)))
     }
 }
 
 impl Plant {
-    fn checked(joint: SingleJoint, sensor: Sensor) -> PyResult<Self> {
-        joint.check().and_then(|()| sensor.check()).map_err(error::signal)?;
-        Ok(Self { joint, sensor })
+    fn arm(&self) -> PyResult<Arm> {
+        self.table.arm().ok_or_else(|| PyValueError::new_err("a single joint is no arm: it has one link and one mode"))
+    }
+
+    /// The robot that the tables describe, once every number is found sound.
+    fn of(table: RobotTable) -> PyResult<Self> {
+        let none = "no robot: a table [single_joint] or [[body]] is needed";
+        let robot = table.robot().ok_or_else(|| PyValueError::new_err(none))?;
+        let sensors = table.sensors();
+        robot.check().and_then(|()| sensors.iter().try_for_each(Sensor::check)).map_err(error::signal)?;
+        Ok(Self { table, robot, sensors })
     }
 }

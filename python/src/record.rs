@@ -185,7 +185,8 @@ impl Record {
         (0..u.len()).map(run).collect()
     }
 
-    fn is_batch(&self, py: Python<'_>) -> bool {
+    /// Whether the runs have an axis of their own.
+    pub fn is_batch(&self, py: Python<'_>) -> bool {
         self.u.bind(py).ndim() == 3
     }
 }

@@ -1,0 +1,180 @@
+//! `frfid.Shaped`: what came of iterative shaping.
+
+use std::fmt::Write as _;
+
+use frfid_estimate::{Peaks as Peak, Shaped as Shaping, Summary};
+use ndarray::Array1;
+use numpy::{PyArray1, PyArray2, PyArray3};
+use pyo3::prelude::*;
+
+use crate::array::c_ordered;
+use crate::frf::Frf;
+use crate::record::Record;
+
+/// A shaped excitation: the best iteration, and what every iteration found; made by ``frfid.shape``. Printed, it is a table.
+#[pyclass(frozen, module = "frfid")]
+pub struct Shaped {
+    shaping: Shaping,
+    /// Records of the best iteration, one for each experiment.
+    #[pyo3(get)]
+    records: Vec<Py<Record>>,
+}
+
+#[pymethods]
+impl Shaped {
+    /// The reference to use, in rad/s, shape (experiment, channel, sample): that of the best iteration.
+    #[getter]
+    fn reference<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
+        c_ordered(py, self.shaping.best.reference.clone())
+    }
+
+    /// Number of the best iteration, from 1.
+    #[getter]
+    fn number(&self) -> usize {
+        self.shaping.best.number
+    }
+
+    /// Relative error of the best iteration, rms over band and channels.
+    #[getter]
+    fn error(&self) -> Option<f64> {
+        self.shaping.best.error()
+    }
+
+    /// The same of every iteration; None where a run was stopped before its end.
+    #[getter]
+    fn errors(&self) -> Vec<Option<f64>> {
+        self.shaping.iterations.iter().map(|iteration| iteration.error).collect()
+    }
+
+    /// Relative error of the best iteration, shape (frequency, channel), at the frequencies of ``r_to_u``.
+    #[getter]
+    fn error_per_frequency<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray2<f64>>> {
+        self.shaping.best.estimate.as_ref().map(|estimate| c_ordered(py, estimate.error_per_frequency.clone()))
+    }
+
+    /// Response from reference to torque in the best iteration.
+    #[getter]
+    fn r_to_u(&self) -> Option<Frf> {
+        self.shaping.best.estimate.as_ref().map(|estimate| estimate.r_to_u.clone().into())
+    }
+
+    /// Response from reference to velocity in the best iteration.
+    #[getter]
+    fn r_to_y(&self) -> Option<Frf> {
+        self.shaping.best.estimate.as_ref().map(|estimate| estimate.r_to_y.clone().into())
+    }
+
+    /// Condition number of U in the best iteration, every channel relative to its desired size, shape (frequency,).
+    #[getter]
+    fn condition<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
+        self.shaping.best.estimate.as_ref().map(|estimate| c_ordered(py, Array1::from(estimate.condition.clone())))
+    }
+
+    /// Share of the sweep that each axis was stuck in the best iteration.
+    #[getter]
+    fn stuck_share(&self) -> Vec<f64> {
+        self.shaping.best.stuck_share.clone()
+    }
+
+    /// Where axes still stick in the best iteration, in sentences; empty if none does.
+    #[getter]
+    fn sticking(&self) -> Vec<String> {
+        self.shaping.sticking.iter().map(ToString::to_string).collect()
+    }
+
+    /// Every iteration as a dict: errors, stuck share, damping, peaks predicted and measured, notes.
+    #[getter]
+    fn iterations(&self) -> Vec<Iteration> {
+        self.shaping.iterations.iter().map(Iteration::from).collect()
+    }
+
+    /// What is worth saying of the iterations, in sentences.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        let of = |iteration: &Summary| {
+            let number = iteration.number;
+            iteration.notes.iter().map(|note| format!("iteration {number}: {note}")).collect::<Vec<_>>()
+        };
+        self.shaping.iterations.iter().flat_map(of).collect()
+    }
+
+    /// Why it ended.
+    #[getter]
+    fn stop(&self) -> String {
+        self.shaping.stop.to_string()
+    }
+
+    fn __str__(&self) -> String {
+        let mut text = String::from("iteration  error %  stuck % per axis");
+        for iteration in &self.shaping.iterations {
+            let error = iteration.error.map_or("-".into(), |error| format!("{:.1}", 100.0 * error));
+            let stuck: Vec<String> =
+                iteration.stuck_share.iter().map(|share| format!("{:.0}", 100.0 * share)).collect();
+            let _ = write!(text, "\n{:>9}  {error:>7}  {}", iteration.number, stuck.join(" ")); // a String takes everything
+        }
+        let _ = write!(text, "\n{}; the best is iteration {}", self.shaping.stop, self.number());
+        self.sticking().iter().for_each(|line| text += &format!("\n{line}"));
+        text
+    }
+
+    fn __repr__(&self) -> String {
+        let error = self.error().map_or("unknown".into(), |error| format!("{:.1} %", 100.0 * error));
+        let (best, of) = (self.number(), self.shaping.iterations.len());
+        format!("<frfid.Shaped: iteration {best} of {of}, error {error}>")
+    }
+}
+
+impl Shaped {
+    /// The result with its records as Python sees them.
+    pub fn of(py: Python<'_>, mut shaping: Shaping) -> PyResult<Self> {
+        let records = std::mem::take(&mut shaping.best.records).into_iter();
+        let records =
+            records.map(|record| Py::new(py, Record::of(py, vec![record], false)?)).collect::<PyResult<_>>()?;
+        Ok(Self { shaping, records })
+    }
+}
+
+/// One iteration, as a dict.
+#[derive(IntoPyObject)]
+struct Iteration {
+    number: usize,
+    error: Option<f64>,
+    channel_error: Option<Vec<f64>>,
+    stuck_share: Vec<f64>,
+    damping: Option<f64>,
+    predicted: Option<Peaks>,
+    peaks: Peaks,
+    within_limits: bool,
+    notes: Vec<String>,
+}
+
+/// Largest magnitudes per axis, as a dict.
+#[derive(IntoPyObject)]
+struct Peaks {
+    torque_nm: Vec<f64>,
+    velocity_rad_s: Vec<f64>,
+    travel_rad: Vec<f64>,
+}
+
+impl From<&Summary> for Iteration {
+    fn from(summary: &Summary) -> Self {
+        Self {
+            number: summary.number,
+            error: summary.error,
+            channel_error: summary.channel_error.clone(),
+            stuck_share: summary.stuck_share.clone(),
+            damping: summary.damping,
+            predicted: summary.predicted.as_ref().map(Peaks::from),
+            peaks: (&summary.peaks).into(),
+            within_limits: summary.within_limits,
+            notes: summary.notes.iter().map(ToString::to_string).collect(),
+        }
+    }
+}
+
+impl From<&Peak> for Peaks {
+    fn from(peaks: &Peak) -> Self {
+        let Peak { torque_nm, velocity_rad_s, travel_rad } = peaks.clone();
+        Self { torque_nm, velocity_rad_s, travel_rad }
+    }
+}
