@@ -30,6 +30,9 @@ use crate::line_dft::check_rising;
 use crate::right_division::right_divide;
 use crate::torque_table::TorqueTable;
 
+/// Frequencies on either side over which the median of the apparent inertia is taken.
+const NEIGHBOURS: usize = 7;
+
 /// The torque ripple of every axis over its motor position, as a glide showed it; made once, taken off every run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RippleTorque {
@@ -55,6 +58,12 @@ impl RippleTorque {
         };
         let axes = (0..position.nrows()).map(|axis| table(axis).transpose()).collect::<Result<_, _>>()?;
         Ok(Self { glide: glide.clone(), axes })
+    }
+
+    /// The glide it was learned from.
+    #[must_use]
+    pub fn glide(&self) -> &Record {
+        &self.glide
     }
 
     /// The run without the glide and without the difference of ripple between the run's positions and the glide's; axes that
@@ -163,7 +172,8 @@ impl<'a> ApparentInertia<'a> {
                 .then(|| inverse / Complex64::new(0.0, TAU * frequency_hz))
                 .ok_or(EstimateError::SingularPlant { frequency_hz })
         });
-        Ok(Self { frequency_hz: &plant.frequency_hz, inertia: inertia.collect::<Result<_, _>>()? })
+        let inertia: Vec<DMatrix<Complex64>> = inertia.collect::<Result<_, _>>()?;
+        Ok(Self { frequency_hz: &plant.frequency_hz, inertia: medians(&inertia) })
     }
 
     /// 1 up to four fifths of the highest frequency, then a half cosine down to 0 there: the ends of a band ring less.
@@ -185,4 +195,26 @@ impl<'a> ApparentInertia<'a> {
         let n = acceleration.len();
         (0..n).map(|row| (0..n).map(|column| entry(row, column) * acceleration[column]).sum()).collect()
     }
+}
+
+/// Entry by entry, real and imaginary part, the median over each frequency and its neighbours on either side: M is smooth, but a
+/// first estimate is far off on the few frequencies that the ripple itself hits.
+fn medians(inertia: &[DMatrix<Complex64>]) -> Vec<DMatrix<Complex64>> {
+    let median = |mut values: Vec<f64>| {
+        values.sort_by(f64::total_cmp);
+        0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
+    };
+    let around = |line: usize| {
+        &inertia[line.saturating_sub(NEIGHBOURS)..(line + NEIGHBOURS + 1).min(inertia.len())]
+    };
+    let smoothed = |line: usize| {
+        let part = |row, column, of: fn(&Complex64) -> f64| {
+            median(around(line).iter().map(|matrix| of(&matrix[(row, column)])).collect())
+        };
+        let (n_rows, n_columns) = inertia[line].shape();
+        DMatrix::from_fn(n_rows, n_columns, |row, column| {
+            Complex64::new(part(row, column, |value| value.re), part(row, column, |value| value.im))
+        })
+    };
+    (0..inertia.len()).map(smoothed).collect()
 }

@@ -1,14 +1,15 @@
 //! From the records of a plan to its FRF: record by record, in any order, so that no campaign is too long for the memory.
 
-use ndarray::{Array2, s};
+use ndarray::s;
 
 use frfid_estimate::{
-    BlaOptions, Campaign, ExcerptOptions, Excerpts, LineDft, Place, RunSpectra, Transform, subtract_glide,
+    BlaOptions, Campaign, ExcerptOptions, Excerpts, LineDft, Place, RunSpectra, Transform,
 };
 use frfid_signals::{Excitation, Frf, Plan, Record, RunId, RunKind, SignalError};
 
 use crate::ExperimentError;
-use crate::config::EstimateTable;
+use crate::baseline::Baseline;
+use crate::config::{EstimateTable, GlideSubtraction};
 
 /// Turns the records of one plan into spectra, and the spectra into an FRF.
 pub struct Estimator {
@@ -17,7 +18,7 @@ pub struct Estimator {
     options: EstimateTable,
     frequency_hz: Vec<f64>,
     transform: Box<dyn Transform>,
-    glide: Option<Record>,
+    baseline: Baseline,
     /// That of excerpts; none for lines.
     relative_resolution: Option<f64>,
 }
@@ -52,30 +53,41 @@ impl Estimator {
             options: options.clone(),
             frequency_hz,
             transform,
-            glide: None,
+            baseline: Baseline::None,
             relative_resolution,
         })
     }
 
-    /// Takes the records of the glides; their mean is subtracted from every record that follows (SK15 section 4.4 E).
+    /// Takes the records of the glides: what follows from them is taken off every record from then on (SK15 section 4.4 E).
     ///
     /// # Errors
     /// [`ExperimentError::Signal`] if they differ in shape.
     pub fn set_glides(&mut self, glides: &[Record]) -> Result<(), ExperimentError> {
-        let Some(first) = glides.first() else { return Ok(()) };
-        let mean = |name, signal: &dyn Fn(&Record) -> &Array2<f64>| {
-            let mut sum = Array2::zeros(signal(first).dim());
-            for glide in glides {
-                if signal(glide).dim() != sum.dim() {
-                    let needed = format!("{:?}, as in the first glide", sum.shape());
-                    return Err(SignalError::Shape { name, found: signal(glide).shape().to_vec(), needed });
-                }
-                sum += signal(glide);
-            }
-            Ok(sum / glides.len() as f64)
-        };
-        let (u, y) = (mean("u of a glide", &|glide| &glide.u)?, mean("y of a glide", &|glide| &glide.y)?);
-        self.glide = Some(Record { u, y, ..first.clone() });
+        if self.options.glide_subtraction != GlideSubtraction::None {
+            self.baseline = Baseline::of_glides(glides)?;
+        }
+        Ok(())
+    }
+
+    /// Whether [`Estimator::learn_ripple`] is to be called after the glides are set.
+    #[must_use]
+    pub fn learns_ripple(&self) -> bool {
+        self.options.glide_subtraction == GlideSubtraction::Position && self.baseline != Baseline::None
+    }
+
+    /// Learns the ripple over the motor position from the glides and one run of every experiment of a realization: a first
+    /// estimate of the plant tells what of the glide is ripple, and with that off the second estimate tells it better.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for records that do not make an estimate.
+    pub fn learn_ripple(&mut self, runs: &[(RunId, Record)]) -> Result<(), ExperimentError> {
+        const PASSES: usize = 2;
+        for _ in 0..PASSES {
+            let spectra = runs.iter().map(|(id, record)| self.spectra(*id, record, &|_| false));
+            let spectra = spectra.collect::<Result<Vec<_>, _>>()?.concat();
+            let (plant, _) = self.estimate(spectra)?;
+            self.baseline = self.baseline.with_ripple(&plant)?;
+        }
         Ok(())
     }
 
@@ -92,9 +104,9 @@ impl Estimator {
         if id.kind == RunKind::Glide {
             return Ok(Vec::new());
         }
-        let glided = self.glide.as_ref().map(|glide| subtract_glide(record, glide)).transpose()?;
-        let record = glided.as_ref().unwrap_or(record);
-        let complete = record.n_samples().saturating_sub(self.plan.lead_in_samples) / self.period_samples;
+        let rest = self.baseline.subtract_from(record)?;
+        let record = rest.as_ref().unwrap_or(record);
+        let complete = record.n_steady_samples().saturating_sub(self.plan.lead_in_samples) / self.period_samples;
         let periods = (0..complete.min(self.plan.n_periods)).filter(|&period| !lost(period));
         periods.map(|period| Ok((self.place(id, period), self.period_spectra(record, period)?))).collect()
     }
@@ -110,6 +122,18 @@ impl Estimator {
         let window = s![.., start..start + self.period_samples];
         let r = record.r.as_ref().filter(|_| self.options.indirect).map(|r| r.slice(window));
         Ok(RunSpectra::of(&*self.transform, record.u.slice(window), record.y.slice(window), r)?)
+    }
+
+    /// The FRF of one record for each experiment.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for records that do not make an estimate.
+    pub fn frf_of_experiments(&self, records: &[Record]) -> Result<Frf, ExperimentError> {
+        let spectra = records.iter().enumerate().map(|(experiment, record)| {
+            let id = RunId { kind: RunKind::Excitation, realization: 0, experiment, repetition: 0 };
+            self.spectra(id, record, &|_| false)
+        });
+        Ok(self.estimate(spectra.collect::<Result<Vec<_>, _>>()?.concat())?.0)
     }
 
     /// The FRF of all spectra; periods of which an experiment is missing are left out and named.

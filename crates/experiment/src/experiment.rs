@@ -45,8 +45,12 @@ impl Experiment {
     /// [`ConfigError`].
     pub fn of(config: Config, source: Source) -> Result<Self, ConfigError> {
         config.robot.check(&source)?;
+        let n_axes = config.robot.n_axes();
+        config.controller.iter().try_for_each(|table| table.check(config.sample_time_s, n_axes, &source))?;
         let plan = design(&config, &source)?;
-        Ok(Self { source, config, plan })
+        let experiment = Self { source, config, plan };
+        experiment.check_feasible()?;
+        Ok(experiment)
     }
 
     /// The description as one TOML text that stands alone: it travels with every plan, record and result.

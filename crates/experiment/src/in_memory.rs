@@ -3,9 +3,10 @@
 use std::sync::Mutex;
 
 use frfid_estimate::Place;
-use frfid_signals::{Frf, Record, RunId, Testbed};
+use frfid_signals::{Frf, Record, Run, RunId, RunKind, Testbed};
 
 use crate::campaign::{Progress, run_all};
+use crate::config::EstimateTable;
 use crate::estimator::{Estimator, PeriodSpectra};
 use crate::{Experiment, ExperimentError};
 
@@ -29,27 +30,65 @@ impl Experiment {
         jobs: usize,
         progress: Progress,
     ) -> Result<Estimated, ExperimentError> {
+        let [estimated] = self.measure_each([&self.config.estimate], testbed, jobs, progress, &|_, _| Ok(()))?;
+        Ok(estimated)
+    }
+
+    /// Does every run once and estimates the FRF in several ways, one for each table; `look` sees every record before it goes.
+    ///
+    /// # Errors
+    /// As [`Experiment::measure`], and those of `look`.
+    pub fn measure_each<const N: usize>(
+        &self,
+        ways: [&EstimateTable; N],
+        testbed: &dyn Testbed,
+        jobs: usize,
+        progress: Progress,
+        look: &(dyn Fn(&Run, &Record) -> Result<(), ExperimentError> + Sync),
+    ) -> Result<[Estimated; N], ExperimentError> {
         let ids: Vec<RunId> = self.plan.run_ids().collect();
         let (glides, excited) = ids.split_at(self.plan.n_glides);
-        let mut estimator = Estimator::new(&self.plan, &self.config.estimate)?;
+        let mut estimators =
+            ways.iter().map(|way| Estimator::new(&self.plan, way)).collect::<Result<Vec<_>, ExperimentError>>()?;
         let records: Mutex<Vec<(RunId, Record)>> = Mutex::default();
         let reference = |id| Ok(self.plan.run(id)?);
         let of_all = |done: usize, _: usize| progress(done, ids.len());
         run_all(glides, &reference, testbed, jobs, &of_all, &|run, record| {
+            look(run, &record)?;
             records.lock().expect("no holder of the lock panics").push((run.id, record));
             Ok(())
         })?;
-        estimator.set_glides(&sorted(records))?;
-        let spectra: Mutex<PeriodSpectra> = Mutex::default();
+        let glide_records = sorted(records);
+        estimators.iter_mut().try_for_each(|estimator| estimator.set_glides(&glide_records))?;
+        if estimators.iter().any(Estimator::learns_ripple) {
+            let learned = learning_runs(&ids).map(|id| Ok((id, testbed.run(&self.plan.run(id)?)?)));
+            let learned = learned.collect::<Result<Vec<_>, ExperimentError>>()?;
+            let learners = estimators.iter_mut().filter(|estimator| estimator.learns_ripple());
+            learners.into_iter().try_for_each(|estimator| estimator.learn_ripple(&learned))?;
+        }
+        let spectra: [Mutex<PeriodSpectra>; N] = std::array::from_fn(|_| Mutex::default());
         let of_all = |done: usize, _: usize| progress(glides.len() + done, ids.len());
         run_all(excited, &reference, testbed, jobs, &of_all, &|run, record| {
-            let periods = estimator.spectra(run.id, &record, &|_| false)?;
-            spectra.lock().expect("no holder of the lock panics").extend(periods);
+            look(run, &record)?;
+            for (estimator, spectra) in estimators.iter().zip(&spectra) {
+                let periods = estimator.spectra(run.id, &record, &|_| false)?;
+                spectra.lock().expect("no holder of the lock panics").extend(periods);
+            }
             Ok(())
         })?;
-        let (frf, missing) = estimator.estimate(spectra.into_inner().expect("no holder of the lock panics"))?;
-        Ok(Estimated { frf, missing })
+        let estimated = estimators.iter().zip(spectra).map(|(estimator, spectra)| {
+            let (frf, missing) = estimator.estimate(spectra.into_inner().expect("no holder of the lock panics"))?;
+            Ok(Estimated { frf, missing })
+        });
+        let estimated = estimated.collect::<Result<Vec<_>, ExperimentError>>()?;
+        Ok(estimated.try_into().expect("one estimate for each way"))
     }
+}
+
+/// One run of every experiment of the first realization.
+fn learning_runs(ids: &[RunId]) -> impl Iterator<Item = RunId> {
+    let is_first = |id: &&RunId| id.kind == RunKind::Excitation && id.realization == 0 && id.repetition == 0;
+    ids.iter().filter(is_first).copied()
 }
 
 /// The records in the order of their runs, whatever the order in which they came: a mean over them is then always the same.

@@ -1,5 +1,6 @@
 //! One description, the whole workflow: `experiment.toml` to plan, runs and FRF.
 
+mod baseline;
 pub mod campaign;
 mod claim;
 pub mod config;
@@ -8,6 +9,7 @@ mod design;
 mod error;
 mod estimator;
 mod experiment;
+mod feasible;
 mod foreign;
 mod in_memory;
 pub mod init;
@@ -22,6 +24,7 @@ mod run_folder;
 mod schema;
 mod section6;
 mod section6_claims;
+mod section7;
 mod shape;
 mod shape_folder;
 mod shape_iteration;
@@ -50,6 +53,7 @@ pub use robot::{
 pub use run_folder::{RunOptions, RunReport, RunSummary, run_to_folder};
 pub use schema::schema;
 pub use section6::{Pair, Section6};
+pub use section7::{MultisineCampaign, Section7, ShapedChirps};
 pub use shape_folder::{ShapeFolderOptions, shape_to_folder};
 pub use shape_report::{IterationReport, ShapePeaks, ShapeReport};
 pub use source::{ConfigError, Place, Source};

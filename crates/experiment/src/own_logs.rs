@@ -1,6 +1,6 @@
 //! From the runs of one plan, as files, to the FRF: everything needed stands in the files themselves.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -96,6 +96,9 @@ pub fn estimate_own(
     };
     in_pool(jobs, || {
         estimator.set_glides(&files.glides(labels.of_kind(RunKind::Glide))?)?;
+        if estimator.learns_ripple() {
+            estimator.learn_ripple(&files.learning(&labels)?)?;
+        }
         labels.of_kind(RunKind::Excitation).par_bridge().try_for_each(|(path, id)| files.excited(path, id, &estimator))
     })?;
     let Found { spectra, mut losses, peaks } = files.found.into_inner().expect("no holder of the lock panics");
@@ -236,6 +239,27 @@ impl Files<'_> {
         }
         glides.sort_by_key(|(id, _)| *id);
         Ok(glides.into_iter().map(|(_, record)| record).collect())
+    }
+
+    /// The whole records of one run of every experiment of the same realization, the first for which there are all.
+    fn learning(&self, labels: &Labels) -> Result<Vec<(RunId, Record)>, ExperimentError> {
+        let mut groups: BTreeMap<(usize, usize), Vec<(&Path, RunId)>> = BTreeMap::new();
+        for (path, id) in labels.of_kind(RunKind::Excitation) {
+            groups.entry((id.realization, id.repetition)).or_default().push((path, id));
+        }
+        for group in groups.into_values().filter(|group| group.len() == self.plan.n_experiments()) {
+            let read = group.into_iter().map(|(path, id)| read_run(path).map(|(run, losses)| (id, run.record, losses)));
+            let read = read.collect::<Result<Vec<_>, _>>()?;
+            if read.iter().all(|(.., losses)| losses.is_empty()) {
+                return Ok(read.into_iter().map(|(id, record, _)| (id, record)).collect());
+            }
+        }
+        Err(ExperimentError::Logs {
+            what: "runs to learn the ripple from",
+            found: "no realization of which every experiment is whole".into(),
+            needed: "one run of every experiment of one realization".into(),
+            advice: "add the missing files, or set glide_subtraction = \"time\"",
+        })
     }
 
     /// The spectra of the whole periods of an excited run.

@@ -11,6 +11,8 @@ use frfid_estimate::Averaging;
 pub struct EstimateTable {
     /// What is averaged over periods: the FRFs (the paper) or the spectra (better when u is noisy).
     pub average: Average,
+    /// What the glides take off every run of a constant velocity.
+    pub glide_subtraction: GlideSubtraction,
     /// Estimate through the reference (joint input-output), which noise on u does not bias.
     pub indirect: bool,
     /// Frequencies at which a chirp is evaluated: their number, logarithmically spaced over the band.
@@ -19,8 +21,26 @@ pub struct EstimateTable {
 
 impl Default for EstimateTable {
     fn default() -> Self {
-        Self { average: Average::Frfs, indirect: false, n_frequencies: 200 }
+        Self {
+            average: Average::Frfs,
+            glide_subtraction: GlideSubtraction::Time,
+            indirect: false,
+            n_frequencies: 200,
+        }
     }
+}
+
+/// What the glides take off every run of a constant velocity (SK15 section 4.4 E).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum GlideSubtraction {
+    /// Nothing: to see what it is good for.
+    None,
+    /// Their mean, sample by sample, as in the paper.
+    #[default]
+    Time,
+    /// Their mean, and the torque ripple at the run's own motor positions.
+    Position,
 }
 
 /// What is averaged over periods.

@@ -8,7 +8,7 @@ mod shape;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-pub use estimate::{Average, EstimateTable};
+pub use estimate::{Average, EstimateTable, GlideSubtraction};
 pub use excitation::{Amplitude, ChirpTable, MultisineTable};
 pub use limits::LimitsTable;
 pub use shape::{ShapeTable, StepName};

@@ -4,6 +4,9 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use frfid_plant::PiController;
+use frfid_signals::SignalError;
+
+use crate::source::{ConfigError, Source};
 
 /// A sampled PI controller of the motor velocity: the reference is a velocity then.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -25,6 +28,25 @@ pub struct ControllerTable {
 }
 
 impl ControllerTable {
+    /// Checks every gain and limit for a robot of `n_axes`.
+    pub(crate) fn check(&self, sample_time_s: f64, n_axes: usize, source: &Source) -> Result<(), ConfigError> {
+        let located = |error: &SignalError| {
+            let (SignalError::Parameter { name, .. } | SignalError::Shape { name, .. }) = error else {
+                return source.error(&["controller"], error.to_string());
+            };
+            // the keys of the gains are their names with units
+            let key = match *name {
+                "gain" => "gain_nms_per_rad",
+                "integral_gain" => "integral_gain_nm_per_rad",
+                "position_gain" => "position_gain_per_s",
+                "sample_time_s" => return source.error(&["sample_time_s"], error.to_string()),
+                name => name,
+            };
+            source.error(&["controller", key], error.to_string())
+        };
+        self.controller(sample_time_s).check(n_axes).map_err(|error| located(&error))
+    }
+
     /// The controller on the clock of the experiment.
     #[must_use]
     pub fn controller(&self, sample_time_s: f64) -> PiController {

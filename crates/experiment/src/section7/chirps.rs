@@ -1,0 +1,139 @@
+//! Section 7.2 of the paper: chirps whose references are shaped until the torque is as desired (figures 3, 7 and 9).
+
+use frfid_estimate::{Estimate, Iteration, Shaper, Summary, condition_number};
+use frfid_plant::Hold;
+use frfid_signals::{Chirp, Frf, Plan};
+use nalgebra::DMatrix;
+use ndarray::Array1;
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::campaign::{Progress, in_pool};
+use crate::estimator::Estimator;
+use crate::{Experiment, ExperimentError};
+
+/// Axis of figures 3 and 7, from 0.
+const SHOWN_AXIS: usize = 2;
+
+/// One iterative shaping of chirps, section 7.2.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShapedChirps {
+    /// Every iteration.
+    pub iterations: Vec<Summary>,
+    /// Number of the best iteration, from 1.
+    pub best: usize,
+    /// FRF by excerpts from the records of the first iteration (figure 9).
+    pub first: Frf,
+    /// FRF by excerpts from the records of the best iteration (figures 9 and 10).
+    pub frf: Frf,
+    /// The truth at the pose at the same frequencies, seen through the sensor.
+    pub truth: Frf,
+    /// Frequencies in Hz of the two condition numbers: lines of the whole record.
+    pub condition_hz: Vec<f64>,
+    /// Condition number of U in the best iteration: orthogonality was made at u.
+    pub condition: Vec<f64>,
+    /// What it would be with the references of `[chirp]`, enlarged: orthogonality made at r.
+    pub condition_at_reference: Vec<f64>,
+    /// Sample time in s.
+    pub sample_time_s: f64,
+    /// Torque of axis 3 in N m in the first experiment of the best iteration (figure 7), and its spectrum (figure 3).
+    pub torque_nm: Array1<f64>,
+    /// The torque that was desired there.
+    pub desired_nm: Array1<f64>,
+    /// The chirp, for its frequency over time.
+    pub chirp: Chirp,
+    /// Largest values of the best iteration.
+    pub peaks: frfid_estimate::Peaks,
+    /// Number of runs.
+    pub n_runs: usize,
+    /// Time on the robot in s.
+    pub robot_time_s: f64,
+    /// What is to be said of axes that stick, in words.
+    pub warnings: Vec<String>,
+}
+
+
+impl ShapedChirps {
+    /// Shapes the chirp of `experiment` on its model.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] of a run, the shaping or an estimate, or an interruption.
+    pub fn run(experiment: &Experiment, jobs: usize, progress: Progress) -> Result<Self, ExperimentError> {
+        let (plan, (chirp, _)) = (&experiment.plan, experiment.shaped()?);
+        let estimator = Estimator::new(plan, &experiment.config.estimate)?;
+        let mut first = None;
+        let shaper = shaped(experiment, jobs, progress, &mut |iteration| {
+            if first.is_none() {
+                first = Some(estimator.frf_of_experiments(&iteration.records)?);
+            }
+            Ok(())
+        })?;
+        let (desired, sample_time_s) = (experiment.desired_signal()?, plan.sample_time_s);
+        let shaped = shaper.finish()?;
+        let frf = estimator.frf_of_experiments(&shaped.best.records)?;
+        let axis = SHOWN_AXIS.min(plan.n_inputs - 1);
+        let conditions = shaped.best.estimate.as_ref().map(|estimate| conditions(estimate, plan, chirp)).transpose()?;
+        let (condition_hz, condition, condition_at_reference) = conditions.unwrap_or_default();
+        let n_runs = shaped.iterations.len() * plan.n_experiments();
+        Ok(Self {
+            first: first.unwrap_or_else(|| frf.clone()),
+            truth: experiment.truth(&frf.frequency_hz, Hold::Zoh, true)?,
+            frf,
+            best: shaped.best.number,
+            condition_hz,
+            condition,
+            condition_at_reference,
+            sample_time_s,
+            torque_nm: shaped.best.records[0].u.row(axis).to_owned(),
+            desired_nm: desired.slice(ndarray::s![0, axis, ..]).to_owned(),
+            chirp: chirp.clone(),
+            peaks: shaped.best.peaks,
+            n_runs,
+            robot_time_s: n_runs as f64 * plan.run_samples()? as f64 * sample_time_s,
+            warnings: shaped.sticking.iter().map(ToString::to_string).collect(),
+            iterations: shaped.iterations,
+        })
+    }
+}
+
+/// The shaper at its end; `look` sees every iteration.
+pub(super) fn shaped(
+    experiment: &Experiment,
+    jobs: usize,
+    progress: Progress,
+    look: &mut dyn FnMut(&Iteration) -> Result<(), ExperimentError>,
+) -> Result<Shaper, ExperimentError> {
+    let (mut shaper, options) = experiment.shaper()?;
+    let testbed = experiment.testbed()?;
+    while shaper.stop().is_none() {
+        let done = shaper.number() - 1;
+        if !progress(done, options.n_iterations) {
+            return Err(ExperimentError::ShapingInterrupted { iteration: done + 1 });
+        }
+        let runs = shaper.runs();
+        let records = in_pool(jobs, || Ok(runs.par_iter().map(|run| testbed.run(run)).collect::<Result<Vec<_>, _>>()?))?;
+        look(shaper.measured(records)?)?;
+    }
+    progress(options.n_iterations, options.n_iterations);
+    Ok(shaper)
+}
+
+/// Frequencies, cond(U) as it is, and cond(U) as the references of the plan would make it through the same response.
+fn conditions(
+    estimate: &Estimate,
+    plan: &Plan,
+    chirp: &Chirp,
+) -> Result<(Vec<f64>, Vec<f64>, Vec<f64>), ExperimentError> {
+    let n = plan.n_inputs;
+    let hz = &estimate.r_to_u.frequency_hz;
+    let at_reference = |(line, &hz): (usize, &f64)| {
+        let r = DMatrix::from_fn(n, n, |channel, experiment| {
+            let amplitude = chirp.amplitude[channel % chirp.amplitude.len()].at(hz);
+            Complex64::from_polar(amplitude, plan.phasing.phase_rad(channel, experiment, n))
+        });
+        let g = DMatrix::from_fn(n, n, |output, input| estimate.r_to_u.response[[line, output, input]]);
+        Ok(condition_number(&(g * r))?)
+    };
+    let found: Result<Vec<f64>, ExperimentError> = hz.iter().enumerate().map(at_reference).collect();
+    Ok((hz.clone(), estimate.condition.clone(), found?))
+}
