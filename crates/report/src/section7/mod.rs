@@ -1,0 +1,104 @@
+//! Figures 3 and 6 to 10 of the paper and its section 7 in the report.
+
+mod matrices;
+mod signals;
+mod tables;
+
+use frfid_estimate::Summary;
+use frfid_experiment::Section7;
+use frfid_signals::Frf;
+use ndarray::Array2;
+
+use crate::paper::Named;
+use crate::{Band, Curve, Labels, Part, Procedure, ReportError, Responses, Style, convergence};
+
+/// Errors that shaping must and aims to reach, and the stuck share it must stay below.
+const ERROR_LIMITS: [f64; 2] = [0.05, 0.1];
+const STUCK_LIMIT: f64 = 0.15;
+/// The figures of section 7: 3, 6 to 10, and the convergence that the paper states in words.
+///
+/// # Errors
+/// [`ReportError`] would be a fault of this library.
+pub fn section7_figures(section7: &Section7) -> Result<Vec<Named>, ReportError> {
+    Ok(vec![
+        signals::figure_3(&section7.sign_flip)?,
+        signals::figure_6(&section7.multisine)?,
+        signals::figure_7(&section7.sign_flip)?,
+        convergence_figure(section7)?,
+        matrices::figure_8(section7)?,
+        matrices::figure_9(section7)?,
+        matrices::figure_10(section7)?,
+    ])
+}
+
+/// Section 7 as a part of the report: tables, figures and the responses to look into.
+#[must_use]
+pub fn section7_part<'a>(section7: &'a Section7, figures: &[Named]) -> Part<'a> {
+    let Section7 { multisine, orthogonal, sign_flip, .. } = section7;
+    let curves = vec![
+        curve("linear truth at the pose", &section7.truth, Style::Reference),
+        estimate("multisine, glide subtracted by position", &multisine.by_position, Style::Markers),
+        curve("multisine, not compensated", &multisine.uncompensated, Style::Markers),
+        curve("chirp, orthogonal", &orthogonal.frf, Style::Line),
+        curve("chirp, sign flip", &sign_flip.frf, Style::Line),
+    ];
+    let mut notes = vec![
+        "Motor torque to motor velocity of the base axes of a simulated robot in closed loop, with Coulomb friction, torque ripple, \
+         quantisation and sensor noise. Everything was simulated and estimated when this page was made."
+            .into(),
+    ];
+    notes.extend(sign_flip.warnings.iter().map(|warning| format!("Desired torques of figure 7: {warning}")));
+    notes.extend(
+        section7.table1_warnings.iter().map(|warning| format!("Desired torques of the paper's table 1: {warning}")),
+    );
+    Part {
+        title: "Section 7: the base axes of an industrial robot".into(),
+        notes,
+        tables: tables::tables(section7),
+        responses: Some(Responses { title: "Frequency responses".into(), curves, labels: labels(section7) }),
+        figures: figures.iter().map(Named::captioned).collect(),
+    }
+}
+
+fn convergence_figure(section7: &Section7) -> Result<Named, ReportError> {
+    let Section7 { joint_names, orthogonal, sign_flip, paper_step, .. } = section7;
+    let procedures = [
+        procedure("damped step, sign flip", &sign_flip.iterations, joint_names.len()),
+        procedure("damped step, orthogonal", &orthogonal.iterations, joint_names.len()),
+        procedure("the paper's step, sign flip", paper_step, joint_names.len()),
+    ];
+    Ok(Named {
+        name: "figure_7b_convergence",
+        caption: "Not depicted in the paper: how far the torques are from the desired ones at each iteration (rms over the band; 10 % must \
+                  and 5 % should be reached), and the share of time each axis sticks (less than 15 %)."
+            .into(),
+        figure: convergence(&procedures, joint_names, &ERROR_LIMITS, Some(STUCK_LIMIT))?,
+    })
+}
+
+/// Errors and stuck shares per axis; NaN where a run was stopped.
+fn procedure(label: &str, iterations: &[Summary], axes: usize) -> Procedure {
+    let error = |(k, axis): (usize, usize)| {
+        iterations[k].channel_error.as_ref().and_then(|errors| errors.get(axis)).copied().unwrap_or(f64::NAN)
+    };
+    let stuck = |(k, axis): (usize, usize)| iterations[k].stuck_share.get(axis).copied().unwrap_or(f64::NAN);
+    let shape = (iterations.len(), axes);
+    Procedure {
+        label: label.into(),
+        error: Array2::from_shape_fn(shape, error),
+        stuck: Some(Array2::from_shape_fn(shape, stuck)),
+    }
+}
+
+fn labels(section7: &Section7) -> Labels {
+    let axes = section7.joint_names.len();
+    Labels::torque_to_velocity(axes, axes)
+}
+
+fn curve<'a>(label: &str, frf: &'a Frf, style: Style) -> Curve<'a> {
+    Curve { label: label.into(), frf, style, band: Band::None, flagged: None }
+}
+
+fn estimate<'a>(label: &str, frf: &'a Frf, style: Style) -> Curve<'a> {
+    Curve { band: Band::Total, ..curve(label, frf, style) }
+}

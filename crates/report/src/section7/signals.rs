@@ -1,0 +1,124 @@
+//! Figures 3, 6 and 7: signals of the experiments.
+
+use frfid_estimate::{SpectrogramOptions, spectrogram as spectrogram_of};
+use frfid_experiment::{MultisineCampaign, ShapedChirps};
+use ndarray::Array1;
+
+use crate::paper::Named;
+use crate::{ReportError, Spectrogram, TimePanel, Trace, spectrogram, time_series};
+
+/// Windows of figure 3: 2 Hz apart, which parts the harmonics from 2 Hz on.
+const WINDOWS: SpectrogramOptions = SpectrogramOptions { window_s: 0.5, step_s: 0.05 };
+/// Harmonics that figure 3 points out; up to the last of them it shows.
+const HARMONICS: [u32; 4] = [1, 2, 3, 5];
+/// Pieces of the lines that mark them.
+const SWEEP: u32 = 200;
+/// Densities this far below the highest are drawn alike, in dB.
+const RANGE_DB: f64 = 80.0;
+
+/// Figure 3: the power spectral density of the torque over time.
+pub(super) fn figure_3(chirps: &ShapedChirps) -> Result<Named, ReportError> {
+    let (torque, _) = without_mean(&chirps.torque_nm);
+    let density = spectrogram_of(torque.view(), chirps.sample_time_s, &WINDOWS)?;
+    let chirp = &chirps.chirp;
+    let instants = (0..=SWEEP).map(|k| chirp.duration_s * f64::from(k) / f64::from(SWEEP));
+    let sweep = instants.map(|time_s| (time_s, chirp.frequency_at(time_s)));
+    let highest_hz = (chirp.high_hz * f64::from(HARMONICS[HARMONICS.len() - 1]) / 10.0).ceil() * 10.0;
+    let nyquist_hz = 0.5 / chirps.sample_time_s;
+    Ok(Named {
+        name: "figure_3_spectrogram",
+        caption: format!(
+            "Figure 3: power spectral density over time of the motor torque of axis 3 during the chirp at iteration {}. Dotted: the \
+             chirp's frequency f and its multiples, to which the nonlinearities carry power.",
+            chirps.best
+        ),
+        figure: spectrogram(&Spectrogram {
+            frequency_hz: &density.frequency_hz,
+            time_s: &density.time_s,
+            density: density.density.view(),
+            unit: "(N m)²/Hz".into(),
+            band_hz: (0.0, highest_hz.min(nyquist_hz)),
+            log_frequency: false,
+            range_db: RANGE_DB,
+            sweep: sweep.collect(),
+            harmonics: HARMONICS.to_vec(),
+        })?,
+    })
+}
+
+/// Figure 6: the reference.
+pub(super) fn figure_6(multisine: &MultisineCampaign) -> Result<Named, ReportError> {
+    let MultisineCampaign { sample_time_s, reference_rad_s, velocity_rad_s, .. } = multisine;
+    let velocity = Array1::from_elem(reference_rad_s.len(), velocity_rad_s.first().copied().unwrap_or_default());
+    let traces = vec![
+        Trace { label: "reference of axis 1".into(), samples: reference_rad_s.view() },
+        Trace { label: "constant velocity".into(), samples: velocity.view() },
+    ];
+    let panel = TimePanel { label: "Velocity in rad/s".into(), traces, limit: None, envelope: None };
+    Ok(Named {
+        name: "figure_6_reference",
+        caption: "Figure 6: reference velocity of axis 1, an odd random multisine on a constant velocity. Its peak is three quarters of that velocity, so that the sum does not change its sign.".into(),
+        figure: time_series(*sample_time_s, &[panel])?,
+    })
+}
+
+/// Figure 7: the torque and what was desired.
+pub(super) fn figure_7(chirps: &ShapedChirps) -> Result<Named, ReportError> {
+    let (torque, mean) = without_mean(&chirps.torque_nm);
+    let desired = envelope(&chirps.desired_nm);
+    let panel = TimePanel {
+        label: "Torque of axis 3 in N m".into(),
+        traces: vec![Trace { label: format!("achieved, iteration {}", chirps.best), samples: torque.view() }],
+        limit: None,
+        envelope: Some(Trace { label: "desired amplitude".into(), samples: desired.view() }),
+    };
+    Ok(Named {
+        name: "figure_7_torque",
+        caption: format!(
+            "Figure 7: motor torque of axis 3 in the first of the chirp experiments at iteration {}, without the \
+             {:.0} N m in the mean that hold the arm, and the amplitude that was desired.",
+            chirps.best,
+            mean.abs()
+        ),
+        figure: time_series(chirps.sample_time_s, &[panel])?,
+    })
+}
+
+/// A signal without its mean, and the mean.
+fn without_mean(signal: &Array1<f64>) -> (Array1<f64>, f64) {
+    let mean = signal.mean().unwrap_or_default();
+    (signal - mean, mean)
+}
+
+/// Amplitude over time of a sine whose frequency and amplitude vary slowly: straight lines between the tops of its
+/// half waves, zero at both ends.
+fn envelope(signal: &Array1<f64>) -> Array1<f64> {
+    let last = signal.len().saturating_sub(1);
+    let size = |k: usize| signal[k].abs();
+    let tops = (1..last).filter(|&k| size(k - 1) < size(k) && size(k) >= size(k + 1)).map(|k| (k, size(k)));
+    let corners: Vec<(usize, f64)> = [(0, 0.0)].into_iter().chain(tops).chain([(last, 0.0)]).collect();
+    let mut amplitude = Array1::zeros(signal.len());
+    for pair in corners.windows(2) {
+        let ((left, a), (right, b)) = (pair[0], pair[1]);
+        for k in left..right {
+            amplitude[k] = a + (b - a) * (k - left) as f64 / (right - left) as f64;
+        }
+    }
+    amplitude
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_envelope_of_a_growing_sine_is_its_amplitude() {
+        let amplitude = |k: usize| 1.0 + k as f64 * 1e-3;
+        let signal = Array1::from_shape_fn(5000, |k| amplitude(k) * (k as f64 * 0.05).sin());
+        let found = envelope(&signal);
+        for k in 100..4900 {
+            assert!((found[k] - amplitude(k)).abs() < 5e-3, "{k}: {} {}", found[k], amplitude(k));
+        }
+        assert_eq!(envelope(&Array1::zeros(0)).len(), 0);
+    }
+}
