@@ -82,7 +82,7 @@ pub fn simulate(
 ///
 /// # Errors
 /// As [`simulate`].
-pub(crate) fn trajectory(motion: &mut dyn Moving, torque: Torque, clock: Clock) -> Result<Trajectory, PlantError> {
+fn trajectory(motion: &mut dyn Moving, torque: Torque, clock: Clock) -> Result<Trajectory, PlantError> {
     let n_axes = motion.motor_position_rad().len();
     let n_samples = torque.n_samples(n_axes)?;
     let mut trajectory = Trajectory::zeros(clock.sample_time_s, n_axes, n_samples);
