@@ -10,7 +10,8 @@
 //!
 //! So y keeps the subtraction in time, which is exact, and u loses a torque in addition. Only the *difference* of d between
 //! two nearby places counts: P may be a first estimate, made after subtraction in time, and its relative error enters
-//! multiplied by the wander in radians of the ripple, some tenths. A second pass with the better P gains most of what is left.
+//! multiplied by the wander in radians of the ripple, some tenths; medians over neighbouring frequencies keep out the few on which
+//! the ripple itself spoilt the first estimate. A second pass with the better P gains little more.
 //! (Looking up u_g and y_g at the run's position needs no P but is wrong: P does not commute with a bent time axis.)
 //!
 //! `P^-1 = 2 pi i f M(f)`: the apparent inertia M is interpolated between the frequencies of P and held beyond them, where it
@@ -31,7 +32,7 @@ use crate::right_division::right_divide;
 use crate::torque_table::TorqueTable;
 
 /// Frequencies on either side over which the median of the apparent inertia is taken.
-const NEIGHBOURS: usize = 7;
+const NEIGHBOURS: usize = 4;
 
 /// The torque ripple of every axis over its motor position, as a glide showed it; made once, taken off every run.
 #[derive(Debug, Clone, PartialEq)]
@@ -204,9 +205,7 @@ fn medians(inertia: &[DMatrix<Complex64>]) -> Vec<DMatrix<Complex64>> {
         values.sort_by(f64::total_cmp);
         0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
     };
-    let around = |line: usize| {
-        &inertia[line.saturating_sub(NEIGHBOURS)..(line + NEIGHBOURS + 1).min(inertia.len())]
-    };
+    let around = |line: usize| &inertia[line.saturating_sub(NEIGHBOURS)..(line + NEIGHBOURS + 1).min(inertia.len())];
     let smoothed = |line: usize| {
         let part = |row, column, of: fn(&Complex64) -> f64| {
             median(around(line).iter().map(|matrix| of(&matrix[(row, column)])).collect())
