@@ -49,6 +49,9 @@ impl Arm {
 
     /// Checks what can be checked part by part.
     pub(crate) fn check_parameters(&self) -> Result<(), SignalError> {
+        if self.n_axes() == 0 {
+            return Err(self.wrong_number_of_axes());
+        }
         self.gravity_m_s2.iter().try_for_each(|&value| finite("gravity_m_s2", value))?;
         for body in &self.bodies {
             body.check().map_err(|error| within(body.part(), error))?;
@@ -81,13 +84,12 @@ impl Body {
         self.rotation.iter().try_for_each(|row| check_vector("rotation", row))?;
         let rotation = matrix(&self.rotation);
         let error = (rotation * rotation.transpose() - Matrix3::identity()).amax();
-        if error > ROUNDING || rotation.determinant() < 0.0 {
-            let needed = "a rotation matrix, determinant 1";
-            return Err(SignalError::Parameter {
-                name: "rotation's determinant",
-                found: rotation.determinant(),
-                needed,
-            });
+        if error > ROUNDING {
+            let name = "rotation times its transpose, less the identity,";
+            return Err(SignalError::Parameter { name, found: error, needed: "0, as of any rotation matrix" });
+        }
+        if rotation.determinant() < 0.0 {
+            return Err(SignalError::Parameter { name: "rotation's determinant", found: -1.0, needed: "1: no mirror" });
         }
         check_vector("axis", &self.axis)?;
         let length = Vector3::from(self.axis).norm();

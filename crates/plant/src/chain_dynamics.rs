@@ -204,9 +204,12 @@ impl<const A: usize> Chain<A> {
         let mut e = [[zero; 3]; 3];
         let mut wrenches = [Wrench { force: [zero; 3], moment: [zero; 3] }; A];
         for i in 0..A {
-            let [ox, oy, oz] = stances[i].offset;
-            a = stances[i].inwards(from_fn(|k| a[k] + (e[k][0] * ox + e[k][1] * oy + e[k][2] * oz)));
-            (w, dw) = (stances[i].inwards(w), stances[i].inwards(dw));
+            if i > 0 {
+                let [ox, oy, oz] = stances[i].offset;
+                a = from_fn(|k| a[k] + (e[k][0] * ox + e[k][1] * oy + e[k][2] * oz));
+                (w, dw) = (stances[i].inwards(w), stances[i].inwards(dw));
+            }
+            a = stances[i].inwards(a);
             dw = [dw[0] + w[1] * velocity[i], dw[1] - w[0] * velocity[i], dw[2]];
             w[2] = w[2] + velocity[i];
             e = spin(w, dw);
@@ -244,7 +247,8 @@ fn solve<L: Lane, const A: usize>(mass: &[[L; A]; A], mut x: [L; A]) -> [L; A] {
 }
 
 impl<const A: usize> Links<A> for Chain<A> {
-    #[inline(always)]
+    /// Not inlined: it is long, is called from many places, and its call costs less than a hundredth of its time.
+    #[inline(never)]
     fn acceleration<L: Lane>(&self, position: [L; A], velocity: [L; A], torque: [L; A]) -> [L; A] {
         let stances = self.stances(position);
         let bias = self.bias(&stances, velocity);

@@ -1,6 +1,7 @@
 //! What is known of the arm without simulating it: the numbers of the Manutec r3, and those of an independent multibody code.
 
-use frfid_plant::{Arm, Body, BodyJoint, Challenges, FlexibleJoint, Hold, Payload, Robot as _, SingleJoint, Velocity};
+use frfid_plant::{Arm, Body, BodyJoint, Challenges, Payload, Robot as _, SingleJoint};
+use nalgebra::DVector;
 use serde_json::Value;
 
 mod manutec_r3;
@@ -126,4 +127,102 @@ fn gravity_gradient(arm: &mut Arm, q: &[f64]) -> Vec<f64> {
     let mass = arm.mass_matrix(q).expect("sound");
     let gradient = -mass * model.a.view((3 * n, 0), (n, n));
     gradient.transpose().iter().copied().collect()
+}
+
+#[test]
+fn coriolis_torques_do_the_work_that_the_mass_matrix_asks_for() {
+    // qd (dM/dt - 2 C) qd = 0: dM/dt by differences of fourth order along the motion
+    let golden: Value = serde_json::from_str(include_str!("golden/arm_reference.json")).expect("JSON");
+    for arm in [manutec_r3(), drawn_arm(&golden["six"])] {
+        let q: Vec<f64> = (0..arm.n_axes()).map(|axis| 0.3 + 0.7 * axis as f64).collect();
+        let qd: Vec<f64> = (0..arm.n_axes()).map(|axis| 1.0 - 0.6 * axis as f64).collect();
+        let velocity = DVector::from_row_slice(&qd);
+        let twice_kinetic = |time: f64| {
+            let at: Vec<f64> = q.iter().zip(&qd).map(|(q, qd)| q + time * qd).collect();
+            let mass = arm.mass_matrix(&at).expect("sound");
+            assert_eq!(mass, mass.transpose());
+            velocity.dot(&(mass * &velocity))
+        };
+        let secant = |time: f64| (twice_kinetic(time) - twice_kinetic(-time)) / (2.0 * time);
+        let rate = (4.0 * secant(1e-3) - secant(2e-3)) / 3.0;
+        let bias = DVector::from(arm.bias_nm(&q, &qd).expect("sound"));
+        let gravity = DVector::from(arm.gravity_torque_nm(&q).expect("sound"));
+        let power = 2.0 * velocity.dot(&(bias - gravity));
+        assert!((power - rate).abs() < 1e-9 * twice_kinetic(0.0), "{power} {rate}");
+    }
+}
+
+#[test]
+fn without_gravity_there_is_no_bias_and_without_position_dependence_one_mass_matrix() {
+    let mut arm = manutec_r3();
+    let (there, fast) = ([0.4, -0.3, 0.2], [1.0, 2.0, -3.0]);
+    arm.challenges.gravity = false;
+    assert_eq!(arm.bias_nm(&there, &fast), Ok(vec![0.0; 3]));
+    assert_ne!(arm.mass_matrix(&there), arm.mass_matrix(&arm.pose_rad));
+    arm.challenges = Challenges { position_dependence: false, ..Challenges::default() };
+    assert_eq!(arm.mass_matrix(&there), manutec_r3().mass_matrix(&arm.pose_rad));
+    assert_eq!(arm.bias_nm(&there, &fast), arm.gravity_torque_nm(&there));
+    assert_eq!(arm.modes_hz(), manutec_r3().modes_hz());
+}
+
+#[test]
+fn what_cannot_be_is_refused_by_name_and_value() {
+    let refused = |spoil: &dyn Fn(&mut Arm)| {
+        let mut arm = manutec_r3();
+        spoil(&mut arm);
+        assert!(arm.default_step_s().is_nan() || arm.start(&[0.0; 3], &[0.0; 3]).is_err());
+        assert_eq!(arm.state_space().c.ncols(), 4 * arm.n_axes());
+        arm.check().expect_err("unsound").to_string()
+    };
+    let expect = |spoil: &dyn Fn(&mut Arm), parts: &[&str]| {
+        let message = refused(spoil);
+        assert!(parts.iter().all(|part| message.contains(part)), "{message} lacks some of {parts:?}");
+    };
+    expect(&|arm| arm.bodies[3].inertia_kg_m2[2][2] = -2.0, &["body b4", "principal moment is -2,"]);
+    expect(&|arm| arm.bodies[1].inertia_kg_m2[0][1] = 5.0, &["body b2", "transpose is 5.46"]);
+    expect(&|arm| arm.bodies[3].mass_kg = -1.0, &["body b4: mass_kg is -1"]);
+    expect(&|arm| arm.bodies[3].offset_m[1] = f64::NAN, &["body b4: offset_m is NaN"]);
+    expect(&|arm| arm.bodies[2].axis = [0.0; 3], &["body b3: ", "axis", "is 0"]);
+    expect(&|arm| arm.bodies[2].rotation[0][0] = 1.1, &["body b3: rotation", "rotation matrix"]);
+    expect(&|arm| arm.bodies[2].rotation[0][0] = -1.0, &["body b3: rotation's determinant is -1"]);
+    expect(&|arm| arm.pose_rad = vec![0.0; 2], &["pose_rad has shape [2], needed (3)"]);
+    expect(&|arm| arm.pose_rad[1] = f64::INFINITY, &["pose_rad is inf"]);
+    expect(&|arm| arm.gravity_m_s2[1] = f64::NAN, &["gravity_m_s2 is NaN"]);
+    expect(
+        &|arm| {
+            each_joint(arm, |axis, joint| {
+                if axis == 1 {
+                    joint.stiffness_nm_per_rad = 0.0
+                }
+            })
+        },
+        &["body b2: stiffness_nm_per_rad is 0"],
+    );
+    expect(&|arm| arm.payload.as_mut().expect("the load").mass_kg = f64::NAN, &["payload: mass_kg is NaN"]);
+    expect(&|arm| arm.bodies.clear(), &["moving joints is 0", "1 to 7"]);
+    let eight = |arm: &mut Arm| {
+        arm.bodies.extend(vec![arm.bodies[1].clone(); 5]);
+        arm.pose_rad = vec![0.1; 8];
+    };
+    expect(&eight, &["moving joints is 8", "1 to 7"]);
+    let massless = |arm: &mut Arm| {
+        let axis = arm.bodies[2].axis;
+        arm.payload = None;
+        arm.bodies.truncate(3);
+        let body = &mut arm.bodies[2];
+        (body.mass_kg, body.inertia_kg_m2, body.axis) = (0.0, [[0.0; 3]; 3], axis);
+    };
+    expect(&massless, &["smallest eigenvalue", "above 0"]);
+}
+
+#[test]
+fn a_tensor_that_no_body_can_have_is_warned_of_unless_the_body_is_simplified() {
+    let mut arm = manutec_r3();
+    arm.bodies[0].simplified = false;
+    let warnings = arm.warnings();
+    assert!(
+        warnings.len() == 1 && warnings[0].starts_with("body b1: ") && warnings[0].contains("1.16"),
+        "{warnings:?}"
+    );
+    assert_eq!(arm.check(), Ok(()));
 }
