@@ -13,7 +13,8 @@ T = 1e-3
 R3 = pathlib.Path(__file__).parent / "robots" / "manutec_r3.toml"
 arm = frfid.Plant.load(R3)
 degrees = ", ".join(f"{angle:.0f}" for angle in np.degrees(arm.pose_rad))
-print(f"{arm.n_axes} axes at ({degrees}) deg; gravity asks for {np.round(arm.gravity_torque(arm.pose_rad), 1)} N m")
+gravity = ", ".join(f"{torque:.1f}" for torque in np.abs(arm.gravity_torque(arm.pose_rad)))
+print(f"{arm.n_axes} axes at ({degrees}) deg; gravity asks for {gravity} N m")
 print("elastic modes at", ", ".join(f"{hz:.2f}" for hz in arm.modes_hz()), "Hz,", end=" ")
 print("with the motors locked at", ", ".join(f"{hz:.2f}" for hz in arm.modes_hz(motors_locked=True)), "Hz")
 
@@ -23,7 +24,7 @@ print("stretched upwards instead at", ", ".join(f"{hz:.2f}" for hz in upright.mo
 hz = np.array([2.0, 10.0, 60.0])
 truth = arm.frf(hz, sample_time_s=T)
 coupling = 20 * np.log10(np.abs(truth[:, 1, 2] / truth[:, 1, 1]))
-print("axis 3 moves axis 2 by", ", ".join(f"{db:.0f} dB" for db in coupling), "of what its own motor does, at 2, 10, 60 Hz")
+print("a torque on axis 3 moves axis 2 by", ", ".join(f"{db:+.0f} dB" for db in coupling), "more than one on axis 2 does")
 seen = arm.frf(hz, sample_time_s=T, sensor=True)
 print(f"velocities by differencing lag by {-np.degrees(np.angle(seen[2, 0, 0] / truth[2, 0, 0])):.1f} deg at 60 Hz")
 
