@@ -13,6 +13,8 @@ fn every_lesson_says_what_it_teaches() {
         ("05_uncertainty", "with one period the noise variance is None"),
         ("06_closed_loop", "indirect: median error"),
         ("07_own_testbed", "to the last bit: true"),
+        ("08_arm", "lag by 10.8 deg at 60 Hz"),
+        ("09_shaping", "axis 2 sticks"),
     ];
     // `cargo test` builds the examples beside the binary; for this test alone: cargo build --examples
     let folder = PathBuf::from(env!("CARGO_BIN_EXE_frfid")).with_file_name("examples");
