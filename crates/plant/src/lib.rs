@@ -26,6 +26,7 @@ mod mechanics;
 mod motion;
 mod moving;
 mod open_loop;
+mod positive_definite;
 mod recorder;
 mod rig;
 mod rigid;

@@ -192,9 +192,9 @@ fn what_cannot_be_is_refused_by_name_and_value() {
         &|arm| {
             each_joint(arm, |axis, joint| {
                 if axis == 1 {
-                    joint.stiffness_nm_per_rad = 0.0
+                    joint.stiffness_nm_per_rad = 0.0;
                 }
-            })
+            });
         },
         &["body b2: stiffness_nm_per_rad is 0"],
     );
