@@ -2,7 +2,6 @@
 the elastic arm, which scipy integrates over MuJoCo's link accelerations."""
 
 import pathlib
-import tomllib
 from xml.etree import ElementTree
 
 import numpy as np
@@ -12,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 import frfid
 
+tomllib = pytest.importorskip("tomllib", reason="robot files are read with Python 3.11's tomllib")
 mujoco = pytest.importorskip("mujoco", reason="the independent check of the arm needs MuJoCo: pip install mujoco")
 
 ROBOTS = pathlib.Path(__file__).parents[2] / "examples" / "robots"
