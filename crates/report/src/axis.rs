@@ -4,7 +4,7 @@
 /// degrees, and of the ends of a frequency axis from the other labels.
 const ROOM_LOG: f64 = 30.0;
 const ROOM_X: f64 = 45.0;
-const ROOM_VALUE: f64 = 30.0;
+const ROOM_VALUE: f64 = 20.0;
 const ROOM_DEGREES: f64 = 24.0;
 const ROOM_END: f64 = 18.0;
 /// The same on upright logarithmic axes, and of whole numbers.

@@ -106,7 +106,7 @@ impl Spectrogram<'_> {
         up.iter().rev().flat_map(|row| across.iter().map(move |column| 10.0 * mean(row, column).log10())).collect()
     }
 
-    /// Draws one multiple of the excitation's frequency, with its name where it leaves the picture.
+    /// Draws one multiple of the excitation's frequency, with its name where it leaves the picture or, if it ends before, at the right edge.
     fn mark(&self, figure: &mut Figure, panel: &Panel, harmonic: u32) {
         let seen = self.sweep.iter().filter(|(s, _)| panel.x.holds(*s));
         let line: Vec<(f64, f64)> = seen.map(|&(s, hz)| (s, f64::from(harmonic) * hz)).collect();
@@ -120,7 +120,7 @@ impl Spectrogram<'_> {
                 figure.text(at, &name, TICK_SIZE, Align::Center);
             }
             (None, Some(&(s, hz))) => {
-                let (x, y) = panel.at(s, hz);
+                let (x, y) = (panel.rect.x + panel.rect.width, panel.at(s, hz).1);
                 figure.text((x + 6.0, y + 4.0), &name, TICK_SIZE, Align::Left);
             }
         }

@@ -10,6 +10,8 @@ use crate::{Mark, MarkShape, ReportError, Style, bode_matrix};
 
 /// How far a peak of figure 9 must stand out, in dB.
 const PROMINENCE_DB: f64 = 3.0;
+/// How far below the highest peak another may lie: what lies deeper is noise, in dB.
+const DEPTH_DB: f64 = 30.0;
 
 /// Figure 8: with and without compensation of the ripple.
 pub(super) fn figure_8(section7: &Section7) -> Result<Named, ReportError> {
@@ -55,8 +57,9 @@ fn peaks(frf: &Frf, curve: usize, shape: MarkShape, label: &str) -> Vec<Mark> {
         return Vec::new();
     }
     let found = find_features(frf, 1, 0, PROMINENCE_DB);
-    let resonances = found.iter().filter(|feature| feature.kind == FeatureKind::Resonance);
-    let marks = resonances.flat_map(|peak| {
+    let resonances = || found.iter().filter(|feature| feature.kind == FeatureKind::Resonance);
+    let highest = resonances().map(|peak| peak.magnitude_db).fold(f64::NEG_INFINITY, f64::max);
+    let marks = resonances().filter(|peak| peak.magnitude_db >= highest - DEPTH_DB).flat_map(|peak| {
         [(1, 0), (0, 1)].map(|(output, input)| Mark {
             label: label.into(),
             curve,

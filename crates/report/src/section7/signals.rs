@@ -21,8 +21,11 @@ pub(super) fn figure_3(chirps: &ShapedChirps) -> Result<Named, ReportError> {
     let (torque, _) = without_mean(&chirps.torque_nm);
     let density = spectrogram_of(torque.view(), chirps.sample_time_s, &WINDOWS)?;
     let chirp = &chirps.chirp;
+    // the record begins with a lead-in and ends with the chirp's tail
+    let lead_in = chirps.torque_nm.len().saturating_sub(chirp.n_samples(chirps.sample_time_s)?);
+    let start_s = lead_in as f64 * chirps.sample_time_s;
     let instants = (0..=SWEEP).map(|k| chirp.duration_s * f64::from(k) / f64::from(SWEEP));
-    let sweep = instants.map(|time_s| (time_s, chirp.frequency_at(time_s)));
+    let sweep = instants.map(|time_s| (start_s + time_s, chirp.frequency_at(time_s)));
     let highest_hz = (chirp.high_hz * f64::from(HARMONICS[HARMONICS.len() - 1]) / 10.0).ceil() * 10.0;
     let nyquist_hz = 0.5 / chirps.sample_time_s;
     Ok(Named {
@@ -91,12 +94,14 @@ fn without_mean(signal: &Array1<f64>) -> (Array1<f64>, f64) {
 }
 
 /// Amplitude over time of a sine whose frequency and amplitude vary slowly: straight lines between the tops of its
-/// half waves, zero at both ends.
+/// half waves, zero where it has not begun or has ended.
 fn envelope(signal: &Array1<f64>) -> Array1<f64> {
     let last = signal.len().saturating_sub(1);
     let size = |k: usize| signal[k].abs();
     let tops = (1..last).filter(|&k| size(k - 1) < size(k) && size(k) >= size(k + 1)).map(|k| (k, size(k)));
-    let corners: Vec<(usize, f64)> = [(0, 0.0)].into_iter().chain(tops).chain([(last, 0.0)]).collect();
+    let (first, end) =
+        ((0..last).find(|&k| size(k) > 0.0).unwrap_or(0), (0..last).rfind(|&k| size(k) > 0.0).unwrap_or(last));
+    let corners: Vec<(usize, f64)> = [(first, 0.0)].into_iter().chain(tops).chain([(end, 0.0)]).collect();
     let mut amplitude = Array1::zeros(signal.len());
     for pair in corners.windows(2) {
         let ((left, a), (right, b)) = (pair[0], pair[1]);
