@@ -30,6 +30,7 @@ Examples:
   frfid design experiment.toml -o plan.mcap
   frfid run plan.mcap -o logs
   frfid estimate logs -o frf.json --report frf.html
+  frfid shape closed_loop.toml -o shaped    a chirp in closed loop, shaped to the desired torque
   frfid compare frf.json other.json",
     after_help = "\
 Data go to stdout, messages to stderr. Nothing is overwritten without --force.

@@ -1,7 +1,7 @@
 //! What a plan is and costs, and what it will ask of the robot: for people and as JSON.
 
 use frfid_experiment::config::LimitsTable;
-use frfid_experiment::{Cost, Excess, Peaks};
+use frfid_experiment::{AxisReport, Cost, Excess, Peaks, Strength};
 use frfid_files::Check;
 use frfid_signals::{Excitation, Plan, SignalError};
 use serde_json::{Value, json};
@@ -167,4 +167,29 @@ pub(crate) fn warn_of_failed(checks: &[Check], console: &mut Console) {
     for Check { name, found, needed, advice, .. } in checks.iter().filter(|check| !check.passed) {
         console.warning(format_args!("{name}: {found}, needed {needed}; {advice}"));
     }
+}
+
+/// How the axes were driven and moved: name and value per axis.
+pub(crate) fn strength_rows(strength: Option<&Strength>) -> Vec<(&'static str, Vec<String>)> {
+    let Some(Strength { axes, .. }) = strength else { return Vec::new() };
+    let rows = |value: &dyn Fn(&AxisReport) -> Option<String>| axes.iter().filter_map(value).collect::<Vec<_>>();
+    let all = [
+        ("torque, rms / friction", rows(&|axis| axis.rms_over_coulomb.map(|ratio| significant(ratio, 3)))),
+        ("stuck", rows(&|axis| Some(format!("{:.1} %", 100.0 * axis.stuck_share)))),
+        (
+            "slowest velocity",
+            rows(&|axis| axis.crosses_zero.map(|_| format!("{} rad/s", significant(axis.slowest_rad_s, 3)))),
+        ),
+        (
+            "velocity changes sign",
+            rows(&|axis| axis.crosses_zero.map(|crosses| if crosses { "YES" } else { "no" }.into())),
+        ),
+    ];
+    all.into_iter().filter(|(_, values)| values.len() == axes.len()).collect()
+}
+
+/// The same with the values of all axes beside each other.
+pub(crate) fn strength_as_text(strength: Option<&Strength>) -> String {
+    let rows = strength_rows(strength).into_iter().map(|(name, values)| (name, values.join(" | ")));
+    list(&rows.collect::<Vec<_>>())
 }

@@ -30,6 +30,7 @@ mod shape_folder;
 mod shape_iteration;
 mod shape_report;
 mod source;
+mod strength;
 mod testbed;
 
 pub use campaign::{Progress, silent};
@@ -57,3 +58,4 @@ pub use section7::{MultisineCampaign, Section7, ShapedChirps};
 pub use shape_folder::{ShapeFolderOptions, shape_to_folder};
 pub use shape_report::{IterationReport, ShapePeaks, ShapeReport};
 pub use source::{ConfigError, Place, Source};
+pub use strength::{AxisReport, BandReport, Strength};

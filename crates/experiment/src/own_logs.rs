@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 
 use frfid_files::{FileError, Loss, read_run, read_run_label};
-use frfid_signals::{Plan, Record, RunId, RunKind};
+use frfid_signals::{Event, EventKind, Plan, Record, RunId, RunKind};
 
 use crate::campaign::{Progress, in_pool};
 use crate::config::EstimateTable;
@@ -17,6 +17,7 @@ use crate::in_memory::Estimated;
 use crate::predict::Peaks;
 use crate::provenance::DESIGN;
 use crate::source::Source;
+use crate::strength::{OfRuns, Strength};
 use crate::{Experiment, ExperimentError};
 
 /// What the files of a plan give.
@@ -34,6 +35,8 @@ pub struct OwnLogs {
     pub losses: Vec<(PathBuf, Loss)>,
     /// Largest values over all runs that were read without a loss.
     pub peaks: Option<Peaks>,
+    /// How the axes were driven and moved in those runs.
+    pub strength: Option<Strength>,
 }
 
 /// The files among `paths` in the order given, the MCAP files of a folder by name, each file once.
@@ -86,6 +89,7 @@ pub fn estimate_own(
     let experiment = labels.experiment()?;
     let mut estimator = Estimator::new(&experiment.plan, options.unwrap_or(&experiment.config.estimate))?;
     let files = Files {
+        experiment: &experiment,
         plan: &experiment.plan,
         pose_rad: experiment.config.robot.pose(),
         start_rad: experiment.plan.start_rad()?,
@@ -101,10 +105,11 @@ pub fn estimate_own(
         }
         labels.of_kind(RunKind::Excitation).par_bridge().try_for_each(|(path, id)| files.excited(path, id, &estimator))
     })?;
-    let Found { spectra, mut losses, peaks } = files.found.into_inner().expect("no holder of the lock panics");
+    let Found { spectra, mut losses, peaks, strengths } =
+        files.found.into_inner().expect("no holder of the lock panics");
     losses.sort_by(|(a, _), (b, _)| a.cmp(b));
     let (frf, missing) = estimator.estimate(spectra)?;
-    let n_files = labels.runs.len();
+    let (n_files, strength) = (labels.runs.len(), experiment.strength(strengths));
     Ok(OwnLogs {
         estimated: Estimated { frf, missing },
         experiment,
@@ -112,6 +117,7 @@ pub fn estimate_own(
         unreadable: labels.unreadable,
         losses,
         peaks,
+        strength,
     })
 }
 
@@ -190,10 +196,12 @@ struct Found {
     spectra: PeriodSpectra,
     losses: Vec<(PathBuf, Loss)>,
     peaks: Option<Peaks>,
+    strengths: OfRuns,
 }
 
 /// The files while they are read, several at once.
 struct Files<'a> {
+    experiment: &'a Experiment,
     plan: &'a Plan,
     pose_rad: Vec<f64>,
     start_rad: Vec<f64>,
@@ -204,18 +212,22 @@ struct Files<'a> {
 }
 
 impl Files<'_> {
-    /// One record, with what was lost of it; told to `progress`.
+    /// One record, with what was lost of it, by a stop too; told to `progress`.
     fn record(&self, path: &Path) -> Result<(Record, Vec<Loss>), ExperimentError> {
         let done = self.read.fetch_add(1, Ordering::Relaxed);
         if !(self.progress)(done, self.total) {
             return Err(ExperimentError::Interrupted { done, total: self.total });
         }
-        let (run, losses) = read_run(path)?;
+        let (run, mut losses) = read_run(path)?;
         let mut found = self.found.lock().expect("no holder of the lock panics");
         if losses.is_empty() {
             let peaks = Peaks::of(&run.record, &self.start_rad, &self.pose_rad);
             found.peaks = Some(found.peaks.take().map_or_else(|| peaks.clone(), |before| before.max(&peaks)));
+            found
+                .strengths
+                .extend(self.experiment.strength_of(run.run, &run.record).map(|strength| (run.run, strength)));
         }
+        losses.extend(stop_of(&run.record, self.plan.run_samples()?));
         found.losses.extend(losses.iter().map(|loss| (path.to_owned(), loss.clone())));
         Ok((run.record, losses))
     }
@@ -250,7 +262,7 @@ impl Files<'_> {
         for group in groups.into_values().filter(|group| group.len() == self.plan.n_experiments()) {
             let read = group.into_iter().map(|(path, id)| read_run(path).map(|(run, losses)| (id, run.record, losses)));
             let read = read.collect::<Result<Vec<_>, _>>()?;
-            if read.iter().all(|(.., losses)| losses.is_empty()) {
+            if read.iter().all(|(_, record, losses)| losses.is_empty() && record.stopped_at_s().is_none()) {
                 return Ok(read.into_iter().map(|(id, record, _)| (id, record)).collect());
             }
         }
@@ -280,4 +292,16 @@ impl Files<'_> {
         self.found.lock().expect("no holder of the lock panics").spectra.extend(spectra);
         Ok(())
     }
+}
+
+/// What a run that was stopped did not do, as a loss.
+fn stop_of(record: &Record, run_samples: usize) -> Option<Loss> {
+    let why = |event: &Event| match &event.kind {
+        EventKind::Stopped { reason, .. } => Some(reason.clone()),
+        _ => None,
+    };
+    let reason = record.events.iter().find_map(why)?;
+    let time_s = |samples: usize| samples as f64 * record.sample_time_s;
+    let (from_s, to_s) = (time_s(record.n_steady_samples()), time_s(run_samples));
+    Some(Loss { topic: "run".into(), from_s, to_s, reason: format!("stopped: {reason}") })
 }

@@ -10,6 +10,7 @@ use crate::campaign::Progress;
 use crate::config::EstimateTable;
 use crate::foreign::estimate_foreign;
 use crate::own_logs::{estimate_own, find_logs};
+use crate::strength::Strength;
 use crate::{Experiment, ExperimentError, OwnLogs, Peaks};
 
 /// Largest condition number of U that passes the check.
@@ -35,6 +36,8 @@ pub struct Estimate {
     pub warnings: Vec<String>,
     /// Whether data was lost: then the estimate holds, but of less than was recorded.
     pub is_lossy: bool,
+    /// How the axes were driven and moved; `None` for foreign recordings.
+    pub strength: Option<Strength>,
 }
 
 /// Estimates the FRF of the logs in files and folders: our own by what travelled with them, foreign ones by `options.map`.
@@ -57,7 +60,7 @@ pub fn estimate_logs(
 }
 
 fn own(paths: &[PathBuf], logs: OwnLogs) -> Result<Estimate, ExperimentError> {
-    let OwnLogs { estimated, experiment, n_files, unreadable, losses, peaks } = logs;
+    let OwnLogs { estimated, experiment, n_files, unreadable, losses, peaks, strength } = logs;
     let n_runs = experiment.plan.n_runs();
     let mut warnings: Vec<String> =
         unreadable.iter().map(|(path, error)| format!("{}: not used: {error}", path.display())).collect();
@@ -77,10 +80,12 @@ fn own(paths: &[PathBuf], logs: OwnLogs) -> Result<Estimate, ExperimentError> {
         advice: "do the missing runs (frfid run goes on where it stopped) and estimate again".into(),
     };
     let is_lossy = !complete.passed;
-    let checks = vec![complete, condition_check(&estimated.frf)];
+    warnings.extend(strength.iter().flat_map(|strength| strength.warnings.iter().cloned()));
+    let mut checks = vec![complete, condition_check(&estimated.frf)];
+    checks.extend(strength.as_ref().and_then(Strength::sign_check));
     let mut result = experiment.result(estimated.frf, peaks.as_ref(), checks);
     log_hashes(paths, &mut result.provenance)?;
-    Ok(Estimate { result, warnings, is_lossy })
+    Ok(Estimate { result, warnings, is_lossy, strength })
 }
 
 impl Experiment {
@@ -148,7 +153,7 @@ fn foreign(paths: &[PathBuf], map: &LogMap, options: &EstimateOptions) -> Result
         output_units: found.names.output_units,
         provenance,
     };
-    Ok(Estimate { result, warnings, is_lossy })
+    Ok(Estimate { result, warnings, is_lossy, strength: None })
 }
 
 /// What was lost, in words, the first few of each file.

@@ -9,11 +9,12 @@ use serde::Serialize;
 use frfid_files::{Overwrite, RunFile, create_folder, read_run, write_run};
 use frfid_signals::{Event, EventKind, Plan, Record, RunId, RunKind, Testbed};
 
-use crate::{Experiment, ExperimentError};
 use crate::campaign::{Progress, run_all};
 use crate::order::Order;
 use crate::predict::Peaks;
 use crate::provenance::CONFIG;
+use crate::strength::{OfRuns, Strength};
+use crate::{Experiment, ExperimentError};
 
 /// How runs are done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -33,6 +34,8 @@ pub struct RunSummary {
     pub written: Vec<RunReport>,
     /// Runs that were there already.
     pub n_skipped: usize,
+    /// How the axes were driven and moved in the runs done now; `None` of none.
+    pub strength: Option<Strength>,
 }
 
 /// What came of one run.
@@ -74,7 +77,7 @@ pub fn run_to_folder(
     let model = if testbed.is_none() { Some(experiment.testbed()?) } else { None };
     let testbed = testbed.or(model.as_deref()).expect("one of the two was given");
     let pose_rad = experiment.config.robot.pose();
-    let written: Mutex<Vec<RunReport>> = Mutex::default();
+    let written: Mutex<(Vec<RunReport>, OfRuns)> = Mutex::default();
     create_folder(folder)?;
     let progress_of_all = |now: usize, _: usize| progress(done.len() + now, ids.len());
     run_all(&open, &|id| order.run(id), testbed, options.jobs, &progress_of_all, &|run, record| {
@@ -82,12 +85,14 @@ pub fn run_to_folder(
         let peaks = Peaks::of(&file.record, &run.start_rad, &pose_rad);
         let report = report(path_of(run.id), peaks, &file.record);
         write_run(&report.path, options.overwrite, &file)?;
-        written.lock().expect("no holder of the lock panics").push(report);
+        let mut written = written.lock().expect("no holder of the lock panics");
+        written.0.push(report);
+        written.1.extend(experiment.strength_of(run.id, &file.record).map(|strength| (run.id, strength)));
         Ok(())
     })?;
-    let mut written = written.into_inner().expect("no holder of the lock panics");
+    let (mut written, strengths) = written.into_inner().expect("no holder of the lock panics");
     written.sort_by(|a, b| a.path.cmp(&b.path));
-    Ok(RunSummary { written, n_skipped: done.len() })
+    Ok(RunSummary { written, n_skipped: done.len(), strength: experiment.strength(strengths) })
 }
 
 /// All runs, or the one at `index`.

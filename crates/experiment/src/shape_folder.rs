@@ -194,7 +194,8 @@ impl<'a> Trail<'a> {
     fn finish(mut self, shaped: &Shaped) -> Result<ShapeReport, ExperimentError> {
         let (path, best) = (self.folder.join(BEST), &shaped.best);
         let frf = self.files.frf(&best.records)?;
-        self.report.finish(shaped, condition_check(&frf));
+        let high_hz = frf.frequency_hz.last().copied().unwrap_or(f64::INFINITY);
+        self.report.finish(shaped, high_hz, condition_check(&frf));
         let result =
             self.files.result(frf, best, &self.folder.join(iteration_name(best.number)), self.report.checks.clone())?;
         write_result(&path, Overwrite::Replace, &result)?;

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use frfid_estimate::{Iteration, Peaks, ShapeOptions, Shaped, Stop, Target};
+use frfid_estimate::{Iteration, Peaks, ShapeOptions, Shaped, Sticking, Stop, Target};
 use frfid_files::{Check, FileError};
 
 use crate::Experiment;
@@ -182,12 +182,12 @@ impl ShapeReport {
         self.stop.is_some() && self.checks.iter().all(|check| check.passed)
     }
 
-    /// Takes the end of the shaping; `condition` is the check of the best iteration's U.
-    pub(crate) fn finish(&mut self, shaped: &Shaped, condition: Check) {
+    /// Takes the end of the shaping of a band up to `high_hz`; `condition` is the check of the best iteration's U.
+    pub(crate) fn finish(&mut self, shaped: &Shaped, high_hz: f64, condition: Check) {
         self.best = Some(shaped.best.number);
         self.stop = Some(code(shaped.stop).into());
         self.stop_reason = Some(shaped.stop.to_string());
-        self.sticking = shaped.sticking.iter().map(ToString::to_string).collect();
+        self.sticking = shaped.sticking.iter().map(|sticking| in_words(sticking, high_hz)).collect();
         self.checks = vec![self.follows(shaped), self.moves(shaped), self.kept_limits(), condition];
     }
 
@@ -243,6 +243,19 @@ fn code(stop: Stop) -> &'static str {
         Stop::AllIterations => "all-iterations",
         Stop::Watcher => "watcher",
     }
+}
+
+/// Where an axis sticks, and why: axes from 1.
+fn in_words(sticking: &Sticking, band_high_hz: f64) -> String {
+    let &Sticking { axis, low_hz, high_hz, stuck_share, rms_nm, coulomb_nm } = sticking;
+    let place = if high_hz < 0.999 * band_high_hz {
+        format!("between {low_hz:.1} and {high_hz:.1} Hz")
+    } else {
+        format!("above {low_hz:.1} Hz")
+    };
+    let friction = coulomb_nm.map_or(String::new(), |nm| format!(" against {nm:.0} N m of friction"));
+    let (axis, percent) = (axis + 1, 100.0 * stuck_share);
+    format!("axis {axis} sticks {place}: {percent:.0} % of the time, with a torque of {rms_nm:.0} N m rms{friction}")
 }
 
 /// Shares in %, axis by axis.

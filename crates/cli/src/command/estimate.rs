@@ -16,7 +16,7 @@ use crate::log_map::MapOptions;
 use crate::options::{Options, existing_path};
 use crate::progress::watched;
 use crate::report;
-use crate::summary::{checks_as_text, warn_of_failed};
+use crate::summary::{checks_as_text, strength_as_text, warn_of_failed};
 use crate::table::{list, significant};
 
 /// Estimate the FRF from logs, with variances and checks
@@ -113,7 +113,9 @@ fn tell(arguments: &Arguments, estimate: &Estimate, options: &Options, console: 
     if options.json {
         return console.json(&as_json(arguments, estimate));
     }
-    console.data(&format!("{output}\n{}\n{}", summary(&estimate.result), checks_as_text(&estimate.result.checks)))?;
+    let strength = strength_as_text(estimate.strength.as_ref());
+    let checks = checks_as_text(&estimate.result.checks);
+    console.data(&format!("{output}\n{}{strength}\n{checks}", summary(&estimate.result)))?;
     if let Some(report) = &arguments.report {
         console.note(format_args!("report in {}", report.display()));
     }
@@ -186,6 +188,7 @@ fn as_json(arguments: &Arguments, estimate: &Estimate) -> Value {
         "noise": known(frf.noise.as_ref(), frf.noise_variance()),
         "total": known(frf.total.as_ref(), frf.total_variance()),
         "checks": result.checks,
+        "strength": estimate.strength,
         "warnings": estimate.warnings,
         "is_lossy": estimate.is_lossy,
     })

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use frfid_experiment::{Experiment, Order, RunOptions, RunSummary, predict, run_to_folder};
+use frfid_experiment::{Experiment, Order, RunOptions, RunSummary, Strength, predict, run_to_folder};
 use frfid_signals::{Event, EventKind};
 use serde_json::json;
 
@@ -12,7 +12,7 @@ use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::{Options, existing_path};
 use crate::progress::watched;
-use crate::summary::{excess_in_words, peaks_as_text};
+use crate::summary::{excess_in_words, peaks_as_text, strength_rows};
 use crate::table::{count, significant};
 
 /// Do the runs of a description or a plan in simulation, one MCAP each; runs that are there already are skipped
@@ -94,8 +94,8 @@ fn report(
     let excesses = peaks.iter().flat_map(|peaks| peaks.excesses(limits));
     let beyond = excesses.map(|excess| excess_in_words(&excess));
     let flaws: Vec<String> = events.chain(beyond).collect();
-    for flaw in &flaws {
-        console.warning(flaw);
+    for warning in flaws.iter().chain(summary.strength.iter().flat_map(|strength| &strength.warnings)) {
+        console.warning(warning);
     }
     if options.json {
         console.json(&json!(summary))?;
@@ -103,12 +103,13 @@ fn report(
         let (written, skipped) = (summary.written.len(), summary.n_skipped);
         console.data(&format!("{}: {} written, {skipped} there already\n", folder.display(), count(written, "run")))?;
         if let Some(peaks) = &peaks {
-            let others = [("standing still", standing_still(summary))];
-            console.data(&peaks_as_text("reached", peaks, limits, &others))?;
+            let others = [vec![("standing still", standing_still(summary))], strength_rows(summary.strength.as_ref())];
+            console.data(&peaks_as_text("reached", peaks, limits, &others.concat()))?;
         }
         console.hint(format_args!("frfid estimate {} -o frf.json --report frf.html", folder.display()));
     }
-    Ok(if flaws.is_empty() { Exit::Done } else { Exit::Flawed })
+    let crosses_zero = summary.strength.as_ref().is_some_and(Strength::crosses_zero);
+    Ok(if flaws.is_empty() && !crosses_zero { Exit::Done } else { Exit::Flawed })
 }
 
 /// Share of the time in which friction held the joint, the largest of all runs, one for each axis.
