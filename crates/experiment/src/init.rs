@@ -106,8 +106,8 @@ mod tests {
         for template in TEMPLATES {
             let source = Source { name: template.kind.into(), text: template.text() };
             let experiment = Experiment::new(source, "nowhere".as_ref()).expect(template.kind);
-            let axes = if template.kind.starts_with("six") { 6 } else if template.kind.starts_with("r3") { 3 } else { 1 };
-            assert_eq!(experiment.plan.n_inputs, axes);
+            let axes = [("six", 6), ("r3", 3), ("", 1)].into_iter().find(|(kind, _)| template.kind.starts_with(kind));
+            assert_eq!(axes.map(|(_, axes)| axes), Some(experiment.plan.n_inputs));
             assert_eq!(experiment.warnings(), Vec::<String>::new(), "{}", template.kind);
         }
     }

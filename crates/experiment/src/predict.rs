@@ -78,16 +78,15 @@ impl Peaks {
             Some(axes.map(|(row, start)| start + row.iter().fold(0.0, |way, x| extreme(way, x - row[0]))).collect())
         };
         let (low, high): (Option<Vec<f64>>, Option<Vec<f64>>) = (way(&f64::min), way(&f64::max));
-        let about_pose = |way: &Option<Vec<f64>>| {
-            Some(way.as_ref()?.iter().zip(pose_rad).map(|(way, pose)| pose + way).collect())
-        };
+        let about_pose =
+            |way: &Option<Vec<f64>>| Some(way.as_ref()?.iter().zip(pose_rad).map(|(way, pose)| pose + way).collect());
         Self {
             effort_nm: rows(record.u.view(), &largest),
             effort_rate_nm_per_s: rows(record.u.view(), &|row| steepest(row) / record.sample_time_s),
             velocity_rad_s: rows(record.y.view(), &largest),
             acceleration_rad_s2: None,
             jerk_rad_s3: None,
-            travel_rad: low.as_ref().zip(high.as_ref()).map(|(low, high)| larger(&low.iter().map(|x| -x).collect::<Vec<_>>(), high)),
+            travel_rad: low.iter().zip(&high).map(|(low, high)| farther(low, high)).next(),
             lowest_rad: about_pose(&low),
             highest_rad: about_pose(&high),
             effort_rms_nm: rows(record.u.view(), &|row| power::rms(&about_mean(row))),
@@ -182,6 +181,11 @@ fn crest_factors(record: &Record) -> Vec<f64> {
         power::crest_factor(power::sample_peak(&torque), power::rms(&torque))
     };
     record.u.rows().into_iter().map(of).collect()
+}
+
+/// The larger way of one down and one up, axis by axis.
+fn farther(low: &[f64], high: &[f64]) -> Vec<f64> {
+    low.iter().zip(high).map(|(low, high)| high.max(-low)).collect()
 }
 
 fn larger(a: &[f64], b: &[f64]) -> Vec<f64> {

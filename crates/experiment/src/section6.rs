@@ -112,8 +112,11 @@ impl Variant {
             joint.stiffness_beyond_nm_per_rad = Some(self.stiffness_beyond_nm_per_rad);
         }
         if self.velocity_rad_s > 0.0 {
-            config.constant_velocity =
-                Some(ConstantVelocityTable { velocity_rad_s: Some(vec![self.velocity_rad_s]), travel_rad: None, glides: 0 });
+            config.constant_velocity = Some(ConstantVelocityTable {
+                velocity_rad_s: Some(vec![self.velocity_rad_s]),
+                travel_rad: None,
+                glides: 0,
+            });
             config.limits.max_effort = None;
         }
         Ok(Experiment::of(config, source)?)

@@ -85,7 +85,8 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError::Config`] where none is described.
     pub fn robot(&self) -> Result<Arc<dyn Robot>, ExperimentError> {
-        let missing = || self.source.error(&["robot"], "no robot to simulate: a robot file, or tables of one, are needed");
+        let missing =
+            || self.source.error(&["robot"], "no robot to simulate: a robot file, or tables of one, are needed");
         Ok(self.config.robot.robot().ok_or_else(missing)?)
     }
 

@@ -14,6 +14,9 @@ use crate::{Hold, PiController, PlantError, Robot, Sensor, StateSpace, Velocity}
 /// control leaves positions free, which is a pole at 1 for each axis without a position loop.
 const TOLERANCE: f64 = 1e-6;
 
+/// Relative precisions of the Schur decomposition, the first that can be reached is taken; all far below [`TOLERANCE`].
+const PRECISIONS: [f64; 3] = [f64::EPSILON, 1e-14, 1e-12];
+
 /// Most iterations per eigenvalue of the Schur decomposition; a handful is usual.
 const ITERATIONS_PER_POLE: usize = 1000;
 
@@ -49,7 +52,8 @@ fn eigenvalues(mut matrix: DMatrix<f64>) -> Option<Vec<Complex64>> {
     }
     balance_parlett_reinsch(&mut matrix); // states in rad and in N m are orders of magnitude apart
     let iterations = ITERATIONS_PER_POLE * matrix.nrows();
-    let schur = Schur::try_new(matrix, f64::EPSILON, iterations)?;
+    // an entry beneath the diagonal must vanish beside its neighbours, which the rounding of larger ones may not allow
+    let schur = PRECISIONS.into_iter().find_map(|precision| Schur::try_new(matrix.clone(), precision, iterations))?;
     Some(schur.complex_eigenvalues().iter().copied().collect())
 }
 

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use clap::Args;
 use frfid_experiment::Experiment;
 
+use crate::command::design::warn;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::Options;
@@ -24,6 +25,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
     let experiment = Experiment::load(&arguments.experiment)?;
+    warn(&experiment, console);
     if options.json {
         console.json(&plan_as_json(&experiment.plan)?)?;
     } else {

@@ -40,6 +40,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
     let experiment = with_seed(Experiment::load(&arguments.experiment)?, arguments.seed)?;
+    warn(&experiment, console);
     let output = arguments.output.as_ref().filter(|_| !arguments.dry_run);
     output.map_or(Ok(()), |path| options.check_free(path))?;
     let prediction = watched(console, "predicting", "runs", |progress| predict(&experiment, arguments.jobs, progress))?;
@@ -67,6 +68,13 @@ pub(crate) fn with_seed(experiment: Experiment, seed: Option<u64>) -> Result<Exp
     }
 }
 
+/// Tells what looks like a mistake in the description.
+pub(crate) fn warn(experiment: &Experiment, console: &mut Console) {
+    for warning in experiment.warnings() {
+        console.warning(&warning);
+    }
+}
+
 /// Tells what the design is and what it will ask of the robot.
 pub(crate) fn tell(
     experiment: &Experiment,
@@ -87,13 +95,9 @@ pub(crate) fn tell(
 fn outside(experiment: &Experiment, prediction: &Prediction) -> Option<ConfigError> {
     let worst = prediction.binding()?;
     let (found, allowed) = (significant(worst.found, 4), significant(worst.allowed, 4));
-    let (axis, limit) = (worst.axis + 1, worst.limit);
-    let robots = experiment.is_robots(limit, worst.axis);
-    let whose = if robots { format!("the robot's {limit}") } else { "the limit".to_owned() };
-    let advice = advice(experiment, prediction, worst);
+    let (axis, whose, advice) = (worst.axis + 1, experiment.whose(worst), advice(experiment, prediction, worst));
     let message = format!("axis {axis} would reach {found}, {whose} is {allowed}; {advice}");
-    let place: &[&str] = if robots { &["robot"] } else { &["limits", limit] };
-    Some(experiment.source.error(place, message))
+    Some(experiment.source.error(&experiment.place_of(worst), message))
 }
 
 /// What to do about the limit that binds most.

@@ -7,7 +7,7 @@ use frfid_experiment::{Experiment, Order, RunOptions, RunSummary, Strength, pred
 use frfid_signals::{Event, EventKind};
 use serde_json::json;
 
-use crate::command::design::{tell, with_seed};
+use crate::command::design::{tell, warn, with_seed};
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::{Options, existing_path};
@@ -46,6 +46,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
     let order = order(&arguments.order, arguments.seed)?;
+    warn(&order.experiment, console);
     let n_runs = order.run_ids().len();
     if let Some(index) = arguments.index.filter(|&index| index >= n_runs) {
         let message = format!("--index is {index}, needed: 0 to {}, one of {}", n_runs - 1, count(n_runs, "run"));

@@ -44,7 +44,7 @@ impl RobotTable {
         // as described, not as the challenges leave it: a number that is wrong is wrong also while it is switched off
         let joint = self.single_joint.iter().map(super::SingleJointTable::joint);
         joint.into_iter().try_for_each(|joint| joint.check()).map_err(|error| located("single_joint", &error))?;
-        let mut sensors = self.sensor.iter().map(|sensor| sensor.sensor());
+        let mut sensors = self.sensor.iter().map(super::SensorTable::sensor);
         sensors.try_for_each(|sensor| sensor.check()).map_err(|error| located("sensor", &error))
     }
 
@@ -74,7 +74,9 @@ impl RobotTable {
     fn located(&self, source: &Source, table: &[&str], error: &SignalError) -> ConfigError {
         // a parameter's name begins with its key: "inertia_kg_m2's smallest principal moment"
         let key = |error: &SignalError| match error {
-            SignalError::Parameter { name, .. } | SignalError::Shape { name, .. } => name.split('\'').next().unwrap_or(""),
+            SignalError::Parameter { name, .. } | SignalError::Shape { name, .. } => {
+                name.split('\'').next().unwrap_or("")
+            }
             _ => "",
         };
         let SignalError::In { part, source: cause } = error else {
@@ -92,7 +94,10 @@ impl RobotTable {
     fn check_pose(&self) -> Result<(), String> {
         let (pose, n_axes) = (self.pose(), self.n_axes());
         if pose.len() != n_axes {
-            return Err(format!("pose_rad has {} entries, needed: one for each of the {n_axes} joints that move", pose.len()));
+            return Err(format!(
+                "pose_rad has {} entries, needed: one for each of the {n_axes} joints that move",
+                pose.len()
+            ));
         }
         for ((body, joint), position) in self.joints().zip(pose) {
             let lowest = joint.min_position.unwrap_or(f64::NEG_INFINITY);

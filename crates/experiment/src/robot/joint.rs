@@ -125,9 +125,8 @@ impl JointTable {
 
     /// Checks every number; errors name the joint and point into the table at `path`.
     pub(super) fn check(&self, name: &str, source: &Source, path: &[&str]) -> Result<(), ConfigError> {
-        let at = |keys: &[&str], message: String| {
-            source.error(&[path, keys].concat(), format!("joint {name}: {message}"))
-        };
+        let at =
+            |keys: &[&str], message: String| source.error(&[path, keys].concat(), format!("joint {name}: {message}"));
         let located = |error: &SignalError| match error {
             // the key is the parameter's own name, in the table or in one of those inside it
             SignalError::Parameter { name, .. } if source.has(&[path, &["sensor", name]].concat()) => {
@@ -168,7 +167,8 @@ impl JointTable {
         if range.0 < range.1 {
             return Ok(());
         }
-        let message = format!("the range from {} to {} rad is empty; needed: min_position below max_position", range.0, range.1);
+        let message =
+            format!("the range from {} to {} rad is empty; needed: min_position below max_position", range.0, range.1);
         Err((if highest.is_some() { "max_position" } else { "min_position" }, message))
     }
 }

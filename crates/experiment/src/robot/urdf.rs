@@ -21,6 +21,9 @@ pub struct UrdfTable {
     pub base_link: Option<String>,
     /// Link at the tip of the chain; the one link on which nothing hangs without it.
     pub tip_link: Option<String>,
+    /// Names of joints whose bodies are simplified: moments of inertia that never move are left out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub simplified: Vec<String>,
     /// Motor and gear of every joint that moves, by the joint's name: `[urdf.joint.NAME]`.
     #[serde(default)]
     pub joint: BTreeMap<String, JointTable>,
@@ -50,11 +53,13 @@ impl UrdfTable {
     /// The bodies of the chain, from the base to the tip.
     fn bodies(&self, robot: &urdf_rs::Robot) -> Result<Vec<BodyTable>, Fault> {
         let chain = self.chain(robot)?;
-        if let Some(name) = self.joint.keys().find(|name| !chain.iter().any(|joint| joint.name == **name)) {
-            let known: Vec<&str> = chain.iter().map(|joint| joint.name.as_str()).collect();
-            let message = format!("no joint of the chain is called {name}; there are {}", known.join(", "));
-            return Err(("joint", message));
+        let known: Vec<&str> = chain.iter().map(|joint| joint.name.as_str()).collect();
+        let joints = self.joint.keys().map(|name| ("joint", name));
+        let mut named = joints.chain(self.simplified.iter().map(|name| ("simplified", name)));
+        if let Some((key, name)) = named.find(|(_, name)| !known.contains(&name.as_str())) {
+            return Err((key, format!("no joint of the chain is called {name}; there are {}", known.join(", "))));
         }
+        check_nothing_beside(robot, &chain)?;
         chain.into_iter().map(|joint| self.body(robot, joint)).collect()
     }
 
@@ -89,13 +94,19 @@ impl UrdfTable {
             JointType::Fixed => None,
             JointType::Revolute | JointType::Continuous => {
                 let Some(table) = self.joint.get(name) else {
-                    return Err(("joint", format!("no table [urdf.joint.{name}]: URDF knows no motor, gear and friction")));
+                    return Err((
+                        "joint",
+                        format!("no table [urdf.joint.{name}]: URDF knows no motor, gear and friction"),
+                    ));
                 };
                 Some(with_limits(table, joint))
             }
             ref other => {
                 let kind = format!("{other:?}").to_lowercase();
-                return Err(("file", format!("joint {name} is {kind}; only revolute, continuous and fixed joints can be simulated")));
+                return Err((
+                    "file",
+                    format!("joint {name} is {kind}; only revolute, continuous and fixed joints can be simulated"),
+                ));
             }
         };
         let link = robot.links.iter().find(|link| link.name == joint.child.link);
@@ -108,10 +119,34 @@ impl UrdfTable {
             mass_kg: mass.value,
             center_of_mass_m: origin.xyz.0,
             inertia_kg_m2: turned(&inertia, origin.rpy.0),
-            simplified: false,
+            simplified: self.simplified.contains(name),
             locked_position_rad: table.is_none().then_some(0.0),
             joint: table,
         })
+    }
+}
+
+/// Refuses links with a mass that hang beside the chain: what they weigh would be lost.
+fn check_nothing_beside(robot: &urdf_rs::Robot, chain: &[&Joint]) -> Result<(), Fault> {
+    let mut moved: Vec<&str> = chain.iter().map(|joint| joint.child.link.as_str()).collect();
+    let mut next = 0;
+    while let Some(&link) = moved.get(next) {
+        let hanging =
+            robot.joints.iter().filter(|joint| joint.parent.link == link).map(|joint| joint.child.link.as_str());
+        let new: Vec<&str> = hanging.filter(|child| !moved.contains(child)).collect();
+        moved.extend(new);
+        next += 1;
+    }
+    let beside = &moved[chain.len()..];
+    match robot.links.iter().find(|link| beside.contains(&link.name.as_str()) && link.inertial.mass.value != 0.0) {
+        None => Ok(()),
+        Some(link) => Err((
+            "tip_link",
+            format!(
+                "link {} of {} kg hangs beside the chain to the tip; give its mass to a link of the chain",
+                link.name, link.inertial.mass.value
+            ),
+        )),
     }
 }
 
