@@ -55,6 +55,11 @@ fn ride(plan: &mut Plan, config: &Config, source: &Source) -> Result<(), ConfigE
     if let Some(table) = &config.constant_velocity {
         plan.velocity_rad_s = match (&table.velocity_rad_s, &table.travel_rad) {
             (Some(velocity), None) => velocity.clone(),
+            (None, Some(travel)) if travel.len() != plan.n_inputs => {
+                let (found, needed) = (travel.len(), plan.n_inputs);
+                let message = format!("travel_rad has {found} entries, needed: one for each of the {needed} axes");
+                return Err(source.error(&["constant_velocity", "travel_rad"], message));
+            }
             (None, Some(travel)) => {
                 let samples = plan.run_samples().map_err(|error| located(source, "constant_velocity", &error))?;
                 travel.iter().map(|way| way / (samples as f64 * plan.sample_time_s)).collect()
