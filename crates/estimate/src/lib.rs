@@ -50,7 +50,7 @@ pub use resonance::{Feature, FeatureKind, find_features};
 pub use ripple_torque::RippleTorque;
 pub use shape::{
     BandMotion, Estimate, Iteration, Note, Peaks, Quantity, ShapeError, ShapeLimits, ShapeOptions, Shaped, Shaper,
-    Step, Sticking, Stop, Summary, Target, shape,
+    Step, Sticking, Stop, Summary, Target, Watcher, shape,
 };
 pub use singular::{condition_number, singular_values};
 pub use spectrogram::{Spectrogram, SpectrogramOptions, spectrogram};

@@ -10,11 +10,14 @@
 mod error;
 mod iteration;
 mod limits;
+mod measure;
 mod proposal;
 mod shaper;
 mod spectra;
 mod step;
 mod sticking;
+#[cfg(test)]
+mod tests;
 
 use std::error::Error;
 
@@ -46,18 +49,20 @@ pub enum Step {
     /// `R_{i+1} = R_i + damping G_i^-1 (U_des - U_i)`, `G_i = S_ur S_rr^-1` with the products of `smoothing_bins` neighbouring
     /// lines summed.
     Damped {
-        /// Share of the missing signal that is made up for in one step; 0.5 to 0.7 is sound.
+        /// Share of the missing signal that is made up for in one step. With the adaptive damping 0.9 is fast and safe, without
+        /// it 0.5 to 0.7 is as much as friction allows.
         damping: f64,
         /// Lines over which G is smoothed; a few tens.
         smoothing_bins: usize,
-        /// Whether an iteration that made the error larger halves the damping and is taken back.
+        /// Whether the damping is halved at lines and channels where an iteration made the error larger, and the iteration
+        /// taken back if it made the whole error larger.
         adaptive: bool,
     },
 }
 
 impl Default for Step {
     fn default() -> Self {
-        Self::Damped { damping: 0.7, smoothing_bins: 30, adaptive: true }
+        Self::Damped { damping: 0.9, smoothing_bins: 30, adaptive: true }
     }
 }
 
@@ -146,6 +151,9 @@ impl ShapeOptions {
     }
 }
 
+/// Sees every iteration; `false` ends the shaping.
+pub type Watcher<'a> = dyn FnMut(&Iteration) -> Result<bool, Box<dyn Error + Send + Sync>> + 'a;
+
 /// Shapes a reference on a testbed until the target follows `desired`, from the reference `start`, both
 /// `(experiment, channel, sample)` with as many experiments as channels; `watch` sees every iteration and may end it with
 /// `false`. The experiments of an iteration run side by side.
@@ -159,7 +167,7 @@ pub fn shape(
     desired: Array3<f64>,
     start: Array3<f64>,
     options: ShapeOptions,
-    watch: &mut dyn FnMut(&Iteration) -> Result<bool, Box<dyn Error + Send + Sync>>,
+    watch: &mut Watcher,
 ) -> Result<Shaped, ShapeError> {
     let mut shaper = Shaper::new(desired, start, options)?;
     while shaper.stop().is_none() {

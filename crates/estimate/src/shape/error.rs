@@ -18,7 +18,8 @@ pub enum ShapeError {
     Testbed(#[from] TestbedError),
     /// The initial reference already exceeds a limit.
     #[error(
-        "the initial reference asks axis {axis} for a {quantity} of {found:.4}, the limit is {limit:.4}; start with a smaller amplitude"
+        "the initial reference asks axis {} for a {quantity} of {found:.4}, the limit is {limit:.4}; start with a smaller amplitude",
+        axis + 1
     )]
     StartTooLarge {
         /// Axis, from 0.
@@ -38,12 +39,11 @@ pub enum ShapeError {
     },
     /// The target does not follow the reference.
     #[error(
-        "iteration {iteration}: the {target} of axis {axis} does not respond to the reference, the coherence in the band is {coherence:.2}, \
-         at least {needed} is needed; is the loop closed, the channel order right, the reference strong enough for the noise?"
+        "the {target} of axis {} does not respond to the reference, the coherence in the band is {coherence:.2}, \
+         at least {needed} is needed; is the loop closed, the channel order right, the reference strong enough for noise and friction?",
+        axis + 1
     )]
     NoResponse {
-        /// Iteration, from 1.
-        iteration: usize,
         /// Name of the target.
         target: &'static str,
         /// Axis, from 0.

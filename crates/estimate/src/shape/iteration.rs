@@ -16,7 +16,7 @@ pub struct Iteration {
     pub reference: Array3<f64>,
     /// What was measured, one record per experiment.
     pub records: Vec<Record>,
-    /// Damping of the step that led here; `None` for the first reference and for the paper's step.
+    /// Damping of the step that led here, mean over lines and channels; `None` for the first reference.
     pub damping: Option<f64>,
     /// Responses and errors; `None` if a run was stopped before its end.
     pub estimate: Option<Estimate>,
@@ -49,7 +49,8 @@ pub struct Estimate {
     pub channel_error: Vec<f64>,
     /// Rms of it over band and channels.
     pub error: f64,
-    /// Condition number of U per frequency.
+    /// Condition number of U per frequency, channels scaled to equal size: 1 if the experiments are orthogonal, 2 for the sign
+    /// flip on three axes.
     pub condition: Vec<f64>,
 }
 
@@ -103,13 +104,15 @@ pub enum Note {
         /// Share of the step that is taken.
         share: f64,
     },
-    /// A predicted peak shortens the next step of all axes.
+    /// A predicted peak shortens the next step of all axes, around one moment or altogether.
     LimitAhead {
         /// Axis, from 0.
         axis: usize,
         /// What would be exceeded.
         quantity: Quantity,
-        /// Share of the step that is taken.
+        /// Time in s at which it would.
+        time_s: f64,
+        /// Share of the step that is taken there.
         share: f64,
     },
 }
@@ -189,6 +192,7 @@ impl Iteration {
     }
 }
 
+/// In words, axes and experiments from 1.
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
@@ -196,11 +200,12 @@ impl fmt::Display for Note {
             Self::Exceeded { axis, quantity, found, limit } => {
                 write!(
                     f,
-                    "axis {axis}: {quantity} reached {found:.4}, the limit is {limit:.4}; the next step is smaller"
+                    "axis {}: {quantity} reached {found:.4}, the limit is {limit:.4}; the next step is smaller",
+                    axis + 1
                 )
             }
             Self::Stopped { experiment, time_s, reason } => {
-                write!(f, "experiment {experiment} was stopped after {time_s:.3} s: {reason}")
+                write!(f, "experiment {} was stopped after {time_s:.3} s: {reason}", experiment + 1)
             }
             Self::Rose { found, best } => {
                 write!(f, "the error rose to {:.1} %, the best is {:.1} %", 100.0 * found, 100.0 * best)
@@ -208,12 +213,18 @@ impl fmt::Display for Note {
             Self::ChangeLimited { axis, share } => {
                 write!(
                     f,
-                    "axis {axis}: the reference grows by the largest factor allowed, {:.0} % of the step",
+                    "axis {}: the reference grows by the largest factor allowed, {:.0} % of the step",
+                    axis + 1,
                     100.0 * share
                 )
             }
-            Self::LimitAhead { axis, quantity, share } => {
-                write!(f, "axis {axis}: its predicted {quantity} shortens the next step to {:.0} %", 100.0 * share)
+            Self::LimitAhead { axis, quantity, time_s, share } => {
+                write!(
+                    f,
+                    "axis {}: its predicted {quantity} at {time_s:.2} s shortens the step to {:.0} %",
+                    axis + 1,
+                    100.0 * share
+                )
             }
         }
     }

@@ -4,7 +4,7 @@ use std::fmt;
 use std::iter::zip;
 
 use frfid_signals::{Record, SignalError, range};
-use ndarray::{Array3, ArrayView1, ArrayViewMut1, Axis};
+use ndarray::{Array3, ArrayViewMut1, Axis};
 
 use super::iteration::{Note, Peaks};
 
@@ -17,14 +17,15 @@ pub struct ShapeLimits {
     pub max_velocity_rad_s: Option<Vec<f64>>,
     /// Largest distance in rad from the place where a run begins, of motor and integrated reference.
     pub max_travel_rad: Option<Vec<f64>>,
-    /// Factor above 1 that predicted peaks are multiplied with before they are compared with a limit. Where a peak turns out
-    /// larger than predicted, the next predictions get as much more.
+    /// Factor above 1 by which a quantity may change more than predicted without exceeding its limit, as long as nothing is
+    /// known of how good the predictions are; later it follows what is observed. Friction makes a machine move less than in
+    /// proportion at first and more later.
     pub margin: f64,
 }
 
 impl Default for ShapeLimits {
     fn default() -> Self {
-        Self { max_torque_nm: None, max_velocity_rad_s: None, max_travel_rad: None, margin: 1.2 }
+        Self { max_torque_nm: None, max_velocity_rad_s: None, max_travel_rad: None, margin: 2.0 }
     }
 }
 
@@ -48,6 +49,12 @@ impl fmt::Display for Quantity {
         })
     }
 }
+
+/// Factor on an observed ratio of growth to prediction: the next ratio may be that much larger.
+const LEARNT_MARGIN: f64 = 1.25;
+
+/// Factors on predicted changes, per quantity in the order of [`Quantity::ALL`], and axis.
+pub(super) type Margins = [Vec<f64>; 3];
 
 impl Quantity {
     /// All of them.
@@ -123,18 +130,18 @@ impl Peaks {
         Self { torque_nm: peak(torque), velocity_rad_s: peak(velocity), travel_rad: peak(travel) }
     }
 
-    /// The largest ratio of these peaks to those predicted, of quantities that come near enough to a limit to matter: at least
-    /// a fifth of it.
-    pub(super) fn surprise(&self, predicted: &Self, limits: &ShapeLimits) -> f64 {
-        let mut largest: f64 = 0.0;
-        for quantity in Quantity::ALL {
-            for (axis, (found, predicted)) in zip(self.of(quantity), predicted.of(quantity)).enumerate() {
-                if *found > 0.2 * limits.of(quantity, axis) && *predicted > 0.0 {
-                    largest = largest.max(found / predicted);
+    /// Learns margins from how much more these peaks grew than predicted; nothing where they grew by less than a twentieth of
+    /// the limit.
+    pub(super) fn teach(&self, margins: &mut Margins, before: &Self, predicted: &Self, limits: &ShapeLimits) {
+        for (margins, quantity) in zip(margins, Quantity::ALL) {
+            let (found, before, predicted) = (self.of(quantity), before.of(quantity), predicted.of(quantity));
+            for (axis, margin) in margins.iter_mut().enumerate() {
+                let (grown, least) = (found[axis] - before[axis], 0.05 * limits.of(quantity, axis));
+                if grown > least {
+                    *margin = LEARNT_MARGIN * (grown / (predicted[axis] - before[axis]).max(least)).max(1.0);
                 }
             }
         }
-        largest
     }
 }
 
@@ -170,30 +177,28 @@ pub(super) fn integral(velocity: &Array3<f64>, sample_time_s: f64) -> Array3<f64
     travel
 }
 
-/// The largest share of a change, at most 1, with which `|from + share change| <= limit` holds in every sample; 0 if `from`
-/// is beyond the limit already.
-pub(super) fn largest_share(from: ArrayView1<f64>, change: ArrayView1<f64>, limit: f64) -> f64 {
-    let of_sample = |(&x, &dx): (&f64, &f64)| {
-        // |x + s dx| is largest on the side to which dx points
-        let room = limit - x * dx.signum();
-        if dx == 0.0 { 1.0 } else { room / dx.abs() }
-    };
-    zip(from, change).map(of_sample).fold(1.0, f64::min).max(0.0)
+/// The largest share of a change, at most 1, with which `|from + margin share change| <= limit` holds in one sample; 0 if
+/// `from` is beyond the limit already and the change leads further.
+pub(super) fn share_of_sample(from: f64, change: f64, margin: f64, limit: f64) -> f64 {
+    // |from + share change| is largest on the side to which the change points
+    let room = limit - from * change.signum();
+    if change == 0.0 { 1.0 } else { (room / (margin * change.abs())).clamp(0.0, 1.0) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ndarray::{array, aview1};
+    use ndarray::array;
 
     #[test]
     fn the_share_stops_exactly_at_the_limit() {
-        let (from, change) = ([0.5, -0.5, 0.0], [1.0, -2.0, 0.0]);
-        let share = largest_share(aview1(&from), aview1(&change), 1.0);
-        assert_eq!(share, 0.25);
-        assert_eq!(largest_share(aview1(&from), aview1(&change), 10.0), 1.0);
-        assert_eq!(largest_share(aview1(&[2.0]), aview1(&[1.0]), 1.0), 0.0);
-        assert_eq!(largest_share(aview1(&[2.0]), aview1(&[-0.5]), 3.0), 1.0, "away from the limit is allowed");
+        assert_eq!(share_of_sample(0.5, 1.0, 1.0, 1.0), 0.5);
+        assert_eq!(share_of_sample(-0.5, -2.0, 1.0, 1.0), 0.25);
+        assert_eq!(share_of_sample(-0.5, -2.0, 2.0, 1.0), 0.125);
+        assert_eq!(share_of_sample(0.5, 1.0, 1.0, 10.0), 1.0);
+        assert_eq!(share_of_sample(0.5, 1.0, 1.0, f64::INFINITY), 1.0);
+        assert_eq!(share_of_sample(2.0, 1.0, 1.0, 1.0), 0.0);
+        assert_eq!(share_of_sample(2.0, -0.5, 2.0, 2.5), 1.0, "away from the limit is allowed");
     }
 
     #[test]
@@ -203,11 +208,17 @@ mod tests {
     }
 
     #[test]
-    fn only_peaks_that_come_near_a_limit_teach_the_margin() {
+    fn margins_follow_growth_that_matters() {
         let peaks = |torque: f64| Peaks { torque_nm: vec![torque], velocity_rad_s: vec![1.0], travel_rad: vec![1.0] };
         let limits = ShapeLimits { max_torque_nm: Some(vec![100.0]), ..ShapeLimits::default() };
-        assert_eq!(peaks(10.0).surprise(&peaks(1.0), &limits), 0.0);
-        assert_eq!(peaks(60.0).surprise(&peaks(40.0), &limits), 1.5);
+        let learnt = |found, predicted| {
+            let mut margins = [vec![2.0], vec![2.0], vec![2.0]];
+            peaks(found).teach(&mut margins, &peaks(20.0), &peaks(predicted), &limits);
+            assert_eq!((margins[1][0], margins[2][0]), (2.0, 2.0));
+            margins[0][0]
+        };
+        assert_eq!((learnt(24.0, 20.1), learnt(38.0, 40.0)), (2.0, LEARNT_MARGIN));
+        assert_eq!((learnt(50.0, 40.0), learnt(40.0, 20.0)), (1.5 * LEARNT_MARGIN, 4.0 * LEARNT_MARGIN));
         assert!(matches!(
             limits.exceeded(&peaks(101.0))[..],
             [Note::Exceeded { axis: 0, quantity: Quantity::Torque, .. }]

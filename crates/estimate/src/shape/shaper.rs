@@ -3,25 +3,23 @@
 //! Nothing but the records decides what follows, so that feeding the recorded iterations again leads to the same state: that
 //! is how a shaping is resumed or looked at again.
 
-use frfid_signals::{Frf, Record, Run, RunId, RunKind, SignalError};
+use frfid_signals::{Record, Run, RunId, RunKind, SignalError};
 use nalgebra::DMatrix;
 use ndarray::{Array2, Array3, Axis};
 use num_complex::Complex64;
 
 use super::iteration::{Estimate, Iteration, Note, Peaks, Shaped, Stop, Summary};
-use super::limits::travel_of;
+use super::limits::{Margins, travel_of};
+use super::measure::{estimate, stack, stopped};
 use super::proposal::Proposal;
 use super::spectra::Band;
-use super::step::{coherence, response};
-use super::sticking::{Sweep, sticking, stuck_samples};
-use super::{ShapeError, ShapeOptions, Step, Target};
-use crate::singular::condition_of_finite;
+use super::step::adapt;
+use super::sticking::{Sweep, sticking};
+use super::{ShapeError, ShapeOptions, Step};
+use crate::strength::stuck_samples;
 
-/// Share of the target's power in the band that the references must explain; what has nothing to do with them gets 0.1 by
-/// chance on three axes and 0.2 on six.
-const NEEDED_COHERENCE: f64 = 0.3;
 /// Stuck share of the sweep from which an axis counts as stuck altogether.
-pub(super) const STUCK: f64 = 0.95;
+const STUCK: f64 = 0.95;
 
 /// Iterative shaping, one iteration at a time: apply [`Shaper::runs`], hand the records to [`Shaper::measured`], until
 /// [`Shaper::stop`] says why it ended.
@@ -38,10 +36,12 @@ pub struct Shaper {
     predicted: Option<Peaks>,
     /// Damping of the step that led to it.
     damping: Option<f64>,
-    /// Damping of the next step.
-    next_damping: f64,
-    /// Factor on predicted peaks.
-    margin: f64,
+    /// Damping of the next step, `(frequency, channel)`.
+    next_damping: Array2<f64>,
+    /// Factors on predicted changes.
+    margins: Margins,
+    /// Peaks and errors of the iteration from which the next reference steps.
+    stepped_from: Option<(Peaks, Array2<f64>)>,
     /// Iterations in a row that brought no smaller error.
     rises: usize,
     last: Option<Iteration>,
@@ -64,22 +64,24 @@ impl Shaper {
                 format!("{:?}, as the initial reference, one experiment per channel", [n_axes, n_axes, n_samples]);
             return Err(SignalError::Shape { name: "desired", found: desired.shape().to_vec(), needed }.into());
         }
-        let band = Band::new(n_samples, &options)?;
+        let band = Band::new(&desired, &options)?;
         let target = band.all("desired", desired.axis_iter(Axis(0)))?;
+        band.check_excited(&target)?;
         band.all("start", start.axis_iter(Axis(0)))?;
         Proposal::check_start(&start, &options)?;
-        let next_damping = match options.step {
+        let damping = match options.step {
             Step::Paper => 1.0,
             Step::Damped { damping, .. } => damping,
         };
         Ok(Self {
             sweep: Sweep::of(&band, &desired, &target, [options.low_hz, options.high_hz]),
-            margin: options.limits.margin,
+            margins: std::array::from_fn(|_| vec![options.limits.margin; n_axes]),
+            next_damping: Array2::from_elem((band.frequency_hz.len(), n_axes), damping),
+            stepped_from: None,
             desired: target,
             reference: start,
             predicted: None,
             damping: None,
-            next_damping,
             rises: 0,
             last: None,
             best: None,
@@ -169,9 +171,13 @@ impl Shaper {
 
     /// What the records say, without what follows from it.
     fn evaluate(&self, records: Vec<Record>) -> Result<Iteration, ShapeError> {
-        let mut notes = Vec::new();
-        self.check(&records, &mut notes)?;
+        let mut notes = stopped(&records, self.reference.dim(), self.options.sample_time_s)?;
         let complete = notes.is_empty();
+        let estimate = if complete {
+            Some(estimate(&records, &self.reference, &self.band, &self.desired, &self.options)?)
+        } else {
+            None
+        };
         let (torque, velocity) = (stack(&records, |record| &record.u), stack(&records, |record| &record.y));
         let travel = travel_of(&records, &velocity, self.options.sample_time_s);
         let peaks = Peaks::of_signals([&torque, &velocity, &travel]);
@@ -186,7 +192,7 @@ impl Shaper {
             number: self.number(),
             reference: self.reference.clone(),
             damping: self.damping,
-            estimate: if complete { Some(self.estimate(&records)?) } else { None },
+            estimate,
             bands: self.sweep.bands(&records, &stuck),
             stuck_share,
             records,
@@ -198,94 +204,40 @@ impl Shaper {
         })
     }
 
-    /// Checks shapes and finiteness; a run that was stopped early is a note.
-    fn check(&self, records: &[Record], notes: &mut Vec<Note>) -> Result<(), ShapeError> {
-        let (n_experiments, n_axes, n_samples) = self.reference.dim();
-        let shape = |name, found: Vec<usize>, needed| Err(SignalError::Shape { name, found, needed }.into());
-        if records.len() != n_experiments {
-            return shape("records", vec![records.len()], format!("({n_experiments}), one per experiment"));
-        }
-        for (experiment, record) in records.iter().enumerate() {
-            record.check()?;
-            for (name, signal) in [("u", &record.u), ("y", &record.y)] {
-                if signal.nrows() != n_axes || signal.ncols() > n_samples {
-                    return shape(name, signal.shape().to_vec(), format!("({n_axes}, {n_samples}), as the reference"));
-                }
-            }
-            if record.n_samples() < n_samples {
-                let reason =
-                    record.events.last().map_or_else(|| "no reason given".into(), |event| format!("{:?}", event.kind));
-                let time_s = record.n_samples() as f64 * self.options.sample_time_s;
-                notes.push(Note::Stopped { experiment, time_s, reason });
-            }
-        }
-        Ok(())
-    }
-
-    /// Responses and errors of complete records.
-    fn estimate(&self, records: &[Record]) -> Result<Estimate, ShapeError> {
-        let hz = &self.band.frequency_hz;
-        let r = self.band.spectra("reference", self.reference.axis_iter(Axis(0)))?;
-        let u = self.band.spectra("u", records.iter().map(|record| record.u.view()))?;
-        let y = self.band.spectra("y", records.iter().map(|record| record.y.view()))?;
-        let (target, name) = match self.options.target {
-            Target::Torque => (&u, "torque"),
-            Target::Velocity => (&y, "velocity"),
-        };
-        for (axis, &coherence) in coherence(target, &r, hz)?.iter().enumerate() {
-            if coherence.is_nan() || coherence < NEEDED_COHERENCE {
-                let (iteration, needed) = (self.number(), NEEDED_COHERENCE);
-                return Err(ShapeError::NoResponse { iteration, target: name, axis, coherence, needed });
-            }
-        }
-        let bins = match self.options.step {
-            Step::Paper => 1,
-            Step::Damped { smoothing_bins, .. } => smoothing_bins,
-        };
-        let frf = |x| Ok::<_, ShapeError>(Frf::new(hz.clone(), stacked(&response(x, &r, bins, hz)?))?);
-        let desired = &self.desired[self.band.inside()];
-        let error_per_frequency = relative_error(target, desired);
-        let rms = |errors: &dyn Fn() -> Vec<f64>| frfid_signals::power::rms(&errors());
-        let n_axes = error_per_frequency.ncols();
-        Ok(Estimate {
-            r_to_u: frf(&u)?,
-            r_to_y: frf(&y)?,
-            channel_error: (0..n_axes).map(|c| rms(&|| error_per_frequency.column(c).to_vec())).collect(),
-            error: rms(&|| error_per_frequency.iter().copied().collect()),
-            condition: u.iter().map(condition_of_finite).collect(),
-            error_per_frequency,
-        })
-    }
-
-    /// Whether the iteration is the best so far; adapts damping and margin.
+    /// Whether the iteration is the best so far; adapts damping and margins.
     fn judge(&mut self, iteration: &mut Iteration) -> Result<bool, ShapeError> {
-        if let Some(predicted) = &iteration.predicted {
-            let limits = &self.options.limits;
-            self.margin = limits.margin * iteration.peaks.surprise(predicted, limits).max(1.0);
+        if let (Some((before, _)), Some(predicted)) = (&self.stepped_from, &iteration.predicted) {
+            iteration.peaks.teach(&mut self.margins, before, predicted, &self.options.limits);
         }
         let best = self.best.as_ref().and_then(Iteration::error);
-        let (true, Some(found)) = (iteration.within_limits, iteration.error()) else {
-            if best.is_none() {
+        let estimate = iteration.estimate.as_ref().filter(|_| iteration.within_limits);
+        let improved = match (estimate, best) {
+            (None, None) => {
                 let reason = iteration.notes.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
                 return Err(ShapeError::FirstTooMuch { reason });
             }
-            self.next_damping *= 0.5;
-            self.rises += 1;
-            return Ok(false);
+            (None, Some(_)) => {
+                self.next_damping *= 0.5;
+                false
+            }
+            (Some(estimate), best) => {
+                self.adapt(estimate);
+                best.is_none_or(|best| estimate.error < best)
+            }
         };
-        match best {
-            Some(best) if found >= best => {
-                iteration.notes.push(Note::Rose { found, best });
-                self.rises += 1;
-                if self.goes_back() {
-                    self.next_damping *= 0.5;
-                }
-                Ok(false)
-            }
-            _ => {
-                self.rises = 0;
-                Ok(true)
-            }
+        if let (Some(found), Some(best), false) = (iteration.error(), best, improved) {
+            iteration.notes.push(Note::Rose { found, best });
+        }
+        self.rises = if improved { 0 } else { self.rises + 1 };
+        Ok(improved)
+    }
+
+    /// Halves the damping where the error rose.
+    fn adapt(&mut self, estimate: &Estimate) {
+        if let (Step::Damped { adaptive: true, smoothing_bins, .. }, Some((_, before))) =
+            (self.options.step, &self.stepped_from)
+        {
+            adapt(&mut self.next_damping, &estimate.error_per_frequency, before, smoothing_bins);
         }
     }
 
@@ -317,38 +269,22 @@ impl Shaper {
         let take_back = !improved && (self.goes_back() || !iteration.within_limits);
         let best = self.best.as_ref().filter(|_| take_back);
         let from = best.unwrap_or(&*iteration);
-        let proposal = Proposal::after(from, &self.band, &self.desired, self.next_damping, self.margin, &self.options)?;
+        let Some(estimate) = &from.estimate else { return Ok(()) }; // without one it is taken back
+        let proposal = Proposal::after(
+            from,
+            estimate,
+            &self.band,
+            &self.desired,
+            &self.next_damping,
+            &self.margins,
+            &self.options,
+        )?;
+        self.stepped_from = Some((from.peaks.clone(), estimate.error_per_frequency.clone()));
         iteration.notes.extend(proposal.notes);
         iteration.next_predicted = Some(proposal.predicted.clone());
         self.reference = proposal.reference;
         self.predicted = Some(proposal.predicted);
-        self.damping = Some(self.next_damping);
+        self.damping = self.next_damping.mean();
         Ok(())
     }
-}
-
-/// One signal of all records, `(experiment, channel, sample)`; what is missing of a run that was stopped is 0.
-pub(super) fn stack(records: &[Record], signal: impl Fn(&Record) -> &Array2<f64>) -> Array3<f64> {
-    let n_samples = records.iter().map(Record::n_samples).max().unwrap_or(0);
-    let n_channels = records.first().map_or(0, |record| signal(record).nrows());
-    let mut stacked = Array3::zeros((records.len(), n_channels, n_samples));
-    for (mut to, record) in stacked.axis_iter_mut(Axis(0)).zip(records) {
-        to.slice_mut(ndarray::s![.., ..record.n_samples()]).assign(signal(record));
-    }
-    stacked
-}
-
-/// Matrices as one array `(frequency, output, input)`.
-fn stacked(matrices: &[DMatrix<Complex64>]) -> Array3<Complex64> {
-    let (rows, columns) = matrices[0].shape();
-    Array3::from_shape_fn((matrices.len(), rows, columns), |(k, row, column)| matrices[k][(row, column)])
-}
-
-/// `|X - X_des| / |X_des|` over the experiments, `(frequency, channel)`.
-fn relative_error(found: &[DMatrix<Complex64>], desired: &[DMatrix<Complex64>]) -> Array2<f64> {
-    let n_channels = found[0].nrows();
-    Array2::from_shape_fn((found.len(), n_channels), |(k, channel)| {
-        let missing = &desired[k] - &found[k];
-        missing.row(channel).norm() / desired[k].row(channel).norm()
-    })
 }

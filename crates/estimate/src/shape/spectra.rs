@@ -1,18 +1,22 @@
 //! Spectra of whole records on the lines of a band, experiments as columns, and the way back into time.
 
+use std::f64::consts::PI;
+use std::iter::zip;
 use std::ops::Range;
 use std::sync::Arc;
 
 use frfid_signals::SignalError;
 use nalgebra::DMatrix;
-use ndarray::{Array3, ArrayView2};
+use ndarray::{Array2, Array3, ArrayView2, Axis, s};
 use num_complex::Complex64;
 use realfft::{ComplexToReal, RealFftPlanner};
 
-use crate::{EstimateError, LineDft, ShapeOptions, Transform};
+use crate::{BlaOptions, Deficiency, DeficientLine, EstimateError, LineDft, ShapeOptions, Transform};
 
 /// Width of the fades at both ends of the band, as a factor of frequency.
 const FADE: f64 = 1.1;
+/// Share of the strongest line's power below which a line of the desired signal counts as silent.
+const SILENT: f64 = 1e-8;
 
 /// The lines of a band in records of one length, with half-cosine fades outside of it.
 #[derive(Clone)]
@@ -29,40 +33,53 @@ pub(super) struct Band {
 }
 
 impl Band {
-    /// The band of the options in records of `n_samples`.
-    pub fn new(n_samples: usize, options: &ShapeOptions) -> Result<Self, EstimateError> {
-        let (low_hz, high_hz, spacing_hz) =
-            (options.low_hz, options.high_hz, 1.0 / (n_samples as f64 * options.sample_time_s));
-        let mut band = (Vec::new(), Vec::new(), Vec::new(), 0);
-        for line in 1..=n_samples.saturating_sub(1) / 2 {
-            let hz = line as f64 * spacing_hz;
-            let outside = (low_hz / hz).max(hz / high_hz).max(1.0).ln() / FADE.ln();
-            if outside >= 1.0 {
-                continue;
-            }
-            band.0.push(line);
-            band.1.push(0.5 + 0.5 * (std::f64::consts::PI * outside).cos());
-            if outside == 0.0 {
-                band.2.push(hz);
-            } else if hz < low_hz {
-                band.3 += 1;
-            }
-        }
-        let (lines, weight, frequency_hz, n_below) = band;
+    /// The lines of the options' band, fades included, on which the desired signal `(experiment, channel, sample)` has power:
+    /// of a chirp all, of a multisine those that are excited.
+    pub fn new(desired: &Array3<f64>, options: &ShapeOptions) -> Result<Self, EstimateError> {
+        let (n_samples, low_hz, high_hz) = (desired.len_of(Axis(2)), options.low_hz, options.high_hz);
+        let hz = |line: usize| line as f64 / (n_samples as f64 * options.sample_time_s);
+        let faded = |line: &usize| (low_hz / FADE..high_hz * FADE).contains(&hz(*line));
+        let near = Self::of((1..=n_samples.saturating_sub(1) / 2).filter(faded).collect(), n_samples, options)?;
+        let power: Vec<f64> =
+            near.all("desired", desired.axis_iter(Axis(0)))?.iter().map(DMatrix::norm_squared).collect();
+        let strongest = power.iter().copied().fold(0.0, f64::max);
+        let excited = zip(&near.lines, &power).filter(|(_, power)| **power > SILENT * strongest);
+        Self::of(excited.map(|(&line, _)| line).collect(), n_samples, options)
+    }
+
+    fn of(lines: Vec<usize>, n_samples: usize, options: &ShapeOptions) -> Result<Self, EstimateError> {
+        let hz = |line: &usize| *line as f64 / (n_samples as f64 * options.sample_time_s);
+        // how far outside the band, as a share of the fade
+        let outside =
+            |line: &usize| (options.low_hz / hz(line)).max(hz(line) / options.high_hz).max(1.0).ln() / FADE.ln();
+        let weight = lines.iter().map(|line| 0.5 + 0.5 * (PI * outside(line)).cos()).collect();
+        let frequency_hz: Vec<f64> = lines.iter().filter(|line| outside(line) == 0.0).map(hz).collect();
         if frequency_hz.len() < 2 {
-            let needed = "at least 2 lines of the record in the band: a longer record or a wider band";
+            let needed = "at least 2 lines of the record with power in the band: a longer record or a wider band";
             let found = frequency_hz.len() as f64;
             return Err(SignalError::Parameter { name: "lines in the band", found, needed }.into());
         }
+        let n_below = lines.iter().filter(|line| hz(line) < options.low_hz).count();
         let dft = LineDft::new(n_samples, &lines)?;
-        Ok(Self {
-            frequency_hz,
-            weight,
-            n_below,
-            dft,
-            inverse: RealFftPlanner::new().plan_fft_inverse(n_samples),
-            lines,
-        })
+        let inverse = RealFftPlanner::new().plan_fft_inverse(n_samples);
+        Ok(Self { frequency_hz, lines, weight, n_below, dft, inverse })
+    }
+
+    /// Refuses a desired signal in which a channel is silent on a line where another one is not.
+    pub fn check_excited(&self, desired: &[DMatrix<Complex64>]) -> Result<(), EstimateError> {
+        for (desired, &frequency_hz) in zip(&desired[self.inside()], &self.frequency_hz) {
+            if let Some(input) = desired.row_iter().position(|row| row.norm() == 0.0) {
+                let (condition, limit) = (f64::INFINITY, BlaOptions::default().max_condition);
+                let cause = Deficiency::InputSilent { input };
+                return Err(EstimateError::RankDeficient(vec![DeficientLine {
+                    frequency_hz,
+                    condition,
+                    limit,
+                    cause,
+                }]));
+            }
+        }
+        Ok(())
     }
 
     /// Spectra of one signal of all experiments, each `(channel, sample)`, on the lines inside the band: one matrix
@@ -83,7 +100,7 @@ impl Band {
         experiments: impl Iterator<Item = ArrayView2<'a, f64>>,
     ) -> Result<Vec<DMatrix<Complex64>>, EstimateError> {
         let spectra = experiments.map(|signal| self.dft.transform(name, signal)).collect::<Result<Vec<_>, _>>()?;
-        let n_channels = spectra.first().map_or(0, |spectrum| spectrum.nrows());
+        let n_channels = spectra.first().map_or(0, Array2::nrows);
         let matrix = |line| DMatrix::from_fn(n_channels, spectra.len(), |channel, m| spectra[m][[channel, line]]);
         Ok((0..self.lines.len()).map(matrix).collect())
     }
@@ -122,7 +139,7 @@ impl Band {
                 }
                 let done = self.inverse.process_with_scratch(&mut bins, &mut samples, &mut scratch);
                 done.expect("the plan made the buffers, and bins 0 and Nyquist are no lines");
-                for (to, from) in signals.slice_mut(ndarray::s![experiment, channel, ..]).iter_mut().zip(&samples) {
+                for (to, from) in signals.slice_mut(s![experiment, channel, ..]).iter_mut().zip(&samples) {
                     *to = *from;
                 }
             }
@@ -134,14 +151,13 @@ impl Band {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use ndarray::Axis;
 
     #[test]
     fn what_lies_in_the_band_comes_back_and_the_rest_does_not() {
         let options = ShapeOptions { low_hz: 5.0, high_hz: 20.0, sample_time_s: 0.01, ..ShapeOptions::default() };
         let wave = |hz: f64, k: usize| (std::f64::consts::TAU * hz * k as f64 * 0.01 + hz).sin();
         for n_samples in [1000, 999] {
-            let band = Band::new(n_samples, &options).expect("sound");
+            let band = Band::of((40..210).collect(), n_samples, &options).expect("sound");
             let spacing_hz = 100.0 / n_samples as f64;
             let (inside, outside) = (100.0 * spacing_hz, 300.0 * spacing_hz);
             let signal = |low, high| {
@@ -157,13 +173,14 @@ mod tests {
 
     #[test]
     fn fades_fall_from_one_to_zero_outside_the_band() {
-        let band = Band::new(21_000, &ShapeOptions::default()).expect("sound");
+        let click = |n_samples| Array3::from_shape_fn((1, 1, n_samples), |(_, _, k)| f64::from(u8::from(k == 0)));
+        let band = Band::new(&click(21_000), &ShapeOptions::default()).expect("sound");
         assert!((band.frequency_hz[0] - 2.0).abs() < 0.05 && band.frequency_hz[band.frequency_hz.len() - 1] <= 60.0);
         for line in 0..band.n_lines() {
             assert_eq!(band.weight(line) == 1.0, band.inside().contains(&line), "line {line}");
             assert!(band.weight(line) > 0.0);
         }
         assert_eq!((band.nearest(0), band.nearest(band.n_lines() - 1)), (0, band.frequency_hz.len() - 1));
-        assert!(Band::new(100, &ShapeOptions { high_hz: 3.0, ..ShapeOptions::default() }).is_err());
+        assert!(Band::new(&click(100), &ShapeOptions { high_hz: 3.0, ..ShapeOptions::default() }).is_err());
     }
 }

@@ -13,8 +13,8 @@ use super::spectra::Band;
 
 /// Bands per octave in which stuck time is told.
 const PER_OCTAVE: f64 = 3.0;
-/// Stuck share from which an axis is said to stick in a band: most of the time.
-const MOSTLY: f64 = 0.5;
+/// Stuck share from which an axis is said to stick in a band.
+const MOSTLY: f64 = 0.75;
 
 /// How an axis moved while the excitation was in a band.
 #[derive(Debug, Clone, PartialEq)]
@@ -48,10 +48,12 @@ pub struct Sticking {
     pub coulomb_nm: Option<f64>,
 }
 
+/// In words, axes from 1.
 impl fmt::Display for Sticking {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { axis, low_hz, high_hz, stuck_share, rms_nm, coulomb_nm } = self;
-        write!(f, "axis {axis} sticks {:.0} % of the time from {low_hz:.3} to {high_hz:.3} Hz", 100.0 * stuck_share)?;
+        let (axis, percent) = (axis + 1, 100.0 * stuck_share);
+        write!(f, "axis {axis} sticks {percent:.0} % of the time from {low_hz:.3} to {high_hz:.3} Hz")?;
         write!(f, ": the torque there is {rms_nm:.3} N m rms")?;
         match coulomb_nm {
             Some(coulomb_nm) => write!(f, " against {coulomb_nm:.3} N m of friction"),
@@ -132,17 +134,6 @@ impl Sweep {
         }
         bands
     }
-}
-
-/// Samples in which the position reading does not change, or the velocity reading is at most `still_rad_s`, `(axis, sample)`.
-pub(super) fn stuck_samples(record: &Record, still_rad_s: f64) -> Array2<bool> {
-    let mut stuck = record.y.mapv(|y| y.abs() <= still_rad_s);
-    if let Some(position) = &record.position_rad {
-        for ((axis, k), stuck) in stuck.indexed_iter_mut() {
-            *stuck |= k > 0 && position[[axis, k]] == position[[axis, k - 1]];
-        }
-    }
-    stuck
 }
 
 /// Where axes stick: neighbouring bands in which an axis sticks most of the time, merged, and an axis that sticks for a larger
