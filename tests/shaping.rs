@@ -45,12 +45,29 @@ fn claim_7_the_r3_gets_the_torque_asked_for_in_six_iterations_within_its_limits(
             assert!(i.within_limits, "{mimo}: {:?}", i.notes);
             assert!(i.peaks.travel_rad.iter().all(|&travel| travel < 4f64.to_radians()), "{mimo}: {:?}", i.peaks);
         }
-        // orthogonality made at u: 1, or 2 for the sign flip (channels scaled alike)
-        let mut condition = shaped.best.estimate.expect("complete").condition;
-        condition.sort_by(f64::total_cmp);
-        let (median, ideal) = (condition[condition.len() / 2], if mimo == "orthogonal" { 1.0 } else { 2.0 });
-        assert!((median / ideal - 1.0).abs() < 0.06, "{mimo}: {median}");
+        // orthogonality made at u: 1, or 2 for the sign flip
+        let (median, ideal) = (condition_of(&shaped, 0.5), if mimo == "orthogonal" { 1.0 } else { 2.0 });
+        assert!((median / ideal - 1.0).abs() < 0.08, "{mimo}: {median}");
+        assert!(condition_of(&shaped, 0.9) < 1.15 * ideal, "{mimo}");
     }
+}
+
+/// The condition number of U, channels scaled alike, that a share of the lines stays below.
+fn condition_of(shaped: &Shaped, share: f64) -> f64 {
+    let mut condition = shaped.best.estimate.as_ref().expect("complete").condition.clone();
+    condition.sort_by(f64::total_cmp);
+    condition[(share * (condition.len() - 1) as f64) as usize]
+}
+
+#[test]
+fn orthogonality_made_at_r_is_lost_on_the_way_to_u() {
+    let shaped = r3(&[
+        ("mimo = \"sign-flip\"", "mimo = \"orthogonal\""),
+        ("[0.006, 0.006, 0.012]", "[0.15, 0.15, 0.3]"),
+        ("n_iterations = 6", "n_iterations = 1"),
+    ]);
+    // made at u it is 1.06 in the median and 1.12 at nine of ten lines; here 1.08 and 1.30
+    assert!(condition_of(&shaped, 0.9) > 1.25, "{}", condition_of(&shaped, 0.9));
 }
 
 #[test]
