@@ -43,9 +43,9 @@ impl LineDft {
         self.fft.len()
     }
 
-    /// Number of lines.
-    pub(crate) fn n_lines(&self) -> usize {
-        self.lines.len()
+    /// The lines, rising.
+    pub(crate) fn lines(&self) -> &[usize] {
+        &self.lines
     }
 
     /// Frequencies of the lines in Hz: `line / (n_samples sample_time_s)`.

@@ -15,7 +15,7 @@
 
 use std::collections::BTreeSet;
 
-use frfid_signals::SignalError;
+use frfid_signals::{Frf, SignalError};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
@@ -25,6 +25,7 @@ use crate::{EstimateError, LineDft, Transform};
 #[derive(Clone)]
 pub struct FreeLines {
     dft: LineDft,
+    excited: Vec<usize>,
     /// Per excited line the places of its neighbours among the lines of the DFT.
     neighbours: Vec<Vec<usize>>,
 }
@@ -64,11 +65,59 @@ impl FreeLines {
         let lines: Vec<usize> = lines.into_iter().collect();
         let place = |line: usize| lines.partition_point(|&other| other < line);
         let neighbours = around.into_iter().map(|around| around.into_iter().map(place).collect()).collect();
-        Ok(Self { dft: LineDft::new(n_samples, &lines)?, neighbours })
+        Ok(Self { dft: LineDft::new(n_samples, &lines)?, excited: excited.to_vec(), neighbours })
     }
 
-    /// Levels from the spectra that [`Transform::transform`] made of the repetitions of one reference: same realization, same
-    /// experiment, glide subtracted.
+    /// What of y on the free lines the plant does not explain by u: `E(h) = Y(h) - G(h) U(h)`, `(output, free line)`, from
+    /// spectra that [`Transform::transform`] made of one period; G is interpolated between the excited lines, where `plant`
+    /// stands. Ripple moves the machine on free lines too, and y answers to the corrected u as to any other: only E disturbs.
+    ///
+    /// # Errors
+    /// [`SignalError::Shape`] if the spectra or the plant have other lines or channels.
+    pub fn unexplained(
+        &self,
+        u: &Array2<Complex64>,
+        y: &Array2<Complex64>,
+        plant: &Frf,
+    ) -> Result<Array2<Complex64>, EstimateError> {
+        let (n_outputs, n_inputs, n_lines) = (plant.n_outputs(), plant.n_inputs(), self.n_lines());
+        for (name, found, channels) in [("u on free lines", u, n_inputs), ("y on free lines", y, n_outputs)] {
+            if found.dim() != (channels, n_lines) {
+                let needed = format!("({channels}, {n_lines})");
+                return Err(SignalError::Shape { name, found: found.shape().to_vec(), needed }.into());
+            }
+        }
+        if plant.n_frequencies() != self.excited.len() {
+            let needed = format!("({}, output, input), the excited lines", self.excited.len());
+            return Err(SignalError::Shape { name: "plant", found: plant.response.shape().to_vec(), needed }.into());
+        }
+        Ok(Array2::from_shape_fn((n_outputs, n_lines), |(output, place)| {
+            let (below, above, share) = self.between(self.dft.lines()[place]);
+            let explained: Complex64 = (0..n_inputs)
+                .map(|input| {
+                    let [low, high] = [below, above].map(|line| plant.response[[line, output, input]]);
+                    (low + (high - low) * share) * u[[input, place]]
+                })
+                .sum();
+            y[[output, place]] - explained
+        }))
+    }
+
+    /// The excited lines below and above a line, by their place, and where it stands between them; the nearest beyond the ends.
+    fn between(&self, line: usize) -> (usize, usize, f64) {
+        let above = self.excited.partition_point(|&excited| excited < line);
+        match above {
+            0 => (0, 0, 0.0),
+            above if above == self.excited.len() => (above - 1, above - 1, 0.0),
+            above => {
+                let (low, high) = (self.excited[above - 1] as f64, self.excited[above] as f64);
+                (above - 1, above, (line as f64 - low) / (high - low))
+            }
+        }
+    }
+
+    /// Levels from spectra of the repetitions of one reference, of [`Transform::transform`] or [`FreeLines::unexplained`]: same
+    /// realization, same experiment, glide subtracted.
     ///
     /// # Errors
     /// [`SignalError::Parameter`] for fewer than two repetitions, [`SignalError::Shape`] if they differ in shape.
@@ -109,7 +158,7 @@ impl FreeLines {
     }
 
     fn n_lines(&self) -> usize {
-        self.dft.n_lines()
+        self.dft.lines().len()
     }
 }
 
@@ -183,6 +232,25 @@ mod tests {
             lines.transform("y", clean.mapv(|value| value + normal(&mut rng)).view()).expect("fits")
         });
         lines.level(&spectra.collect::<Vec<_>>()).expect("five")
+    }
+
+    #[test]
+    fn what_the_plant_explains_is_no_residual() {
+        let (excited, hz) = ([11, 21, 31], vec![11.0, 21.0, 31.0]);
+        let lines = FreeLines::new(200, &excited, 6).expect("sound");
+        // a response that grows linearly with the line, so that interpolation is exact
+        let response = ndarray::Array3::from_shape_fn((3, 1, 1), |(k, _, _)| Complex64::new(excited[k] as f64, 2.0));
+        let plant = Frf::new(hz, response).expect("shapes agree");
+        let u = Array2::from_shape_fn((1, lines.n_lines()), |(_, place)| Complex64::new(1.0, place as f64));
+        let inside = |place: usize| (11..=31).contains(&lines.dft.lines()[place]);
+        let y = Array2::from_shape_fn(u.dim(), |(_, place)| {
+            Complex64::new(lines.dft.lines()[place] as f64, 2.0) * u[[0, place]] + 0.25
+        });
+        let rest = lines.unexplained(&u, &y, &plant).expect("shapes agree");
+        for place in (0..lines.n_lines()).filter(|place| inside(*place)) {
+            assert!((rest[[0, place]] - 0.25).norm() < 1e-12);
+        }
+        assert!(lines.unexplained(&y, &Array2::zeros((2, 3)), &plant).is_err());
     }
 
     #[test]

@@ -61,12 +61,6 @@ impl RippleTorque {
         Ok(Self { glide: glide.clone(), axes })
     }
 
-    /// The glide it was learned from.
-    #[must_use]
-    pub fn glide(&self) -> &Record {
-        &self.glide
-    }
-
     /// The run without the glide and without the difference of ripple between the run's positions and the glide's; axes that
     /// stood still in the glide lose the glide alone.
     ///

@@ -47,9 +47,8 @@ impl Baseline {
     /// [`ExperimentError::Estimate`] for glides without positions, or a plant that does not fit.
     pub fn with_ripple(&self, plant: &Frf) -> Result<Self, ExperimentError> {
         match self {
-            Self::None => Ok(Self::None),
             Self::Glide(glide) => Ok(Self::Ripple(RippleTorque::of_glide(glide, plant)?)),
-            Self::Ripple(ripple) => Ok(Self::Ripple(RippleTorque::of_glide(ripple.glide(), plant)?)),
+            known => Ok(known.clone()),
         }
     }
 

@@ -2,14 +2,13 @@
 
 use ndarray::s;
 
-use frfid_estimate::{
-    BlaOptions, Campaign, ExcerptOptions, Excerpts, LineDft, Place, RunSpectra, Transform,
-};
+use frfid_estimate::{BlaOptions, Campaign, ExcerptOptions, Excerpts, LineDft, Place, RunSpectra, Transform};
 use frfid_signals::{Excitation, Frf, Plan, Record, RunId, RunKind, SignalError};
 
 use crate::ExperimentError;
 use crate::baseline::Baseline;
 use crate::config::{EstimateTable, GlideSubtraction};
+use crate::ripple_residual::{FreeSpectra, RippleResidual};
 
 /// Turns the records of one plan into spectra, and the spectra into an FRF.
 pub struct Estimator {
@@ -19,12 +18,54 @@ pub struct Estimator {
     frequency_hz: Vec<f64>,
     transform: Box<dyn Transform>,
     baseline: Baseline,
+    residual: Option<RippleResidual>,
     /// That of excerpts; none for lines.
     relative_resolution: Option<f64>,
 }
 
-/// The spectra of the periods of one record.
-pub type PeriodSpectra = Vec<(Place, RunSpectra)>;
+/// Spectra of records, in any order.
+#[derive(Debug, Clone, Default)]
+pub struct Spectra {
+    /// On the lines of the estimate, period by period.
+    periods: Vec<(Place, RunSpectra)>,
+    /// On the lines around them that are not excited.
+    free: Vec<FreeSpectra>,
+}
+
+impl Spectra {
+    /// Number of periods of runs.
+    #[must_use]
+    pub fn n_periods(&self) -> usize {
+        self.periods.len()
+    }
+
+    /// Adds those of other records.
+    pub fn extend(&mut self, other: Self) {
+        self.periods.extend(other.periods);
+        self.free.extend(other.free);
+    }
+}
+
+/// An FRF with what a careful reader should know besides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimated {
+    /// The FRF.
+    pub frf: Frf,
+    /// Runs that were missing: their periods are not in the estimate.
+    pub missing: Vec<Place>,
+    /// Whether what remains of the ripple exceeds the noise, line by line; `None` where it cannot be told: no glide was
+    /// subtracted, or every reference was applied but once.
+    pub ripple: Option<Vec<bool>>,
+}
+
+impl Estimated {
+    /// Frequencies in Hz at which what remains of the ripple exceeds the noise.
+    #[must_use]
+    pub fn disturbed_hz(&self) -> Vec<f64> {
+        let lines = self.frf.frequency_hz.iter().zip(self.ripple.iter().flatten());
+        lines.filter(|(_, exceeds)| **exceeds).map(|(hz, _)| *hz).collect()
+    }
+}
 
 impl Estimator {
     /// An estimator for the records of `plan`: DFT of the periods of a multisine on its excited lines, excerpts of a chirp.
@@ -54,6 +95,7 @@ impl Estimator {
             frequency_hz,
             transform,
             baseline: Baseline::None,
+            residual: RippleResidual::of_plan(plan, options)?,
             relative_resolution,
         })
     }
@@ -76,18 +118,16 @@ impl Estimator {
     }
 
     /// Learns the ripple over the motor position from the glides and one run of every experiment of a realization: a first
-    /// estimate of the plant tells what of the glide is ripple, and with that off the second estimate tells it better.
+    /// estimate of the plant tells what of the glide is ripple.
     ///
     /// # Errors
     /// [`ExperimentError`] for records that do not make an estimate.
     pub fn learn_ripple(&mut self, runs: &[(RunId, Record)]) -> Result<(), ExperimentError> {
-        const PASSES: usize = 2;
-        for _ in 0..PASSES {
-            let spectra = runs.iter().map(|(id, record)| self.spectra(*id, record, &|_| false));
-            let spectra = spectra.collect::<Result<Vec<_>, _>>()?.concat();
-            let (plant, _) = self.estimate(spectra)?;
-            self.baseline = self.baseline.with_ripple(&plant)?;
+        let mut spectra = Spectra::default();
+        for (id, record) in runs {
+            spectra.extend(self.spectra(*id, record, &|_| false)?);
         }
+        self.baseline = self.baseline.with_ripple(&self.estimate(spectra)?.frf)?;
         Ok(())
     }
 
@@ -100,15 +140,26 @@ impl Estimator {
         id: RunId,
         record: &Record,
         lost: &dyn Fn(usize) -> bool,
-    ) -> Result<PeriodSpectra, ExperimentError> {
+    ) -> Result<Spectra, ExperimentError> {
         if id.kind == RunKind::Glide {
-            return Ok(Vec::new());
+            return Ok(Spectra::default());
         }
         let rest = self.baseline.subtract_from(record)?;
         let record = rest.as_ref().unwrap_or(record);
         let complete = record.n_steady_samples().saturating_sub(self.plan.lead_in_samples) / self.period_samples;
-        let periods = (0..complete.min(self.plan.n_periods)).filter(|&period| !lost(period));
-        periods.map(|period| Ok((self.place(id, period), self.period_spectra(record, period)?))).collect()
+        let mut spectra = Spectra::default();
+        for period in (0..complete.min(self.plan.n_periods)).filter(|&period| !lost(period)) {
+            let start = self.plan.lead_in_samples + period * self.period_samples;
+            let window = s![.., start..start + self.period_samples];
+            let (u, y) = (record.u.slice(window), record.y.slice(window));
+            let r = record.r.as_ref().filter(|_| self.options.indirect).map(|r| r.slice(window));
+            let place = self.place(id, period);
+            spectra.periods.push((place, RunSpectra::of(&*self.transform, u, y, r)?));
+            if let Some(residual) = &self.residual {
+                spectra.free.extend(residual.spectra(place, u, y)?);
+            }
+        }
+        Ok(spectra)
     }
 
     /// Place of a period in the campaign: repetitions and periods back to back together are the estimator's periods.
@@ -117,38 +168,33 @@ impl Estimator {
         Place { realization: id.realization, period, experiment: id.experiment }
     }
 
-    fn period_spectra(&self, record: &Record, period: usize) -> Result<RunSpectra, ExperimentError> {
-        let start = self.plan.lead_in_samples + period * self.period_samples;
-        let window = s![.., start..start + self.period_samples];
-        let r = record.r.as_ref().filter(|_| self.options.indirect).map(|r| r.slice(window));
-        Ok(RunSpectra::of(&*self.transform, record.u.slice(window), record.y.slice(window), r)?)
-    }
-
     /// The FRF of one record for each experiment.
     ///
     /// # Errors
     /// [`ExperimentError`] for records that do not make an estimate.
     pub fn frf_of_experiments(&self, records: &[Record]) -> Result<Frf, ExperimentError> {
-        let spectra = records.iter().enumerate().map(|(experiment, record)| {
+        let mut spectra = Spectra::default();
+        for (experiment, record) in records.iter().enumerate() {
             let id = RunId { kind: RunKind::Excitation, realization: 0, experiment, repetition: 0 };
-            self.spectra(id, record, &|_| false)
-        });
-        Ok(self.estimate(spectra.collect::<Result<Vec<_>, _>>()?.concat())?.0)
+            spectra.extend(self.spectra(id, record, &|_| false)?);
+        }
+        Ok(self.estimate(spectra)?.frf)
     }
 
     /// The FRF of all spectra; periods of which an experiment is missing are left out and named.
     ///
     /// # Errors
     /// [`ExperimentError`] if nothing remains, or U cannot be inverted.
-    pub fn estimate(&self, spectra: PeriodSpectra) -> Result<(Frf, Vec<Place>), ExperimentError> {
+    pub fn estimate(&self, spectra: Spectra) -> Result<Estimated, ExperimentError> {
         let mut campaign = Campaign::new(self.frequency_hz.clone())?;
-        for (place, run) in spectra {
+        for (place, run) in spectra.periods {
             campaign.insert(place, run)?;
         }
         let missing = campaign.drop_incomplete();
         let options = BlaOptions { averaging: self.options.average.into(), ..BlaOptions::default() };
-        let frf = campaign.estimate(&options)?;
-        Ok((Frf { relative_resolution: self.relative_resolution, ..frf }, missing))
+        let frf = Frf { relative_resolution: self.relative_resolution, ..campaign.estimate(&options)? };
+        let ripple = self.residual.as_ref().map(|residual| residual.exceeds_noise(spectra.free, &frf)).transpose()?;
+        Ok(Estimated { frf, missing, ripple: ripple.flatten() })
     }
 }
 

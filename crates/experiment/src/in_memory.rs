@@ -2,22 +2,12 @@
 
 use std::sync::Mutex;
 
-use frfid_estimate::Place;
-use frfid_signals::{Frf, Record, Run, RunId, RunKind, Testbed};
+use frfid_signals::{Plan, Record, Run, RunId, RunKind, Testbed};
 
 use crate::campaign::{Progress, run_all};
 use crate::config::EstimateTable;
-use crate::estimator::{Estimator, PeriodSpectra};
+use crate::estimator::{Estimated, Estimator, Spectra};
 use crate::{Experiment, ExperimentError};
-
-/// An FRF with what was left out of it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Estimated {
-    /// The FRF.
-    pub frf: Frf,
-    /// Runs that were missing: their periods are not in the estimate.
-    pub missing: Vec<Place>,
-}
 
 impl Experiment {
     /// Does every run of the plan on `testbed` and estimates the FRF; only spectra are kept.
@@ -66,7 +56,7 @@ impl Experiment {
             let learners = estimators.iter_mut().filter(|estimator| estimator.learns_ripple());
             learners.into_iter().try_for_each(|estimator| estimator.learn_ripple(&learned))?;
         }
-        let spectra: [Mutex<PeriodSpectra>; N] = std::array::from_fn(|_| Mutex::default());
+        let spectra: [Mutex<Spectra>; N] = std::array::from_fn(|_| Mutex::default());
         let of_all = |done: usize, _: usize| progress(glides.len() + done, ids.len());
         run_all(excited, &reference, testbed, jobs, &of_all, &|run, record| {
             look(run, &record)?;
@@ -77,12 +67,35 @@ impl Experiment {
             Ok(())
         })?;
         let estimated = estimators.iter().zip(spectra).map(|(estimator, spectra)| {
-            let (frf, missing) = estimator.estimate(spectra.into_inner().expect("no holder of the lock panics"))?;
-            Ok(Estimated { frf, missing })
+            estimator.estimate(spectra.into_inner().expect("no holder of the lock panics"))
         });
         let estimated = estimated.collect::<Result<Vec<_>, ExperimentError>>()?;
         Ok(estimated.try_into().expect("one estimate for each way"))
     }
+}
+
+/// Estimates the FRF of a plan from its records, glides and runs, in memory.
+///
+/// # Errors
+/// [`ExperimentError`] for records that do not fit the plan or do not make an estimate.
+pub fn estimate_records(
+    plan: &Plan,
+    options: &EstimateTable,
+    records: &[(RunId, Record)],
+) -> Result<Estimated, ExperimentError> {
+    let mut estimator = Estimator::new(plan, options)?;
+    let glides = records.iter().filter(|(id, _)| id.kind == RunKind::Glide);
+    estimator.set_glides(&glides.map(|(_, record)| record.clone()).collect::<Vec<_>>())?;
+    if estimator.learns_ripple() {
+        let ids: Vec<RunId> = learning_runs(&records.iter().map(|(id, _)| *id).collect::<Vec<_>>()).collect();
+        let learned = records.iter().filter(|(id, _)| ids.contains(id)).cloned();
+        estimator.learn_ripple(&learned.collect::<Vec<_>>())?;
+    }
+    let mut spectra = Spectra::default();
+    for (id, record) in records {
+        spectra.extend(estimator.spectra(*id, record, &|_| false)?);
+    }
+    estimator.estimate(spectra)
 }
 
 /// One run of every experiment of the first realization.

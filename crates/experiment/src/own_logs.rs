@@ -12,8 +12,7 @@ use frfid_signals::{Event, EventKind, Plan, Record, RunId, RunKind};
 
 use crate::campaign::{Progress, in_pool};
 use crate::config::EstimateTable;
-use crate::estimator::{Estimator, PeriodSpectra};
-use crate::in_memory::Estimated;
+use crate::estimator::{Estimated, Estimator, Spectra};
 use crate::predict::Peaks;
 use crate::provenance::DESIGN;
 use crate::source::Source;
@@ -108,17 +107,9 @@ pub fn estimate_own(
     let Found { spectra, mut losses, peaks, strengths } =
         files.found.into_inner().expect("no holder of the lock panics");
     losses.sort_by(|(a, _), (b, _)| a.cmp(b));
-    let (frf, missing) = estimator.estimate(spectra)?;
+    let estimated = estimator.estimate(spectra)?;
     let (n_files, strength) = (labels.runs.len(), experiment.strength(strengths));
-    Ok(OwnLogs {
-        estimated: Estimated { frf, missing },
-        experiment,
-        n_files,
-        unreadable: labels.unreadable,
-        losses,
-        peaks,
-        strength,
-    })
+    Ok(OwnLogs { estimated, experiment, n_files, unreadable: labels.unreadable, losses, peaks, strength })
 }
 
 /// Which file holds which run.
@@ -193,7 +184,7 @@ fn other_design(path: &Path, found: &str, needed: &str) -> ExperimentError {
 /// What the files held.
 #[derive(Default)]
 struct Found {
-    spectra: PeriodSpectra,
+    spectra: Spectra,
     losses: Vec<(PathBuf, Loss)>,
     peaks: Option<Peaks>,
     strengths: OfRuns,

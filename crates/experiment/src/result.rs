@@ -83,9 +83,24 @@ fn own(paths: &[PathBuf], logs: OwnLogs) -> Result<Estimate, ExperimentError> {
     warnings.extend(strength.iter().flat_map(|strength| strength.warnings.iter().cloned()));
     let mut checks = vec![complete, condition_check(&estimated.frf)];
     checks.extend(strength.as_ref().and_then(Strength::sign_check));
+    let disturbed = estimated.disturbed_hz();
+    warnings.extend(ripple_warning(&disturbed, estimated.frf.n_frequencies()));
     let mut result = experiment.result(estimated.frf, peaks.as_ref(), checks);
+    if !disturbed.is_empty() {
+        result.provenance.insert("ripple_above_noise_hz".into(), format!("{disturbed:.3?}"));
+    }
     log_hashes(paths, &mut result.provenance)?;
     Ok(Estimate { result, warnings, is_lossy, strength })
+}
+
+/// Says at which lines the ripple is not cured.
+fn ripple_warning(disturbed_hz: &[f64], n_lines: usize) -> Option<String> {
+    let (first, last) = (disturbed_hz.first()?, disturbed_hz.last()?);
+    Some(format!(
+        "what remains of the torque ripple exceeds the noise at {} of {n_lines} lines, the first at {first:.3} Hz and the last at \
+         {last:.3} Hz: there the noise variance says too little, trust the total variance",
+        disturbed_hz.len()
+    ))
 }
 
 impl Experiment {

@@ -38,11 +38,7 @@ impl<'a> IterationFiles<'a> {
 
     /// The FRF from motor torque to motor velocity, by excerpts of the chirp.
     pub fn frf(&self, records: &[Record]) -> Result<Frf, ExperimentError> {
-        let mut spectra = Vec::new();
-        for (experiment, record) in records.iter().enumerate() {
-            spectra.extend(self.estimator.spectra(run_id(0, experiment), record, &|_| false)?);
-        }
-        Ok(self.estimator.estimate(spectra)?.0)
+        self.estimator.frf_of_experiments(records)
     }
 
     /// Writes FRFs and errors beside the runs in `folder`; returns the hash of every file.

@@ -27,7 +27,7 @@ fn periods_after_the_instant_that_led_to_a_stop_are_not_used() {
             events: stop.into_iter().collect(),
         };
         let id = plan.run_ids().next().expect("a run");
-        estimator.spectra(id, &record, &|_| false).expect("finite").len()
+        estimator.spectra(id, &record, &|_| false).expect("finite").n_periods()
     };
     let all = lead_in + 3 * period;
     let after_s = |samples: usize| Some(samples as f64 * plan.sample_time_s);

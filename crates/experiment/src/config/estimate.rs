@@ -21,12 +21,7 @@ pub struct EstimateTable {
 
 impl Default for EstimateTable {
     fn default() -> Self {
-        Self {
-            average: Average::Frfs,
-            glide_subtraction: GlideSubtraction::Time,
-            indirect: false,
-            n_frequencies: 200,
-        }
+        Self { average: Average::Frfs, glide_subtraction: GlideSubtraction::Time, indirect: false, n_frequencies: 200 }
     }
 }
 
@@ -62,4 +57,3 @@ impl From<Average> for Averaging {
         }
     }
 }
-

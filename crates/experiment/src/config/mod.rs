@@ -81,4 +81,3 @@ pub struct ConstantVelocityTable {
     #[serde(default)]
     pub glides: usize,
 }
-

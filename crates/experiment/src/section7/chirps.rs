@@ -22,8 +22,10 @@ pub struct ShapedChirps {
     pub iterations: Vec<Summary>,
     /// Number of the best iteration, from 1.
     pub best: usize,
-    /// FRF by excerpts from the records of the first iteration (figure 9).
-    pub first: Frf,
+    /// Number of the first iteration in which every axis moves, from 1.
+    pub first: usize,
+    /// FRF by excerpts from its records (figure 9).
+    pub first_frf: Frf,
     /// FRF by excerpts from the records of the best iteration (figures 9 and 10).
     pub frf: Frf,
     /// The truth at the pose at the same frequencies, seen through the sensor.
@@ -52,7 +54,6 @@ pub struct ShapedChirps {
     pub warnings: Vec<String>,
 }
 
-
 impl ShapedChirps {
     /// Shapes the chirp of `experiment` on its model.
     ///
@@ -63,20 +64,22 @@ impl ShapedChirps {
         let estimator = Estimator::new(plan, &experiment.config.estimate)?;
         let mut first = None;
         let shaper = shaped(experiment, jobs, progress, &mut |iteration| {
-            if first.is_none() {
-                first = Some(estimator.frf_of_experiments(&iteration.records)?);
+            if first.is_none() && iteration.stuck_share.iter().all(|share| *share < 1.0) {
+                first = Some((iteration.number, estimator.frf_of_experiments(&iteration.records)?));
             }
             Ok(())
         })?;
         let (desired, sample_time_s) = (experiment.desired_signal()?, plan.sample_time_s);
         let shaped = shaper.finish()?;
         let frf = estimator.frf_of_experiments(&shaped.best.records)?;
+        let (first, first_frf) = first.unwrap_or_else(|| (shaped.best.number, frf.clone()));
         let axis = SHOWN_AXIS.min(plan.n_inputs - 1);
         let conditions = shaped.best.estimate.as_ref().map(|estimate| conditions(estimate, plan, chirp)).transpose()?;
         let (condition_hz, condition, condition_at_reference) = conditions.unwrap_or_default();
         let n_runs = shaped.iterations.len() * plan.n_experiments();
         Ok(Self {
-            first: first.unwrap_or_else(|| frf.clone()),
+            first,
+            first_frf,
             truth: experiment.truth(&frf.frequency_hz, Hold::Zoh, true)?,
             frf,
             best: shaped.best.number,
@@ -111,7 +114,8 @@ pub(super) fn shaped(
             return Err(ExperimentError::ShapingInterrupted { iteration: done + 1 });
         }
         let runs = shaper.runs();
-        let records = in_pool(jobs, || Ok(runs.par_iter().map(|run| testbed.run(run)).collect::<Result<Vec<_>, _>>()?))?;
+        let records =
+            in_pool(jobs, || Ok(runs.par_iter().map(|run| testbed.run(run)).collect::<Result<Vec<_>, _>>()?))?;
         look(shaper.measured(records)?)?;
     }
     progress(options.n_iterations, options.n_iterations);

@@ -1,6 +1,7 @@
 //! Section 7 of the paper: the base axes of a robot in closed loop, every experiment of figures 3 and 6 to 10.
 
 mod chirps;
+mod claims;
 mod multisine;
 
 use frfid_estimate::Summary;
@@ -11,7 +12,7 @@ pub use chirps::ShapedChirps;
 pub use multisine::MultisineCampaign;
 
 use crate::campaign::Progress;
-use crate::config::{Amplitude, StepName};
+use crate::config::{Amplitude, LimitsTable, StepName};
 use crate::init::Template;
 use crate::{Experiment, ExperimentError, Source, log_spaced};
 
@@ -36,7 +37,6 @@ pub struct Section7 {
     pub table1_warnings: Vec<String>,
 }
 
-
 /// What the campaigns cost in turn, in percent of the whole: multisine, chirps (9), chirps (26), the paper's step, table 1.
 const SHARES: [usize; 5] = [60, 11, 11, 11, 7];
 
@@ -51,9 +51,8 @@ impl Section7 {
             move |done: usize, total: usize| progress(before + SHARES[number] * done / total.max(1), 100)
         };
         let chirp = of_template("r3-chirp")?;
-        let chirps = |number: usize, phasing: Phasing| {
-            ShapedChirps::run(&with_phasing(&chirp, phasing)?, jobs, &part(number))
-        };
+        let chirps =
+            |number: usize, phasing: Phasing| ShapedChirps::run(&with_phasing(&chirp, phasing)?, jobs, &part(number));
         let multisine = of_template("r3-multisine")?;
         Ok(Self {
             joint_names: multisine.config.robot.joint_names(),
@@ -82,12 +81,17 @@ fn with_phasing(experiment: &Experiment, phasing: Phasing) -> Result<Experiment,
     Ok(Experiment::of(config, experiment.source.clone())?)
 }
 
-/// Every iteration of the paper's own step.
+/// Iterations of the paper's own step: enough to see where it leads.
+const PAPER_ITERATIONS: usize = 9;
+
+/// Every iteration of the paper's own step, without the limits on the way: they would hold it where it is.
 fn paper_step(experiment: &Experiment, jobs: usize, progress: Progress) -> Result<Vec<Summary>, ExperimentError> {
     let mut config = experiment.config.clone();
     if let Some(shape) = &mut config.shape {
         shape.step = StepName::Paper;
+        shape.n_iterations = PAPER_ITERATIONS;
     }
+    config.limits = LimitsTable::default();
     let experiment = Experiment::of(config, experiment.source.clone())?;
     let mut iterations = Vec::new();
     chirps::shaped(&experiment, jobs, progress, &mut |iteration| {

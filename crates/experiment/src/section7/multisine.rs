@@ -25,6 +25,8 @@ pub struct MultisineCampaign {
     pub in_time: Frf,
     /// The glide subtracted by motor position.
     pub by_position: Frf,
+    /// Lines of `by_position` at which what remains of the ripple exceeds the noise.
+    pub flagged: Vec<bool>,
     /// The truth at the pose on the lines of the multisine, seen through the sensor.
     pub truth: Frf,
     /// Truths at poses along the way from its start to its end.
@@ -56,8 +58,8 @@ impl MultisineCampaign {
             *largest = Some(largest.take().map_or_else(|| peaks.clone(), |before| before.max(&peaks)));
             Ok(())
         };
-        let estimated =
-            experiment.measure_each(ways.each_ref(), &*experiment.testbed()?, jobs, progress, &look)?;
+        let estimated = experiment.measure_each(ways.each_ref(), &*experiment.testbed()?, jobs, progress, &look)?;
+        let flagged = estimated[2].ripple.clone().unwrap_or_default();
         let [uncompensated, in_time, by_position] = estimated.map(|estimated| estimated.frf);
         let hz = &uncompensated.frequency_hz;
         let first = RunId { kind: RunKind::Excitation, realization: 0, experiment: 0, repetition: 0 };
@@ -70,6 +72,7 @@ impl MultisineCampaign {
             uncompensated,
             in_time,
             by_position,
+            flagged,
             peaks: largest.into_inner().expect("no holder of the lock panics").expect("a plan has runs"),
             n_runs: plan.n_runs(),
             robot_time_s: plan.robot_time_s()?,
@@ -83,7 +86,8 @@ fn along_the_way(experiment: &Experiment, hz: &[f64]) -> Result<Vec<Frf>, Experi
     let truth = |number: usize| {
         let share = 1.0 - 2.0 * number as f64 / (POSES - 1) as f64;
         let mut config = experiment.config.clone();
-        config.robot.pose_rad = Some(pose_rad.iter().zip(&start_rad).map(|(pose, start)| pose + share * start).collect());
+        config.robot.pose_rad =
+            Some(pose_rad.iter().zip(&start_rad).map(|(pose, start)| pose + share * start).collect());
         Experiment::of(config, experiment.source.clone())?.truth(hz, Hold::Zoh, true)
     };
     (0..POSES).map(truth).collect()

@@ -6,7 +6,7 @@ use frfid_signals::Frf;
 
 use super::{curve, estimate, labels};
 use crate::paper::Named;
-use crate::{Mark, MarkShape, ReportError, Style, bode_matrix};
+use crate::{Curve, Mark, MarkShape, ReportError, Style, bode_matrix};
 
 /// How far a peak of figure 9 must stand out, in dB.
 const PROMINENCE_DB: f64 = 3.0;
@@ -15,17 +15,18 @@ const DEPTH_DB: f64 = 30.0;
 
 /// Figure 8: with and without compensation of the ripple.
 pub(super) fn figure_8(section7: &Section7) -> Result<Named, ReportError> {
-    let MultisineCampaign { uncompensated, in_time, by_position, .. } = &section7.multisine;
+    let MultisineCampaign { uncompensated, in_time, by_position, flagged, .. } = &section7.multisine;
+    let position = estimate("glide subtracted by motor position", by_position, Style::Markers);
     let curves = [
         curve("linear truth at the pose", &section7.truth, Style::Reference),
         curve("not compensated", uncompensated, Style::Line),
         curve("glide subtracted in time", in_time, Style::Line),
-        estimate("glide subtracted by motor position", by_position, Style::Markers),
+        Curve { flagged: Some(flagged.clone()).filter(|flagged| !flagged.is_empty()), ..position },
     ];
     Ok(Named {
         name: "figure_8_ripple",
         caption: "Figure 8: the multisine's FRF with and without compensation of the motors' periodic disturbances. Shaded: 95 % region of \
-                  noise and nonlinear distortion."
+                  noise and nonlinear distortion. Crossed: lines at which what remains of the ripple exceeds the noise."
             .into(),
         figure: bode_matrix(&curves, &labels(section7), false, &[])?,
     })
@@ -36,7 +37,7 @@ pub(super) fn figure_9(section7: &Section7) -> Result<Named, ReportError> {
     let Section7 { orthogonal, sign_flip, .. } = section7;
     let curves = [
         curve("linear truth at the pose", &section7.truth, Style::Reference),
-        curve("sign flip, iteration 1", &sign_flip.first, Style::Line),
+        curve(&format!("sign flip, iteration {}", sign_flip.first), &sign_flip.first_frf, Style::Line),
         curve(&format!("orthogonal, iteration {}", orthogonal.best), &orthogonal.frf, Style::Line),
         curve(&format!("sign flip, iteration {}", sign_flip.best), &sign_flip.frf, Style::Line),
     ];
@@ -44,7 +45,7 @@ pub(super) fn figure_9(section7: &Section7) -> Result<Named, ReportError> {
     marks.extend(peaks(&sign_flip.frf, 3, MarkShape::Circle, "peaks of τ1 → dq2/dt, sign flip"));
     Ok(Named {
         name: "figure_9_chirps",
-        caption: "Figure 9: the chirp's FRF at the first and the best iteration. The peaks of the channel τ1 → dq2/dt are marked there and, \
+        caption: "Figure 9: the chirp's FRF at the first iteration in which every axis moves, and at the best. The peaks of the channel τ1 → dq2/dt are marked there and, \
                   at the same place, in the channel τ2 → dq1/dt, which should equal it."
             .into(),
         figure: bode_matrix(&curves, &labels(section7), false, &marks)?,
