@@ -197,12 +197,15 @@ fn a_folder_of_something_else_and_files_that_were_changed_are_refused() {
     assert_eq!(contents(&here.join("mine")).len(), 1);
 }
 
+/// What is changed in the description, where the message points, and what it says.
+type Refusal<'a> = (&'a [(&'a str, &'a str)], &'a str, &'a str);
+
 #[test]
 fn what_shaping_needs_is_asked_for_at_its_place() {
     let shape = "\n[shape]\ndesired_nm = [200.0]\ngood_enough = 0.1\n";
     let controller = "\n[controller]\ngain_nms_per_rad = [2000.0]\nintegral_gain_nm_per_rad = [16000.0]\n";
     let open: &[(&str, &str)] = &[(controller, "\n"), ("amplitude_rad_s = [0.006]", "amplitude_nm = [10.0]")];
-    let all: [(&[(&str, &str)], &str, &str); 7] = [
+    let all: [Refusal; 7] = [
         (&[(shape, "")], "no [shape]: add this table", "^^^^^"),
         (open, "add a table [controller]", "^^^^^"),
         (&[("desired_nm = [200.0]", "")], "desired torque (desired_nm)", "^^^^^"),

@@ -55,7 +55,7 @@ pub use robot::{
 pub use run_folder::{RunOptions, RunReport, RunSummary, run_to_folder};
 pub use schema::schema;
 pub use section6::{Pair, Section6};
-pub use section7::{MultisineCampaign, Section7, ShapedChirps};
+pub use section7::{Conditions, MultisineCampaign, Section7, ShapedChirps};
 pub use shape_folder::{ShapeFolderOptions, shape_to_folder};
 pub use shape_report::{IterationReport, ShapePeaks, ShapeReport};
 pub use source::{ConfigError, Place, Source};

@@ -12,7 +12,7 @@ use frfid_signals::range::{not_negative, positive};
 /// u = gain e + integral, the integral growing by integral_gain e T per sample T; one value per axis.
 ///
 /// The error is e = r - y, r and y the reference and the reading of the motor velocity. A position loop adds
-/// position_gain (q_ref - q) to it, q the reading of the motor position and q_ref[k] = q_ref[0] + T (r[0] + ... + r[k-1]) the
+/// position_gain (q_ref - q) to it, q the reading of the motor position and `q_ref[k] = q_ref[0] + T (r[0] + ... + r[k-1])` the
 /// exact integral of a reference held between samples, from where the motor starts.
 ///
 /// The torque stays within its largest value and changes from sample to sample by no more than its largest rate. While

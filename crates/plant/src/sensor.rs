@@ -32,7 +32,7 @@ pub struct Sensor {
     pub position_noise_rad: Option<f64>,
     /// Rms of the white noise in rad/s on the velocity, before it is filtered.
     pub velocity_noise_rad_s: Option<f64>,
-    /// Corner in Hz of a low-pass of first order on the velocity reading, y[k] = p y[k-1] + (1 - p) v[k] with
+    /// Corner in Hz of a low-pass of first order on the velocity reading, `y[k] = p y[k-1] + (1 - p) v[k]` with
     /// p = e^{-2 pi f_c T}: the pole of 2 pi f_c / (s + 2 pi f_c), mapped exactly, H(z) = (1 - p) / (1 - p z^-1).
     pub velocity_filter_hz: Option<f64>,
     /// Resolution of the motor torque in N m: the torque that acts is a multiple of it.

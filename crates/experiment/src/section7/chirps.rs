@@ -30,12 +30,8 @@ pub struct ShapedChirps {
     pub frf: Frf,
     /// The truth at the pose at the same frequencies, seen through the sensor.
     pub truth: Frf,
-    /// Frequencies in Hz of the two condition numbers: lines of the whole record.
-    pub condition_hz: Vec<f64>,
-    /// Condition number of U in the best iteration: orthogonality was made at u.
-    pub condition: Vec<f64>,
-    /// What it would be with the references of `[chirp]`, enlarged: orthogonality made at r.
-    pub condition_at_reference: Vec<f64>,
+    /// How well U can be inverted; empty if the best iteration was stopped before its end.
+    pub conditions: Conditions,
     /// Sample time in s.
     pub sample_time_s: f64,
     /// Torque of axis 3 in N m in the first experiment of the best iteration (figure 7), and its spectrum (figure 3).
@@ -52,6 +48,17 @@ pub struct ShapedChirps {
     pub robot_time_s: f64,
     /// What is to be said of axes that stick, in words.
     pub warnings: Vec<String>,
+}
+
+/// Condition numbers of U, line by line.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Conditions {
+    /// Frequencies in Hz: lines of the whole record.
+    pub frequency_hz: Vec<f64>,
+    /// In the best iteration: orthogonality was made at u.
+    pub at_torque: Vec<f64>,
+    /// As the references of `[chirp]` would make them through the same response: orthogonality made at r.
+    pub at_reference: Vec<f64>,
 }
 
 impl ShapedChirps {
@@ -75,7 +82,6 @@ impl ShapedChirps {
         let (first, first_frf) = first.unwrap_or_else(|| (shaped.best.number, frf.clone()));
         let axis = SHOWN_AXIS.min(plan.n_inputs - 1);
         let conditions = shaped.best.estimate.as_ref().map(|estimate| conditions(estimate, plan, chirp)).transpose()?;
-        let (condition_hz, condition, condition_at_reference) = conditions.unwrap_or_default();
         let n_runs = shaped.iterations.len() * plan.n_experiments();
         Ok(Self {
             first,
@@ -83,9 +89,7 @@ impl ShapedChirps {
             truth: experiment.truth(&frf.frequency_hz, Hold::Zoh, true)?,
             frf,
             best: shaped.best.number,
-            condition_hz,
-            condition,
-            condition_at_reference,
+            conditions: conditions.unwrap_or_default(),
             sample_time_s,
             torque_nm: shaped.best.records[0].u.row(axis).to_owned(),
             desired_nm: desired.slice(ndarray::s![0, axis, ..]).to_owned(),
@@ -122,12 +126,8 @@ pub(super) fn shaped(
     Ok(shaper)
 }
 
-/// Frequencies, cond(U) as it is, and cond(U) as the references of the plan would make it through the same response.
-fn conditions(
-    estimate: &Estimate,
-    plan: &Plan,
-    chirp: &Chirp,
-) -> Result<(Vec<f64>, Vec<f64>, Vec<f64>), ExperimentError> {
+/// cond(U) as it is, and as the references of the plan would make it through the same response.
+fn conditions(estimate: &Estimate, plan: &Plan, chirp: &Chirp) -> Result<Conditions, ExperimentError> {
     let n = plan.n_inputs;
     let hz = &estimate.r_to_u.frequency_hz;
     let at_reference = |(line, &hz): (usize, &f64)| {
@@ -138,6 +138,6 @@ fn conditions(
         let g = DMatrix::from_fn(n, n, |output, input| estimate.r_to_u.response[[line, output, input]]);
         Ok(condition_number(&(g * r))?)
     };
-    let found: Result<Vec<f64>, ExperimentError> = hz.iter().enumerate().map(at_reference).collect();
-    Ok((hz.clone(), estimate.condition.clone(), found?))
+    let at_reference = hz.iter().enumerate().map(at_reference).collect::<Result<Vec<f64>, ExperimentError>>()?;
+    Ok(Conditions { frequency_hz: hz.clone(), at_torque: estimate.condition.clone(), at_reference })
 }

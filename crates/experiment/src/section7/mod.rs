@@ -8,7 +8,7 @@ use frfid_estimate::Summary;
 use frfid_plant::Hold;
 use frfid_signals::{Frf, Phasing};
 
-pub use chirps::ShapedChirps;
+pub use chirps::{Conditions, ShapedChirps};
 pub use multisine::MultisineCampaign;
 
 use crate::campaign::Progress;

@@ -42,9 +42,13 @@ pub fn section7_part<'a>(section7: &'a Section7, figures: &[Named]) -> Part<'a> 
         curve("chirp, orthogonal", &orthogonal.frf, Style::Line),
         curve("chirp, sign flip", &sign_flip.frf, Style::Line),
     ];
-    let mut notes = vec![
+    let mut notes: Vec<String> = vec![
         "Motor torque to motor velocity of the base axes of a simulated robot in closed loop, with Coulomb friction, torque ripple, \
          quantisation and sensor noise. Everything was simulated and estimated when this page was made."
+            .into(),
+        "Why the cross channels agree better with (26): its column 1 comes from two experiments in which the other axes move exactly \
+         oppositely, so their friction, an odd function, cancels. With (9) phases and amplitudes of the axes, and with them the \
+         friction, differ from experiment to experiment, and the difference is booked on the weak cross channel."
             .into(),
     ];
     notes.extend(sign_flip.warnings.iter().map(|warning| format!("Desired torques of figure 7: {warning}")));

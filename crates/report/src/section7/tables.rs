@@ -46,7 +46,7 @@ fn shaping(section7: &Section7) -> Table {
         vec![summary.map_or(NONE.into(), |summary| summary.number.to_string()), error, stuck]
     };
     let with_condition = |chirps: &ShapedChirps| {
-        let conditions = [median(&chirps.condition), median(&chirps.condition_at_reference)];
+        let conditions = [median(&chirps.conditions.at_torque), median(&chirps.conditions.at_reference)];
         [reached(best(chirps)), conditions.to_vec()].concat()
     };
     let last = [reached(paper_step.last().cloned()), vec![NONE.into(), NONE.into()]].concat();
