@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use frfid::estimate::{BlaOptions, estimate_bla};
+use frfid::estimate::{BlaOptions, Campaign, LineDft, Place, RunSpectra, estimate_bla};
 use frfid::signals::random::{normal, stream};
 use frfid::signals::{Draw, Frf, Phasing};
 use ndarray::{Array2, Array5, s};
@@ -81,7 +81,23 @@ fn estimate(criterion: &mut Criterion) {
     assert_right(&run(), variance);
     let mut group = criterion.benchmark_group("estimate_bla");
     group.bench_function("3x3, 10 realizations x 5 periods x 12288 samples", |bencher| bencher.iter(run));
+    let campaign = spectra(&u, &y, &lines);
+    let from_spectra = || black_box(&campaign).estimate(&BlaOptions::default()).expect("sound");
+    assert_right(&from_spectra(), variance);
+    group.bench_function("the same from spectra, 71 lines", |bencher| bencher.iter(from_spectra));
     group.finish();
+}
+
+/// The campaign on its lines, as it is kept while runs come in.
+fn spectra(u: &Array5<f64>, y: &Array5<f64>, lines: &[usize]) -> Campaign {
+    let dft = LineDft::new(PERIOD, lines).expect("sound");
+    let mut campaign = Campaign::new(dft.frequency_hz(SAMPLE_TIME_S).expect("sound")).expect("rising");
+    for (realization, experiment, period) in ndarray::indices((REALIZATIONS, AXES, PERIODS)) {
+        let run = s![realization, experiment, period, .., ..];
+        let run = RunSpectra::of(&dft, u.slice(run), y.slice(run), None).expect("finite");
+        campaign.insert(Place { realization, period, experiment }, run).expect("a new one");
+    }
+    campaign
 }
 
 criterion_group! { name = benches; config = paper::criterion(); targets = estimate }

@@ -19,6 +19,7 @@ def main():
     import numpy
     import scipy
 
+    import accelerations
     import bla
     import excerpts
     import frfid
@@ -28,7 +29,7 @@ def main():
     threads = options.threads or f"up to {os.cpu_count()}"
     print(f"{threads} threads, frfid {frfid.__version__}, numpy {numpy.__version__}, scipy {scipy.__version__}")
     print(f"{'work':34} {'instead':37} {'agree to':>8} {'times longer':>13} {'min':>7} {'max':>7}")
-    for part in (multisine, simulation, bla, excerpts):
+    for part in (multisine, simulation, accelerations, bla, excerpts):
         for case in part.cases():
             difference = case.difference()
             if not difference < case.tolerance:
