@@ -37,7 +37,10 @@ pub(crate) fn run(n: usize) -> RunFile {
                 event(0.0, EventKind::PeriodStart { period: 0 }),
                 event(1e-3 * (n / 2) as f64, EventKind::PeriodStart { period: 1 }),
                 event(0.1 * n as f64, limit),
-                event(1.0 / 3.0 * n as f64, EventKind::Stopped { reason: "end \"of\" test ü".into(), since_s: Some(0.25) }),
+                event(
+                    1.0 / 3.0 * n as f64,
+                    EventKind::Stopped { reason: "end \"of\" test ü".into(), since_s: Some(0.25) },
+                ),
             ],
         },
         metadata: [("seed", "42"), ("frfid", "0.1.0")].map(|(k, v)| (k.into(), v.into())).into(),
