@@ -121,8 +121,8 @@ fn folder(multisine: &[(&str, &str)], chirp: &[(&str, &str)]) -> TempDir {
     folder
 }
 
-/// The condition number of U, which the check looks at, is that of torques from 2 to 40 N m side by side: it says that
-/// they differ, not that the experiments are alike, and makes the exit code 3.
+/// The condition number of U may fail its check: with orthogonality made at r, some line among six coupled axes is poor at u,
+/// beyond what the spread of the torques explains. That makes the exit code 3.
 #[test]
 fn design_run_estimate_and_shape_through_the_binary() {
     let shorter = [

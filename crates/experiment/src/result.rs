@@ -81,7 +81,7 @@ fn own(paths: &[PathBuf], logs: OwnLogs) -> Result<Estimate, ExperimentError> {
     };
     let is_lossy = !complete.passed;
     warnings.extend(strength.iter().flat_map(|strength| strength.warnings.iter().cloned()));
-    let mut checks = vec![complete, condition_check(&estimated.frf)];
+    let mut checks = vec![complete, condition_check(&estimated.frf, efforts(peaks.as_ref()))];
     checks.extend(strength.as_ref().and_then(Strength::sign_check));
     let disturbed = estimated.disturbed_hz();
     warnings.extend(ripple_warning(&disturbed, estimated.frf.n_frequencies()));
@@ -160,7 +160,7 @@ fn foreign(paths: &[PathBuf], map: &LogMap, options: &EstimateOptions) -> Result
     log_hashes(paths, &mut provenance)?;
     let is_lossy = !found.losses.is_empty();
     let result = ResultFile {
-        checks: vec![periods, settled, condition_check(&found.frf)],
+        checks: vec![periods, settled, condition_check(&found.frf, &[])],
         frf: found.frf,
         input_names: found.names.inputs,
         output_names: found.names.outputs,
@@ -176,13 +176,25 @@ fn in_words(losses: &[(PathBuf, Loss)]) -> Vec<String> {
     losses.iter().map(|(path, loss)| format!("{}: {loss}", path.display())).collect()
 }
 
-pub(crate) fn condition_check(frf: &Frf) -> Check {
+/// Rms of the torque of every axis in N m, where it is known.
+fn efforts(peaks: Option<&Peaks>) -> &[f64] {
+    peaks.map_or(&[], |peaks| &peaks.effort_rms_nm)
+}
+
+/// Whether U could be inverted well. Torques of `effort_rms_nm` side by side make the condition number as large as their spread
+/// and cost nothing: what counts is what it is beyond that.
+pub(crate) fn condition_check(frf: &Frf, effort_rms_nm: &[f64]) -> Check {
     let worst = frf.condition.iter().flatten().copied().fold(1.0, f64::max);
+    let (low, high) =
+        effort_rms_nm.iter().fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), &rms| (low.min(rms), high.max(rms)));
+    let spread = if low > 0.0 && low < high { high / low } else { 1.0 };
+    let share =
+        if spread > 2.0 { format!(", {spread:.1} of it from the spread of the torques") } else { String::new() };
     Check {
         name: "condition number of U".into(),
-        passed: worst <= GOOD_CONDITION,
-        found: format!("{worst:.2} at worst"),
-        needed: format!("{GOOD_CONDITION} or less"),
+        passed: worst <= GOOD_CONDITION * spread,
+        found: format!("{worst:.2} at worst{share}"),
+        needed: format!("{:.0} or less", GOOD_CONDITION * spread),
         advice: "excite the inputs more differently from experiment to experiment, and equally strongly".into(),
     }
 }

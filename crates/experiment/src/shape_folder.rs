@@ -14,7 +14,6 @@ use frfid_signals::{Record, Run, RunId, Testbed};
 
 use crate::campaign::{Progress, run_all};
 use crate::provenance::{CONFIG, DESIGN};
-use crate::result::condition_check;
 use crate::run_folder::run_file;
 use crate::shape_iteration::{IterationFiles, NAMES};
 use crate::shape_report::{FILE, IterationReport, ShapeReport};
@@ -195,7 +194,7 @@ impl<'a> Trail<'a> {
         let (path, best) = (self.folder.join(BEST), &shaped.best);
         let frf = self.files.frf(&best.records)?;
         let high_hz = frf.frequency_hz.last().copied().unwrap_or(f64::INFINITY);
-        self.report.finish(shaped, high_hz, condition_check(&frf));
+        self.report.finish(shaped, high_hz, self.files.condition_check(&frf, best));
         let result =
             self.files.result(frf, best, &self.folder.join(iteration_name(best.number)), self.report.checks.clone())?;
         write_result(&path, Overwrite::Replace, &result)?;

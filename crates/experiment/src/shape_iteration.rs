@@ -41,6 +41,14 @@ impl<'a> IterationFiles<'a> {
         self.estimator.frf_of_experiments(records)
     }
 
+    /// Whether U of an iteration can be inverted well.
+    pub fn condition_check(&self, frf: &Frf, iteration: &estimate::Iteration) -> Check {
+        let still = vec![0.0; self.experiment.plan.n_inputs];
+        let peaks = iteration.records.iter().map(|record| Peaks::of(record, &still, &still));
+        let efforts = peaks.reduce(|a, b| a.max(&b)).map(|peaks| peaks.effort_rms_nm);
+        condition_check(frf, &efforts.unwrap_or_default())
+    }
+
     /// Writes FRFs and errors beside the runs in `folder`; returns the hash of every file.
     pub fn write(
         &self,
@@ -50,7 +58,7 @@ impl<'a> IterationFiles<'a> {
     ) -> Result<BTreeMap<String, String>, ExperimentError> {
         let mut names = run_names(iteration);
         if let Some(frf) = frf {
-            let checks = vec![condition_check(&frf)];
+            let checks = vec![self.condition_check(&frf, iteration)];
             let result = self.result(frf, iteration, folder, checks)?;
             write_result(&folder.join(U_TO_Y), Overwrite::Replace, &result)?;
             names.push(U_TO_Y.into());
