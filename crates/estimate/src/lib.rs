@@ -52,7 +52,7 @@ pub use shape::{
     BandMotion, Estimate, Iteration, Note, Peaks, Quantity, ShapeError, ShapeLimits, ShapeOptions, Shaped, Shaper,
     Step, Sticking, Stop, Summary, Target, Watcher, shape,
 };
-pub use singular::{condition_number, singular_values};
+pub use singular::{condition_number, scaled_condition_number, singular_values};
 pub use spectrogram::{Spectrogram, SpectrogramOptions, spectrogram};
 pub use strength::{AxisStrength, BandStrength, pooled_strength, strength};
 pub use strength_warning::strength_warnings;

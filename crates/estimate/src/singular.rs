@@ -31,6 +31,22 @@ pub fn condition_number(matrix: &DMatrix<Complex64>) -> Result<f64, EstimateErro
     Ok(condition_of_finite(matrix))
 }
 
+/// [`condition_number`] with the rows, the channels, scaled to equal size: torques of different size side by side then count
+/// for nothing, only whether the experiments differ.
+///
+/// # Errors
+/// As [`condition_number`].
+pub fn scaled_condition_number(matrix: &DMatrix<Complex64>) -> Result<f64, EstimateError> {
+    let mut scaled = matrix.clone();
+    for mut row in scaled.row_iter_mut() {
+        let size = row.norm();
+        if size > 0.0 {
+            row.unscale_mut(size);
+        }
+    }
+    condition_number(&scaled)
+}
+
 /// [`condition_number`] of a matrix whose entries are known to be finite.
 pub(crate) fn condition_of_finite(matrix: &DMatrix<Complex64>) -> f64 {
     let values = singular_values_of_finite(matrix);
@@ -167,6 +183,9 @@ mod tests {
     #[test]
     fn zero_is_infinitely_ill_conditioned_and_nan_is_refused() {
         assert_eq!(condition_number(&DMatrix::zeros(2, 2)), Ok(f64::INFINITY));
+        let unequal = DMatrix::from_fn(2, 2, |i, j| Complex64::from(if i == j { [400.0, 2.0][i] } else { 0.0 }));
+        assert_eq!(scaled_condition_number(&unequal), Ok(1.0));
+        assert_eq!(scaled_condition_number(&DMatrix::zeros(2, 2)), Ok(f64::INFINITY));
         let mut bad = complex(2, 3, 0);
         bad[(1, 2)] = Complex64::new(0.0, f64::NAN);
         let expected = SignalError::NotFinite { name: "matrix", count: 1, channel: 1, sample: 2 };

@@ -49,8 +49,8 @@ pub struct Estimate {
     pub channel_error: Vec<f64>,
     /// Rms of it over band and channels.
     pub error: f64,
-    /// Condition number of U per frequency, channels scaled to equal size: 1 if the experiments are orthogonal, 2 for the sign
-    /// flip on three axes.
+    /// Condition number of U per frequency, its channels scaled to equal size: 1 if the experiments are orthogonal, 2 for the
+    /// sign flip on three axes.
     pub condition: Vec<f64>,
 }
 
@@ -198,11 +198,7 @@ impl fmt::Display for Note {
         match self {
             Self::AllStuck => write!(f, "every axis was stuck: the response is that of the controller alone"),
             Self::Exceeded { axis, quantity, found, limit } => {
-                write!(
-                    f,
-                    "axis {}: {quantity} reached {found:.4}, the limit is {limit:.4}; the next step is smaller",
-                    axis + 1
-                )
+                write!(f, "axis {}: {quantity} reached {found:.4}, the limit is {limit:.4}", axis + 1)
             }
             Self::Stopped { experiment, time_s, reason } => {
                 write!(f, "experiment {} was stopped after {time_s:.3} s: {reason}", experiment + 1)

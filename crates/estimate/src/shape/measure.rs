@@ -10,7 +10,7 @@ use super::iteration::{Estimate, Note};
 use super::spectra::Band;
 use super::step::{coherence, response};
 use super::{ShapeError, ShapeOptions, Step, Target};
-use crate::singular::condition_of_finite;
+use crate::singular::scaled_condition_number;
 
 /// Share of the target's power in the band that the references must explain; what has nothing to do with them gets 0.1 by
 /// chance on three axes and 0.2 on six.
@@ -80,7 +80,7 @@ pub(super) fn estimate(
         r_to_y: frf(&y)?,
         channel_error: (0..n_axes).map(|c| rms(&error_per_frequency.column(c).to_vec())).collect(),
         error: rms(&error_per_frequency.iter().copied().collect::<Vec<_>>()),
-        condition: u.iter().map(condition).collect(),
+        condition: u.iter().map(scaled_condition_number).collect::<Result<_, _>>()?,
         error_per_frequency,
     })
 }
@@ -100,16 +100,6 @@ pub(super) fn stack(records: &[Record], signal: impl Fn(&Record) -> &Array2<f64>
 fn stacked(matrices: &[DMatrix<Complex64>]) -> Array3<Complex64> {
     let (rows, columns) = matrices[0].shape();
     Array3::from_shape_fn((matrices.len(), rows, columns), |(k, row, column)| matrices[k][(row, column)])
-}
-
-/// Condition number of U with its rows, the channels, scaled to equal size.
-fn condition(u: &DMatrix<Complex64>) -> f64 {
-    let mut scaled = u.clone();
-    for mut row in scaled.row_iter_mut() {
-        let size = row.norm();
-        row.unscale_mut(size);
-    }
-    condition_of_finite(&scaled)
 }
 
 /// `|X - X_des| / |X_des|` over the experiments, `(frequency, channel)`.

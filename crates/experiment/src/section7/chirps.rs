@@ -1,6 +1,6 @@
 //! Section 7.2 of the paper: chirps whose references are shaped until the torque is as desired (figures 3, 7 and 9).
 
-use frfid_estimate::{Estimate, Iteration, Shaper, Summary, condition_number};
+use frfid_estimate::{Estimate, Iteration, Shaper, Summary, scaled_condition_number};
 use frfid_plant::Hold;
 use frfid_signals::{Chirp, Frf, Plan};
 use nalgebra::DMatrix;
@@ -50,7 +50,7 @@ pub struct ShapedChirps {
     pub warnings: Vec<String>,
 }
 
-/// Condition numbers of U, line by line.
+/// Condition numbers of U, its channels scaled to equal size, line by line.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Conditions {
     /// Frequencies in Hz: lines of the whole record.
@@ -136,7 +136,7 @@ fn conditions(estimate: &Estimate, plan: &Plan, chirp: &Chirp) -> Result<Conditi
             Complex64::from_polar(amplitude, plan.phasing.phase_rad(channel, experiment, n))
         });
         let g = DMatrix::from_fn(n, n, |output, input| estimate.r_to_u.response[[line, output, input]]);
-        Ok(condition_number(&(g * r))?)
+        Ok(scaled_condition_number(&(g * r))?)
     };
     let at_reference = hz.iter().enumerate().map(at_reference).collect::<Result<Vec<f64>, ExperimentError>>()?;
     Ok(Conditions { frequency_hz: hz.clone(), at_torque: estimate.condition.clone(), at_reference })
