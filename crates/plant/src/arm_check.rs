@@ -33,14 +33,14 @@ impl Arm {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let bodies = self.bodies.iter().filter(|body| !body.simplified);
-        let tensors = bodies.map(|body| (body.part(), &body.inertia_kg_m2));
-        let payload = self.payload.iter().map(|payload| (PAYLOAD.into(), &payload.inertia_kg_m2));
-        let warning = |(part, tensor): (String, _)| {
+        let tensors = bodies.map(|body| (body.part(), &body.inertia_kg_m2, " or set simplified"));
+        let payload = self.payload.iter().map(|payload| (PAYLOAD.into(), &payload.inertia_kg_m2, ""));
+        let warning = |(part, tensor, or): (String, _, _)| {
             let [a, b, c] = principal_moments(tensor);
             (c > (a + b) * (1.0 + ROUNDING)).then(|| {
                 format!(
                     "{part}: no body has the principal moments of inertia {a:.4}, {b:.4}, {c:.4} kg m^2: the largest \
-                     exceeds the sum of the others; correct inertia_kg_m2 or set simplified"
+                     exceeds the sum of the others; correct inertia_kg_m2{or}"
                 )
             })
         };

@@ -28,13 +28,16 @@ pub struct PiController {
     pub position_gain: Option<Vec<f64>>,
     /// Sample time in s.
     pub sample_time_s: f64,
-    /// Whole samples between reading the velocity at t_k and the torque's acting; 0: from t_k on.
+    /// Whole samples between reading the velocity at t_k and the torque's acting, at most 100; 0: from t_k on.
     pub delay_samples: usize,
     /// Largest torque in N m; `None` for no limit.
     pub max_torque_nm: Option<Vec<f64>>,
     /// Largest change of the torque in N m/s; `None` for no limit.
     pub max_torque_rate_nm_per_s: Option<Vec<f64>>,
 }
+
+/// Most samples of delay: a tenth of a second at 1 kHz, in which no loop could do anything.
+const MOST_DELAY: usize = 100;
 
 /// The controller of one axis in numbers: its linear part.
 #[derive(Debug, Clone, Copy)]
@@ -72,9 +75,13 @@ impl PiController {
     ///
     /// # Errors
     /// [`SignalError::Shape`] for another number of axes, [`SignalError::Parameter`] for a gain that is negative, a limit or
-    /// sample time that is not above 0, or a number that is not finite.
+    /// sample time that is not above 0, a delay of more than 100 samples, or a number that is not finite.
     pub fn check(&self, n_axes: usize) -> Result<(), SignalError> {
         positive("sample_time_s", self.sample_time_s)?;
+        if self.delay_samples > MOST_DELAY {
+            let (name, found) = ("delay_samples", self.delay_samples as f64);
+            return Err(SignalError::Parameter { name, found, needed: "at most 100" });
+        }
         let gains = [
             ("gain", Some(&self.gain)),
             ("integral_gain", Some(&self.integral_gain)),
@@ -235,6 +242,7 @@ mod tests {
             ("integral_gain", PiController { integral_gain: vec![-1.0], ..controller() }),
             ("position_gain", PiController { position_gain: Some(vec![-1.0]), ..controller() }),
             ("sample_time_s", PiController { sample_time_s: 0.0, ..controller() }),
+            ("delay_samples", PiController { delay_samples: usize::MAX, ..controller() }),
             ("max_torque_nm", PiController { max_torque_nm: Some(vec![0.0]), ..controller() }),
             ("max_torque_rate_nm_per_s", PiController { max_torque_rate_nm_per_s: Some(vec![]), ..controller() }),
         ] {

@@ -63,7 +63,7 @@ fn eigenvalues(mut matrix: DMatrix<f64>) -> Option<Vec<Complex64>> {
 /// [`PlantError::Unstable`] with the fastest growing motion and the axis whose controller feeds it most;
 /// [`PlantError::Signal`] as [`loop_poles`].
 pub fn check_stability(robot: &dyn Robot, controller: &PiController, sensors: &[Sensor]) -> Result<(), PlantError> {
-    let worst = loop_poles(robot, controller, sensors)?[0];
+    let worst = loop_poles(robot, controller, sensors)?.first().copied().unwrap_or_default(); // largest first
     if worst.norm() <= 1.0 + TOLERANCE {
         return Ok(());
     }

@@ -3,6 +3,7 @@
 use std::array::from_fn;
 
 use crate::dynamics::{Links, State};
+use crate::recorder::channels;
 use crate::{Motion, PlantError, Segment};
 
 /// The motor torques in N m from one sample to the next, one for each axis.
@@ -21,7 +22,8 @@ pub trait Moving {
     /// Moves on by `n_steps` steps of `step_s` under motor torques that may jump before the first step but not between.
     ///
     /// # Errors
-    /// [`PlantError::Diverged`] if the state is no longer finite, [`PlantError::Chatter`].
+    /// [`PlantError::Diverged`] if the state is no longer finite, [`PlantError::Chatter`], [`PlantError::Signal`] for torques of
+    /// another number of axes.
     fn advance(&mut self, n_steps: usize, step_s: f64, torque: Acting) -> Result<(), PlantError>;
 
     /// Motor torques in N m that hold the present velocity against friction and against what the gears transmit.
@@ -50,16 +52,19 @@ impl<K: Links<A>, const A: usize> Moving for Motion<K, A> {
     fn advance(&mut self, n_steps: usize, step_s: f64, torque: Acting) -> Result<(), PlantError> {
         match torque {
             Acting::Held(torque) => {
-                let segment = Segment::constant(from_fn(|axis| torque[axis]));
+                let segment = Segment::constant(channels("torque", torque)?);
                 self.steps(n_steps, step_s, |_| segment)
             }
-            Acting::Line(from, to) => self.steps(n_steps, step_s, |step| {
-                let at = |share: f64| {
-                    let share = (step as f64 + share) / n_steps as f64;
-                    from_fn(|axis| (1.0 - share) * from[axis] + share * to[axis])
-                };
-                Segment::through(at(0.0), at(0.5), at(1.0))
-            }),
+            Acting::Line(from, to) => {
+                let [from, to]: [[f64; A]; 2] = [channels("torque", from)?, channels("torque", to)?];
+                self.steps(n_steps, step_s, |step| {
+                    let at = |share: f64| {
+                        let share = (step as f64 + share) / n_steps as f64;
+                        from_fn(|axis| (1.0 - share) * from[axis] + share * to[axis])
+                    };
+                    Segment::through(at(0.0), at(0.5), at(1.0))
+                })
+            }
             Acting::Function(torque) => self.steps(n_steps, step_s, |step| {
                 let at = |share: f64| from_fn(|axis| torque((step as f64 + share) * step_s, axis));
                 Segment::through(at(0.0), at(0.5), at(1.0))

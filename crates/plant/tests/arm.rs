@@ -181,6 +181,7 @@ fn what_cannot_be_is_refused_by_name_and_value() {
     expect(&|arm| arm.bodies[3].inertia_kg_m2[2][2] = -2.0, &["body b4", "principal moment is -2,"]);
     expect(&|arm| arm.bodies[1].inertia_kg_m2[0][1] = 5.0, &["body b2", "transpose is 5.46"]);
     expect(&|arm| arm.bodies[3].mass_kg = -1.0, &["body b4: mass_kg is -1"]);
+    expect(&|arm| arm.bodies[3].center_of_mass_m[1] = 1e200, &["mass matrix at the pose is NaN"]);
     expect(&|arm| arm.bodies[3].offset_m[1] = f64::NAN, &["body b4: offset_m is NaN"]);
     expect(&|arm| arm.bodies[2].axis = [0.0; 3], &["body b3: ", "axis", "is 0"]);
     expect(&|arm| arm.bodies[2].rotation[0][0] = 1.1, &["body b3: rotation", "rotation matrix"]);
