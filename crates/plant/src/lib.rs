@@ -12,6 +12,8 @@ mod challenges;
 mod closed_loop;
 mod controller;
 pub mod dynamics;
+#[cfg(test)]
+mod dynamics_tests;
 mod error;
 mod exit;
 mod flexible_joint;
