@@ -10,8 +10,6 @@ use crate::{Experiment, ExperimentError};
 
 /// Time in s in which a run that exceeds a limit is brought to rest.
 const RAMP_S: f64 = 0.2;
-/// A limit that is only touched, but for rounding, is kept.
-const ROUNDING: f64 = 1e-9;
 
 /// A robot in open loop, or under its controller.
 #[derive(Debug, Clone)]
@@ -107,9 +105,8 @@ impl Experiment {
     #[must_use]
     pub fn watch(&self) -> Watch {
         // an axis without a limit has one that no number reaches
-        let watched = |limit: Option<Vec<f64>>| {
-            limit.map(|limit| limit.iter().map(|limit| (limit * (1.0 + ROUNDING)).min(f64::MAX)).collect())
-        };
+        let watched =
+            |limit: Option<Vec<f64>>| limit.map(|limit| limit.iter().map(|limit| limit.min(f64::MAX)).collect());
         let LimitsTable { max_effort, max_velocity, max_travel, .. } = self.limits();
         Watch {
             max_effort_nm: watched(max_effort),

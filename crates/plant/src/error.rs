@@ -42,7 +42,7 @@ pub enum PlantError {
     },
     /// Modes changed too often within one step of the integrator.
     #[error(
-        "more than {limit} changes between stick, slip and the branches of the spring within one step at {time_s} s; lower max_step_s"
+        "more than {limit} changes between stick, slip and the branches of the spring within one step at {time_s:.4} s; lower the controller's gains if there is one, or lower max_step_s"
     )]
     Chatter {
         /// Number of changes allowed in a step.

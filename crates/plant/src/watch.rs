@@ -10,6 +10,8 @@ use crate::recorder::positive_limits;
 
 /// Beyond this multiple of a limit no ramp helps: the run is cut off at once, as by an emergency stop.
 const CUT_OFF: f64 = 2.0;
+/// A limit that is only touched, but for rounding, is kept.
+const ROUNDING: f64 = 1e-9;
 
 /// What the readings of a run must not exceed, one value for each axis; whatever is `None` is not watched.
 ///
@@ -57,7 +59,7 @@ impl Watch {
             })
         };
         let watched = (0..start_rad.len()).flat_map(of_axis).flatten();
-        let beyond = watched.filter(|(_, reached)| reached.share() > 1.0);
+        let beyond = watched.filter(|(_, reached)| reached.share() > 1.0 + ROUNDING);
         beyond.max_by(|(_, a), (_, b)| a.share().total_cmp(&b.share()))
     }
 }

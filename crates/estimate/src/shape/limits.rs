@@ -8,6 +8,9 @@ use ndarray::{Array3, ArrayViewMut1, Axis};
 
 use super::iteration::{Note, Peaks};
 
+/// A limit that is only touched, but for rounding, is kept.
+const ROUNDING: f64 = 1e-9;
+
 /// Limits per axis; `None` where there is none.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ShapeLimits {
@@ -93,7 +96,7 @@ impl ShapeLimits {
         for quantity in Quantity::ALL {
             for (axis, &found) in peaks.of(quantity).iter().enumerate() {
                 let limit = self.of(quantity, axis);
-                if found > limit {
+                if found > limit * (1.0 + ROUNDING) {
                     notes.push(Note::Exceeded { axis, quantity, found, limit });
                 }
             }
