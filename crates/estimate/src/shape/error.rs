@@ -34,7 +34,7 @@ pub enum ShapeError {
     /// The first iteration exceeded a limit or was stopped: there is nothing to go back to.
     #[error("the initial reference was too much for the machine: {reason}; start with a smaller amplitude")]
     FirstTooMuch {
-        /// What happened.
+        /// What happened first.
         reason: String,
     },
     /// The target does not follow the reference.

@@ -15,6 +15,7 @@ use crate::singular::scaled_condition_number;
 /// Share of the target's power in the band that the references must explain; what has nothing to do with them gets 0.1 by
 /// chance on three axes and 0.2 on six.
 const NEEDED_COHERENCE: f64 = 0.3;
+
 /// Checks shapes and finiteness; every run that was stopped before its end is a note.
 pub(super) fn stopped(
     records: &[Record],

@@ -213,7 +213,8 @@ impl Shaper {
         let estimate = iteration.estimate.as_ref().filter(|_| iteration.within_limits);
         let improved = match (estimate, best) {
             (None, None) => {
-                let reason = iteration.notes.iter().map(ToString::to_string).collect::<Vec<_>>().join("; ");
+                // the other notes say the same of the other experiments
+                let reason = iteration.notes.first().map_or_else(String::new, ToString::to_string);
                 return Err(ShapeError::FirstTooMuch { reason });
             }
             (None, Some(_)) => {
