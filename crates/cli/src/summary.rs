@@ -94,16 +94,16 @@ fn runs(plan: &Plan) -> String {
     if plan.n_glides > 0 { format!("{product}, and {}", count(plan.n_glides, "glide")) } else { product }
 }
 
-/// A quantity that may have a limit: the name of the limit, its own name, and its unit.
-const QUANTITIES: [(&str, &str, &str); 8] = [
-    ("max_effort", "torque, peak", "N m"),
-    ("max_effort_rate", "torque rate", "N m/s"),
-    ("max_velocity", "velocity", "rad/s"),
-    ("max_acceleration", "acceleration", "rad/s^2"),
-    ("max_jerk", "jerk", "rad/s^3"),
-    ("max_travel", "travel", "rad"),
-    ("min_position", "lowest position", "rad"),
-    ("max_position", "highest position", "rad"),
+/// A quantity that may have a limit: the name of the limit, and its own.
+const QUANTITIES: [(&str, &str); 8] = [
+    ("max_effort", "torque, peak"),
+    ("max_effort_rate", "torque rate"),
+    ("max_velocity", "velocity"),
+    ("max_acceleration", "acceleration"),
+    ("max_jerk", "jerk"),
+    ("max_travel", "travel"),
+    ("min_position", "lowest position"),
+    ("max_position", "highest position"),
 ];
 
 /// Those that are told also where they have no limit.
@@ -118,14 +118,14 @@ pub(crate) fn peaks_as_text(
 ) -> String {
     let mut rows = vec![[title, "at most", "limit", "used"].map(str::to_owned).to_vec()];
     for axis in 0..peaks.effort_nm.len() {
-        for (name, quantity, unit) in QUANTITIES {
+        for (name, quantity) in QUANTITIES {
             let Some(value) = peaks.bounded_by(name).and_then(|values| values.get(axis)) else { continue };
             let limit = limits.named().find(|(given, _)| *given == name).and_then(|(_, limit)| limit.get(axis));
             let limit = limit.filter(|limit| limit.is_finite());
             if limit.is_none() && !ALWAYS_TOLD.contains(&name) {
                 continue;
             }
-            let with_unit = |value: f64| format!("{} {unit}", significant(value, 4));
+            let with_unit = |value: f64| format!("{} {}", significant(value, 4), LimitsTable::unit(name));
             let used = |limit: &f64| format!("{:.0} %", 100.0 * value / limit);
             let is_size = !name.ends_with("_position");
             rows.push(vec![
@@ -149,10 +149,10 @@ fn with_torque_unit(value_nm: f64) -> String {
 
 /// A limit that was exceeded, in words.
 pub(crate) fn excess_in_words(excess: &Excess) -> String {
-    let (_, quantity, unit) =
-        QUANTITIES.into_iter().find(|(name, _, _)| *name == excess.limit).unwrap_or((excess.limit, excess.limit, ""));
+    let quantity = QUANTITIES.into_iter().find(|(name, _)| *name == excess.limit).map_or(excess.limit, |(_, own)| own);
     let [value, limit] = [excess.found, excess.allowed].map(|number| significant(number, 4));
-    format!("axis {} {quantity} reached {value} {unit}, the limit is {limit}", excess.axis + 1)
+    let (axis, unit) = (excess.axis + 1, LimitsTable::unit(excess.limit));
+    format!("axis {axis} {quantity} reached {value} {unit}, the limit is {limit} {unit}")
 }
 
 /// What was checked and whether it holds, a row for each check.

@@ -2,7 +2,7 @@
 
 use frfid_signals::{Chirp, Excitation, GridDesign, Injection, Multisine, Plan, Profile, SignalError};
 
-use crate::config::{Amplitude, ChirpTable, Config, MultisineTable};
+use crate::config::{Amplitude, ChirpTable, Config, GlideSubtraction, MultisineTable};
 use crate::source::{ConfigError, Source};
 
 /// The plan that a configuration describes.
@@ -44,6 +44,11 @@ pub fn design(config: &Config, source: &Source) -> Result<Plan, ConfigError> {
         n_glides: config.constant_velocity.as_ref().map_or(0, |table| table.glides),
     };
     ride(&mut plan, config, source)?;
+    if config.estimate.glide_subtraction == GlideSubtraction::Position && plan.n_glides == 0 {
+        let message =
+            "subtraction by position needs glides; give their number, [constant_velocity] glides, or leave it out";
+        return Err(source.error(&["estimate", "glide_subtraction"], message));
+    }
     // one draw shows whether amplitudes, phasing and inputs fit together; its numbers are thrown away
     plan.period(0).map_err(|error| located(source, band, &error))?;
     config.limits.check(n_inputs, source)?;

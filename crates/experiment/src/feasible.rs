@@ -2,6 +2,7 @@
 
 use frfid_plant::check_stability;
 
+use crate::config::LimitsTable;
 use crate::predict::{Excess, Peaks};
 use crate::source::ConfigError;
 use crate::{Experiment, ExperimentError};
@@ -26,10 +27,11 @@ impl Experiment {
     pub(crate) fn check_feasible(&self) -> Result<(), ConfigError> {
         let resting = self.resting().map_err(|error| self.source.error(&["robot"], error.to_string()))?;
         let Some(excess) = resting.excesses(&self.limits()).into_iter().next() else { return Ok(()) };
-        let Excess { axis, allowed, found, .. } = excess;
+        let Excess { axis, limit, allowed, found } = excess;
+        let unit = LimitsTable::unit(limit);
         let message = format!(
-            "no amplitude is left: without any excitation axis {} ({}) is at {found:.5}, {} is {allowed:.5}; lower the \
-             constant velocity, shorten the runs, choose another pose, or raise the limit",
+            "no amplitude is left: without any excitation axis {} ({}) is at {found:.5} {unit}, {} is {allowed:.5} {unit}; \
+             lower the constant velocity, shorten the runs, choose another pose, or raise the limit",
             axis + 1,
             self.config.robot.joint_names()[axis],
             self.whose(&excess),

@@ -242,8 +242,18 @@ fn check_same(folder: &Path, before: &ShapeReport, now: &ShapeReport) -> Result<
     Ok(())
 }
 
-/// Removes the iterations of an earlier shaping, and of their folders what frfid wrote into them.
+/// Removes the best FRF and the iterations of an earlier shaping, of their folders what frfid wrote into them.
 fn clear(folder: &Path) -> Result<(), FileError> {
+    let remove = |path: &Path| {
+        std::fs::remove_file(path).map_err(|error| FileError::Io {
+            path: path.to_owned(),
+            action: "remove",
+            reason: error.to_string(),
+        })
+    };
+    if folder.join(BEST).exists() {
+        remove(&folder.join(BEST))?;
+    }
     for number in 1.. {
         let iteration = folder.join(iteration_name(number));
         let Ok(entries) = std::fs::read_dir(&iteration) else { break };
@@ -251,11 +261,7 @@ fn clear(folder: &Path) -> Result<(), FileError> {
             let name = path.file_name().unwrap_or_default().to_string_lossy();
             let name = name.strip_suffix(".part").unwrap_or(&name);
             if name.ends_with(".mcap") || NAMES.contains(&name) {
-                std::fs::remove_file(&path).map_err(|error| FileError::Io {
-                    path: path.clone(),
-                    action: "remove",
-                    reason: error.to_string(),
-                })?;
+                remove(&path)?;
             }
         }
         std::fs::remove_dir(&iteration).ok(); // stays where somebody keeps files of his own in it

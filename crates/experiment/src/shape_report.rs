@@ -209,7 +209,9 @@ impl ShapeReport {
             passed: shaped.sticking.is_empty(),
             found: format!("stuck {} of the sweep", per_axis(&shaped.best.stuck_share)),
             needed: format!("{} % or less, and no band in which an axis mostly sticks", 100.0 * self.max_stuck_share),
-            advice: "ask for more torque where it sticks, well above the friction".into(),
+            advice:
+                "first let the torque become as desired; where it sticks even so, ask for more, well above the friction"
+                    .into(),
         }
     }
 

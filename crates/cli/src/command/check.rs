@@ -25,12 +25,21 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
     let experiment = Experiment::load(&arguments.experiment)?;
+    let is_shaped = experiment.config.shape.is_some();
+    if is_shaped {
+        experiment.shaper()?; // refuses what cannot be shaped
+    }
     warn(&experiment, console);
     if options.json {
         console.json(&plan_as_json(&experiment.plan)?)?;
     } else {
         console.data(&format!("{} is sound\n{}", experiment.source.name, plan_as_text(&experiment.plan)?))?;
-        console.hint(format_args!("frfid design {} -o plan.mcap", arguments.experiment.display()));
+        let path = arguments.experiment.display();
+        console.hint(if is_shaped {
+            format!("frfid shape {path} -o shaped")
+        } else {
+            format!("frfid design {path} -o plan.mcap")
+        });
     }
     Ok(Exit::Done)
 }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use frfid_experiment::config::LimitsTable;
 use frfid_experiment::{ConfigError, Excess, Experiment, Prediction, predict};
 use serde_json::json;
 
@@ -96,7 +97,8 @@ fn outside(experiment: &Experiment, prediction: &Prediction) -> Option<ConfigErr
     let worst = prediction.binding()?;
     let (found, allowed) = (significant(worst.found, 4), significant(worst.allowed, 4));
     let (axis, whose, advice) = (worst.axis + 1, experiment.whose(worst), advice(experiment, prediction, worst));
-    let message = format!("axis {axis} would reach {found}, {whose} is {allowed}; {advice}");
+    let unit = LimitsTable::unit(worst.limit);
+    let message = format!("axis {axis} would reach {found} {unit}, {whose} is {allowed} {unit}; {advice}");
     Some(experiment.source.error(&experiment.place_of(worst), message))
 }
 

@@ -94,7 +94,11 @@ fn report(
         .flat_map(|run| run.events.iter().map(|event| format!("{}: {}", run.path.display(), told(event))));
     let excesses = peaks.iter().flat_map(|peaks| peaks.excesses(limits));
     let beyond = excesses.map(|excess| excess_in_words(&excess));
-    let flaws: Vec<String> = events.chain(beyond).collect();
+    let before = summary
+        .stopped_before
+        .iter()
+        .map(|path| format!("{}: was stopped before its end when it was done; --force does it again", path.display()));
+    let flaws: Vec<String> = events.chain(beyond).chain(before).collect();
     for warning in flaws.iter().chain(summary.strength.iter().flat_map(|strength| &strength.warnings)) {
         console.warning(warning);
     }

@@ -6,7 +6,7 @@ use clap::Args;
 use frfid_experiment::{Experiment, IterationReport, ShapeFolderOptions, ShapeReport, shape_to_folder};
 use serde_json::json;
 
-use crate::command::design::with_seed;
+use crate::command::design::{warn, with_seed};
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::Options;
@@ -38,6 +38,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
     let experiment = with_seed(Experiment::load(&arguments.experiment)?, arguments.seed)?;
+    warn(&experiment, console);
     let settings = ShapeFolderOptions { jobs: arguments.jobs, overwrite: options.overwrite() };
     let report = watched(console, "shaping", "runs", |progress| {
         shape_to_folder(&experiment, None, &arguments.output, &settings, progress)

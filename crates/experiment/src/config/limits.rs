@@ -40,6 +40,19 @@ impl LimitsTable {
         "max_position",
     ];
 
+    /// Unit of one of [`LimitsTable::NAMES`].
+    #[must_use]
+    pub fn unit(name: &str) -> &'static str {
+        match name {
+            "max_effort" => "N m",
+            "max_effort_rate" => "N m/s",
+            "max_velocity" => "rad/s",
+            "max_acceleration" => "rad/s^2",
+            "max_jerk" => "rad/s^3",
+            _ => "rad",
+        }
+    }
+
     /// The limits of one of [`LimitsTable::NAMES`].
     pub(crate) fn entry(&mut self, name: &str) -> &mut Option<Vec<f64>> {
         match name {
