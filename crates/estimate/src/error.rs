@@ -115,10 +115,11 @@ pub enum EstimateError {
     },
     /// A glide that moved the other way than the run.
     #[error(
-        "channel {channel}: the glide moves at {glide_mean:.3e} on average, the run at {run_mean:.3e}; a glide in the direction of the run is needed"
+        "axis {}: the glide moves at {glide_mean:.3e} on average, the run at {run_mean:.3e}; a glide in the direction of the run is needed",
+        channel + 1
     )]
     OtherDirection {
-        /// Output channel.
+        /// Output channel, from 0.
         channel: usize,
         /// Mean velocity of the run.
         run_mean: f64,
@@ -133,11 +134,12 @@ pub enum EstimateError {
     ),
     /// A glide that turns back.
     #[error(
-        "channel {channel}: the glide goes back by {back_rad:.3e} rad on a way of {way_rad:.3e} rad, so that a position has no one torque; \
-         glide faster, or subtract the glide sample by sample"
+        "axis {}: the glide goes back by {back_rad:.3e} rad on a way of {way_rad:.3e} rad, so that a position has no one torque; \
+         glide faster, or subtract the glide sample by sample",
+        channel + 1
     )]
     NotMonotone {
-        /// Axis.
+        /// Axis, from 0.
         channel: usize,
         /// How far it goes back in rad.
         back_rad: f64,
@@ -146,11 +148,12 @@ pub enum EstimateError {
     },
     /// A run that goes further than its glide.
     #[error(
-        "channel {channel}: the run goes {beyond_rad:.3e} rad beyond the glide's {low_rad} to {high_rad} rad, at most {allowed_rad:.3e} rad \
-         are allowed; start both at the same place and let the glide last as long as the run"
+        "axis {}: the run goes {beyond_rad:.3e} rad beyond the glide's {low_rad:.4} to {high_rad:.4} rad, at most {allowed_rad:.3e} rad \
+         are allowed; start both at the same place and let the glide last as long as the run",
+        channel + 1
     )]
     BeyondGlide {
-        /// Axis.
+        /// Axis, from 0.
         channel: usize,
         /// How far beyond in rad.
         beyond_rad: f64,

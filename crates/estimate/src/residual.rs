@@ -169,10 +169,12 @@ impl Transform for FreeLines {
 }
 
 impl ResidualLevel {
-    /// The mean level of several references (realizations, experiments), all of one shape; `None` of none.
+    /// The mean level of several references (realizations, experiments); `None` of none, or of different shapes.
     #[must_use]
     pub fn mean(levels: &[Self]) -> Option<Self> {
-        let (first, rest) = levels.split_first()?;
+        let shapes = |level: &Self| (level.coherent_power.dim(), level.noise_power.dim());
+        let alike = |(first, rest): &(&Self, &[Self])| rest.iter().all(|level| shapes(level) == shapes(first));
+        let (first, rest) = levels.split_first().filter(alike)?;
         let mut mean = first.clone();
         for level in rest {
             mean.coherent_power += &level.coherent_power;
@@ -212,11 +214,8 @@ mod tests {
     const REPETITIONS: u64 = 5;
 
     fn excited() -> Vec<usize> {
-        (0..60)
-            .map(|k| (25.0 * 20f64.powf(f64::from(k) / 59.0) / 2.0) as usize * 2 + 1)
-            .collect::<BTreeSet<_>>()
-            .into_iter()
-            .collect()
+        let odd = |k| (25.0 * 20f64.powf(f64::from(k) / 59.0) / 2.0) as usize * 2 + 1;
+        (0..60).map(odd).collect::<BTreeSet<_>>().into_iter().collect()
     }
 
     /// Two channels of a multisine with white noise of rms 1, the second with a residual on a free line.
@@ -279,6 +278,8 @@ mod tests {
         assert!(share < 0.04, "two channels, one in a hundred each: {share}");
         let mean = ResidualLevel::mean(&levels).expect("not empty");
         assert!(mean.exceeds_noise().iter().all(|&flag| !flag) && ResidualLevel::mean(&[]).is_none());
+        let other = ResidualLevel { noise_power: Array2::zeros((1, 3)), ..mean.clone() };
+        assert_eq!(ResidualLevel::mean(&[mean.clone(), other]), None);
         let ratio = mean.coherent_power.sum() / mean.noise_power.sum();
         assert!((ratio - 1.0).abs() < 0.05, "{ratio}");
     }

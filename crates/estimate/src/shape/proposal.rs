@@ -171,12 +171,14 @@ fn share_over_time(
 /// 1 but for half-cosine fades of `n_fade` samples at both ends. Spectra are periodic, a run begins at rest: a reference that
 /// jumped at its first sample would be answered by a torque far outside the band, which nothing here foresees.
 fn from_rest(n_samples: usize, n_fade: usize) -> Array1<f64> {
-    let fade = |k: usize| 0.5 - 0.5 * (PI * k.min(n_samples - 1 - k).min(n_fade) as f64 / n_fade.max(1) as f64).cos();
+    let n_fade = n_fade.max(1);
+    let fade = |k: usize| 0.5 - 0.5 * (PI * k.min(n_samples - 1 - k).min(n_fade) as f64 / n_fade as f64).cos();
     (0..n_samples).map(fade).collect()
 }
 
 /// A smooth function below the given one: the mean over `half` samples to both sides of the least value over as many.
 fn smooth_below(values: &Array1<f64>, half: usize) -> Array1<f64> {
+    let half = half.min(values.len());
     let around = |k: usize| s![k.saturating_sub(half)..(k + half + 1).min(values.len())];
     let over = |values: &Array1<f64>, of: fn(ArrayView1<f64>) -> f64| -> Array1<f64> {
         (0..values.len()).map(|k| of(values.slice(around(k)))).collect()
@@ -200,6 +202,7 @@ mod tests {
         let fade = from_rest(100, 10);
         assert!(fade[0] == 0.0 && fade[99] == 0.0 && (fade[5] - 0.5).abs() < 1e-12);
         assert!(fade.iter().skip(10).take(80).all(|&fade| fade == 1.0));
+        assert_eq!(from_rest(4, 0).to_vec(), [0.0, 1.0, 1.0, 0.0], "a band near the Nyquist frequency");
     }
 
     #[test]
@@ -210,5 +213,6 @@ mod tests {
         assert!(zip(&smooth, &share).all(|(smooth, share)| smooth <= share));
         assert!((smooth[500] - 0.2).abs() < 1e-12 && smooth[399] == 1.0 && smooth[601] == 1.0);
         assert!(zip(&smooth, smooth.iter().skip(1)).all(|(a, b)| (a - b).abs() < 0.01));
+        assert!(smooth_below(&share, usize::MAX).iter().all(|&share| (share - 0.2).abs() < 1e-12));
     }
 }
