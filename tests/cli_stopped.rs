@@ -38,6 +38,10 @@ fn a_stopped_run_is_told_and_is_a_loss_to_the_estimate() {
     let run = frfid(here, &["run", "x.toml", "-o", "logs"]);
     assert_eq!(code(&run), 3, "{}", stderr(&run));
     assert!(stderr(&run).contains("stopped: axis 1: velocity"), "{}", stderr(&run));
+    let again = frfid(here, &["run", "x.toml", "-o", "logs"]);
+    assert!(code(&again) == 3 && stderr(&again).contains("was stopped before its end"), "{}", stderr(&again));
+    let forced = frfid(here, &["run", "x.toml", "-o", "logs", "--force"]);
+    assert!(code(&forced) == 3 && stdout(&forced).contains("1 run written, 4 there already"), "{}", stdout(&forced));
     let estimate = frfid(here, &["estimate", "logs", "-o", "frf.json"]);
     let told = stderr(&estimate);
     assert_eq!(code(&estimate), 3, "{told}");

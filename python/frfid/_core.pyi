@@ -417,7 +417,7 @@ def shape(
     high_hz: float = 60.0,
     target: Literal["torque", "velocity"] = "torque",
     step: Literal["damped", "paper"] = "damped",
-    damping: float = 0.7,
+    damping: float = 0.9,
     smoothing_bins: int = 30,
     n_iterations: int = 6,
     good_enough: float = 0.05,

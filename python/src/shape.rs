@@ -77,7 +77,7 @@ const SIGNALS: [Axes; 1] = [&["experiment", "channel", "sample"]];
 ///     If a simulation diverges or a response cannot be inverted.
 #[pyfunction]
 #[pyo3(signature = (testbed, *, desired, start, sample_time_s, low_hz = 2.0, high_hz = 60.0, target = "torque",
-                    step = "damped", damping = 0.7, smoothing_bins = 30, n_iterations = 6, good_enough = 0.05,
+                    step = "damped", damping = 0.9, smoothing_bins = 30, n_iterations = 6, good_enough = 0.05,
                     largest_change = 3.0, max_torque_nm = None, max_velocity_rad_s = None, max_travel_rad = None,
                     max_stuck_share = 0.15, still_rad_s = 0.0, coulomb_nm = None, seed = 0, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]

@@ -19,8 +19,8 @@ pub struct AxisStrength {
     pub stuck_share: f64,
     /// Smallest |measured velocity| in rad/s.
     pub slowest_rad_s: f64,
-    /// Whether the measured velocity ever has the other sign than the constant velocity of the run, so that friction jumps;
-    /// `None` without constant velocity.
+    /// Whether the measured velocity ever is 0 or has the other sign than the constant velocity of the run, so that friction
+    /// holds or jumps; `None` without constant velocity.
     pub crosses_zero: Option<bool>,
     /// The same by frequency; bands in which the excitation has nothing are left out.
     pub bands: Vec<BandStrength>,
@@ -71,7 +71,7 @@ pub fn strength(record: &Record, plan: &Plan, bands_hz: &[[f64; 2]]) -> Result<V
             rms_nm: rms_about_mean(record.u.slice(s![axis, window.clone()])),
             stuck_share: share(stuck.slice(s![axis, window.clone()])),
             slowest_rad_s: velocity.iter().fold(f64::INFINITY, |slowest, y| slowest.min(y.abs())),
-            crosses_zero: (gliding != 0.0).then(|| velocity.iter().any(|y| y * gliding < 0.0)),
+            crosses_zero: (gliding != 0.0).then(|| velocity.iter().any(|y| y * gliding <= 0.0)),
             bands,
         }
     };

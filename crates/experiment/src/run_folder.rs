@@ -34,6 +34,8 @@ pub struct RunSummary {
     pub written: Vec<RunReport>,
     /// Runs that were there already.
     pub n_skipped: usize,
+    /// Files among these whose run was stopped before its end; [`Overwrite::Replace`] does such runs again.
+    pub stopped_before: Vec<PathBuf>,
     /// How the axes were driven and moved in the runs done now; `None` of none.
     pub strength: Option<Strength>,
 }
@@ -69,9 +71,17 @@ pub fn run_to_folder(
     let metadata = experiment.provenance();
     let config_sha256 = metadata.get(CONFIG);
     let path_of = |id: RunId| folder.join(format!("{id}.mcap"));
-    let is_done = |id: &RunId| {
-        let done = read_run(&path_of(*id)).ok().filter(|(_, losses)| losses.is_empty());
-        done.is_some_and(|(file, _)| file.run == *id && file.metadata.get(CONFIG) == config_sha256)
+    let mut stopped_before = Vec::new();
+    let mut is_done = |id: &RunId| {
+        let whole = read_run(&path_of(*id)).ok().filter(|(_, losses)| losses.is_empty());
+        let ours = whole.filter(|(file, _)| file.run == *id && file.metadata.get(CONFIG) == config_sha256);
+        let Some((file, _)) = ours else { return false };
+        if file.record.stopped_at_s().is_none() {
+            return true;
+        }
+        let kept = options.overwrite != Overwrite::Replace;
+        stopped_before.extend(kept.then(|| path_of(*id)));
+        kept
     };
     let (done, open): (Vec<RunId>, Vec<RunId>) = ids.iter().partition(|id| is_done(id));
     let model = if testbed.is_none() { Some(experiment.testbed()?) } else { None };
@@ -92,7 +102,7 @@ pub fn run_to_folder(
     })?;
     let (mut written, strengths) = written.into_inner().expect("no holder of the lock panics");
     written.sort_by(|a, b| a.path.cmp(&b.path));
-    Ok(RunSummary { written, n_skipped: done.len(), strength: experiment.strength(strengths) })
+    Ok(RunSummary { written, n_skipped: done.len(), stopped_before, strength: experiment.strength(strengths) })
 }
 
 /// All runs, or the one at `index`.
