@@ -146,7 +146,7 @@ impl ShapeOptions {
             needs("damping", damping, damping > 0.0 && damping <= 1.0, "above 0 and at most 1")?;
             needs("smoothing_bins", smoothing_bins as f64, smoothing_bins > 0, "at least 1")?;
         }
-        limits::one_per_axis("coulomb_nm", self.coulomb_nm.as_deref(), n_axes, range::not_negative)?;
+        range::one_per_axis("coulomb_nm", self.coulomb_nm.as_deref(), n_axes, range::not_negative)?;
         self.limits.check(n_axes)
     }
 }

@@ -1,10 +1,9 @@
 //! What an arm may not be, and what it should not be.
 
 use frfid_signals::SignalError;
-use frfid_signals::range::{finite, not_negative};
+use frfid_signals::range::{finite, not_negative, one_per_axis};
 use nalgebra::{Matrix3, Vector3};
 
-use crate::recorder::of_axes;
 use crate::rigid::matrix;
 use crate::{Arm, Body, BodyJoint, Payload};
 
@@ -59,7 +58,12 @@ impl Arm {
         if let Some(payload) = &self.payload {
             payload.check().map_err(|error| within(PAYLOAD.into(), error))?;
         }
-        check_channels("pose_rad", &self.pose_rad, self.n_axes())
+        self.check_axes("pose_rad", &self.pose_rad)
+    }
+
+    /// Checks that there is a finite number for each axis.
+    pub(crate) fn check_axes(&self, name: &'static str, values: &[f64]) -> Result<(), SignalError> {
+        one_per_axis(name, Some(values), self.n_axes(), finite)
     }
 
     pub(crate) fn wrong_number_of_axes(&self) -> SignalError {
@@ -141,9 +145,4 @@ fn principal_moments(inertia: &[[f64; 3]; 3]) -> [f64; 3] {
     let mut moments: [f64; 3] = matrix(inertia).symmetric_eigenvalues().into();
     moments.sort_by(f64::total_cmp);
     moments
-}
-
-/// Checks that there is a finite number for each axis.
-pub(crate) fn check_channels(name: &'static str, values: &[f64], n_axes: usize) -> Result<(), SignalError> {
-    of_axes(name, values, n_axes)?.iter().try_for_each(|&value| finite(name, value))
 }

@@ -6,7 +6,6 @@ use std::f64::consts::TAU;
 use frfid_signals::SignalError;
 use nalgebra::DMatrix;
 
-use crate::arm_check::check_channels;
 use crate::chain::Chain;
 use crate::frozen::Frozen;
 use crate::mechanics::Mechanics;
@@ -18,7 +17,7 @@ impl Arm {
     /// # Errors
     /// [`SignalError`] for a parameter or position out of range or another number of positions.
     pub fn mass_matrix(&self, link_position_rad: &[f64]) -> Result<DMatrix<f64>, SignalError> {
-        check_channels("link_position_rad", link_position_rad, self.n_axes())?;
+        self.check_axes("link_position_rad", link_position_rad)?;
         Ok(self.mechanics()?.mass_matrix(link_position_rad))
     }
 
@@ -35,8 +34,8 @@ impl Arm {
     /// # Errors
     /// As [`Arm::mass_matrix`].
     pub fn bias_nm(&self, link_position_rad: &[f64], link_velocity_rad_s: &[f64]) -> Result<Vec<f64>, SignalError> {
-        check_channels("link_position_rad", link_position_rad, self.n_axes())?;
-        check_channels("link_velocity_rad_s", link_velocity_rad_s, self.n_axes())?;
+        self.check_axes("link_position_rad", link_position_rad)?;
+        self.check_axes("link_velocity_rad_s", link_velocity_rad_s)?;
         Ok(self.mechanics()?.bias_nm(link_position_rad, link_velocity_rad_s))
     }
 
@@ -50,9 +49,9 @@ impl Arm {
         link_velocity_rad_s: &[f64],
         torque_nm: &[f64],
     ) -> Result<Vec<f64>, SignalError> {
-        check_channels("link_position_rad", link_position_rad, self.n_axes())?;
-        check_channels("link_velocity_rad_s", link_velocity_rad_s, self.n_axes())?;
-        check_channels("torque_nm", torque_nm, self.n_axes())?;
+        self.check_axes("link_position_rad", link_position_rad)?;
+        self.check_axes("link_velocity_rad_s", link_velocity_rad_s)?;
+        self.check_axes("torque_nm", torque_nm)?;
         Ok(self.mechanics()?.acceleration(link_position_rad, link_velocity_rad_s, torque_nm))
     }
 
@@ -63,7 +62,7 @@ impl Arm {
     /// [`SignalError`] for a parameter out of range or a motion on another number of axes.
     pub fn energy_j(&self, motion: &dyn Moving) -> Result<f64, SignalError> {
         let (motor, link) = (motion.motor_velocity_rad_s(), motion.link_velocity_rad_s());
-        check_channels("motor_velocity_rad_s", motor, self.n_axes())?;
+        self.check_axes("motor_velocity_rad_s", motor)?;
         let mechanics = self.mechanics()?;
         let gears = motion.deflection_rad();
         let position: Vec<f64> = motion.motor_position_rad().iter().zip(gears).map(|(qm, dq)| qm - dq).collect();
@@ -154,8 +153,8 @@ impl Robot for Arm {
     /// The links start at the pose plus `start_rad`.
     fn start(&self, start_rad: &[f64], velocity_rad_s: &[f64]) -> Result<Box<dyn Moving>, PlantError> {
         self.check()?;
-        check_channels("start_rad", start_rad, self.n_axes())?;
-        check_channels("velocity_rad_s", velocity_rad_s, self.n_axes())?;
+        self.check_axes("start_rad", start_rad)?;
+        self.check_axes("velocity_rad_s", velocity_rad_s)?;
         let position: Vec<f64> = self.pose_rad.iter().zip(start_rad).map(|(pose, start)| pose + start).collect();
         Ok(self.mechanics()?.start(&position, velocity_rad_s))
     }

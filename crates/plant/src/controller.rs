@@ -5,9 +5,8 @@ use std::collections::VecDeque;
 use frfid_signals::SignalError;
 use serde::{Deserialize, Serialize};
 
-use crate::recorder::{of_axes, positive_limits};
 use crate::watch::Reached;
-use frfid_signals::range::{not_negative, positive};
+use frfid_signals::range::{not_negative, one_per_axis, positive};
 
 /// u = gain e + integral, the integral growing by integral_gain e T per sample T; one value per axis.
 ///
@@ -82,17 +81,12 @@ impl PiController {
             let (name, found) = ("delay_samples", self.delay_samples as f64);
             return Err(SignalError::Parameter { name, found, needed: "at most 100" });
         }
-        let gains = [
-            ("gain", Some(&self.gain)),
-            ("integral_gain", Some(&self.integral_gain)),
-            ("position_gain", self.position_gain.as_ref()),
-        ];
-        for (name, gains) in gains {
-            let Some(gains) = gains else { continue };
-            of_axes(name, gains, n_axes)?.iter().try_for_each(|&gain| not_negative(name, gain))?;
-        }
-        positive_limits("max_torque_nm", self.max_torque_nm.as_deref(), n_axes)?;
-        positive_limits("max_torque_rate_nm_per_s", self.max_torque_rate_nm_per_s.as_deref(), n_axes)
+        let Self { gain, integral_gain, position_gain, max_torque_nm, max_torque_rate_nm_per_s, .. } = self;
+        one_per_axis("gain", Some(gain), n_axes, not_negative)?;
+        one_per_axis("integral_gain", Some(integral_gain), n_axes, not_negative)?;
+        one_per_axis("position_gain", position_gain.as_deref(), n_axes, not_negative)?;
+        one_per_axis("max_torque_nm", max_torque_nm.as_deref(), n_axes, positive)?;
+        one_per_axis("max_torque_rate_nm_per_s", max_torque_rate_nm_per_s.as_deref(), n_axes, positive)
     }
 
     /// The gains of an axis.

@@ -6,7 +6,7 @@ use ndarray::Array2;
 use crate::sensor::Reader;
 use crate::watch::Reached;
 use crate::{Moving, Sensor};
-use frfid_signals::range::{finite, positive};
+use frfid_signals::range::{finite, one_per_axis, positive};
 
 /// A record in the making.
 pub(crate) struct Recorder {
@@ -26,7 +26,7 @@ pub(crate) fn check_run(n_axes: usize, sensors: &[Sensor], run: &Run) -> Result<
     }
     check_finite("reference", run.reference.view())?;
     for (name, values) in [("velocity_rad_s", &run.velocity_rad_s), ("start_rad", &run.start_rad)] {
-        of_axes(name, values, n_axes)?.iter().try_for_each(|&value| finite(name, value))?;
+        one_per_axis(name, Some(values), n_axes, finite)?;
     }
     of_axes("sensors", sensors, n_axes)?.iter().try_for_each(Sensor::check)
 }
@@ -80,11 +80,6 @@ impl Recorder {
 /// The values, if there is one for each axis.
 pub(crate) fn of_axes<'a, T>(name: &'static str, values: &'a [T], n_axes: usize) -> Result<&'a [T], SignalError> {
     if values.len() == n_axes { Ok(values) } else { Err(shape(name, vec![values.len()], format!("({n_axes})"))) }
-}
-
-/// Limits above 0, one for each axis, if there are any.
-pub(crate) fn positive_limits(name: &'static str, limits: Option<&[f64]>, n_axes: usize) -> Result<(), SignalError> {
-    limits.map_or(Ok(()), |limits| of_axes(name, limits, n_axes)?.iter().try_for_each(|&limit| positive(name, limit)))
 }
 
 /// Exactly one value per axis.

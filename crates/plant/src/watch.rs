@@ -2,11 +2,9 @@
 
 use std::f64::consts::PI;
 
-use frfid_signals::range::positive;
+use frfid_signals::range::{one_per_axis, positive};
 use frfid_signals::{Event, EventKind, Record, Run, SignalError};
 use serde::{Deserialize, Serialize};
-
-use crate::recorder::positive_limits;
 
 /// Beyond this multiple of a limit no ramp helps: the run is cut off at once, as by an emergency stop.
 const CUT_OFF: f64 = 2.0;
@@ -39,9 +37,9 @@ impl Watch {
     /// [`SignalError::Shape`] for another number of axes, [`SignalError::Parameter`] for a value that is not finite and above 0.
     pub fn check(&self, n_axes: usize) -> Result<(), SignalError> {
         positive("ramp_s", self.ramp_s)?;
-        positive_limits("max_effort_nm", self.max_effort_nm.as_deref(), n_axes)?;
-        positive_limits("max_velocity_rad_s", self.max_velocity_rad_s.as_deref(), n_axes)?;
-        positive_limits("max_travel_rad", self.max_travel_rad.as_deref(), n_axes)
+        one_per_axis("max_effort_nm", self.max_effort_nm.as_deref(), n_axes, positive)?;
+        one_per_axis("max_velocity_rad_s", self.max_velocity_rad_s.as_deref(), n_axes, positive)?;
+        one_per_axis("max_travel_rad", self.max_travel_rad.as_deref(), n_axes, positive)
     }
 
     /// The worst excess among the readings of a sample by comparison with its limit, and on which axis it is.
@@ -137,7 +135,9 @@ impl<'a> Guard<'a> {
 
     /// Whether a sample is the last of the run.
     pub fn ends(&self, sample: usize) -> bool {
-        self.excess.as_ref().is_some_and(|excess| excess.cut_off.unwrap_or(excess.sample + self.n_ramp) <= sample)
+        self.excess
+            .as_ref()
+            .is_some_and(|excess| excess.cut_off.unwrap_or(excess.sample.saturating_add(self.n_ramp)) <= sample)
     }
 
     /// The event that ends a run stopped with this sample, under controllers of these gains in N m s/rad (none in open loop).
@@ -154,7 +154,7 @@ impl<'a> Guard<'a> {
             None => "brought to rest",
             Some(_) => "cut off beyond twice a limit: lower the gains or the amplitude",
         };
-        let axis = axis + 1;
+        let (axis, limit) = (axis + 1, (1e4 * limit).round() / 1e4); // no digits that nobody asked for
         let reason =
             format!("axis {axis}: {word} {value:.4} {unit}, limit {limit} {unit}, at {since_s:.4} s{gain}; {end}");
         let time_s = last_sample as f64 * self.run.sample_time_s;

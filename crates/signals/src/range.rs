@@ -29,6 +29,23 @@ pub fn finite(name: &'static str, found: f64) -> Result<(), SignalError> {
     require(name, found, true, "a finite number")
 }
 
+/// Parameters of which there must be one for each axis, every one in a range; nothing to check where there are none.
+///
+/// # Errors
+/// [`SignalError::Shape`] for another number of axes; that of `check`, e.g. [`positive`], for the first one out of range.
+pub fn one_per_axis(
+    name: &'static str,
+    values: Option<&[f64]>,
+    n_axes: usize,
+    check: fn(&'static str, f64) -> Result<(), SignalError>,
+) -> Result<(), SignalError> {
+    let Some(values) = values else { return Ok(()) };
+    if values.len() != n_axes {
+        return Err(SignalError::Shape { name, found: vec![values.len()], needed: format!("({n_axes})") });
+    }
+    values.iter().try_for_each(|&value| check(name, value))
+}
+
 /// A count, or a product of counts, that must not exceed `most`.
 pub(crate) fn at_most(name: &'static str, found: f64, most: f64, needed: &'static str) -> Result<(), SignalError> {
     require(name, found, found <= most, needed)

@@ -70,9 +70,9 @@ impl ShapeLimits {
     /// # Errors
     /// [`SignalError`] for another number of axes, a limit that is not above 0, a margin below 1.
     pub fn check(&self, n_axes: usize) -> Result<(), SignalError> {
-        one_per_axis("max_torque_nm", self.max_torque_nm.as_deref(), n_axes, range::positive)?;
-        one_per_axis("max_velocity_rad_s", self.max_velocity_rad_s.as_deref(), n_axes, range::positive)?;
-        one_per_axis("max_travel_rad", self.max_travel_rad.as_deref(), n_axes, range::positive)?;
+        range::one_per_axis("max_torque_nm", self.max_torque_nm.as_deref(), n_axes, range::positive)?;
+        range::one_per_axis("max_velocity_rad_s", self.max_velocity_rad_s.as_deref(), n_axes, range::positive)?;
+        range::one_per_axis("max_travel_rad", self.max_travel_rad.as_deref(), n_axes, range::positive)?;
         if self.margin >= 1.0 && self.margin.is_finite() {
             return Ok(());
         }
@@ -103,20 +103,6 @@ impl ShapeLimits {
         }
         notes
     }
-}
-
-/// Checks that there is one positive value per axis, if there are any.
-pub(super) fn one_per_axis(
-    name: &'static str,
-    values: Option<&[f64]>,
-    n_axes: usize,
-    check: fn(&'static str, f64) -> Result<(), SignalError>,
-) -> Result<(), SignalError> {
-    let Some(values) = values else { return Ok(()) };
-    if values.len() != n_axes {
-        return Err(SignalError::Shape { name, found: vec![values.len()], needed: format!("({n_axes})") });
-    }
-    values.iter().try_for_each(|&value| check(name, value))
 }
 
 impl Peaks {
