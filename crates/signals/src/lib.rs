@@ -16,6 +16,8 @@ mod low_crest;
 mod multisine;
 mod phasing;
 mod plan;
+#[cfg(test)]
+mod plan_tests;
 pub mod power;
 mod profile;
 pub mod random;
