@@ -31,9 +31,7 @@ pub fn subtract_glide(run: &Record, glide: &Record) -> Result<Record, EstimateEr
 
 /// Same sample time, same channels, glide not shorter.
 fn check_same_clock(run: &Record, glide: &Record) -> Result<(), EstimateError> {
-    // stamps of a robot's clock may differ in the last digits, half a sample over the run may not build up
-    let drift = (glide.sample_time_s / run.sample_time_s - 1.0).abs() * run.n_samples() as f64;
-    if drift > 0.5 {
+    if !same_clock(glide.sample_time_s, run.sample_time_s, run.n_samples()) {
         let (name, found) = ("sample_time_s of the glide", glide.sample_time_s);
         return Err(SignalError::Parameter { name, found, needed: "the sample time of the run" }.into());
     }
@@ -50,6 +48,12 @@ fn check_same_clock(run: &Record, glide: &Record) -> Result<(), EstimateError> {
         }
     }
     Ok(())
+}
+
+/// Whether two sample times in s are one: stamps of a robot's clock may differ in the last digits, half a sample over the run
+/// may not build up.
+pub(crate) fn same_clock(found_s: f64, needed_s: f64, n_samples: usize) -> bool {
+    (found_s / needed_s - 1.0).abs() * n_samples as f64 <= 0.5
 }
 
 /// Refuses a glide that moved the other way: the difference of direction would be booked as noise or dynamics.

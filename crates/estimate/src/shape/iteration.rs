@@ -85,7 +85,7 @@ pub enum Note {
     Stopped {
         /// Experiment, from 0.
         experiment: usize,
-        /// Time in s of its last sample.
+        /// Time in s that it lasted.
         time_s: f64,
         /// Why, as the record says.
         reason: String,

@@ -10,6 +10,7 @@ use super::iteration::{Estimate, Note};
 use super::spectra::Band;
 use super::step::{coherence, response};
 use super::{ShapeError, ShapeOptions, Step, Target};
+use crate::glide::same_clock;
 use crate::singular::scaled_condition_number;
 
 /// Share of the target's power in the band that the references must explain; what has nothing to do with them gets 0.1 by
@@ -29,6 +30,10 @@ pub(super) fn stopped(
     }
     for (experiment, record) in records.iter().enumerate() {
         record.check()?;
+        if !same_clock(record.sample_time_s, sample_time_s, n_samples) {
+            let (name, found) = ("sample_time_s of a record", record.sample_time_s);
+            return Err(SignalError::Parameter { name, found, needed: "that of the reference" }.into());
+        }
         for (name, signal) in [("u", &record.u), ("y", &record.y)] {
             if signal.nrows() != n_axes || signal.ncols() > n_samples {
                 return shape(name, signal.shape().to_vec(), format!("({n_axes}, {n_samples}), as the reference"));

@@ -163,6 +163,10 @@ fn a_run_that_was_stopped_is_taken_back() {
 
 #[test]
 fn what_cannot_be_shaped_is_refused() {
+    let mut shaper = Shaper::new(chirp(10.0), chirp(0.05), options()).expect("sound");
+    let mut records: Vec<Record> = shaper.runs().iter().map(|run| SOUND.run(run).expect("it runs")).collect();
+    records[1].sample_time_s *= 2.0;
+    assert!(shaper.measured(records).expect_err("another clock").to_string().starts_with("sample_time_s of a record"));
     let off = Machine { gain: [60.0, 0.0], ..SOUND };
     assert!(matches!(
         shaped(&off, 10.0, 0.05, options()),
