@@ -101,18 +101,41 @@ impl Experiment {
         of(&self.config.limits) != of(&self.limits())
     }
 
-    /// What stops a run.
+    /// What stops a run. A position limit nearer to the pose than the largest travel takes its place, on either side.
     #[must_use]
     pub fn watch(&self) -> Watch {
         // an axis without a limit has one that no number reaches
-        let watched =
-            |limit: Option<Vec<f64>>| limit.map(|limit| limit.iter().map(|limit| limit.min(f64::MAX)).collect());
-        let LimitsTable { max_effort, max_velocity, max_travel, .. } = self.limits();
+        let watched = |limit: Vec<f64>| limit.iter().map(|limit| limit.min(f64::MAX)).collect();
+        let LimitsTable { max_effort, max_velocity, max_travel, min_position, max_position, .. } = self.limits();
+        let pose_rad = self.config.robot.pose();
+        let room = |limit: Option<Vec<f64>>| {
+            limit.map(|limit| limit.iter().zip(&pose_rad).map(|(limit, pose)| (limit - pose).abs()).collect())
+        };
+        let travels = [max_travel, room(min_position), room(max_position)].into_iter().flatten();
+        let nearest = |a: Vec<f64>, b: Vec<f64>| a.iter().zip(b).map(|(a, b)| a.min(b)).collect();
         Watch {
-            max_effort_nm: watched(max_effort),
-            max_velocity_rad_s: watched(max_velocity),
-            max_travel_rad: watched(max_travel),
+            max_effort_nm: max_effort.map(watched),
+            max_velocity_rad_s: max_velocity.map(watched),
+            max_travel_rad: travels.reduce(nearest).map(watched),
             ramp_s: RAMP_S,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::init::Template;
+    use crate::{Experiment, Source};
+
+    #[test]
+    fn a_position_limit_near_the_pose_is_watched() {
+        let template = Template::named("r3-chirp").expect("built in");
+        let limits = "max_position = [-1.04, 0.36, 3.0]\nmin_position = [-3.0, -3.0, 1.55]";
+        let text = template.text().replace("[limits]", &format!("[limits]\n{limits}"));
+        let experiment = Experiment::new(Source { name: "r3".into(), text }, "".as_ref()).expect("sound");
+        let travel = experiment.watch().max_travel_rad.expect("limited");
+        for (found, expected) in travel.iter().zip([0.0072, 0.0109, 0.0208]) {
+            assert!((found - expected).abs() < 1e-4, "{travel:?}");
         }
     }
 }
