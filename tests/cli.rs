@@ -6,16 +6,15 @@ use std::fs::{self, File};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use cli_binary::{code, frfid, stderr, stdout};
+use cli_binary::{code, frfid, replaced, stderr, stdout};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
 /// A folder with `x.toml`: the multisine template, `from` replaced by `to`.
 fn description(from: &str, to: &str) -> TempDir {
     let folder = tempdir().expect("a temporary folder");
-    let text = stdout(&frfid(folder.path(), &["init", "multisine"]));
-    assert!(text.contains(from), "{from} is not in the template");
-    fs::write(folder.path().join("x.toml"), text.replace(from, to)).expect("written");
+    let text = replaced(stdout(&frfid(folder.path(), &["init", "multisine"])), &[(from, to)]);
+    fs::write(folder.path().join("x.toml"), text).expect("written");
     folder
 }
 

@@ -9,7 +9,7 @@ use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use cli_binary::{code, frfid, stderr, stdout};
+use cli_binary::{code, frfid, replaced, stderr, stdout};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
@@ -22,11 +22,7 @@ const LONG: [(&str, &str); 2] = [("periods = 1", "periods = 3"), ("realizations 
 /// A folder with `x.toml`: the multisine template with these replacements.
 fn description(replacements: &[(&str, &str)]) -> TempDir {
     let folder = tempdir().expect("a temporary folder");
-    let mut text = stdout(&frfid(folder.path(), &["init", "multisine"]));
-    for (from, to) in replacements {
-        assert!(text.contains(from), "{from} is not in the template");
-        text = text.replace(from, to);
-    }
+    let text = replaced(stdout(&frfid(folder.path(), &["init", "multisine"])), replacements);
     fs::write(folder.path().join("x.toml"), text).expect("written");
     folder
 }

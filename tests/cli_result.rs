@@ -5,7 +5,7 @@ mod cli_binary;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use cli_binary::{code, frfid, stderr, stdout};
+use cli_binary::{code, frfid, replaced, stderr, stdout};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
@@ -127,11 +127,7 @@ fn comparing_says_what_moved_and_what_that_means() {
         ("coulomb_nm = 50.0", "coulomb_nm = 0.0"),
     ];
     for kind in ["multisine", "chirp"] {
-        let mut text = stdout(&frfid(here, &["init", kind]));
-        for (from, to) in stiffer {
-            assert!(text.contains(from), "{from} is not in the template");
-            text = text.replace(from, to);
-        }
+        let text = replaced(stdout(&frfid(here, &["init", kind])), &stiffer);
         let text = text.replace("realizations = 30", "realizations = 3");
         let (toml, logs, result) = (format!("{kind}.toml"), format!("{kind}-logs"), format!("{kind}.json"));
         fs::write(here.join(&toml), text).expect("written");

@@ -9,7 +9,7 @@ use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use cli_binary::{code, frfid, stderr, stdout};
+use cli_binary::{code, frfid, replaced, stderr, stdout};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
@@ -51,12 +51,7 @@ n_frequencies = 60
 /// A folder with `x.toml`: the joint, with these replacements.
 fn description(replacements: &[(&str, &str)]) -> TempDir {
     let folder = tempdir().expect("a temporary folder");
-    let mut text = JOINT.to_owned();
-    for (from, to) in replacements {
-        assert!(text.contains(from), "{from} is not in the description");
-        text = text.replace(from, to);
-    }
-    fs::write(folder.path().join("x.toml"), text).expect("written");
+    fs::write(folder.path().join("x.toml"), replaced(JOINT.to_owned(), replacements)).expect("written");
     folder
 }
 

@@ -5,17 +5,13 @@ mod cli_binary;
 use std::fs;
 use std::path::Path;
 
-use cli_binary::{code, frfid, stderr, stdout};
+use cli_binary::{code, frfid, replaced, stderr, stdout};
 use serde_json::Value;
 use tempfile::tempdir;
 
 /// Writes `x.toml`: a template with these replacements.
 fn describe(here: &Path, kind: &str, replacements: &[(&str, &str)]) {
-    let mut text = stdout(&frfid(here, &["init", kind]));
-    for (from, to) in replacements {
-        assert!(text.contains(from), "{from} is not in the template");
-        text = text.replace(from, to);
-    }
+    let text = replaced(stdout(&frfid(here, &["init", kind])), replacements);
     fs::write(here.join("x.toml"), text).expect("written");
 }
 

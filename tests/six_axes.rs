@@ -5,7 +5,7 @@ mod cli_binary;
 use std::fs;
 use std::path::Path;
 
-use cli_binary::{code, frfid, stderr, stdout};
+use cli_binary::{code, frfid, replaced, stderr, stdout};
 use frfid::estimate::Shaped;
 use frfid::experiment::{Experiment, Source, silent};
 use frfid::plant::Hold;
@@ -19,12 +19,7 @@ const AXES: usize = 6;
 /// An example of six axes, with these replacements.
 fn example(name: &str, replacements: &[(&str, &str)]) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/experiments").join(name);
-    let mut text = fs::read_to_string(path).expect("an example");
-    for (from, to) in replacements {
-        assert!(text.contains(from), "{from} is not in {name}");
-        text = text.replace(from, to);
-    }
-    text
+    replaced(fs::read_to_string(path).expect("an example"), replacements)
 }
 
 fn experiment(name: &str, replacements: &[(&str, &str)]) -> Experiment {

@@ -25,3 +25,12 @@ pub fn stdout(output: &Output) -> String {
 pub fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).expect("UTF-8")
 }
+
+/// A text with these replacements, each of something that is there.
+pub fn replaced(mut text: String, replacements: &[(&str, &str)]) -> String {
+    for (from, to) in replacements {
+        assert!(text.contains(from), "{from} is not in the text");
+        text = text.replace(from, to);
+    }
+    text
+}

@@ -4,6 +4,7 @@ use frfid_signals::{Frf, SignalError};
 
 use crate::EstimateError;
 use crate::bode::Bode;
+use crate::median::median;
 use crate::resonance::{Feature, FeatureKind, features_of};
 use crate::verdict::{Verdict, verdicts};
 
@@ -167,8 +168,8 @@ fn compare_entry(
         verdicts: verdicts(&changes, phase_range_deg, options.stronger),
         changes,
         only_in_b,
-        level_db: median(levels.clone()),
-        difference_db: median(levels.iter().map(|level| level.abs()).collect()),
+        level_db: median(levels.clone()).unwrap_or(0.0),
+        difference_db: median(levels.iter().map(|level| level.abs()).collect()).unwrap_or(0.0),
         phase_range_deg,
     }
 }
@@ -195,10 +196,4 @@ fn range(values: impl Iterator<Item = f64>) -> f64 {
     let (low, high) =
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
     (high - low).max(0.0)
-}
-
-/// Median of a list; 0 for an empty one.
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(0.0)
 }

@@ -23,8 +23,8 @@ impl Baseline {
     ///
     /// # Errors
     /// [`ExperimentError::Signal`] if they differ in shape.
-    pub fn of_glides(glides: &[Record]) -> Result<Self, ExperimentError> {
-        let Some(first) = glides.first() else { return Ok(Self::None) };
+    pub fn of_glides(glides: &[&Record]) -> Result<Self, ExperimentError> {
+        let Some(&first) = glides.first() else { return Ok(Self::None) };
         let mean = |name, signal: &dyn Fn(&Record) -> &Array2<f64>| {
             let mut sum = Array2::zeros(signal(first).dim());
             for glide in glides {
@@ -66,7 +66,7 @@ impl Baseline {
 }
 
 /// The mean position of the glides, where all have one of the same shape.
-fn mean_position(glides: &[Record]) -> Option<Array2<f64>> {
+fn mean_position(glides: &[&Record]) -> Option<Array2<f64>> {
     let mut sum = Array2::zeros(glides.first()?.position_rad.as_ref()?.dim());
     for glide in glides {
         let position = glide.position_rad.as_ref().filter(|position| position.dim() == sum.dim())?;

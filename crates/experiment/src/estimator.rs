@@ -100,11 +100,29 @@ impl Estimator {
         })
     }
 
+    /// Whether the record of a run is needed before those of the others: that of a glide, or of a run to learn the ripple from,
+    /// one of every experiment of the first realization.
+    #[must_use]
+    pub fn comes_first(&self, id: RunId) -> bool {
+        let position = self.options.glide_subtraction == GlideSubtraction::Position && self.plan.n_glides > 0;
+        id.kind == RunKind::Glide || (position && id.realization == 0 && id.repetition == 0)
+    }
+
+    /// Takes from the records that come first, in the order of their runs, what is taken off all of them.
+    ///
+    /// # Errors
+    /// As [`Estimator::set_glides`] and [`Estimator::learn_ripple`].
+    pub fn prepare(&mut self, first: &[(RunId, Record)]) -> Result<(), ExperimentError> {
+        let (glides, runs): (Vec<_>, Vec<_>) = first.iter().partition(|(id, _)| id.kind == RunKind::Glide);
+        self.set_glides(&glides.into_iter().map(|(_, record)| record).collect::<Vec<_>>())?;
+        if self.learns_ripple() { self.learn_ripple(runs) } else { Ok(()) }
+    }
+
     /// Takes the records of the glides: what follows from them is taken off every record from then on (SK15 section 4.4 E).
     ///
     /// # Errors
     /// [`ExperimentError::Signal`] if they differ in shape.
-    pub fn set_glides(&mut self, glides: &[Record]) -> Result<(), ExperimentError> {
+    pub fn set_glides(&mut self, glides: &[&Record]) -> Result<(), ExperimentError> {
         if self.options.glide_subtraction != GlideSubtraction::None {
             self.baseline = Baseline::of_glides(glides)?;
         }
@@ -122,7 +140,10 @@ impl Estimator {
     ///
     /// # Errors
     /// [`ExperimentError`] for records that do not make an estimate.
-    pub fn learn_ripple(&mut self, runs: &[(RunId, Record)]) -> Result<(), ExperimentError> {
+    pub fn learn_ripple<'a>(
+        &mut self,
+        runs: impl IntoIterator<Item = &'a (RunId, Record)>,
+    ) -> Result<(), ExperimentError> {
         let mut spectra = Spectra::default();
         for (id, record) in runs {
             spectra.extend(self.spectra(*id, record, &|_| false)?);

@@ -2,7 +2,7 @@
 
 use std::sync::Mutex;
 
-use frfid_signals::{Plan, Record, Run, RunId, RunKind, Testbed};
+use frfid_signals::{Plan, Record, Run, RunId, Testbed};
 
 use crate::campaign::{Progress, run_all};
 use crate::config::EstimateTable;
@@ -36,35 +36,37 @@ impl Experiment {
         progress: Progress,
         look: &(dyn Fn(&Run, &Record) -> Result<(), ExperimentError> + Sync),
     ) -> Result<[Estimated; N], ExperimentError> {
-        let ids: Vec<RunId> = self.plan.run_ids().collect();
-        let (glides, excited) = ids.split_at(self.plan.n_glides);
         let mut estimators =
             ways.iter().map(|way| Estimator::new(&self.plan, way)).collect::<Result<Vec<_>, ExperimentError>>()?;
+        let comes_first = |id: &RunId| estimators.iter().any(|estimator| estimator.comes_first(*id));
+        let (first, rest): (Vec<RunId>, Vec<RunId>) = self.plan.run_ids().partition(comes_first);
+        let total = first.len() + rest.len();
         let records: Mutex<Vec<(RunId, Record)>> = Mutex::default();
         let reference = |id| Ok(self.plan.run(id)?);
-        let of_all = |done: usize, _: usize| progress(done, ids.len());
-        run_all(glides, &reference, testbed, jobs, &of_all, &|run, record| {
+        let of_all = |done: usize, _: usize| progress(done, total);
+        run_all(&first, &reference, testbed, jobs, &of_all, &|run, record| {
             look(run, &record)?;
             records.lock().expect("no holder of the lock panics").push((run.id, record));
             Ok(())
         })?;
-        let glide_records = sorted(records);
-        estimators.iter_mut().try_for_each(|estimator| estimator.set_glides(&glide_records))?;
-        if estimators.iter().any(Estimator::learns_ripple) {
-            let learned = learning_runs(&ids).map(|id| Ok((id, testbed.run(&self.plan.run(id)?)?)));
-            let learned = learned.collect::<Result<Vec<_>, ExperimentError>>()?;
-            let learners = estimators.iter_mut().filter(|estimator| estimator.learns_ripple());
-            learners.into_iter().try_for_each(|estimator| estimator.learn_ripple(&learned))?;
-        }
+        let mut records = records.into_inner().expect("no holder of the lock panics");
+        // a mean over them is then the same whatever the order in which they came
+        records.sort_by_key(|(id, _)| *id);
+        estimators.iter_mut().try_for_each(|estimator| estimator.prepare(&records))?;
         let spectra: [Mutex<Spectra>; N] = std::array::from_fn(|_| Mutex::default());
-        let of_all = |done: usize, _: usize| progress(glides.len() + done, ids.len());
-        run_all(excited, &reference, testbed, jobs, &of_all, &|run, record| {
-            look(run, &record)?;
+        let estimate = |id: RunId, record: &Record| {
             for (estimator, spectra) in estimators.iter().zip(&spectra) {
-                let periods = estimator.spectra(run.id, &record, &|_| false)?;
+                let periods = estimator.spectra(id, record, &|_| false)?;
                 spectra.lock().expect("no holder of the lock panics").extend(periods);
             }
             Ok(())
+        };
+        records.iter().try_for_each(|(id, record)| estimate(*id, record))?;
+        drop(records);
+        let of_all = |done: usize, _: usize| progress(first.len() + done, total);
+        run_all(&rest, &reference, testbed, jobs, &of_all, &|run, record| {
+            look(run, &record)?;
+            estimate(run.id, &record)
         })?;
         let estimated = estimators.iter().zip(spectra).map(|(estimator, spectra)| {
             estimator.estimate(spectra.into_inner().expect("no holder of the lock panics"))
@@ -84,29 +86,12 @@ pub fn estimate_records(
     records: &[(RunId, Record)],
 ) -> Result<Estimated, ExperimentError> {
     let mut estimator = Estimator::new(plan, options)?;
-    let glides = records.iter().filter(|(id, _)| id.kind == RunKind::Glide);
-    estimator.set_glides(&glides.map(|(_, record)| record.clone()).collect::<Vec<_>>())?;
-    if estimator.learns_ripple() {
-        let ids: Vec<RunId> = learning_runs(&records.iter().map(|(id, _)| *id).collect::<Vec<_>>()).collect();
-        let learned = records.iter().filter(|(id, _)| ids.contains(id)).cloned();
-        estimator.learn_ripple(&learned.collect::<Vec<_>>())?;
-    }
+    let mut first: Vec<_> = records.iter().filter(|(id, _)| estimator.comes_first(*id)).cloned().collect();
+    first.sort_by_key(|(id, _)| *id);
+    estimator.prepare(&first)?;
     let mut spectra = Spectra::default();
     for (id, record) in records {
         spectra.extend(estimator.spectra(*id, record, &|_| false)?);
     }
     estimator.estimate(spectra)
-}
-
-/// One run of every experiment of the first realization.
-fn learning_runs(ids: &[RunId]) -> impl Iterator<Item = RunId> {
-    let is_first = |id: &&RunId| id.kind == RunKind::Excitation && id.realization == 0 && id.repetition == 0;
-    ids.iter().filter(is_first).copied()
-}
-
-/// The records in the order of their runs, whatever the order in which they came: a mean over them is then always the same.
-fn sorted(records: Mutex<Vec<(RunId, Record)>>) -> Vec<Record> {
-    let mut records = records.into_inner().expect("no holder of the lock panics");
-    records.sort_by_key(|(id, _)| *id);
-    records.into_iter().map(|(_, record)| record).collect()
 }

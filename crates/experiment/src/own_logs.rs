@@ -98,7 +98,8 @@ pub fn estimate_own(
         progress,
     };
     in_pool(jobs, || {
-        estimator.set_glides(&files.glides(labels.of_kind(RunKind::Glide))?)?;
+        let glides = files.glides(labels.of_kind(RunKind::Glide))?;
+        estimator.set_glides(&glides.iter().collect::<Vec<_>>())?;
         if estimator.learns_ripple() {
             estimator.learn_ripple(&files.learning(&labels)?)?;
         }
@@ -213,7 +214,7 @@ impl Files<'_> {
         let mut found = self.found.lock().expect("no holder of the lock panics");
         if losses.is_empty() {
             let peaks = Peaks::of(&run.record, &self.start_rad, &self.pose_rad);
-            found.peaks = Some(found.peaks.take().map_or_else(|| peaks.clone(), |before| before.max(&peaks)));
+            Peaks::enlarge(&mut found.peaks, &peaks);
             found
                 .strengths
                 .extend(self.experiment.strength_of(run.run, &run.record).map(|strength| (run.run, strength)));

@@ -105,6 +105,11 @@ impl Peaks {
         Self { acceleration_rad_s2: Some(rows(&acceleration)), jerk_rad_s3: Some(rows(&slope(&acceleration))), ..self }
     }
 
+    /// Enlarges the largest values so far to these.
+    pub(crate) fn enlarge(largest: &mut Option<Self>, peaks: &Self) {
+        *largest = Some(largest.as_ref().map_or_else(|| peaks.clone(), |before| before.max(peaks)));
+    }
+
     /// The larger of two, axis by axis.
     #[must_use]
     pub fn max(&self, other: &Self) -> Self {

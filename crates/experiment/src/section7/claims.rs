@@ -1,6 +1,6 @@
 //! What section 7 claims, beside what we find.
 
-use frfid_estimate::Summary;
+use frfid_estimate::{Summary, median};
 use frfid_signals::Frf;
 
 use super::{Section7, ShapedChirps};
@@ -15,7 +15,7 @@ impl Section7 {
 
     fn ripple_claims(&self) -> Vec<Claim> {
         let campaign = &self.multisine;
-        let error = |frf: &Frf| median(relative_errors(frf, &campaign.truth));
+        let error = |frf: &Frf| middle(relative_errors(frf, &campaign.truth));
         let (none, time, position) =
             (error(&campaign.uncompensated), error(&campaign.in_time), error(&campaign.by_position));
         let spikes = |frf: &Frf| spikes_db(frf, &campaign.by_position);
@@ -99,7 +99,7 @@ impl Section7 {
         let [orthogonal, sign_flip] =
             [&self.orthogonal, &self.sign_flip].map(|chirps| disagreement_db(&chirps.frf, 0, 1));
         let [orthogonal_error, sign_flip_error] =
-            [&self.orthogonal, &self.sign_flip].map(|chirps| median(cross_errors_db(&chirps.frf, &chirps.truth)));
+            [&self.orthogonal, &self.sign_flip].map(|chirps| middle(cross_errors_db(&chirps.frf, &chirps.truth)));
         vec![Claim {
             id: "8",
             statement: "Cross channels 1 to 2 and 2 to 1, which should be equal, agree better with (26) than with (9)",
@@ -114,7 +114,7 @@ impl Section7 {
 
     fn comparison_claims(&self) -> Vec<Claim> {
         let chirp = &self.sign_flip;
-        let difference = median(diagonal_errors_db(&chirp.frf, &chirp.truth));
+        let difference = middle(diagonal_errors_db(&chirp.frf, &chirp.truth));
         let [multisine, chirp, truth] = [&self.multisine.by_position, &chirp.frf, &chirp.truth].map(peaks);
         let each = |value: &dyn Fn(usize) -> String| (0..truth.len()).map(value).collect::<Vec<_>>().join(", ");
         let below = |found: &[(f64, f64)]| each(&|axis| format!("{:.1}", truth[axis].1 - found[axis].1));
@@ -180,7 +180,7 @@ fn spikes_db(frf: &Frf, smooth: &Frf) -> f64 {
 /// Median of |20 lg |G_ab / G_ba|| over the frequencies.
 fn disagreement_db(frf: &Frf, a: usize, b: usize) -> f64 {
     let lines = frf.response.outer_iter();
-    median(
+    middle(
         lines.map(|g| (20.0 * (g[[a, b]].norm() / g[[b, a]].norm()).log10()).abs()).filter(|x| x.is_finite()).collect(),
     )
 }
@@ -204,7 +204,7 @@ fn percents(shares: &[f64]) -> String {
     shares.iter().map(|share| format!("{:.0} %", 100.0 * share)).collect::<Vec<_>>().join(", ")
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
+/// The median; not a number of none.
+fn middle(values: Vec<f64>) -> f64 {
+    median(values).unwrap_or(f64::NAN)
 }

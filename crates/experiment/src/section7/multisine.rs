@@ -54,8 +54,7 @@ impl MultisineCampaign {
         let (pose_rad, largest) = (config.robot.pose(), Mutex::new(None::<Peaks>));
         let look = |run: &Run, record: &Record| {
             let peaks = Peaks::of(record, &run.start_rad, &pose_rad);
-            let mut largest = largest.lock().expect("no holder of the lock panics");
-            *largest = Some(largest.take().map_or_else(|| peaks.clone(), |before| before.max(&peaks)));
+            Peaks::enlarge(&mut largest.lock().expect("no holder of the lock panics"), &peaks);
             Ok(())
         };
         let estimated = experiment.measure_each(ways.each_ref(), &*experiment.testbed()?, jobs, progress, &look)?;

@@ -1,6 +1,6 @@
 //! The numbers of section 7 beside the paper's.
 
-use frfid_estimate::Summary;
+use frfid_estimate::{Summary, median};
 use frfid_experiment::{Section7, ShapedChirps};
 
 use crate::Table;
@@ -46,7 +46,7 @@ fn shaping(section7: &Section7) -> Table {
         vec![summary.map_or(NONE.into(), |summary| summary.number.to_string()), error, stuck]
     };
     let with_condition = |chirps: &ShapedChirps| {
-        let conditions = [median(&chirps.conditions.at_torque), median(&chirps.conditions.at_reference)];
+        let conditions = [middle(&chirps.conditions.at_torque), middle(&chirps.conditions.at_reference)];
         [reached(best(chirps)), conditions.to_vec()].concat()
     };
     let last = [reached(paper_step.last().cloned()), vec![NONE.into(), NONE.into()]].concat();
@@ -84,8 +84,6 @@ fn duration(time_s: f64) -> String {
     if seconds < 60 { format!("{seconds} s") } else { format!("{} min {} s", seconds / 60, seconds % 60) }
 }
 
-fn median(values: &[f64]) -> String {
-    let mut sorted = values.to_vec();
-    sorted.sort_by(f64::total_cmp);
-    sorted.get(sorted.len() / 2).map_or(NONE.into(), |value| format!("{value:.2}"))
+fn middle(values: &[f64]) -> String {
+    median(values.to_vec()).map_or(NONE.into(), |value| format!("{value:.2}"))
 }
