@@ -1,4 +1,5 @@
-//! Robots of several axes: a run of the Manutec r3 in closed loop with everything on, accelerations, one iteration of shaping.
+//! Robots of several axes: a run of the Manutec r3 in closed loop with everything on,
+//! accelerations, one iteration of shaping.
 
 use std::hint::black_box;
 use std::path::Path;
@@ -20,14 +21,21 @@ fn examples() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/examples"))
 }
 
-/// One run of the multisine on a constant velocity: friction, ripple, gravity, encoders, noise. Criterion's elements are samples
-/// of 1 ms: a thousand of them a second is real time. The reading must follow the reference as the linear loop says.
+/// One run of the multisine on a constant velocity: friction, ripple, gravity, encoders, noise.
+/// Criterion's elements are samples of 1 ms: a thousand of them a second is real time. The reading
+/// must follow the reference as the linear loop says.
 fn closed_loop(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("closed loop, everything on, 14.3 s");
     for name in ["r3_multisine", "six_axis_multisine"] {
-        let experiment = Experiment::load(&examples().join(format!("experiments/{name}.toml"))).expect("an example");
+        let experiment = Experiment::load(&examples().join(format!("experiments/{name}.toml")))
+            .expect("an example");
         let testbed = experiment.testbed().expect("described");
-        let id = RunId { kind: RunKind::Excitation, realization: 0, experiment: 0, repetition: 0 };
+        let id = RunId {
+            kind: RunKind::Excitation,
+            realization: 0,
+            experiment: 0,
+            repetition: 0,
+        };
         let run = experiment.plan.run(id).expect("sound");
         let work = || testbed.run(black_box(&run)).expect("stable");
         assert_follows(&experiment, &work());
@@ -37,76 +45,156 @@ fn closed_loop(criterion: &mut Criterion) {
     group.finish();
 }
 
-/// Ripple, noise and the travelled way put a tenth (six axes: a sixth) beside the linear loop in a single run, in the median.
+/// Ripple, noise and the travelled way put a tenth (six axes: a sixth) beside the linear loop in a
+/// single run, in the median.
 fn assert_follows(experiment: &Experiment, record: &Record) {
-    let Excitation::Multisine { signal, .. } = &experiment.plan.excitation else { panic!("a multisine") };
-    let controller = experiment.config.controller.as_ref().expect("closed loop").controller(SAMPLE_TIME_S);
-    let (robot, sensors) = (experiment.robot().expect("described"), experiment.config.robot.sensors());
-    let linear = LoopFrf::new(&*robot, &controller, &sensors, &signal.grid.lines_hz()).expect("stable");
+    let Excitation::Multisine { signal, .. } = &experiment.plan.excitation else {
+        panic!("a multisine")
+    };
+    let controller = experiment
+        .config
+        .controller
+        .as_ref()
+        .expect("closed loop")
+        .controller(SAMPLE_TIME_S);
+    let (robot, sensors) = (
+        experiment.robot().expect("described"),
+        experiment.config.robot.sensors(),
+    );
+    let linear =
+        LoopFrf::new(&*robot, &controller, &sensors, &signal.grid.lines_hz()).expect("stable");
     let dft = LineDft::new(signal.grid.n_samples, &signal.grid.excited).expect("sound");
     let last = s![.., record.n_samples() - signal.grid.n_samples..];
-    let r = dft.transform("r", record.r.as_ref().expect("recorded").slice(last)).expect("finite");
+    let r = dft
+        .transform("r", record.r.as_ref().expect("recorded").slice(last))
+        .expect("finite");
     let y = dft.transform("y", record.y.slice(last)).expect("finite");
     let mut errors = Vec::new();
-    for (line, response) in linear.reference_to_velocity.response.outer_iter().enumerate() {
+    for (line, response) in linear
+        .reference_to_velocity
+        .response
+        .outer_iter()
+        .enumerate()
+    {
         let expected = response.dot(&r.column(line));
-        errors.extend(expected.iter().zip(y.column(line)).map(|(expected, y)| (y - expected).norm() / expected.norm()));
+        errors.extend(
+            expected
+                .iter()
+                .zip(y.column(line))
+                .map(|(expected, y)| (y - expected).norm() / expected.norm()),
+        );
     }
     errors.sort_by(f64::total_cmp);
     let median = errors[errors.len() / 2];
-    assert!(record.stopped_at_s().is_none() && median < 0.25, "off by {median} from the linear loop");
+    assert!(
+        record.stopped_at_s().is_none() && median < 0.25,
+        "off by {median} from the linear loop"
+    );
 }
 
-/// M^-1 (torque - C qo' - g) at a thousand random states; M times it and C qo' + g must give the torque.
+/// M^-1 (torque - C qo' - g) at a thousand random states; M times it and C qo' + g must give the
+/// torque.
 fn accelerations(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("link accelerations, 1000 states");
     for name in ["manutec_r3", "six_axis"] {
-        let table = RobotTable::load(&examples().join(format!("robots/{name}.toml"))).expect("an example");
+        let table =
+            RobotTable::load(&examples().join(format!("robots/{name}.toml"))).expect("an example");
         let arm = table.arm().expect("an arm");
         let mut rng = stream(1, "states of the bench", &[]);
-        let mut vector = |size: f64| (0..arm.n_axes()).map(|_| size * normal(&mut rng)).collect::<Vec<f64>>();
-        let states: Vec<[Vec<f64>; 3]> = (0..1000).map(|_| [vector(1.0), vector(2.0), vector(500.0)]).collect();
-        let work =
-            || -> Vec<Vec<f64>> { states.iter().map(|[q, qd, torque]| acceleration(&arm, q, qd, torque)).collect() };
+        let mut vector = |size: f64| {
+            (0..arm.n_axes())
+                .map(|_| size * normal(&mut rng))
+                .collect::<Vec<f64>>()
+        };
+        let states: Vec<[Vec<f64>; 3]> = (0..1000)
+            .map(|_| [vector(1.0), vector(2.0), vector(500.0)])
+            .collect();
+        let work = || -> Vec<Vec<f64>> {
+            states
+                .iter()
+                .map(|[q, qd, torque]| acceleration(&arm, q, qd, torque))
+                .collect()
+        };
         for ([q, qd, torque], found) in states.iter().zip(work()) {
             let inertial = arm.mass_matrix(q).expect("sound") * DVector::from_vec(found);
             let bias = arm.bias_nm(q, qd).expect("sound");
-            let missing = torque.iter().zip(&inertial).zip(&bias).map(|((t, m), b)| (t - m - b).abs());
-            assert!(missing.fold(0.0, f64::max) < 1e-8, "{name}: torques do not balance");
+            let missing = torque
+                .iter()
+                .zip(&inertial)
+                .zip(&bias)
+                .map(|((t, m), b)| (t - m - b).abs());
+            assert!(
+                missing.fold(0.0, f64::max) < 1e-8,
+                "{name}: torques do not balance"
+            );
         }
         group.throughput(Throughput::Elements(1000));
-        group.bench_function(format!("{name}, {} axes", arm.n_axes()), |bencher| bencher.iter(work));
+        group.bench_function(format!("{name}, {} axes", arm.n_axes()), |bencher| {
+            bencher.iter(work)
+        });
     }
     group.finish();
 }
 
 fn acceleration(arm: &Arm, q: &[f64], qd: &[f64], torque: &[f64]) -> Vec<f64> {
-    arm.link_acceleration(black_box(q), qd, torque).expect("sound")
+    arm.link_acceleration(black_box(q), qd, torque)
+        .expect("sound")
 }
 
-/// From three records of 22 s to the next references. On a machine whose torque is 500 times the reference a step of 0.9 leaves
-/// a tenth of the error.
+/// From three records of 22 s to the next references. On a machine whose torque is 500 times the
+/// reference a step of 0.9 leaves a tenth of the error.
 fn shaping(criterion: &mut Criterion) {
     let chirp = |amplitude: f64| {
         let amplitude = vec![Profile::constant(amplitude)];
-        let chirp = Chirp { low_hz: 2.0, high_hz: 60.0, duration_s: 20.0, amplitude, fade_s: 0.2, tail_s: 2.0 };
-        chirp.sample(SAMPLE_TIME_S, 3, Phasing::SignFlip).expect("sound")
+        let chirp = Chirp {
+            low_hz: 2.0,
+            high_hz: 60.0,
+            duration_s: 20.0,
+            amplitude,
+            fade_s: 0.2,
+            tail_s: 2.0,
+        };
+        chirp
+            .sample(SAMPLE_TIME_S, 3, Phasing::SignFlip)
+            .expect("sound")
     };
     let (gain, none) = (
         500.0,
-        ShapeLimits { max_torque_nm: None, max_velocity_rad_s: None, max_travel_rad: None, ..ShapeLimits::default() },
+        ShapeLimits {
+            max_torque_nm: None,
+            max_velocity_rad_s: None,
+            max_travel_rad: None,
+            ..ShapeLimits::default()
+        },
     );
-    let options = ShapeOptions { limits: none, good_enough: 1e-9, ..ShapeOptions::default() };
+    let options = ShapeOptions {
+        limits: none,
+        good_enough: 1e-9,
+        ..ShapeOptions::default()
+    };
     let shaper = Shaper::new(chirp(200.0), chirp(0.2), options).expect("sound");
-    let answer =
-        |reference: &Array3<f64>| reference.axis_iter(Axis(0)).map(|r| record(gain, &r.to_owned())).collect::<Vec<_>>();
+    let answer = |reference: &Array3<f64>| {
+        reference
+            .axis_iter(Axis(0))
+            .map(|r| record(gain, &r.to_owned()))
+            .collect::<Vec<_>>()
+    };
     let records = answer(shaper.reference());
     let mut tried = shaper.clone();
-    let error = |shaper: &mut Shaper, records| shaper.measured(records).expect("it responds").error().expect("whole");
+    let error = |shaper: &mut Shaper, records| {
+        shaper
+            .measured(records)
+            .expect("it responds")
+            .error()
+            .expect("whole")
+    };
     let first = error(&mut tried, records.clone());
     let next = answer(tried.reference());
     let second = error(&mut tried, next);
-    assert!((first - 0.5).abs() < 1e-6 && (second / first - 0.1).abs() < 0.02, "{first}, then {second}");
+    assert!(
+        (first - 0.5).abs() < 1e-6 && (second / first - 0.1).abs() < 0.02,
+        "{first}, then {second}"
+    );
     let mut group = criterion.benchmark_group("shaping");
     let setup = || (shaper.clone(), records.clone());
     group.bench_function("one iteration, 3 records x 3 axes x 22 s", |bencher| {

@@ -1,4 +1,5 @@
-//! The paper's joint over one period of the multisine, from rest: `simulate`, linear, with friction, with growing stiffness.
+//! The paper's joint over one period of the multisine, from rest: `simulate`, linear, with
+//! friction, with growing stiffness.
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
@@ -13,14 +14,24 @@ mod paper;
 
 /// The torque of tests/golden/friction_reference.py, largest sample 150 N m, `(1, sample)`.
 fn torque() -> Array2<f64> {
-    let table = include_str!("../tests/golden/friction_phases.txt").lines().filter(|line| !line.starts_with('#'));
+    let table = include_str!("../tests/golden/friction_phases.txt")
+        .lines()
+        .filter(|line| !line.starts_with('#'));
     let sines: Vec<(usize, f64)> = table
         .filter_map(|row| row.split_once(' '))
-        .map(|(line, phase)| (line.parse().expect("a line"), phase.parse().expect("a phase")))
+        .map(|(line, phase)| {
+            (
+                line.parse().expect("a line"),
+                phase.parse().expect("a phase"),
+            )
+        })
         .collect();
     let angle = |line: usize, n: usize| TAU * (line * n % PERIOD) as f64 / PERIOD as f64;
     let u = Array2::from_shape_fn((1, PERIOD), |(_, n)| {
-        sines.iter().map(|&(line, phase)| (angle(line, n) + phase).sin()).sum::<f64>()
+        sines
+            .iter()
+            .map(|&(line, phase)| (angle(line, n) + phase).sin())
+            .sum::<f64>()
     });
     let largest = u.iter().fold(0.0_f64, |peak, value| peak.max(value.abs()));
     u * (150.0 / largest)
@@ -50,13 +61,23 @@ fn linear_reference(u: &Array2<f64>) -> Vec<f64> {
     velocity.collect()
 }
 
-/// Motor velocity by Runge-Kutta steps of 5 us that look for no event: the knee then costs second order, about 1e-9.
+/// Motor velocity by Runge-Kutta steps of 5 us that look for no event: the knee then costs second
+/// order, about 1e-9.
 fn stiffening_reference(joint: &SingleJoint, u: &Array2<f64>) -> Vec<f64> {
-    let (k1, k2, knee) = (joint.stiffness_nm_per_rad, joint.stiffness_beyond_nm_per_rad, joint.knee_rad);
+    let (k1, k2, knee) = (
+        joint.stiffness_nm_per_rad,
+        joint.stiffness_beyond_nm_per_rad,
+        joint.knee_rad,
+    );
     let derivative = |[deflection, motor, link]: [f64; 3], torque: f64| {
         let within = deflection.clamp(-knee, knee);
-        let transmitted = k1 * within + k2 * (deflection - within) + joint.damping_nms_per_rad * (motor - link);
-        [motor - link, (torque - transmitted) / joint.motor_inertia_kg_m2, transmitted / joint.link_inertia_kg_m2]
+        let transmitted =
+            k1 * within + k2 * (deflection - within) + joint.damping_nms_per_rad * (motor - link);
+        [
+            motor - link,
+            (torque - transmitted) / joint.motor_inertia_kg_m2,
+            transmitted / joint.link_inertia_kg_m2,
+        ]
     };
     let along = |x: [f64; 3], dx: [f64; 3], step: f64| std::array::from_fn(|i| x[i] + step * dx[i]);
     let steps = 200;
@@ -69,7 +90,9 @@ fn stiffening_reference(joint: &SingleJoint, u: &Array2<f64>) -> Vec<f64> {
             let second = derivative(along(x, first, 0.5 * h), torque);
             let third = derivative(along(x, second, 0.5 * h), torque);
             let fourth = derivative(along(x, third, h), torque);
-            x = std::array::from_fn(|i| x[i] + h / 6.0 * (first[i] + 2.0 * second[i] + 2.0 * third[i] + fourth[i]));
+            x = std::array::from_fn(|i| {
+                x[i] + h / 6.0 * (first[i] + 2.0 * second[i] + 2.0 * third[i] + fourth[i])
+            });
         }
         velocity
     });
@@ -78,22 +101,54 @@ fn stiffening_reference(joint: &SingleJoint, u: &Array2<f64>) -> Vec<f64> {
 
 fn period(criterion: &mut Criterion) {
     let u = torque();
-    let friction = SingleJoint { coulomb_nm: 50.0, ..SingleJoint::default() };
-    let stiffening = SingleJoint { stiffness_beyond_nm_per_rad: 2.55e5, ..SingleJoint::default() };
+    let friction = SingleJoint {
+        coulomb_nm: 50.0,
+        ..SingleJoint::default()
+    };
+    let stiffening = SingleJoint {
+        stiffness_beyond_nm_per_rad: 2.55e5,
+        ..SingleJoint::default()
+    };
     let golden = include_bytes!("../tests/golden/friction_50.f64").chunks_exact(8);
-    let golden: Vec<f64> = golden.map(|bytes| f64::from_le_bytes(bytes.try_into().expect("eight bytes"))).collect();
+    let golden: Vec<f64> = golden
+        .map(|bytes| f64::from_le_bytes(bytes.try_into().expect("eight bytes")))
+        .collect();
     let cases = [
         ("linear", SingleJoint::default(), linear_reference(&u), 1e-9),
         ("friction F_c = 50 N m", friction, golden, 1e-6),
-        ("stiffness k2 = 1.7 k1", stiffening.clone(), stiffening_reference(&stiffening, &u), 1e-7),
+        (
+            "stiffness k2 = 1.7 k1",
+            stiffening.clone(),
+            stiffening_reference(&stiffening, &u),
+            1e-7,
+        ),
     ];
     let mut group = criterion.benchmark_group("simulate, 12.288 s");
     for (name, joint, reference, tolerance) in cases {
-        let run = || simulate(black_box(&joint), Torque::Zoh(u.view()), SAMPLE_TIME_S, 0.0, None).expect("sound");
+        let run = || {
+            simulate(
+                black_box(&joint),
+                Torque::Zoh(u.view()),
+                SAMPLE_TIME_S,
+                0.0,
+                None,
+            )
+            .expect("sound")
+        };
         let y = run().motor_velocity_rad_s;
-        let peak = reference.iter().fold(0.0_f64, |peak, value| peak.max(value.abs()));
-        let error = y.iter().zip(&reference).map(|(y, r)| (y - r).abs()).fold(0.0, f64::max) / peak;
-        assert!(y.len() == reference.len() && error < tolerance, "{name}: off by {error:e} of the peak");
+        let peak = reference
+            .iter()
+            .fold(0.0_f64, |peak, value| peak.max(value.abs()));
+        let error = y
+            .iter()
+            .zip(&reference)
+            .map(|(y, r)| (y - r).abs())
+            .fold(0.0, f64::max)
+            / peak;
+        assert!(
+            y.len() == reference.len() && error < tolerance,
+            "{name}: off by {error:e} of the peak"
+        );
         group.bench_function(name, |bencher| bencher.iter(run));
     }
     group.finish();

@@ -8,7 +8,8 @@ use std::sync::Arc;
 use frfid::estimate::{BlaOptions, estimate_bla};
 use frfid::plant::{OpenLoop, Sensor, SingleJoint};
 use frfid::signals::{
-    Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind, Testbed as _,
+    Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind,
+    Testbed as _,
 };
 use ndarray::{Array3, Array5, Axis, concatenate, s};
 
@@ -17,46 +18,103 @@ const N_REALIZATIONS: usize = 8;
 const N_PERIODS: usize = 6;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let joint = SingleJoint { coulomb_nm: 20.0, ..SingleJoint::default() };
-    let sensor = Sensor { velocity_noise_rad_s: Some(1e-4), ..Sensor::default() };
-    let testbed = OpenLoop { sensors: vec![sensor], seed: 1, ..OpenLoop::new(Arc::new(joint)) };
+    let joint = SingleJoint {
+        coulomb_nm: 20.0,
+        ..SingleJoint::default()
+    };
+    let sensor = Sensor {
+        velocity_noise_rad_s: Some(1e-4),
+        ..Sensor::default()
+    };
+    let testbed = OpenLoop {
+        sensors: vec![sensor],
+        seed: 1,
+        ..OpenLoop::new(Arc::new(joint))
+    };
     let (kind, seed) = (GridKind::Odd, 0);
-    let design =
-        GridDesign { low_hz: 1.0, high_hz: 60.0, sample_time_s: T, resolution_hz: 0.5, n_lines: Some(40), kind, seed };
-    let multisine = Multisine { grid: design.design()?, shape: Profile::constant(1.0), phases: Phases::Random };
+    let design = GridDesign {
+        low_hz: 1.0,
+        high_hz: 60.0,
+        sample_time_s: T,
+        resolution_hz: 0.5,
+        n_lines: Some(40),
+        kind,
+        seed,
+    };
+    let multisine = Multisine {
+        grid: design.design()?,
+        shape: Profile::constant(1.0),
+        phases: Phases::Random,
+    };
     let n = multisine.grid.n_samples;
 
     // One period more than is used: the first one is the transient.
     let mut u = Array5::zeros((N_REALIZATIONS, 1, N_PERIODS, 1, n)); // (realization, experiment, period, channel, sample)
     let mut y = u.clone();
     for realization in 0..N_REALIZATIONS {
-        let draw = Draw { seed: 1, realization, phasing: Phasing::Orthogonal, peak: &[300.0] };
+        let draw = Draw {
+            seed: 1,
+            realization,
+            phasing: Phasing::Orthogonal,
+            peak: &[300.0],
+        };
         let period = multisine.realize(&draw)?.signal.index_axis_move(Axis(0), 0);
-        let id = RunId { kind: RunKind::Excitation, realization, experiment: 0, repetition: 0 };
+        let id = RunId {
+            kind: RunKind::Excitation,
+            realization,
+            experiment: 0,
+            repetition: 0,
+        };
         let reference = concatenate(Axis(1), &vec![period.view(); N_PERIODS + 1])?;
-        let record =
-            testbed.run(&Run { id, sample_time_s: T, reference, velocity_rad_s: vec![0.0], start_rad: vec![0.0] })?;
+        let record = testbed.run(&Run {
+            id,
+            sample_time_s: T,
+            reference,
+            velocity_rad_s: vec![0.0],
+            start_rad: vec![0.0],
+        })?;
         for period in 0..N_PERIODS {
             let samples = s![.., (period + 1) * n..(period + 2) * n];
-            u.slice_mut(s![realization, 0, period, .., ..]).assign(&record.u.slice(samples));
-            y.slice_mut(s![realization, 0, period, .., ..]).assign(&record.y.slice(samples));
+            u.slice_mut(s![realization, 0, period, .., ..])
+                .assign(&record.u.slice(samples));
+            y.slice_mut(s![realization, 0, period, .., ..])
+                .assign(&record.y.slice(samples));
         }
     }
     let lines = &multisine.grid.excited;
     let frf = estimate_bla(u.view(), y.view(), None, T, lines, &BlaOptions::default())?;
     let level = |name: &str, variance: Option<Array3<f64>>| {
-        let mut relative: Vec<f64> =
-            variance.iter().flatten().zip(&frf.response).map(|(v, g)| 10.0 * (v / g.norm_sqr()).log10()).collect();
+        let mut relative: Vec<f64> = variance
+            .iter()
+            .flatten()
+            .zip(&frf.response)
+            .map(|(v, g)| 10.0 * (v / g.norm_sqr()).log10())
+            .collect();
         relative.sort_by(f64::total_cmp);
-        println!("{name} variance: {:.0} dB of the response in the median", relative[relative.len() / 2]);
+        println!(
+            "{name} variance: {:.0} dB of the response in the median",
+            relative[relative.len() / 2]
+        );
     };
     level("noise", frf.noise_variance());
     level("total", frf.total_variance());
     level("nonlinear", frf.nonlinear_variance());
-    println!("friction is not noise: it repeats from period to period, but not from realization to realization");
+    println!(
+        "friction is not noise: it repeats from period to period, but not from realization to realization"
+    );
 
     let first = s![.., .., ..1, .., ..];
-    let single = estimate_bla(u.slice(first), y.slice(first), None, T, lines, &BlaOptions::default())?;
-    println!("with one period the noise variance is {:?}", single.noise_variance());
+    let single = estimate_bla(
+        u.slice(first),
+        y.slice(first),
+        None,
+        T,
+        lines,
+        &BlaOptions::default(),
+    )?;
+    println!(
+        "with one period the noise variance is {:?}",
+        single.noise_variance()
+    );
     Ok(())
 }

@@ -1,4 +1,5 @@
-//! Lesson 6: a robot moves under its controller; the reference is a velocity, the torque is what the controller makes of it.
+//! Lesson 6: a robot moves under its controller; the reference is a velocity, the torque is what
+//! the controller makes of it.
 //!
 //! Run: cargo run --release --example 06_closed_loop
 
@@ -8,7 +9,8 @@ use std::sync::Arc;
 use frfid::estimate::{Averaging, BlaOptions, estimate_bla};
 use frfid::plant::{ClosedLoop, Hold, PiController, Robot as _, Sensor, SingleJoint, Velocity};
 use frfid::signals::{
-    Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind, Testbed as _, power::rms,
+    Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind,
+    Testbed as _, power::rms,
 };
 use ndarray::{Array2, Array5, Axis, concatenate};
 
@@ -17,7 +19,10 @@ const N_PERIODS: usize = 50;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let joint = SingleJoint::default();
-    let sensor = Sensor { torque_noise_nm: Some(200.0), ..Sensor::default() };
+    let sensor = Sensor {
+        torque_noise_nm: Some(200.0),
+        ..Sensor::default()
+    };
     let (gain, integral_gain) = (vec![1500.0], vec![12_000.0]);
     let controller = PiController {
         gain,
@@ -28,16 +33,41 @@ fn main() -> Result<(), Box<dyn Error>> {
         max_torque_nm: None,
         max_torque_rate_nm_per_s: None,
     };
-    let testbed = ClosedLoop { sensors: vec![sensor], seed: 3, ..ClosedLoop::new(Arc::new(joint.clone()), controller) };
+    let testbed = ClosedLoop {
+        sensors: vec![sensor],
+        seed: 3,
+        ..ClosedLoop::new(Arc::new(joint.clone()), controller)
+    };
     let (kind, seed) = (GridKind::Odd, 0);
-    let design =
-        GridDesign { low_hz: 2.0, high_hz: 60.0, sample_time_s: T, resolution_hz: 0.5, n_lines: Some(40), kind, seed };
-    let multisine = Multisine { grid: design.design()?, shape: Profile::constant(1.0), phases: Phases::Random };
+    let design = GridDesign {
+        low_hz: 2.0,
+        high_hz: 60.0,
+        sample_time_s: T,
+        resolution_hz: 0.5,
+        n_lines: Some(40),
+        kind,
+        seed,
+    };
+    let multisine = Multisine {
+        grid: design.design()?,
+        shape: Profile::constant(1.0),
+        phases: Phases::Random,
+    };
 
-    let draw = Draw { seed: 1, realization: 0, phasing: Phasing::Orthogonal, peak: &[0.05] };
+    let draw = Draw {
+        seed: 1,
+        realization: 0,
+        phasing: Phasing::Orthogonal,
+        peak: &[0.05],
+    };
     let period = multisine.realize(&draw)?.signal.index_axis_move(Axis(0), 0);
     let reference = concatenate(Axis(1), &vec![period.view(); N_PERIODS + 2])?;
-    let id = RunId { kind: RunKind::Excitation, realization: 0, experiment: 0, repetition: 0 };
+    let id = RunId {
+        kind: RunKind::Excitation,
+        realization: 0,
+        experiment: 0,
+        repetition: 0,
+    };
     let record = testbed.run(&Run {
         id,
         sample_time_s: T,
@@ -53,19 +83,44 @@ fn main() -> Result<(), Box<dyn Error>> {
     // (realization, experiment, period, channel, sample), without the first two periods
     let n = period.ncols();
     let periods = |signal: &Array2<f64>| {
-        Array5::from_shape_fn((1, 1, N_PERIODS, 1, n), |(_, _, period, _, k)| signal[[0, (period + 2) * n + k]])
+        Array5::from_shape_fn((1, 1, N_PERIODS, 1, n), |(_, _, period, _, k)| {
+            signal[[0, (period + 2) * n + k]]
+        })
     };
     let (u, y, r) = (periods(&record.u), periods(&record.y), periods(&reference));
     let lines = &multisine.grid.excited;
-    let spectra = BlaOptions { averaging: Averaging::Spectra, ..BlaOptions::default() };
+    let spectra = BlaOptions {
+        averaging: Averaging::Spectra,
+        ..BlaOptions::default()
+    };
     let estimates = [
-        ("mean of FRFs", estimate_bla(u.view(), y.view(), None, T, lines, &BlaOptions::default())?),
-        ("mean of spectra", estimate_bla(u.view(), y.view(), None, T, lines, &spectra)?),
-        ("indirect", estimate_bla(u.view(), y.view(), Some(r.view()), T, lines, &BlaOptions::default())?),
+        (
+            "mean of FRFs",
+            estimate_bla(u.view(), y.view(), None, T, lines, &BlaOptions::default())?,
+        ),
+        (
+            "mean of spectra",
+            estimate_bla(u.view(), y.view(), None, T, lines, &spectra)?,
+        ),
+        (
+            "indirect",
+            estimate_bla(
+                u.view(),
+                y.view(),
+                Some(r.view()),
+                T,
+                lines,
+                &BlaOptions::default(),
+            )?,
+        ),
     ];
     for (name, frf) in estimates {
         let truth = joint.frf(&frf.frequency_hz, Hold::Zoh, T, Velocity::True)?;
-        let errors = frf.response.iter().zip(&truth.response).map(|(g, p)| 100.0 * (g / p - 1.0).norm());
+        let errors = frf
+            .response
+            .iter()
+            .zip(&truth.response)
+            .map(|(g, p)| 100.0 * (g / p - 1.0).norm());
         let mut errors: Vec<f64> = errors.collect();
         errors.sort_by(f64::total_cmp);
         let (median, worst) = (errors[errors.len() / 2], errors[errors.len() - 1]);

@@ -9,7 +9,8 @@ use frfid::experiment::{Experiment, predict, silent};
 use frfid::plant::{SingleJoint, Torque, simulate};
 use frfid::signals::{InputKind, Record, Run, Testbed, TestbedError};
 
-/// Anything with `run(reference) -> Record`. Here it is a simulation; a driver of a real robot looks the same.
+/// Anything with `run(reference) -> Record`. Here it is a simulation; a driver of a real robot
+/// looks the same.
 struct MyRobot {
     joint: SingleJoint,
 }
@@ -21,8 +22,17 @@ impl Testbed for MyRobot {
 
     fn run(&self, run: &Run) -> Result<Record, TestbedError> {
         let u = run.reference.clone();
-        let motion = simulate(&self.joint, Torque::Zoh(u.view()), run.sample_time_s, 0.0, None);
-        let motion = motion.map_err(|error| TestbedError::Foreign { run: run.id, source: Box::new(error) })?;
+        let motion = simulate(
+            &self.joint,
+            Torque::Zoh(u.view()),
+            run.sample_time_s,
+            0.0,
+            None,
+        );
+        let motion = motion.map_err(|error| TestbedError::Foreign {
+            run: run.id,
+            source: Box::new(error),
+        })?;
         Ok(Record {
             sample_time_s: run.sample_time_s,
             u,
@@ -47,13 +57,30 @@ fn main() -> Result<(), Box<dyn Error>> {
         plan.run(first)?.reference.dim()
     );
     let peaks = predict(&experiment, 0, &silent)?.peaks;
-    println!("predicted peaks: {:.0} N m, {:.3} rad/s", peaks.effort_nm[0], peaks.velocity_rad_s[0]);
+    println!(
+        "predicted peaks: {:.0} N m, {:.3} rad/s",
+        peaks.effort_nm[0], peaks.velocity_rad_s[0]
+    );
 
-    let robot = MyRobot { joint: SingleJoint { coulomb_nm: 50.0, ..SingleJoint::default() } };
+    let robot = MyRobot {
+        joint: SingleJoint {
+            coulomb_nm: 50.0,
+            ..SingleJoint::default()
+        },
+    };
     let frf = experiment.measure(&robot, 0, &silent)?.frf;
     let hz = &frf.frequency_hz;
-    println!("FRF at {} frequencies from {:.4} Hz to {:.4} Hz", hz.len(), hz[0], hz[hz.len() - 1]);
-    println!("noise variance measured: {}, total variance measured: {}", frf.noise.is_some(), frf.total.is_some());
+    println!(
+        "FRF at {} frequencies from {:.4} Hz to {:.4} Hz",
+        hz.len(),
+        hz[0],
+        hz[hz.len() - 1]
+    );
+    println!(
+        "noise variance measured: {}, total variance measured: {}",
+        frf.noise.is_some(),
+        frf.total.is_some()
+    );
     let provenance = experiment.provenance();
     println!(
         "made with seed {} from the description with the hash {:.12}",
@@ -61,6 +88,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
 
     let same = experiment.measure(&*experiment.testbed()?, 0, &silent)?.frf; // the simulated robot that is described
-    println!("the simulated robot gives the same FRF to the last bit: {}", same.response == frf.response);
+    println!(
+        "the simulated robot gives the same FRF to the last bit: {}",
+        same.response == frf.response
+    );
     Ok(())
 }

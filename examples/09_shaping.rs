@@ -1,4 +1,5 @@
-//! Lesson 9: in closed loop one asks for a velocity and wants a torque; iterative shaping finds the reference (SK15 section 5.3).
+//! Lesson 9: in closed loop one asks for a velocity and wants a torque; iterative shaping finds the
+//! reference (SK15 section 5.3).
 //!
 //! Run: cargo run --release --example 09_shaping
 
@@ -14,7 +15,9 @@ use ndarray::Array3;
 const T: f64 = 1e-3;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let file = RobotTable::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/robots/manutec_r3.toml"))?;
+    let file = RobotTable::load(
+        &Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/robots/manutec_r3.toml"),
+    )?;
     let controller = PiController {
         gain: vec![1500.0, 1500.0, 400.0],
         integral_gain: vec![12e3, 12e3, 3200.0],
@@ -25,40 +28,72 @@ fn main() -> Result<(), Box<dyn Error>> {
         max_torque_rate_nm_per_s: None,
     };
     let arm = file.robot().ok_or("the file describes an arm")?;
-    let testbed = ClosedLoop { sensors: file.sensors(), ..ClosedLoop::new(arm, controller) };
+    let testbed = ClosedLoop {
+        sensors: file.sensors(),
+        ..ClosedLoop::new(arm, controller)
+    };
     let shaped_to = |amplitudes, step| -> Result<Shaped, Box<dyn Error>> {
         let options = ShapeOptions {
             step,
             coulomb_nm: Some(vec![42.0, 105.0, 42.0]),
-            limits: ShapeLimits { max_travel_rad: Some(vec![0.07; 3]), ..ShapeLimits::default() },
+            limits: ShapeLimits {
+                max_travel_rad: Some(vec![0.07; 3]),
+                ..ShapeLimits::default()
+            },
             ..ShapeOptions::default()
         };
         let start = chirps([0.006, 0.006, 0.012])?; // rad/s: friction holds every axis
-        Ok(shape(&testbed, chirps(amplitudes)?, start, options, &mut |_| Ok(true))?)
+        Ok(shape(
+            &testbed,
+            chirps(amplitudes)?,
+            start,
+            options,
+            &mut |_| Ok(true),
+        )?)
     };
 
     let shaped = shaped_to([200.0, 400.0, 200.0], Step::default())?; // N m
     for iteration in &shaped.iterations {
-        let error = iteration.error.map_or("unknown".into(), |error| format!("{:.1} %", 100.0 * error));
-        let stuck: Vec<String> = iteration.stuck_share.iter().map(|share| format!("{:.0} %", 100.0 * share)).collect();
-        println!("iteration {}: error {error}, stuck {}", iteration.number, stuck.join(", "));
+        let error = iteration
+            .error
+            .map_or("unknown".into(), |error| format!("{:.1} %", 100.0 * error));
+        let stuck: Vec<String> = iteration
+            .stuck_share
+            .iter()
+            .map(|share| format!("{:.0} %", 100.0 * share))
+            .collect();
+        println!(
+            "iteration {}: error {error}, stuck {}",
+            iteration.number,
+            stuck.join(", ")
+        );
     }
-    println!("{}; the best is iteration {}", shaped.stop, shaped.best.number);
+    println!(
+        "{}; the best is iteration {}",
+        shaped.stop, shaped.best.number
+    );
 
     let paper = shaped_to([200.0, 400.0, 200.0], Step::Paper)?;
-    let errors = paper.iterations.iter().map(|iteration| iteration.error.map_or(f64::NAN, |error| 100.0 * error));
+    let errors = paper
+        .iterations
+        .iter()
+        .map(|iteration| iteration.error.map_or(f64::NAN, |error| 100.0 * error));
     let errors: Vec<String> = errors.map(|error| format!("{error:.0} %")).collect();
     println!("the paper's step without damping: {}", errors.join(", "));
 
     let weak = shaped_to([100.0, 150.0, 120.0], Step::default())?;
     println!("with table 1's torques instead:");
-    weak.sticking.iter().for_each(|sticking| println!("  {sticking}"));
+    weak.sticking
+        .iter()
+        .for_each(|sticking| println!("  {sticking}"));
     Ok(())
 }
 
 /// Each experiment with other signs, half the amplitude above 40 Hz; (experiment, channel, sample).
 fn chirps(amplitudes: [f64; 3]) -> Result<Array3<f64>, SignalError> {
-    let profile = |a: f64| Profile { points: vec![(2.0, a), (36.0, a), (44.0, a / 2.0), (60.0, a / 2.0)] };
+    let profile = |a: f64| Profile {
+        points: vec![(2.0, a), (36.0, a), (44.0, a / 2.0), (60.0, a / 2.0)],
+    };
     let chirp = Chirp {
         low_hz: 2.0,
         high_hz: 60.0,

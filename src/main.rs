@@ -4,5 +4,9 @@ use std::io::{stderr, stdout};
 use std::process::exit;
 
 fn main() {
-    exit(frfid_cli::main(std::env::args_os(), &mut stdout(), &mut stderr()));
+    exit(frfid_cli::main(
+        std::env::args_os(),
+        &mut stdout(),
+        &mut stderr(),
+    ));
 }

@@ -1,8 +1,9 @@
-//! The best linear approximation against numpy and against chance: golden numbers, coverage of the confidence region, and
-//! the bias of the direct estimate when the input is measured with noise.
+//! The best linear approximation against numpy and against chance: golden numbers, coverage of the
+//! confidence region, and the bias of the direct estimate when the input is measured with noise.
 
 use frfid::estimate::{
-    Averaging, BlaOptions, Campaign, Deficiency, EstimateError, LineDft, Place, RunSpectra, estimate_bla,
+    Averaging, BlaOptions, Campaign, Deficiency, EstimateError, LineDft, Place, RunSpectra,
+    estimate_bla,
 };
 use frfid::signals::random::{normal, phase, stream};
 use frfid::signals::{Frf, SignalError, Uncertainty};
@@ -33,23 +34,47 @@ fn count(entry: &Value, name: &str) -> usize {
 
 /// Largest difference between two lists over the largest entry on the same line.
 fn worst(found: &[Complex64], golden: &Value, n_lines: usize) -> f64 {
-    let flat: Vec<f64> = golden.as_array().expect("a list").iter().map(|x| x.as_f64().expect("a number")).collect();
-    let golden: Vec<Complex64> = flat.chunks(2).map(|pair| Complex64::new(pair[0], pair[1])).collect();
+    let flat: Vec<f64> = golden
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|x| x.as_f64().expect("a number"))
+        .collect();
+    let golden: Vec<Complex64> = flat
+        .chunks(2)
+        .map(|pair| Complex64::new(pair[0], pair[1]))
+        .collect();
     assert_eq!(found.len(), golden.len());
-    let lines = found.chunks(found.len() / n_lines).zip(golden.chunks(golden.len() / n_lines));
+    let lines = found
+        .chunks(found.len() / n_lines)
+        .zip(golden.chunks(golden.len() / n_lines));
     lines
         .map(|(found, golden)| {
             let size = golden.iter().map(|g| g.norm()).fold(0.0, f64::max);
-            found.iter().zip(golden).map(|(f, g)| (f - g).norm() / size).fold(0.0, f64::max)
+            found
+                .iter()
+                .zip(golden)
+                .map(|(f, g)| (f - g).norm() / size)
+                .fold(0.0, f64::max)
         })
         .fold(0.0, f64::max)
 }
 
-fn assert_same(known: Option<&Uncertainty>, golden: &Value, n_lines: usize, freedom: usize, what: &str) {
+fn assert_same(
+    known: Option<&Uncertainty>,
+    golden: &Value,
+    n_lines: usize,
+    freedom: usize,
+    what: &str,
+) {
     match known {
         None => assert!(golden.is_null(), "{what} was not estimated"),
         Some(known) => {
-            let worst = worst(known.covariance.as_slice().expect("contiguous"), golden, n_lines);
+            let worst = worst(
+                known.covariance.as_slice().expect("contiguous"),
+                golden,
+                n_lines,
+            );
             assert!(worst < 1e-12, "{what}: {worst:e}");
             assert_eq!(known.degrees_of_freedom, freedom);
         }
@@ -58,22 +83,57 @@ fn assert_same(known: Option<&Uncertainty>, golden: &Value, n_lines: usize, free
 
 fn check(entry: &Value, frf: &Frf) {
     let what = format!("{} {}", entry["case"], entry["method"]);
-    let (n_p, n_q, n_lines) = (count(entry, "n_p"), count(entry, "n_q"), frf.n_frequencies());
-    let worst = worst(frf.response.as_slice().expect("contiguous"), &entry["response"], n_lines);
+    let (n_p, n_q, n_lines) = (
+        count(entry, "n_p"),
+        count(entry, "n_q"),
+        frf.n_frequencies(),
+    );
+    let worst = worst(
+        frf.response.as_slice().expect("contiguous"),
+        &entry["response"],
+        n_lines,
+    );
     assert!(worst < 1e-12, "{what}: {worst:e}");
-    assert_same(frf.noise.as_ref(), &entry["noise"], n_lines, n_p * (n_q - 1), &format!("{what} noise"));
-    assert_same(frf.total.as_ref(), &entry["total"], n_lines, n_p - 1, &format!("{what} total"));
-    let golden = entry["condition"].as_array().expect("a list").iter().map(|c| c.as_f64().expect("a number"));
-    for (found, golden) in frf.condition.as_ref().expect("U was inverted").iter().zip(golden) {
-        assert!((found / golden - 1.0).abs() < 1e-12, "{what}: condition {found} for {golden}");
+    assert_same(
+        frf.noise.as_ref(),
+        &entry["noise"],
+        n_lines,
+        n_p * (n_q - 1),
+        &format!("{what} noise"),
+    );
+    assert_same(
+        frf.total.as_ref(),
+        &entry["total"],
+        n_lines,
+        n_p - 1,
+        &format!("{what} total"),
+    );
+    let golden = entry["condition"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|c| c.as_f64().expect("a number"));
+    for (found, golden) in frf
+        .condition
+        .as_ref()
+        .expect("U was inverted")
+        .iter()
+        .zip(golden)
+    {
+        assert!(
+            (found / golden - 1.0).abs() < 1e-12,
+            "{what}: condition {found} for {golden}"
+        );
     }
 }
 
-/// Mixed channels, n_y other than n_u, n_ex > n_u, periods of 2500, 8192, 12288 and 19838 samples, arrays laid out with
-/// the last axis first in memory: mean, both covariances and condition to 1e-12.
+/// Mixed channels, n_y other than n_u, n_ex > n_u, periods of 2500, 8192, 12288 and 19838 samples,
+/// arrays laid out with the last axis first in memory: mean, both covariances and condition to
+/// 1e-12.
 #[test]
 fn bla_agrees_with_numpy() {
-    let golden: Vec<Value> = serde_json::from_str(include_str!("golden/bla.json")).expect("the golden file is JSON");
+    let golden: Vec<Value> =
+        serde_json::from_str(include_str!("golden/bla.json")).expect("the golden file is JSON");
     assert_eq!(golden.len(), 12);
     for entry in &golden {
         let shape = |channels| {
@@ -90,13 +150,31 @@ fn bla_agrees_with_numpy() {
             turned.assign(&signal(kind, shape(channels)));
             turned
         };
-        let (u, y, r) = (fortran(1, "n_u"), fortran(2, "n_y"), signal(3, shape("n_u")));
-        let averaging = if entry["method"] == "spectra" { Averaging::Spectra } else { Averaging::Frfs };
+        let (u, y, r) = (
+            fortran(1, "n_u"),
+            fortran(2, "n_y"),
+            signal(3, shape("n_u")),
+        );
+        let averaging = if entry["method"] == "spectra" {
+            Averaging::Spectra
+        } else {
+            Averaging::Frfs
+        };
         let r = (entry["method"] == "indirect").then(|| r.view());
-        let lines: Vec<usize> =
-            entry["lines"].as_array().expect("a list").iter().map(|l| l.as_u64().expect("a line") as usize).collect();
-        let options = BlaOptions { averaging, ..Default::default() };
-        check(entry, &estimate_bla(u.view(), y.view(), r, 1e-3, &lines, &options).expect("sound"));
+        let lines: Vec<usize> = entry["lines"]
+            .as_array()
+            .expect("a list")
+            .iter()
+            .map(|l| l.as_u64().expect("a line") as usize)
+            .collect();
+        let options = BlaOptions {
+            averaging,
+            ..Default::default()
+        };
+        check(
+            entry,
+            &estimate_bla(u.view(), y.view(), r, 1e-3, &lines, &options).expect("sound"),
+        );
     }
 }
 
@@ -113,31 +191,59 @@ struct Chance {
 
 /// The true FRF: full, entries of different size and phase.
 fn truth(output: usize, input: usize) -> Complex64 {
-    Complex64::from_polar(if output == input { 1.0 } else { 0.4 }, (1 + output + 3 * input) as f64)
+    Complex64::from_polar(
+        if output == input { 1.0 } else { 0.4 },
+        (1 + output + 3 * input) as f64,
+    )
 }
 
 impl Chance {
-    /// Orthogonal experiments U = R with the phases of each realization, Y = G U, noise on both: an FRF for every line.
+    /// Orthogonal experiments U = R with the phases of each realization, Y = G U, noise on both: an
+    /// FRF for every line.
     fn estimate(&self, seed: u64, indirect: bool, averaging: Averaging) -> Frf {
         let n = self.channels;
         let mut rng = stream(seed, "chance", &[]);
-        let mut campaign = Campaign::new((1..=self.lines).map(|line| line as f64).collect()).expect("rising");
+        let mut campaign =
+            Campaign::new((1..=self.lines).map(|line| line as f64).collect()).expect("rising");
         for realization in 0..self.n_p {
             let phases: Vec<f64> = (0..self.lines).map(|_| phase(&mut rng)).collect();
             for (period, experiment) in (0..self.n_q).flat_map(|q| (0..n).map(move |m| (q, m))) {
-                let shift = |channel: usize| std::f64::consts::TAU * (channel * experiment) as f64 / n as f64;
-                let r = Array2::from_shape_fn((n, self.lines), |(c, k)| Complex64::cis(phases[k] + shift(c)));
-                let mut noise =
-                    |deviation: f64| Complex64::new(normal(&mut rng), normal(&mut rng)) * (deviation / 2f64.sqrt());
+                let shift = |channel: usize| {
+                    std::f64::consts::TAU * (channel * experiment) as f64 / n as f64
+                };
+                let r = Array2::from_shape_fn((n, self.lines), |(c, k)| {
+                    Complex64::cis(phases[k] + shift(c))
+                });
+                let mut noise = |deviation: f64| {
+                    Complex64::new(normal(&mut rng), normal(&mut rng)) * (deviation / 2f64.sqrt())
+                };
                 let u = r.mapv(|value| value + noise(self.noise_u));
                 let y = Array2::from_shape_fn(u.dim(), |(o, k)| {
                     (0..n).map(|i| truth(o, i) * r[[i, k]]).sum::<Complex64>() + noise(self.noise_y)
                 });
-                let run = RunSpectra { u, y, r: indirect.then_some(r) };
-                campaign.insert(Place { realization, period, experiment }, run).expect("fits");
+                let run = RunSpectra {
+                    u,
+                    y,
+                    r: indirect.then_some(r),
+                };
+                campaign
+                    .insert(
+                        Place {
+                            realization,
+                            period,
+                            experiment,
+                        },
+                        run,
+                    )
+                    .expect("fits");
             }
         }
-        campaign.estimate(&BlaOptions { averaging, ..Default::default() }).expect("invertible")
+        campaign
+            .estimate(&BlaOptions {
+                averaging,
+                ..Default::default()
+            })
+            .expect("invertible")
     }
 }
 
@@ -149,32 +255,59 @@ fn coverage(frf: &Frf, known: &Uncertainty) -> Vec<f64> {
         .map(|(o, i)| {
             let entry = i * outputs + o;
             let covered = |&k: &usize| {
-                (frf.response[[k, o, i]] - truth(o, i)).norm_sqr() <= factor * known.covariance[[k, entry, entry]].re
+                (frf.response[[k, o, i]] - truth(o, i)).norm_sqr()
+                    <= factor * known.covariance[[k, entry, entry]].re
             };
             (0..frf.n_frequencies()).filter(covered).count() as f64 / frf.n_frequencies() as f64
         })
         .collect()
 }
 
-/// 2000 linear noisy experiments: the truth lies within `|dG|^2 <= variance F95(2, 2 dof)` 95 +- 2 % of the time, in every
-/// entry, for the noise and for the total variance. The standard error of a share is 0.5 %.
+/// 2000 linear noisy experiments: the truth lies within `|dG|^2 <= variance F95(2, 2 dof)` 95 +- 2
+/// % of the time, in every entry, for the noise and for the total variance. The standard error of a
+/// share is 0.5 %.
 #[test]
 fn the_95_percent_region_covers_the_truth_95_percent_of_the_time() {
-    let quiet = Chance { n_p: 3, n_q: 4, channels: 2, lines: 2000, noise_u: 0.0, noise_y: 0.5 };
-    let noisy_input = Chance { noise_u: 0.1, ..quiet };
+    let quiet = Chance {
+        n_p: 3,
+        n_q: 4,
+        channels: 2,
+        lines: 2000,
+        noise_u: 0.0,
+        noise_y: 0.5,
+    };
+    let noisy_input = Chance {
+        noise_u: 0.1,
+        ..quiet
+    };
     // at 0 dB on u the sums must be long enough for the division by them to be linear: 200 blocks
-    let loud_input = Chance { n_p: 20, n_q: 10, channels: 2, lines: 2000, noise_u: 1.0, noise_y: 0.5 };
+    let loud_input = Chance {
+        n_p: 20,
+        n_q: 10,
+        channels: 2,
+        lines: 2000,
+        noise_u: 1.0,
+        noise_y: 0.5,
+    };
     for (name, chance, indirect, averaging) in [
         ("mean of FRFs", &quiet, false, Averaging::Frfs),
         ("mean of spectra", &noisy_input, false, Averaging::Spectra),
         ("joint input-output", &noisy_input, true, Averaging::Frfs),
-        ("joint input-output, 0 dB", &loud_input, true, Averaging::Frfs),
+        (
+            "joint input-output, 0 dB",
+            &loud_input,
+            true,
+            Averaging::Frfs,
+        ),
     ] {
         let frf = chance.estimate(1, indirect, averaging);
         for (kind, known) in [("noise", &frf.noise), ("total", &frf.total)] {
             let shares = coverage(&frf, known.as_ref().expect("periods and realizations"));
             println!("{name}, {kind}: {shares:.3?}");
-            assert!(shares.iter().all(|share| (share - 0.95).abs() <= 0.02), "{name}, {kind}: {shares:?}");
+            assert!(
+                shares.iter().all(|share| (share - 0.95).abs() <= 0.02),
+                "{name}, {kind}: {shares:?}"
+            );
         }
     }
 }
@@ -185,34 +318,60 @@ fn bias(frf: &Frf) -> Vec<(f64, f64)> {
     let entries = (0..frf.n_outputs()).flat_map(|o| (0..frf.n_inputs()).map(move |i| (o, i)));
     entries
         .map(|(o, i)| {
-            let errors: Vec<Complex64> =
-                (0..frf.n_frequencies()).map(|k| frf.response[[k, o, i]] / truth(o, i) - 1.0).collect();
+            let errors: Vec<Complex64> = (0..frf.n_frequencies())
+                .map(|k| frf.response[[k, o, i]] / truth(o, i) - 1.0)
+                .collect();
             let mean = errors.iter().sum::<Complex64>() / lines;
-            let variance = errors.iter().map(|error| (error - mean).norm_sqr()).sum::<f64>() / (lines - 1.0);
+            let variance = errors
+                .iter()
+                .map(|error| (error - mean).norm_sqr())
+                .sum::<f64>()
+                / (lines - 1.0);
             (mean.norm(), (variance / lines).sqrt())
         })
         .collect()
 }
 
-/// Noise on u at 0 dB, n_ex = n_u = 3, n_q = 50: the direct estimate loses 22.4 % whatever the number of periods, with the
-/// reference nothing is lost. 22.4 % follows from theory: E[(I + N/sqrt(n))^-1] = c I, where c is the mean share of the
-/// eigenvalues of N (circular complex normal entries, squared moduli distributed as Gamma(1..n)) within the radius sqrt(n):
-/// for n = 3 `1 - e^-3 (1 + 4 + 8.5)/3`; for n = 1 the well-known 1 - 1/e.
+/// Noise on u at 0 dB, n_ex = n_u = 3, n_q = 50: the direct estimate loses 22.4 % whatever the
+/// number of periods, with the reference nothing is lost. 22.4 % follows from theory: E[(I +
+/// N/sqrt(n))^-1] = c I, where c is the mean share of the eigenvalues of N (circular complex normal
+/// entries, squared moduli distributed as Gamma(1..n)) within the radius sqrt(n): for n = 3
+/// `1 - e^-3 (1 + 4 + 8.5)/3`; for n = 1 the well-known 1 - 1/e.
 #[test]
 fn noise_on_the_input_biases_the_direct_estimate_and_not_the_indirect_one() {
-    let periods = Chance { n_p: 1, n_q: 50, channels: 3, lines: 1000, noise_u: 1.0, noise_y: 0.1 };
-    let realizations = Chance { n_p: 50, n_q: 1, ..periods };
+    let periods = Chance {
+        n_p: 1,
+        n_q: 50,
+        channels: 3,
+        lines: 1000,
+        noise_u: 1.0,
+        noise_y: 0.1,
+    };
+    let realizations = Chance {
+        n_p: 50,
+        n_q: 1,
+        ..periods
+    };
     for chance in [&periods, &realizations] {
-        let (direct, indirect) =
-            (bias(&chance.estimate(2, false, Averaging::Frfs)), bias(&chance.estimate(2, true, Averaging::Frfs)));
+        let (direct, indirect) = (
+            bias(&chance.estimate(2, false, Averaging::Frfs)),
+            bias(&chance.estimate(2, true, Averaging::Frfs)),
+        );
         println!("direct {direct:.3?}\nindirect {indirect:.4?}");
         let expected = (-3f64).exp() * 13.5 / 3.0;
         assert!(
-            direct.iter().all(|&(bias, error)| error < 0.03 && (bias - expected).abs() < 4.0 * error),
+            direct
+                .iter()
+                .all(|&(bias, error)| error < 0.03 && (bias - expected).abs() < 4.0 * error),
             "{direct:?}"
         );
         // |mean| of a complex number exceeds 3.2 standard errors once in 28 000
-        assert!(indirect.iter().all(|&(bias, error)| error < 0.03 && bias < 3.2 * error), "{indirect:?}");
+        assert!(
+            indirect
+                .iter()
+                .all(|&(bias, error)| error < 0.03 && bias < 3.2 * error),
+            "{indirect:?}"
+        );
     }
 }
 
@@ -222,10 +381,23 @@ fn order_and_threads_do_not_matter() {
     let shape = |channels| [3, 2, 4, channels, 500];
     let (u, y) = (signal(1, shape(2)), signal(2, shape(3)));
     let lines: Vec<usize> = (1..200).collect();
-    let estimate = || estimate_bla(u.view(), y.view(), None, 1e-3, &lines, &BlaOptions::default()).expect("sound");
+    let estimate = || {
+        estimate_bla(
+            u.view(),
+            y.view(),
+            None,
+            1e-3,
+            &lines,
+            &BlaOptions::default(),
+        )
+        .expect("sound")
+    };
     let expected = estimate();
     for threads in [1, 4] {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        let pool = rayon::ThreadPoolBuilder::new()
+            .num_threads(threads)
+            .build()
+            .expect("threads");
         assert_eq!(pool.install(estimate), expected);
     }
     let dft = LineDft::new(500, &lines).expect("on the grid");
@@ -234,16 +406,35 @@ fn order_and_threads_do_not_matter() {
         let (realization, period, experiment) = (run / 8, run / 2 % 4, run % 2);
         let at = s![realization, experiment, period, .., ..];
         let spectra = RunSpectra::of(&dft, u.slice(at), y.slice(at), None).expect("sound");
-        campaign.insert(Place { realization, period, experiment }, spectra).expect("fits");
+        campaign
+            .insert(
+                Place {
+                    realization,
+                    period,
+                    experiment,
+                },
+                spectra,
+            )
+            .expect("fits");
     }
-    assert_eq!(campaign.estimate(&BlaOptions::default()).expect("complete"), expected);
+    assert_eq!(
+        campaign.estimate(&BlaOptions::default()).expect("complete"),
+        expected
+    );
 }
 
 /// Every bad input has its own error, with what was found and needed.
 #[test]
 fn bad_input_is_refused_with_found_and_needed() {
     let estimate = |u: &Array5<f64>, y: &Array5<f64>, r: Option<&Array5<f64>>, lines: &[usize]| {
-        estimate_bla(u.view(), y.view(), r.map(|r| r.view()), 1e-3, lines, &BlaOptions::default())
+        estimate_bla(
+            u.view(),
+            y.view(),
+            r.map(|r| r.view()),
+            1e-3,
+            lines,
+            &BlaOptions::default(),
+        )
     };
     let (u, y) = (signal(1, [1, 2, 2, 2, 100]), signal(2, [1, 2, 2, 1, 100]));
     assert!(estimate(&u, &y, None, &[1, 49]).is_ok());
@@ -251,8 +442,19 @@ fn bad_input_is_refused_with_found_and_needed() {
         assert!(estimate(&u, &y, None, &bad).is_err(), "lines {bad:?}");
     }
     let one = u.slice(s![.., ..1, .., .., ..]).to_owned();
-    let few = estimate(&one, &y.slice(s![.., ..1, .., .., ..]).to_owned(), None, &[1]);
-    assert_eq!(few, Err(EstimateError::TooFewExperiments { found: 1, needed: 2 }));
+    let few = estimate(
+        &one,
+        &y.slice(s![.., ..1, .., .., ..]).to_owned(),
+        None,
+        &[1],
+    );
+    assert_eq!(
+        few,
+        Err(EstimateError::TooFewExperiments {
+            found: 1,
+            needed: 2
+        })
+    );
     let short = y.slice(s![.., .., .., .., ..99]).to_owned();
     assert!(matches!(
         estimate(&u, &short, None, &[1]),
@@ -264,16 +466,31 @@ fn bad_input_is_refused_with_found_and_needed() {
     ));
     let mut holed = y.clone();
     holed[[0, 1, 0, 0, 7]] = f64::NAN;
-    let expected = SignalError::NotFinite { name: "y", count: 1, channel: 0, sample: 7 };
+    let expected = SignalError::NotFinite {
+        name: "y",
+        count: 1,
+        channel: 0,
+        sample: 7,
+    };
     assert_eq!(estimate(&u, &holed, None, &[1]), Err(expected.into()));
     let mut alike = u.clone();
-    alike.slice_mut(s![.., 1, .., .., ..]).assign(&u.slice(s![.., 0, .., .., ..]));
-    let Err(EstimateError::RankDeficient(lines)) = estimate(&alike, &y, None, &[1, 7]) else { panic!("U is singular") };
+    alike
+        .slice_mut(s![.., 1, .., .., ..])
+        .assign(&u.slice(s![.., 0, .., .., ..]));
+    let Err(EstimateError::RankDeficient(lines)) = estimate(&alike, &y, None, &[1, 7]) else {
+        panic!("U is singular")
+    };
     assert_eq!(lines.len(), 2);
     assert!(
-        matches!(lines[1].cause, Deficiency::ExperimentsAlike { pair: (0, 1), .. }) && lines[1].frequency_hz == 70.0
+        matches!(
+            lines[1].cause,
+            Deficiency::ExperimentsAlike { pair: (0, 1), .. }
+        ) && lines[1].frequency_hz == 70.0
     );
     assert!(estimate_bla(u.view(), y.view(), None, 0.0, &[1], &BlaOptions::default()).is_err());
     let empty = Array5::zeros([0, 2, 2, 2, 100]);
-    assert_eq!(estimate(&empty, &empty, None, &[1]), Err(EstimateError::EmptyList("runs")));
+    assert_eq!(
+        estimate(&empty, &empty, None, &[1]),
+        Err(EstimateError::EmptyList("runs"))
+    );
 }

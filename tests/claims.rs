@@ -1,4 +1,5 @@
-//! Claims 1 to 5: what Saupe and Knoblach (2015) say of their example in section 6, with the numbers it has to show.
+//! Claims 1 to 5: what Saupe and Knoblach (2015) say of their example in section 6, with the
+//! numbers it has to show.
 
 use std::sync::OnceLock;
 
@@ -15,7 +16,15 @@ fn section6() -> &'static Section6 {
 
 fn design(low_hz: f64) -> GridDesign {
     let kind = GridKind::Odd;
-    GridDesign { low_hz, high_hz: 60.0, sample_time_s: 1e-3, resolution_hz: 0.1, n_lines: Some(80), kind, seed: 0 }
+    GridDesign {
+        low_hz,
+        high_hz: 60.0,
+        sample_time_s: 1e-3,
+        resolution_hz: 0.1,
+        n_lines: Some(80),
+        kind,
+        seed: 0,
+    }
 }
 
 #[test]
@@ -36,7 +45,8 @@ fn claim_1_the_design_numbers_of_sections_6_and_7() {
 fn claim_1_the_multisine_has_a_sixth_of_the_chirps_power() {
     let share = &section6().power_share;
     let quantile = |q: f64| 100.0 * share[(q * (share.len() - 1) as f64) as usize];
-    // 16.6 % in the median, 12 to 22 % for nine of ten draws; the standard error of the quantiles of 1000 draws is 0.3 %
+    // 16.6 % in the median, 12 to 22 % for nine of ten draws; the standard error of the quantiles
+    // of 1000 draws is 0.3 %
     assert!((quantile(0.5) - 16.6).abs() < 0.9, "{}", quantile(0.5));
     assert!((quantile(0.05) - 12.0).abs() < 1.0 && (quantile(0.95) - 22.0).abs() < 1.0);
 }
@@ -47,8 +57,16 @@ fn claim_2_without_nonlinearities_both_estimates_are_the_truth() {
     let worst = linear.multisine.worst_relative_error();
     assert!(worst < 1e-9, "multisine: {worst:e}");
     let errors = linear.chirp.errors_db(1.3..=55.0);
-    assert!(errors[errors.len() / 2] < 0.05, "chirp, median: {} dB", errors[errors.len() / 2]);
-    assert!(errors[errors.len() - 1] < 2.0, "chirp, worst: {} dB", errors[errors.len() - 1]);
+    assert!(
+        errors[errors.len() / 2] < 0.05,
+        "chirp, median: {} dB",
+        errors[errors.len() / 2]
+    );
+    assert!(
+        errors[errors.len() - 1] < 2.0,
+        "chirp, worst: {} dB",
+        errors[errors.len() - 1]
+    );
 }
 
 #[test]
@@ -58,11 +76,18 @@ fn claim_3_friction_conceals_the_multisines_resonance_but_not_the_chirps() {
     assert!(multisine > 15.0, "multisine: {multisine} dB");
     let chirp = friction.chirp.peak_deficit_db(8.0..=16.0);
     assert!((2.5..=6.5).contains(&chirp), "chirp: {chirp} dB");
-    // 38.3 instead of 39.1 dB from notch to peak, 114 instead of 162 degrees of phase: both show less clearly
+    // 38.3 instead of 39.1 dB from notch to peak, 114 instead of 162 degrees of phase: both show
+    // less clearly
     let (contrast, true_contrast) = friction.chirp.contrasts_db(3.0..=20.0);
-    assert!((true_contrast - contrast - 0.8).abs() < 0.3, "{contrast} dB instead of {true_contrast} dB");
+    assert!(
+        (true_contrast - contrast - 0.8).abs() < 0.3,
+        "{contrast} dB instead of {true_contrast} dB"
+    );
     let (span, true_span) = friction.chirp.phase_spans_deg(2.0..=30.0);
-    assert!((true_span - span - 48.0).abs() < 10.0, "{span} instead of {true_span} degrees");
+    assert!(
+        (true_span - span - 48.0).abs() < 10.0,
+        "{span} instead of {true_span} degrees"
+    );
 }
 
 #[test]
@@ -81,19 +106,37 @@ fn claim_4_on_a_constant_velocity_friction_drops_out() {
 fn claim_5_the_two_excitations_together_show_that_stiffness_grows_with_deflection() {
     let stiffening = &section6().stiffening;
     let errors = stiffening.multisine.errors_db(1.0..=60.0);
-    assert!(errors[errors.len() - 1] < 0.6, "multisine: {} dB", errors[errors.len() - 1]);
-    let (peak_hz, _) = stiffening.chirp.peak(8.0..=20.0).expect("lines in the band");
+    assert!(
+        errors[errors.len() - 1] < 0.6,
+        "multisine: {} dB",
+        errors[errors.len() - 1]
+    );
+    let (peak_hz, _) = stiffening
+        .chirp
+        .peak(8.0..=20.0)
+        .expect("lines in the band");
     assert!((11.8..=15.3).contains(&peak_hz), "chirp: {peak_hz} Hz");
-    let options = CompareOptions { stronger: Some(Side::B), ..CompareOptions::default() };
+    let options = CompareOptions {
+        stronger: Some(Side::B),
+        ..CompareOptions::default()
+    };
     let verdicts = |pair: &Pair| {
-        let comparison = compare(&pair.multisine.frf, &pair.chirp.frf, &options).expect("they share a band");
+        let comparison =
+            compare(&pair.multisine.frf, &pair.chirp.frf, &options).expect("they share a band");
         comparison.entries[0].verdicts.clone()
     };
-    let grows =
-        |verdicts: &[Verdict]| verdicts.iter().any(|v| matches!(v, Verdict::StiffnessGrowsWithDeflection { .. }));
+    let grows = |verdicts: &[Verdict]| {
+        verdicts
+            .iter()
+            .any(|v| matches!(v, Verdict::StiffnessGrowsWithDeflection { .. }))
+    };
     assert!(grows(&verdicts(stiffening)), "{:?}", verdicts(stiffening));
     // and not where the spring is linear, with friction or without
-    for pair in [&section6().linear, &section6().gliding, &section6().friction] {
+    for pair in [
+        &section6().linear,
+        &section6().gliding,
+        &section6().friction,
+    ] {
         assert!(!grows(&verdicts(pair)), "{:?}", verdicts(pair));
     }
 }
@@ -105,24 +148,58 @@ fn the_table_of_claims_says_that_every_claim_holds() {
     }
 }
 
-/// Notch and peak in Hz and dB, then dB and degrees at 1, 20 and 60 Hz, to the digits printed in the table.
+/// Notch and peak in Hz and dB, then dB and degrees at 1, 20 and 60 Hz, to the digits printed in
+/// the table.
 #[test]
 fn the_linear_truth_to_the_printed_digits() {
     type Row = (f64, [f64; 2], [f64; 2], [f64; 3], [f64; 3]);
     let table: [Row; 2] = [
-        (1.5e5, [5.0289, -95.0507], [11.6211, -55.6669], [-61.5917, -70.0134, -82.1464], [-89.968, -81.728, -88.184]),
-        (2.55e5, [6.5590, -99.6399], [15.1254, -55.6740], [-61.4729, -66.8261, -81.9519], [-89.989, -76.774, -88.125]),
+        (
+            1.5e5,
+            [5.0289, -95.0507],
+            [11.6211, -55.6669],
+            [-61.5917, -70.0134, -82.1464],
+            [-89.968, -81.728, -88.184],
+        ),
+        (
+            2.55e5,
+            [6.5590, -99.6399],
+            [15.1254, -55.6740],
+            [-61.4729, -66.8261, -81.9519],
+            [-89.989, -76.774, -88.125],
+        ),
     ];
     for (stiffness_nm_per_rad, notch, peak, magnitude_db, phase_deg) in table {
-        let joint = SingleJoint { stiffness_nm_per_rad, ..SingleJoint::default() };
-        let frf = |hz: &[f64]| joint.frf(hz, Hold::Continuous, 1e-3, Velocity::True).expect("sound");
-        let fine: Vec<f64> = (0..=200_000).map(|k| 4.0 + f64::from(k) * 1e-4 * 0.7).collect();
+        let joint = SingleJoint {
+            stiffness_nm_per_rad,
+            ..SingleJoint::default()
+        };
+        let frf = |hz: &[f64]| {
+            joint
+                .frf(hz, Hold::Continuous, 1e-3, Velocity::True)
+                .expect("sound")
+        };
+        let fine: Vec<f64> = (0..=200_000)
+            .map(|k| 4.0 + f64::from(k) * 1e-4 * 0.7)
+            .collect();
         let magnitude = frf(&fine).magnitude_db(0, 0);
-        let lowest = (0..fine.len()).min_by(|&a, &b| magnitude[a].total_cmp(&magnitude[b])).expect("points");
-        let highest = (0..fine.len()).max_by(|&a, &b| magnitude[a].total_cmp(&magnitude[b])).expect("points");
+        let lowest = (0..fine.len())
+            .min_by(|&a, &b| magnitude[a].total_cmp(&magnitude[b]))
+            .expect("points");
+        let highest = (0..fine.len())
+            .max_by(|&a, &b| magnitude[a].total_cmp(&magnitude[b]))
+            .expect("points");
         for (found, printed) in [(lowest, notch), (highest, peak)] {
-            assert!((fine[found] - printed[0]).abs() < 5e-5 + 3.5e-5, "{} Hz", fine[found]); // printed digits and the grid
-            assert!((magnitude[found] - printed[1]).abs() < 5e-5, "{} dB", magnitude[found]);
+            assert!(
+                (fine[found] - printed[0]).abs() < 5e-5 + 3.5e-5,
+                "{} Hz",
+                fine[found]
+            ); // printed digits and the grid
+            assert!(
+                (magnitude[found] - printed[1]).abs() < 5e-5,
+                "{} dB",
+                magnitude[found]
+            );
         }
         let points = frf(&[1.0, 20.0, 60.0]);
         for k in 0..3 {

@@ -1,4 +1,5 @@
-//! Iterative shaping through the binary: the trail on disk, going on after an interruption, and what is refused.
+//! Iterative shaping through the binary: the trail on disk, going on after an interruption, and
+//! what is refused.
 
 mod cli_binary;
 
@@ -51,7 +52,11 @@ n_frequencies = 60
 /// A folder with `x.toml`: the joint, with these replacements.
 fn description(replacements: &[(&str, &str)]) -> TempDir {
     let folder = tempdir().expect("a temporary folder");
-    fs::write(folder.path().join("x.toml"), replaced(JOINT.to_owned(), replacements)).expect("written");
+    fs::write(
+        folder.path().join("x.toml"),
+        replaced(JOINT.to_owned(), replacements),
+    )
+    .expect("written");
     folder
 }
 
@@ -80,42 +85,91 @@ fn a_joint_that_sticks_at_first_comes_to_the_desired_torque_and_everything_is_on
     let shape = frfid(here, &["shape", "x.toml", "-o", "shaped"]);
     assert_eq!(code(&shape), 0, "{}", stderr(&shape));
     let told = stdout(&shape);
-    for part in
-        ["error in %", "stuck in %", "peak torque", "iteration 1: every axis was stuck", "the best is iteration"]
-    {
+    for part in [
+        "error in %",
+        "stuck in %",
+        "peak torque",
+        "iteration 1: every axis was stuck",
+        "the best is iteration",
+    ] {
         assert!(told.contains(part), "{part} is not told in\n{told}");
     }
     let report = json(&here.join("shaped/shape.json"));
     let iterations = report["iterations"].as_array().expect("a list");
-    let errors: Vec<f64> =
-        iterations.iter().map(|iteration| iteration["axis_error"][0].as_f64().expect("known")).collect();
-    assert!(errors[0] > 0.9 && errors[errors.len() - 1] < 0.1, "{errors:?}");
+    let errors: Vec<f64> = iterations
+        .iter()
+        .map(|iteration| iteration["axis_error"][0].as_f64().expect("known"))
+        .collect();
+    assert!(
+        errors[0] > 0.9 && errors[errors.len() - 1] < 0.1,
+        "{errors:?}"
+    );
     let last = &iterations[iterations.len() - 1];
-    assert!(last["stuck_share"][0].as_f64().is_some_and(|share| share < 0.15));
+    assert!(
+        last["stuck_share"][0]
+            .as_f64()
+            .is_some_and(|share| share < 0.15)
+    );
     for number in 1..=iterations.len() {
         let iteration = here.join(format!("shaped/iteration_{number:02}"));
-        for name in [&format!("p{number:03}-m0-q0.mcap"), "u_to_y.json", "response.json", "errors.csv"] {
-            assert!(iteration.join(name).exists() && iterations[number - 1]["files"][name].is_string(), "{name}");
+        for name in [
+            &format!("p{number:03}-m0-q0.mcap"),
+            "u_to_y.json",
+            "response.json",
+            "errors.csv",
+        ] {
+            assert!(
+                iteration.join(name).exists() && iterations[number - 1]["files"][name].is_string(),
+                "{name}"
+            );
         }
     }
     // the FRF of the best iteration, by another way: from its record alone
     let of_last = format!("shaped/iteration_{:02}", iterations.len());
     let estimate = frfid(here, &["estimate", &of_last, "-o", "frf.json"]);
     assert_eq!(code(&estimate), 0, "{}", stderr(&estimate));
-    let [ours, again] = ["shaped/frf.json", "frf.json"].map(|path| json(&here.join(path))["response"].clone());
+    let [ours, again] =
+        ["shaped/frf.json", "frf.json"].map(|path| json(&here.join(path))["response"].clone());
     assert_eq!(ours, again);
-    let mixed = frfid(here, &["estimate", "shaped/iteration_02", &of_last, "-o", "both.json"]);
-    assert!(code(&mixed) == 1 && stderr(&mixed).contains("one plan at a time"), "{}", stderr(&mixed));
+    let mixed = frfid(
+        here,
+        &[
+            "estimate",
+            "shaped/iteration_02",
+            &of_last,
+            "-o",
+            "both.json",
+        ],
+    );
+    assert!(
+        code(&mixed) == 1 && stderr(&mixed).contains("one plan at a time"),
+        "{}",
+        stderr(&mixed)
+    );
 }
 
 /// Starts a shaping and waits until an iteration is done.
 fn begun(here: &Path, iteration: usize) -> std::process::Child {
     let mut command = Command::new(env!("CARGO_BIN_EXE_frfid"));
-    command.current_dir(here).args(["shape", "x.toml", "-o", "shaped"]);
-    let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the binary starts");
+    command
+        .current_dir(here)
+        .args(["shape", "x.toml", "-o", "shaped"]);
+    let child = command
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the binary starts");
     let started = Instant::now();
-    while !here.join(format!("shaped/iteration_{iteration:02}/p{iteration:03}-m0-q0.mcap")).exists() {
-        assert!(started.elapsed() < Duration::from_secs(120), "no iteration was done");
+    while !here
+        .join(format!(
+            "shaped/iteration_{iteration:02}/p{iteration:03}-m0-q0.mcap"
+        ))
+        .exists()
+    {
+        assert!(
+            started.elapsed() < Duration::from_secs(120),
+            "no iteration was done"
+        );
         sleep(Duration::from_millis(2));
     }
     child
@@ -126,30 +180,65 @@ fn begun(here: &Path, iteration: usize) -> std::process::Child {
 fn an_interrupted_shaping_goes_on_to_the_same_bytes() {
     let long = [("duration_s = 6.0", "duration_s = 40.0")];
     let (whole, cut) = (description(&long), description(&long));
-    let reference = frfid(whole.path(), &["shape", "x.toml", "-o", "shaped", "--jobs", "1"]);
+    let reference = frfid(
+        whole.path(),
+        &["shape", "x.toml", "-o", "shaped", "--jobs", "1"],
+    );
     assert_eq!(code(&reference), 0, "{}", stderr(&reference));
-    for (iteration, signal, expected) in [(1, "-INT", Some(130)), (2, "-KILL", None), (3, "-TERM", Some(130))] {
+    for (iteration, signal, expected) in [
+        (1, "-INT", Some(130)),
+        (2, "-KILL", None),
+        (3, "-TERM", Some(130)),
+    ] {
         let child = begun(cut.path(), iteration);
-        let sent = Command::new("kill").args([signal, &child.id().to_string()]).status().expect("kill exists");
+        let sent = Command::new("kill")
+            .args([signal, &child.id().to_string()])
+            .status()
+            .expect("kill exists");
         assert!(sent.success());
         let output = child.wait_with_output().expect("it ends");
         assert_eq!(output.status.code(), expected, "{}", stderr(&output));
         if expected.is_some() {
             let told = stderr(&output);
-            assert!(told.contains("interrupted in iteration") && told.contains("goes on from there"), "{told}");
+            assert!(
+                told.contains("interrupted in iteration") && told.contains("goes on from there"),
+                "{told}"
+            );
         }
     }
     let first = cut.path().join("shaped/iteration_01/p001-m0-q0.mcap");
-    let kept = fs::metadata(&first).and_then(|file| file.modified()).expect("kept");
+    let kept = fs::metadata(&first)
+        .and_then(|file| file.modified())
+        .expect("kept");
     let again = frfid(cut.path(), &["shape", "x.toml", "-o", "shaped"]);
-    assert_eq!((code(&again), stdout(&again)), (0, stdout(&reference)), "{}", stderr(&again));
-    assert_eq!(kept, fs::metadata(&first).and_then(|file| file.modified()).expect("kept"));
+    assert_eq!(
+        (code(&again), stdout(&again)),
+        (0, stdout(&reference)),
+        "{}",
+        stderr(&again)
+    );
+    assert_eq!(
+        kept,
+        fs::metadata(&first)
+            .and_then(|file| file.modified())
+            .expect("kept")
+    );
     let all = |folder: &TempDir| {
         let files = contents(&folder.path().join("shaped")).into_iter();
-        files.map(|(path, bytes)| (path.strip_prefix(folder.path()).expect("inside").to_owned(), bytes)).collect()
+        files
+            .map(|(path, bytes)| {
+                (
+                    path.strip_prefix(folder.path()).expect("inside").to_owned(),
+                    bytes,
+                )
+            })
+            .collect()
     };
     let [whole, cut]: [BTreeMap<PathBuf, Vec<u8>>; 2] = [all(&whole), all(&cut)];
-    assert_eq!(whole.keys().collect::<Vec<_>>(), cut.keys().collect::<Vec<_>>());
+    assert_eq!(
+        whole.keys().collect::<Vec<_>>(),
+        cut.keys().collect::<Vec<_>>()
+    );
     for (path, bytes) in &whole {
         assert!(cut[path] == *bytes, "{} differs", path.display());
     }
@@ -159,12 +248,21 @@ fn an_interrupted_shaping_goes_on_to_the_same_bytes() {
 fn a_folder_of_something_else_and_files_that_were_changed_are_refused() {
     let folder = description(&[]);
     let here = folder.path();
-    let shape = |arguments: &[&str]| frfid(here, &[&["shape", "x.toml", "-o", "shaped"], arguments].concat());
+    let shape = |arguments: &[&str]| {
+        frfid(
+            here,
+            &[&["shape", "x.toml", "-o", "shaped"], arguments].concat(),
+        )
+    };
     assert_eq!(code(&shape(&[])), 0);
     let before = contents(&here.join("shaped"));
     assert_eq!(code(&shape(&[])), 0, "done already");
     let other = shape(&["--seed", "2"]);
-    assert!(code(&other) == 2 && stderr(&other).contains("another description"), "{}", stderr(&other));
+    assert!(
+        code(&other) == 2 && stderr(&other).contains("another description"),
+        "{}",
+        stderr(&other)
+    );
     assert!(stderr(&other).contains("--force"), "{}", stderr(&other));
     assert_eq!(before, contents(&here.join("shaped")));
 
@@ -188,7 +286,11 @@ fn a_folder_of_something_else_and_files_that_were_changed_are_refused() {
     fs::create_dir(here.join("mine")).expect("made");
     fs::write(here.join("mine/frf.json"), "mine").expect("written");
     let mine = frfid(here, &["shape", "x.toml", "-o", "mine"]);
-    assert!(code(&mine) == 2 && stderr(&mine).contains("frf.json exists"), "{}", stderr(&mine));
+    assert!(
+        code(&mine) == 2 && stderr(&mine).contains("frf.json exists"),
+        "{}",
+        stderr(&mine)
+    );
     assert_eq!(contents(&here.join("mine")).len(), 1);
 }
 
@@ -198,38 +300,83 @@ type Refusal<'a> = (&'a [(&'a str, &'a str)], &'a str, &'a str);
 #[test]
 fn what_shaping_needs_is_asked_for_at_its_place() {
     let shape = "\n[shape]\ndesired_nm = [200.0]\ngood_enough = 0.1\n";
-    let controller = "\n[controller]\ngain_nms_per_rad = [2000.0]\nintegral_gain_nm_per_rad = [16000.0]\n";
-    let open: &[(&str, &str)] = &[(controller, "\n"), ("amplitude_rad_s = [0.006]", "amplitude_nm = [10.0]")];
+    let controller =
+        "\n[controller]\ngain_nms_per_rad = [2000.0]\nintegral_gain_nm_per_rad = [16000.0]\n";
+    let open: &[(&str, &str)] = &[
+        (controller, "\n"),
+        ("amplitude_rad_s = [0.006]", "amplitude_nm = [10.0]"),
+    ];
     let all: [Refusal; 7] = [
         (&[(shape, "")], "no [shape]: add this table", "^^^^^"),
         (open, "add a table [controller]", "^^^^^"),
-        (&[("desired_nm = [200.0]", "")], "desired torque (desired_nm)", "^^^^^"),
-        (&[("desired_nm = [200.0]", "desired_nm = [200.0, 1.0]")], "one for each of the 1 axes", "^^^^^^^^^^^^"),
-        (&[("[1000.0]", "[150.0]")], "axis 1 desires 200 N m, beyond its max_effort of 150", "^^^^^^^"),
-        (&[("good_enough = 0.1", "damping = 1.5")], "damping is 1.5", "^^^"),
-        (&[("good_enough = 0.1", "good_enogh = 0.1")], "unknown field `good_enogh`", "^^^^^^^^^^"),
+        (
+            &[("desired_nm = [200.0]", "")],
+            "desired torque (desired_nm)",
+            "^^^^^",
+        ),
+        (
+            &[("desired_nm = [200.0]", "desired_nm = [200.0, 1.0]")],
+            "one for each of the 1 axes",
+            "^^^^^^^^^^^^",
+        ),
+        (
+            &[("[1000.0]", "[150.0]")],
+            "axis 1 desires 200 N m, beyond its max_effort of 150",
+            "^^^^^^^",
+        ),
+        (
+            &[("good_enough = 0.1", "damping = 1.5")],
+            "damping is 1.5",
+            "^^^",
+        ),
+        (
+            &[("good_enough = 0.1", "good_enogh = 0.1")],
+            "unknown field `good_enogh`",
+            "^^^^^^^^^^",
+        ),
     ];
     for (replacements, reason, caret) in all {
         let folder = description(replacements);
         let refused = frfid(folder.path(), &["shape", "x.toml", "-o", "shaped"]);
         let told = stderr(&refused);
-        assert_eq!((code(&refused), stdout(&refused)), (2, String::new()), "{told}");
+        assert_eq!(
+            (code(&refused), stdout(&refused)),
+            (2, String::new()),
+            "{told}"
+        );
         assert!(told.contains("x.toml:") && told.contains(reason), "{told}");
-        assert_eq!(told.lines().last().map(|line| line.trim_start_matches([' ', '|'])), Some(caret), "{told}");
+        assert_eq!(
+            told.lines()
+                .last()
+                .map(|line| line.trim_start_matches([' ', '|'])),
+            Some(caret),
+            "{told}"
+        );
         assert!(!folder.path().join("shaped").exists());
     }
     let folder = description(&[]);
     let refused = frfid(folder.path(), &["shape", "x.toml", "-o", "/proc/shaped"]);
-    assert!(code(&refused) == 1 && stderr(&refused).contains("/proc/shaped"), "{}", stderr(&refused));
+    assert!(
+        code(&refused) == 1 && stderr(&refused).contains("/proc/shaped"),
+        "{}",
+        stderr(&refused)
+    );
 }
 
 #[test]
 fn a_torque_below_the_friction_is_said_loudly() {
-    let folder = description(&[("desired_nm = [200.0]", "desired_nm = [[[36.0, 200.0], [44.0, 40.0]]]")]);
-    let shape = frfid(folder.path(), &["shape", "x.toml", "-o", "shaped", "--quiet"]);
+    let folder = description(&[(
+        "desired_nm = [200.0]",
+        "desired_nm = [[[36.0, 200.0], [44.0, 40.0]]]",
+    )]);
+    let shape = frfid(
+        folder.path(),
+        &["shape", "x.toml", "-o", "shaped", "--quiet"],
+    );
     assert_eq!(code(&shape), 3, "{}", stderr(&shape));
     assert!(
-        stderr(&shape).contains("axis 1 sticks above 47.8 Hz") && stderr(&shape).contains("50 N m of friction"),
+        stderr(&shape).contains("axis 1 sticks above 47.8 Hz")
+            && stderr(&shape).contains("50 N m of friction"),
         "{}",
         stderr(&shape)
     );

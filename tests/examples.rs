@@ -7,16 +7,29 @@ use std::process::Command;
 fn every_lesson_says_what_it_teaches() {
     let lessons = [
         ("01_excitations", "71 lines"),
-        ("02_friction", "chirp: the peak at the resonance lies 4.8 dB below the truth"),
-        ("03_constant_velocity", "v = 0.25 rad/s: slowest +0.177 rad/s, largest error of the FRF 3.0e-10"),
-        ("04_stiffness", "stiffness grows with deflection: the stronger excitation finds the resonance at 14.5"),
-        ("05_uncertainty", "with one period the noise variance is None"),
+        (
+            "02_friction",
+            "chirp: the peak at the resonance lies 4.8 dB below the truth",
+        ),
+        (
+            "03_constant_velocity",
+            "v = 0.25 rad/s: slowest +0.177 rad/s, largest error of the FRF 3.0e-10",
+        ),
+        (
+            "04_stiffness",
+            "stiffness grows with deflection: the stronger excitation finds the resonance at 14.5",
+        ),
+        (
+            "05_uncertainty",
+            "with one period the noise variance is None",
+        ),
         ("06_closed_loop", "indirect: median error"),
         ("07_own_testbed", "to the last bit: true"),
         ("08_arm", "lag by 10.8 deg at 60 Hz"),
         ("09_shaping", "axis 2 sticks"),
     ];
-    // `cargo test` builds the examples beside the binary; for this test alone: cargo build --examples
+    // `cargo test` builds the examples beside the binary; for this test alone: cargo build
+    // --examples
     let folder = PathBuf::from(env!("CARGO_BIN_EXE_frfid")).with_file_name("examples");
     for (lesson, says) in lessons {
         let output = Command::new(folder.join(lesson)).output().expect(lesson);

@@ -1,5 +1,6 @@
-//! Small signals: without friction, ripple and quantisation a closed-loop experiment on the Manutec r3 finds the linear truth,
-//! with gravity and everything that depends on position left on; what is left is the amplitude, and it goes with it.
+//! Small signals: without friction, ripple and quantisation a closed-loop experiment on the Manutec
+//! r3 finds the linear truth, with gravity and everything that depends on position left on; what is
+//! left is the amplitude, and it goes with it.
 
 use std::path::Path;
 
@@ -51,7 +52,10 @@ struct Errors {
 }
 
 fn errors(found: &Frf, truth: &Frf) -> Errors {
-    let mut errors = Errors { own: 0.0, line: 0.0 };
+    let mut errors = Errors {
+        own: 0.0,
+        line: 0.0,
+    };
     for (found, truth) in found.response.outer_iter().zip(truth.response.outer_iter()) {
         let largest = truth.iter().map(|p| p.norm()).fold(0.0, f64::max);
         for (g, p) in found.iter().zip(truth) {
@@ -62,26 +66,50 @@ fn errors(found: &Frf, truth: &Frf) -> Errors {
     errors
 }
 
-/// Three experiments whose references stay below a peak in rad/s; the integrator's steps at most `max_step_s`.
+/// Three experiments whose references stay below a peak in rad/s; the integrator's steps at most
+/// `max_step_s`.
 fn experiment(peak_rad_s: f64, max_step_s: Option<f64>, velocity: Velocity) -> Found {
-    let text = DESCRIPTION.replace("PEAK", &[peak_rad_s; 3].map(|peak| format!("{peak:e}")).join(", "));
+    let text = DESCRIPTION.replace(
+        "PEAK",
+        &[peak_rad_s; 3].map(|peak| format!("{peak:e}")).join(", "),
+    );
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
-    let source = Source { name: "small_signal.toml".into(), text };
+    let source = Source {
+        name: "small_signal.toml".into(),
+        text,
+    };
     let experiment = Experiment::new(source, &examples).expect("sound");
     let robot = experiment.robot().expect("described");
-    let controller = experiment.config.controller.as_ref().expect("described").controller(1e-3);
+    let controller = experiment
+        .config
+        .controller
+        .as_ref()
+        .expect("described")
+        .controller(1e-3);
     let testbed = ClosedLoop {
         max_step_s,
-        sensors: vec![Sensor { velocity, ..Sensor::default() }; 3],
+        sensors: vec![
+            Sensor {
+                velocity,
+                ..Sensor::default()
+            };
+            3
+        ],
         ..ClosedLoop::new(robot.clone(), controller)
     };
     let n = experiment.plan.period_samples().expect("sound");
     let [mut r, mut u, mut y] = [(); 3].map(|()| Array5::<f64>::zeros((1, 3, 1, 3, n)));
     for id in experiment.plan.run_ids() {
-        let (record, _) = testbed.simulate(&experiment.plan.run(id).expect("sound")).expect("stable");
-        for (all, signal) in [(&mut r, record.r.as_ref().expect("recorded")), (&mut u, &record.u), (&mut y, &record.y)]
-        {
-            all.slice_mut(s![0, id.experiment, 0, .., ..]).assign(&signal.slice(s![.., record.n_samples() - n..]));
+        let (record, _) = testbed
+            .simulate(&experiment.plan.run(id).expect("sound"))
+            .expect("stable");
+        for (all, signal) in [
+            (&mut r, record.r.as_ref().expect("recorded")),
+            (&mut u, &record.u),
+            (&mut y, &record.y),
+        ] {
+            all.slice_mut(s![0, id.experiment, 0, .., ..])
+                .assign(&signal.slice(s![.., record.n_samples() - n..]));
         }
     }
     let torque_nm = std::array::from_fn(|axis| {
@@ -91,11 +119,27 @@ fn experiment(peak_rad_s: f64, max_step_s: Option<f64>, velocity: Velocity) -> F
             .map(|u| u.fold(0.0, |peak: f64, x| peak.max((x - u.sum() / n as f64).abs())))
             .fold(0.0, f64::max)
     });
-    let Excitation::Multisine { signal, .. } = &experiment.plan.excitation else { panic!("a multisine") };
-    let frf = |from: &Array5<f64>, to: &Array5<f64>| {
-        estimate_bla(from.view(), to.view(), None, 1e-3, &signal.grid.excited, &BlaOptions::default()).expect("regular")
+    let Excitation::Multisine { signal, .. } = &experiment.plan.excitation else {
+        panic!("a multisine")
     };
-    let truth = LoopFrf::new(&*robot, &testbed.controller, &testbed.sensors, &signal.grid.lines_hz()).expect("stable");
+    let frf = |from: &Array5<f64>, to: &Array5<f64>| {
+        estimate_bla(
+            from.view(),
+            to.view(),
+            None,
+            1e-3,
+            &signal.grid.excited,
+            &BlaOptions::default(),
+        )
+        .expect("regular")
+    };
+    let truth = LoopFrf::new(
+        &*robot,
+        &testbed.controller,
+        &testbed.sensors,
+        &signal.grid.lines_hz(),
+    )
+    .expect("stable");
     let errors = [
         errors(&frf(&u, &y), &truth.plant),
         errors(&frf(&r, &u), &truth.reference_to_torque),
@@ -107,9 +151,10 @@ fn experiment(peak_rad_s: f64, max_step_s: Option<f64>, velocity: Velocity) -> F
 /// So fine that the amplitude alone counts.
 const FINE_STEP_S: Option<f64> = Some(5e-5);
 
-/// The error is proportional to the amplitude, since the way of a run lies beside the pose by as much as the amplitude. (Quadratic
-/// distortion falls on even lines, where nothing is measured.) Entries that are weak beside the others of their line take most
-/// of it: relative to themselves they need three hundred times less torque.
+/// The error is proportional to the amplitude, since the way of a run lies beside the pose by as
+/// much as the amplitude. (Quadratic distortion falls on even lines, where nothing is measured.)
+/// Entries that are weak beside the others of their line take most of it: relative to themselves
+/// they need three hundred times less torque.
 #[test]
 fn the_errors_fall_with_the_amplitude_below_1e_5() {
     let peaks = [1e-3, 1e-4, 3e-6];
@@ -121,13 +166,35 @@ fn the_errors_fall_with_the_amplitude_below_1e_5() {
         );
     }
     let [one, tenth, least] = &found;
-    let near = |found: [f64; 3], needed: [f64; 3]| found.iter().zip(needed).all(|(f, n)| (f / n - 1.0).abs() < 0.01);
-    assert!(near(one.torque_nm, [1.303, 1.449, 0.437]), "{:?}", one.torque_nm);
-    assert!(near(least.torque_nm, [1.303, 1.449, 0.437].map(|torque| 3e-3 * torque)), "{:?}", least.torque_nm);
+    let near = |found: [f64; 3], needed: [f64; 3]| {
+        found
+            .iter()
+            .zip(needed)
+            .all(|(f, n)| (f / n - 1.0).abs() < 0.01)
+    };
+    assert!(
+        near(one.torque_nm, [1.303, 1.449, 0.437]),
+        "{:?}",
+        one.torque_nm
+    );
+    assert!(
+        near(
+            least.torque_nm,
+            [1.303, 1.449, 0.437].map(|torque| 3e-3 * torque)
+        ),
+        "{:?}",
+        least.torque_nm
+    );
     for path in 0..3 {
         let [one, tenth, least] = [one, tenth, least].map(|found| &found.errors[path]);
-        assert!(one.line < 1e-5, "relative to the largest entry of a line, at 1.4 N m: {one:?}");
-        assert!(least.own < 1e-5, "every entry relative to itself, at 4.3 mN m: {least:?}");
+        assert!(
+            one.line < 1e-5,
+            "relative to the largest entry of a line, at 1.4 N m: {one:?}"
+        );
+        assert!(
+            least.own < 1e-5,
+            "every entry relative to itself, at 4.3 mN m: {least:?}"
+        );
         for ratio in [
             one.line / 1e-3 / (tenth.line / 1e-4),
             one.own / 1e-3 / (tenth.own / 1e-4),
@@ -138,7 +205,8 @@ fn the_errors_fall_with_the_amplitude_below_1e_5() {
     }
 }
 
-/// With the default step what is left without amplitude is the integrator's shift of the resonances; it is linear.
+/// With the default step what is left without amplitude is the integrator's shift of the
+/// resonances; it is linear.
 #[test]
 fn the_default_step_leaves_less_than_a_millionth_and_differenced_readings_are_in_the_truth() {
     for velocity in [Velocity::True, Velocity::Differenced] {

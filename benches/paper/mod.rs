@@ -24,7 +24,11 @@ pub fn multisine() -> Multisine {
     };
     let grid = design.design().expect("the paper's design is sound");
     assert_eq!((grid.n_samples, grid.excited.len()), (PERIOD, 71));
-    Multisine { grid, shape: Profile::constant(1.0), phases: Phases::Random }
+    Multisine {
+        grid,
+        shape: Profile::constant(1.0),
+        phases: Phases::Random,
+    }
 }
 
 /// Short measurements: all benches together run within a minute.

@@ -1,10 +1,11 @@
-//! Arrays in and out: any real array in, without a copy where it is already float64; C-ordered numpy arrays out.
+//! Arrays in and out: any real array in, without a copy where it is already float64; C-ordered
+//! numpy arrays out.
 
 use ndarray::{Array, Dimension};
 use num_complex::Complex64;
 use numpy::{
-    Element, IntoPyArray, PyArray, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArray, PyUntypedArray,
-    PyUntypedArrayMethods,
+    Element, IntoPyArray, PyArray, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArray,
+    PyUntypedArray, PyUntypedArrayMethods,
 };
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -13,8 +14,9 @@ use pyo3::sync::PyOnceLock;
 /// Names of the axes of one shape an argument may have.
 pub type Axes = &'static [&'static str];
 
-/// The argument `name` as float64, of one of the `shapes`: integers and float32 are converted, anything else (complex, text,
-/// ragged lists, another number of axes) is a `ValueError` that tells what was found and needed.
+/// The argument `name` as float64, of one of the `shapes`: integers and float32 are converted,
+/// anything else (complex, text, ragged lists, another number of axes) is a `ValueError` that tells
+/// what was found and needed.
 pub fn real<'py, D: Dimension>(
     name: &str,
     value: &Bound<'py, PyAny>,
@@ -41,12 +43,20 @@ fn numbers<'py, T: Element, D: Dimension>(
 ) -> PyResult<PyReadonlyArray<'py, T, D>> {
     let numpy = value.py().import("numpy")?;
     let needed = || {
-        let shapes: Vec<String> = shapes.iter().map(|axes| format!("({})", axes.join(", "))).collect();
+        let shapes: Vec<String> = shapes
+            .iter()
+            .map(|axes| format!("({})", axes.join(", ")))
+            .collect();
         format!("needed {words} of shape {}", shapes.join(" or "))
     };
     let found = numpy
         .call_method1("asarray", (value,))
-        .map_err(|error| PyValueError::new_err(format!("{name} is no regular array ({error}), {}", needed())))?
+        .map_err(|error| {
+            PyValueError::new_err(format!(
+                "{name} is no regular array ({error}), {}",
+                needed()
+            ))
+        })?
         .cast_into::<PyUntypedArray>()?;
     let kind = char::from(found.dtype().kind());
     if !kinds.contains(kind) || shapes.iter().all(|axes| axes.len() != found.ndim()) {
@@ -64,21 +74,37 @@ fn numbers<'py, T: Element, D: Dimension>(
     }
     let native = numpy.call_method1("require", (found, numpy::dtype::<T>(value.py()), "A"))?;
     let native = native.cast_into::<PyArray<T, D>>()?;
-    // rust-numpy divides strides by the item size: a field of a packed structured array would be read from the wrong places
-    if native.strides().iter().all(|stride| stride.unsigned_abs() % size_of::<T>() == 0) {
+    // rust-numpy divides strides by the item size: a field of a packed structured array would be
+    // read from the wrong places
+    if native
+        .strides()
+        .iter()
+        .all(|stride| stride.unsigned_abs() % size_of::<T>() == 0)
+    {
         return Ok(native.try_readonly()?);
     }
-    let packed = numpy.call_method1("ascontiguousarray", (native,))?.cast_into::<PyArray<T, D>>()?;
+    let packed = numpy
+        .call_method1("ascontiguousarray", (native,))?
+        .cast_into::<PyArray<T, D>>()?;
     Ok(packed.try_readonly()?)
 }
 
-/// A new C-ordered numpy array; the memory is handed over, not copied, if it is in this order already.
-pub fn c_ordered<T: Element + Clone, D: Dimension>(py: Python<'_>, array: Array<T, D>) -> Bound<'_, PyArray<T, D>> {
-    let ordered = if array.is_standard_layout() { array } else { array.as_standard_layout().into_owned() };
+/// A new C-ordered numpy array; the memory is handed over, not copied, if it is in this order
+/// already.
+pub fn c_ordered<T: Element + Clone, D: Dimension>(
+    py: Python<'_>,
+    array: Array<T, D>,
+) -> Bound<'_, PyArray<T, D>> {
+    let ordered = if array.is_standard_layout() {
+        array
+    } else {
+        array.as_standard_layout().into_owned()
+    };
     ordered.into_pyarray(py)
 }
 
-/// A numpy array, or its absence, made when it is first asked for; read-only and the same object from then on.
+/// A numpy array, or its absence, made when it is first asked for; read-only and the same object
+/// from then on.
 pub struct Shared(PyOnceLock<Option<Py<PyAny>>>);
 
 impl Default for Shared {
@@ -94,7 +120,16 @@ impl Shared {
         py: Python<'py>,
         make: impl FnOnce() -> Option<Array<T, D>>,
     ) -> Option<Bound<'py, PyAny>> {
-        let made = || Some(c_ordered(py, make()?).readwrite().make_nonwriteable().as_any().clone().unbind());
+        let made = || {
+            Some(
+                c_ordered(py, make()?)
+                    .readwrite()
+                    .make_nonwriteable()
+                    .as_any()
+                    .clone()
+                    .unbind(),
+            )
+        };
         Some(self.0.get_or_init(py, made).as_ref()?.bind(py).clone())
     }
 }

@@ -13,7 +13,8 @@ use crate::runs::records_of;
 
 const SHAPES: [Axes; 2] = [&["channel", "sample"], &["batch", "channel", "sample"]];
 
-/// What the testbed measured for each reference in `value`, the argument called `name`, riding on a constant velocity.
+/// What the testbed measured for each reference in `value`, the argument called `name`, riding on a
+/// constant velocity.
 pub fn simulate(
     name: &'static str,
     value: &Bound<'_, PyAny>,
@@ -24,25 +25,56 @@ pub fn simulate(
 ) -> PyResult<Record> {
     let array = real::<IxDyn>(name, value, &SHAPES)?;
     let (array, stacked) = (array.as_array(), array.as_array().ndim() == 3);
-    let array = if stacked { array } else { array.insert_axis(Axis(0)) };
-    let array = array.into_dimensionality::<Ix3>().expect("`real` let 2 or 3 axes pass");
+    let array = if stacked {
+        array
+    } else {
+        array.insert_axis(Axis(0))
+    };
+    let array = array
+        .into_dimensionality::<Ix3>()
+        .expect("`real` let 2 or 3 axes pass");
     let n_inputs = testbed.n_inputs();
     check(name, &array, n_inputs)?;
-    let velocity_rad_s =
-        velocity_rad_s.map_or_else(|| Ok(vec![0.0; n_inputs]), |v| per_channel("velocity_rad_s", v, n_inputs))?;
-    let id = |repetition| RunId { kind: RunKind::Excitation, realization: 0, experiment: 0, repetition };
+    let velocity_rad_s = velocity_rad_s.map_or_else(
+        || Ok(vec![0.0; n_inputs]),
+        |v| per_channel("velocity_rad_s", v, n_inputs),
+    )?;
+    let id = |repetition| RunId {
+        kind: RunKind::Excitation,
+        realization: 0,
+        experiment: 0,
+        repetition,
+    };
     let ids: Vec<RunId> = (0..array.len_of(Axis(0))).map(id).collect();
     let run = |id: RunId| {
         let reference: Array2<f64> = array.index_axis(Axis(0), id.repetition).to_owned();
-        Ok(Run { id, sample_time_s, reference, velocity_rad_s: velocity_rad_s.clone(), start_rad: vec![0.0; n_inputs] })
+        Ok(Run {
+            id,
+            sample_time_s,
+            reference,
+            velocity_rad_s: velocity_rad_s.clone(),
+            start_rad: vec![0.0; n_inputs],
+        })
     };
-    Record::of(value.py(), records_of(value.py(), &ids, &run, testbed, 0, progress)?, stacked)
+    Record::of(
+        value.py(),
+        records_of(value.py(), &ids, &run, testbed, 0, progress)?,
+        stacked,
+    )
 }
 
 fn check(name: &'static str, array: &ArrayView3<'_, f64>, n_inputs: usize) -> PyResult<()> {
     if array.len_of(Axis(1)) != n_inputs || array.is_empty() {
-        let needed = format!("needed ({n_inputs}, sample) or (batch, {n_inputs}, sample), at least one sample");
-        return Err(PyValueError::new_err(format!("{name} has shape {:?}, {needed}", array.shape())));
+        let needed = format!(
+            "needed ({n_inputs}, sample) or (batch, {n_inputs}, sample), at least one sample"
+        );
+        return Err(PyValueError::new_err(format!(
+            "{name} has shape {:?}, {needed}",
+            array.shape()
+        )));
     }
-    array.outer_iter().try_for_each(|reference| check_finite(name, reference)).map_err(error::signal)
+    array
+        .outer_iter()
+        .try_for_each(|reference| check_finite(name, reference))
+        .map_err(error::signal)
 }

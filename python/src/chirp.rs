@@ -47,9 +47,18 @@ impl Chirp {
         fade_s: f64,
         tail_s: f64,
     ) -> PyResult<Self> {
-        let amplitude =
-            amplitude.map_or_else(|| Ok(vec![Profile::constant(1.0)]), |amplitude| profiles("amplitude", amplitude))?;
-        let signal = Signal { low_hz, high_hz, duration_s, amplitude, fade_s, tail_s };
+        let amplitude = amplitude.map_or_else(
+            || Ok(vec![Profile::constant(1.0)]),
+            |amplitude| profiles("amplitude", amplitude),
+        )?;
+        let signal = Signal {
+            low_hz,
+            high_hz,
+            duration_s,
+            amplitude,
+            fade_s,
+            tail_s,
+        };
         signal.check().map_err(error::signal)?;
         Ok(Self { signal })
     }
@@ -82,7 +91,9 @@ impl Chirp {
         mimo: &str,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let phasing = choice("mimo", mimo)?;
-        let sampled = py.detach(|| self.signal.sample(sample_time_s, n_inputs, phasing)).map_err(error::signal)?;
+        let sampled = py
+            .detach(|| self.signal.sample(sample_time_s, n_inputs, phasing))
+            .map_err(error::signal)?;
         Ok(c_ordered(py, sampled))
     }
 
@@ -133,11 +144,27 @@ impl Chirp {
     }
 
     fn __repr__(&self) -> String {
-        let Signal { low_hz, high_hz, duration_s, tail_s, .. } = self.signal;
+        let Signal {
+            low_hz,
+            high_hz,
+            duration_s,
+            tail_s,
+            ..
+        } = self.signal;
         format!("<frfid.Chirp: {low_hz} Hz to {high_hz} Hz in {duration_s} s, tail {tail_s} s>")
     }
 
     fn __getnewargs_ex__<'py>(slf: &Bound<'py, Self>) -> PyResult<NewArguments<'py>> {
-        attributes(slf, &["low_hz", "high_hz", "duration_s", "amplitude", "fade_s", "tail_s"])
+        attributes(
+            slf,
+            &[
+                "low_hz",
+                "high_hz",
+                "duration_s",
+                "amplitude",
+                "fade_s",
+                "tail_s",
+            ],
+        )
     }
 }

@@ -1,6 +1,8 @@
 //! `frfid.compare`.
 
-use frfid_estimate::{Change, CompareOptions, Comparison as Compared, EntryComparison, Feature, FeatureKind, Side};
+use frfid_estimate::{
+    Change, CompareOptions, Comparison as Compared, EntryComparison, Feature, FeatureKind, Side,
+};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -18,7 +20,11 @@ impl Comparison {
     /// What the difference says about the machine, in sentences; empty if nothing stands out.
     #[getter]
     fn verdicts(&self) -> Vec<String> {
-        self.compared.entries.iter().flat_map(|entry| entry.verdicts.iter().map(ToString::to_string)).collect()
+        self.compared
+            .entries
+            .iter()
+            .flat_map(|entry| entry.verdicts.iter().map(ToString::to_string))
+            .collect()
     }
 
     /// Band in Hz that both cover.
@@ -27,8 +33,8 @@ impl Comparison {
         self.compared.band_hz
     }
 
-    /// Every entry of the matrix, outputs first, as a dict: ``changes`` holds each resonance and antiresonance of ``a``, what
-    /// became of it in ``b``, and its shift.
+    /// Every entry of the matrix, outputs first, as a dict: ``changes`` holds each resonance and
+    /// antiresonance of ``a``, what became of it in ``b``, and its shift.
     #[getter]
     fn entries(&self) -> Vec<Entry> {
         self.compared.entries.iter().map(Entry::from).collect()
@@ -36,28 +42,30 @@ impl Comparison {
 
     fn __str__(&self) -> String {
         let verdicts = self.verdicts();
-        if verdicts.is_empty() { "nothing stands out".to_owned() } else { verdicts.join("\n") }
+        if verdicts.is_empty() {
+            "nothing stands out".to_owned()
+        } else {
+            verdicts.join("\n")
+        }
     }
 
     fn __repr__(&self) -> String {
         let (low, high) = self.compared.band_hz;
-        format!("<frfid.Comparison from {low:.4} Hz to {high:.4} Hz: {}>", self.__str__())
+        format!(
+            "<frfid.Comparison from {low:.4} Hz to {high:.4} Hz: {}>",
+            self.__str__()
+        )
     }
 }
 
-/// Compares two FRFs: shift of resonances and antiresonances, damping, and what it says about stiffness and friction.
+/// Compares two FRFs: shift of resonances and antiresonances, damping, and what it says about
+/// stiffness and friction.
 ///
-/// Parameters
-/// ----------
-/// a, b : Frf
-///     Of the same machine; the frequencies may differ.
-/// stronger : {"a", "b"}, optional
-///     Which of them was measured with the stronger excitation; without it a shift does not tell growing from falling
-///     stiffness.
-/// prominence_db : float, optional
-///     Least height of a resonance, or depth of an antiresonance, in dB.
-/// largest_shift : float, optional
-///     Largest ratio of frequencies at which two resonances can be the same one.
+/// Parameters ---------- a, b : Frf Of the same machine; the frequencies may differ. stronger :
+/// {"a", "b"}, optional Which of them was measured with the stronger excitation; without it a shift
+/// does not tell growing from falling stiffness. prominence_db : float, optional Least height of a
+/// resonance, or depth of an antiresonance, in dB. largest_shift : float, optional Largest ratio of
+/// frequencies at which two resonances can be the same one.
 ///
 /// Returns
 /// -------
@@ -82,12 +90,20 @@ pub fn compare(
         Some("a") => Some(Side::A),
         Some("b") => Some(Side::B),
         Some(name) => {
-            return Err(PyValueError::new_err(format!("stronger: unknown variant `{name}`, expected one of `a`, `b`")));
+            return Err(PyValueError::new_err(format!(
+                "stronger: unknown variant `{name}`, expected one of `a`, `b`"
+            )));
         }
     };
-    let options = CompareOptions { stronger, prominence_db, largest_shift };
+    let options = CompareOptions {
+        stronger,
+        prominence_db,
+        largest_shift,
+    };
     let (a, b) = (&a.result.frf, &b.result.frf);
-    let compared = py.detach(|| frfid_estimate::compare(a, b, &options)).map_err(error::estimate)?;
+    let compared = py
+        .detach(|| frfid_estimate::compare(a, b, &options))
+        .map_err(error::estimate)?;
     Ok(Comparison { compared })
 }
 
@@ -159,7 +175,11 @@ impl From<&Change> for EntryChange {
 impl From<&Feature> for EntryFeature {
     fn from(feature: &Feature) -> Self {
         Self {
-            kind: if feature.kind == FeatureKind::Resonance { "resonance" } else { "antiresonance" },
+            kind: if feature.kind == FeatureKind::Resonance {
+                "resonance"
+            } else {
+                "antiresonance"
+            },
             frequency_hz: feature.frequency_hz,
             resolution_hz: feature.resolution_hz,
             magnitude_db: feature.magnitude_db,

@@ -11,25 +11,17 @@ use crate::profile::per_channel;
 use crate::record::Record;
 
 /// A sampled PI controller of the motor velocity: ``u = gain e + integral``, which grows by
-/// ``integral_gain e sample_time_s`` per sample; ``e = r - y``, plus ``position_gain`` times the error of the position where
-/// there is a position loop.
+/// ``integral_gain e sample_time_s`` per sample; ``e = r - y``, plus ``position_gain`` times the
+/// error of the position where there is a position loop.
 ///
-/// Parameters
-/// ----------
-/// gain : float or sequence of float
-///     Proportional gain of each axis in N m s/rad; the longest of the sequences says how many axes there are.
-/// integral_gain : float or sequence of float
-///     Integral gain of each axis in N m/rad.
-/// sample_time_s : float
-///     Sample time in s.
-/// delay_samples : int, optional
-///     Whole samples from reading the velocity to the torque's acting.
-/// max_torque_nm : float or sequence of float, optional
-///     Torque limit of each axis in N m.
-/// max_torque_rate_nm_per_s : float or sequence of float, optional
-///     Largest change of each axis' torque in N m/s.
-/// position_gain : float or sequence of float, optional
-///     Gain of the position loop of each axis in 1/s; no position loop without it.
+/// Parameters ---------- gain : float or sequence of float Proportional gain of each axis in N m
+/// s/rad; the longest of the sequences says how many axes there are. integral_gain : float or
+/// sequence of float Integral gain of each axis in N m/rad. sample_time_s : float Sample time in s.
+/// delay_samples : int, optional Whole samples from reading the velocity to the torque's acting.
+/// max_torque_nm : float or sequence of float, optional Torque limit of each axis in N m.
+/// max_torque_rate_nm_per_s : float or sequence of float, optional Largest change of each axis'
+/// torque in N m/s. position_gain : float or sequence of float, optional Gain of the position loop
+/// of each axis in 1/s; no position loop without it.
 ///
 /// Raises
 /// ------
@@ -55,9 +47,22 @@ impl PiController {
         max_torque_rate_nm_per_s: Option<&Bound<'_, PyAny>>,
         position_gain: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let given = [Some(gain), Some(integral_gain), max_torque_nm, max_torque_rate_nm_per_s, position_gain];
-        let n_axes = given.into_iter().flatten().filter_map(|value| value.len().ok()).max().unwrap_or(1);
-        let per_axis = |name, value: Option<&Bound<'_, PyAny>>| value.map(|v| per_channel(name, v, n_axes)).transpose();
+        let given = [
+            Some(gain),
+            Some(integral_gain),
+            max_torque_nm,
+            max_torque_rate_nm_per_s,
+            position_gain,
+        ];
+        let n_axes = given
+            .into_iter()
+            .flatten()
+            .filter_map(|value| value.len().ok())
+            .max()
+            .unwrap_or(1);
+        let per_axis = |name, value: Option<&Bound<'_, PyAny>>| {
+            value.map(|v| per_channel(name, v, n_axes)).transpose()
+        };
         let controller = Controller {
             gain: per_channel("gain", gain, n_axes)?,
             integral_gain: per_channel("integral_gain", integral_gain, n_axes)?,
@@ -65,7 +70,10 @@ impl PiController {
             sample_time_s,
             delay_samples,
             max_torque_nm: per_axis("max_torque_nm", max_torque_nm)?,
-            max_torque_rate_nm_per_s: per_axis("max_torque_rate_nm_per_s", max_torque_rate_nm_per_s)?,
+            max_torque_rate_nm_per_s: per_axis(
+                "max_torque_rate_nm_per_s",
+                max_torque_rate_nm_per_s,
+            )?,
         };
         controller.check(n_axes).map_err(error::signal)?;
         Ok(Self { controller })
@@ -114,14 +122,30 @@ impl PiController {
     }
 
     fn __repr__(&self) -> String {
-        let Controller { gain, integral_gain, sample_time_s, .. } = &self.controller;
-        format!("<frfid.PiController: gain {gain:?}, integral_gain {integral_gain:?}, {sample_time_s} s per sample>")
+        let Controller {
+            gain,
+            integral_gain,
+            sample_time_s,
+            ..
+        } = &self.controller;
+        format!(
+            "<frfid.PiController: gain {gain:?}, integral_gain {integral_gain:?}, {sample_time_s} s per sample>"
+        )
     }
 
     fn __getnewargs_ex__<'py>(slf: &Bound<'py, Self>) -> PyResult<NewArguments<'py>> {
         let limits = ["max_torque_nm", "max_torque_rate_nm_per_s"];
-        let names =
-            [&["gain", "integral_gain", "position_gain", "sample_time_s", "delay_samples"][..], &limits].concat();
+        let names = [
+            &[
+                "gain",
+                "integral_gain",
+                "position_gain",
+                "sample_time_s",
+                "delay_samples",
+            ][..],
+            &limits,
+        ]
+        .concat();
         attributes(slf, &names)
     }
 }
@@ -143,10 +167,8 @@ impl PiController {
 /// progress : callable, optional
 ///     Called with (done, total), from (0, total) on; an exception from it stops the simulation.
 ///
-/// Returns
-/// -------
-/// Record
-///     ``u`` is the torque that acted, ``y`` the velocity reading in rad/s; limits that were reached are among its events.
+/// Returns ------- Record ``u`` is the torque that acted, ``y`` the velocity reading in rad/s;
+/// limits that were reached are among its events.
 ///
 /// Raises
 /// ------
@@ -165,11 +187,22 @@ pub fn run_closed_loop(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Record> {
     let testbed = closed_loop(plant, controller, seed);
-    simulate("r", r, &testbed, controller.controller.sample_time_s, velocity_rad_s, progress)
+    simulate(
+        "r",
+        r,
+        &testbed,
+        controller.controller.sample_time_s,
+        velocity_rad_s,
+        progress,
+    )
 }
 
 /// The plant under the controller, with the plant's sensors.
 pub fn closed_loop(plant: &Plant, controller: &PiController, seed: u64) -> ClosedLoop {
     let (robot, controller) = (plant.robot.clone(), controller.controller.clone());
-    ClosedLoop { sensors: plant.sensors.clone(), seed, ..ClosedLoop::new(robot, controller) }
+    ClosedLoop {
+        sensors: plant.sensors.clone(),
+        seed,
+        ..ClosedLoop::new(robot, controller)
+    }
 }

@@ -1,4 +1,5 @@
-//! Errors of the crates as Python exceptions: `ValueError` for bad input, `NumericalError` for singular or divergent.
+//! Errors of the crates as Python exceptions: `ValueError` for bad input, `NumericalError` for
+//! singular or divergent.
 
 use frfid_estimate::{EstimateError, ShapeError};
 use frfid_experiment::{ConfigError, ExperimentError};
@@ -7,7 +8,9 @@ use frfid_plant::PlantError;
 use frfid_report::ReportError;
 use frfid_signals::{SignalError, TestbedError};
 use pyo3::PyErr;
-use pyo3::exceptions::{PyArithmeticError, PyFileExistsError, PyKeyboardInterrupt, PyOSError, PyValueError};
+use pyo3::exceptions::{
+    PyArithmeticError, PyFileExistsError, PyKeyboardInterrupt, PyOSError, PyValueError,
+};
 
 pyo3::create_exception!(
     frfid,
@@ -21,7 +24,8 @@ pub fn signal(error: SignalError) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
-/// A matrix that cannot be inverted is a matter of numbers, everything else of the recording that was given.
+/// A matrix that cannot be inverted is a matter of numbers, everything else of the recording that
+/// was given.
 pub fn estimate(error: EstimateError) -> PyErr {
     match error {
         EstimateError::RankDeficient(_) => NumericalError::new_err(error.to_string()),
@@ -38,7 +42,8 @@ pub fn shape(error: ShapeError) -> PyErr {
     }
 }
 
-/// A simulation that diverged is a matter of numbers; what a testbed written in Python raised comes back as it was.
+/// A simulation that diverged is a matter of numbers; what a testbed written in Python raised comes
+/// back as it was.
 pub fn testbed(error: TestbedError) -> PyErr {
     match error {
         TestbedError::Diverged { .. } => NumericalError::new_err(error.to_string()),
@@ -79,9 +84,9 @@ pub fn experiment(error: ExperimentError) -> PyErr {
     match error {
         ExperimentError::Config(error) => config(error),
         ExperimentError::File(error) => file(error),
-        ExperimentError::Plant(error @ (PlantError::Diverged { .. } | PlantError::Chatter { .. })) => {
-            NumericalError::new_err(error.to_string())
-        }
+        ExperimentError::Plant(
+            error @ (PlantError::Diverged { .. } | PlantError::Chatter { .. }),
+        ) => NumericalError::new_err(error.to_string()),
         ExperimentError::Testbed(error) => testbed(error),
         ExperimentError::Estimate(error) => estimate(error),
         ExperimentError::Interrupted { .. } => PyKeyboardInterrupt::new_err(error.to_string()),

@@ -10,9 +10,13 @@ use crate::chirp::Chirp;
 use crate::error;
 use crate::frf::Frf;
 
-const RECORDINGS: [Axes; 2] = [&["experiment", "channel", "sample"], &["repeat", "experiment", "channel", "sample"]];
+const RECORDINGS: [Axes; 2] = [
+    &["experiment", "channel", "sample"],
+    &["repeat", "experiment", "channel", "sample"],
+];
 
-/// FRF from chirps by excerpts, SK15 section 5.1: at each frequency the piece of the recording in which the chirp passes it.
+/// FRF from chirps by excerpts, SK15 section 5.1: at each frequency the piece of the recording in
+/// which the chirp passes it.
 ///
 /// Parameters
 /// ----------
@@ -38,12 +42,9 @@ const RECORDINGS: [Axes; 2] = [&["experiment", "channel", "sample"], &["repeat",
 /// Frf
 ///     Repeats give the noise variance; with one recording it is None.
 ///
-/// Raises
-/// ------
-/// ValueError
-///     For shapes that do not fit, samples that are not finite, and frequencies that the chirp does not pass.
-/// NumericalError
-///     For frequencies at which U cannot be inverted.
+/// Raises ------ ValueError For shapes that do not fit, samples that are not finite, and
+/// frequencies that the chirp does not pass. NumericalError For frequencies at which U cannot be
+/// inverted.
 #[pyfunction]
 #[pyo3(signature = (u, y, *, chirp, sample_time_s, frequencies_hz, method = "excerpt", r = None, start_s = 0.0,
                     max_condition = None))]
@@ -61,22 +62,48 @@ pub fn estimate_chirp(
     max_condition: Option<f64>,
 ) -> PyResult<Frf> {
     if method != "excerpt" {
-        return Err(PyValueError::new_err(format!("method: unknown variant `{method}`, expected `excerpt`")));
+        return Err(PyValueError::new_err(format!(
+            "method: unknown variant `{method}`, expected `excerpt`"
+        )));
     }
     let defaults = ExcerptOptions::default();
-    let options = ExcerptOptions { max_condition: max_condition.unwrap_or(defaults.max_condition), ..defaults };
-    let (u, y) = (real::<IxDyn>("u", u, &RECORDINGS)?, real::<IxDyn>("y", y, &RECORDINGS)?);
+    let options = ExcerptOptions {
+        max_condition: max_condition.unwrap_or(defaults.max_condition),
+        ..defaults
+    };
+    let (u, y) = (
+        real::<IxDyn>("u", u, &RECORDINGS)?,
+        real::<IxDyn>("y", y, &RECORDINGS)?,
+    );
     let r = r.map(|r| real::<IxDyn>("r", r, &RECORDINGS)).transpose()?;
-    let (u, y, r) =
-        (repeats(u.as_array())?, repeats(y.as_array())?, r.as_ref().map(|r| repeats(r.as_array())).transpose()?);
+    let (u, y, r) = (
+        repeats(u.as_array())?,
+        repeats(y.as_array())?,
+        r.as_ref().map(|r| repeats(r.as_array())).transpose()?,
+    );
     let signal = &chirp.signal;
-    let estimate =
-        || frfid_estimate::estimate_chirp(u, y, r, signal, sample_time_s, &frequencies_hz, start_s, &options);
+    let estimate = || {
+        frfid_estimate::estimate_chirp(
+            u,
+            y,
+            r,
+            signal,
+            sample_time_s,
+            &frequencies_hz,
+            start_s,
+            &options,
+        )
+    };
     Ok(py.detach(estimate).map_err(error::estimate)?.into())
 }
 
 /// Recordings with the axis of repeats, which one recording leaves out.
 fn repeats(recording: ArrayView<'_, f64, IxDyn>) -> PyResult<ArrayView<'_, f64, Ix4>> {
-    let full = if recording.ndim() == 4 { recording } else { recording.insert_axis(Axis(0)) };
-    full.into_dimensionality().map_err(|error| PyValueError::new_err(error.to_string()))
+    let full = if recording.ndim() == 4 {
+        recording
+    } else {
+        recording.insert_axis(Axis(0))
+    };
+    full.into_dimensionality()
+        .map_err(|error| PyValueError::new_err(error.to_string()))
 }

@@ -37,12 +37,16 @@ impl Experiment {
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
         path.metadata()?;
-        Ok(Self { description: Description::load(&path).map_err(error::config)? })
+        Ok(Self {
+            description: Description::load(&path).map_err(error::config)?,
+        })
     }
 
     /// The plan of all runs.
     fn design(&self) -> Plan {
-        Plan { description: self.description.clone() }
+        Plan {
+            description: self.description.clone(),
+        }
     }
 
     /// The description as one TOML text that stands alone.
@@ -51,6 +55,10 @@ impl Experiment {
     }
 
     fn __repr__(&self) -> String {
-        format!("<frfid.Experiment: {}, {} runs>", self.description.source.name, self.description.plan.n_runs())
+        format!(
+            "<frfid.Experiment: {}, {} runs>",
+            self.description.source.name,
+            self.description.plan.n_runs()
+        )
     }
 }

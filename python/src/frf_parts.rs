@@ -49,8 +49,13 @@ pub fn uncertainty(
     match (covariance, degrees) {
         (None, None) => Ok(None),
         (Some(covariance), Some(degrees_of_freedom)) => {
-            let covariance = complex(&format!("{name}_covariance"), covariance, &[ENTRIES])?.as_array().to_owned();
-            Ok(Some(Uncertainty { covariance, degrees_of_freedom }))
+            let covariance = complex(&format!("{name}_covariance"), covariance, &[ENTRIES])?
+                .as_array()
+                .to_owned();
+            Ok(Some(Uncertainty {
+                covariance,
+                degrees_of_freedom,
+            }))
         }
         _ => Err(PyValueError::new_err(format!(
             "{name}_covariance and {name}_degrees_of_freedom belong together: only one of them was given"
@@ -59,15 +64,25 @@ pub fn uncertainty(
 }
 
 /// One entry for each of `needed` channels.
-pub fn channels(name: &str, given: Option<Vec<String>>, default: Vec<String>, needed: usize) -> PyResult<Vec<String>> {
+pub fn channels(
+    name: &str,
+    given: Option<Vec<String>>,
+    default: Vec<String>,
+    needed: usize,
+) -> PyResult<Vec<String>> {
     match given {
         None => Ok(default),
         Some(list) if list.len() == needed => Ok(list),
-        Some(list) => Err(PyValueError::new_err(format!("{name} has {} entries, needed {needed}", list.len()))),
+        Some(list) => Err(PyValueError::new_err(format!(
+            "{name} has {} entries, needed {needed}",
+            list.len()
+        ))),
     }
 }
 
 /// A number for every frequency.
 pub fn per_frequency(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    Ok(real::<Ix1>(name, value, &[&["frequency"]])?.as_array().to_vec())
+    Ok(real::<Ix1>(name, value, &[&["frequency"]])?
+        .as_array()
+        .to_vec())
 }

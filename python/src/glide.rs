@@ -9,11 +9,13 @@ use crate::error;
 use crate::frf::Frf;
 use crate::record::Record;
 
-/// Takes the glide, a run on the constant velocity alone, off a run of the same start and velocity (SK15 section 4.4 E).
+/// Takes the glide, a run on the constant velocity alone, off a run of the same start and velocity
+/// (SK15 section 4.4 E).
 ///
-/// By time: sample by sample, which repeats as long as the positions do. By position: torque ripple belongs to the position of
-/// the motor, so ``u`` loses besides what the ripple at the run's own positions differs from that of the glide; for this a
-/// first estimate of the plant is needed, such as the one after subtraction by time.
+/// By time: sample by sample, which repeats as long as the positions do. By position: torque ripple
+/// belongs to the position of the motor, so ``u`` loses besides what the ripple at the run's own
+/// positions differs from that of the glide; for this a first estimate of the plant is needed, such
+/// as the one after subtraction by time.
 ///
 /// Parameters
 /// ----------
@@ -31,18 +33,30 @@ use crate::record::Record;
 /// Record
 ///     ``u``, ``y`` and ``r`` without the glide; the position stays that of the run.
 ///
-/// Raises
-/// ------
-/// ValueError
-///     For records that do not fit each other, a glide in another direction, or positions that the glide did not reach.
+/// Raises ------ ValueError For records that do not fit each other, a glide in another direction,
+/// or positions that the glide did not reach.
 #[pyfunction]
 #[pyo3(signature = (run, glide, *, by = "time", plant = None))]
-pub fn subtract_glide(py: Python<'_>, run: &Record, glide: &Record, by: &str, plant: Option<&Frf>) -> PyResult<Record> {
+pub fn subtract_glide(
+    py: Python<'_>,
+    run: &Record,
+    glide: &Record,
+    by: &str,
+    plant: Option<&Frf>,
+) -> PyResult<Record> {
     let runs = run.runs(py);
-    let [glide] = <[Run; 1]>::try_from(glide.runs(py))
-        .map_err(|runs| PyValueError::new_err(format!("glide is a batch of {} runs, needed one run", runs.len())))?;
+    let [glide] = <[Run; 1]>::try_from(glide.runs(py)).map_err(|runs| {
+        PyValueError::new_err(format!(
+            "glide is a batch of {} runs, needed one run",
+            runs.len()
+        ))
+    })?;
     let rest: Result<Vec<Run>, EstimateError> = match (by, plant) {
-        ("time", _) => py.detach(|| runs.iter().map(|run| frfid_estimate::subtract_glide(run, &glide)).collect()),
+        ("time", _) => py.detach(|| {
+            runs.iter()
+                .map(|run| frfid_estimate::subtract_glide(run, &glide))
+                .collect()
+        }),
         ("position", Some(plant)) => {
             let plant = &plant.result.frf;
             py.detach(|| {
@@ -51,9 +65,15 @@ pub fn subtract_glide(py: Python<'_>, run: &Record, glide: &Record, by: &str, pl
             })
         }
         ("position", None) => {
-            return Err(PyValueError::new_err("plant is needed by position: a first estimate of the FRF"));
+            return Err(PyValueError::new_err(
+                "plant is needed by position: a first estimate of the FRF",
+            ));
         }
-        _ => return Err(PyValueError::new_err(format!("by: unknown variant `{by}`, expected `time` or `position`"))),
+        _ => {
+            return Err(PyValueError::new_err(format!(
+                "by: unknown variant `{by}`, expected `time` or `position`"
+            )));
+        }
     };
     Record::of(py, rest.map_err(error::estimate)?, run.is_batch(py))
 }

@@ -1,5 +1,5 @@
-//! Long calls that answer Ctrl-C and report progress: a worker thread computes, the calling thread listens, and neither holds
-//! the interpreter.
+//! Long calls that answer Ctrl-C and report progress: a worker thread computes, the calling thread
+//! listens, and neither holds the interpreter.
 
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -12,7 +12,8 @@ use pyo3::prelude::*;
 /// How often the calling thread looks for Ctrl-C.
 const WAKE: Duration = Duration::from_millis(50);
 
-/// The worker's end: where it tells how far it is, and hears that it should stop. Threads may share it.
+/// The worker's end: where it tells how far it is, and hears that it should stop. Threads may share
+/// it.
 pub struct Progress<'a> {
     reports: Sender<(usize, usize)>,
     stop: &'a AtomicBool,
@@ -26,8 +27,8 @@ impl Progress<'_> {
     }
 }
 
-/// Does `work` on another thread, detached from the interpreter. An exception out of `progress(done, total)`, or Ctrl-C,
-/// stops it at its next [`Progress::report`] and is returned.
+/// Does `work` on another thread, detached from the interpreter. An exception out of
+/// `progress(done, total)`, or Ctrl-C, stops it at its next [`Progress::report`] and is returned.
 pub fn interruptible<T: Send>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
@@ -48,7 +49,8 @@ pub fn interruptible<T: Send>(
     })
 }
 
-/// Passes reports on until the worker has finished. Threads may report out of order: what is overtaken is left out.
+/// Passes reports on until the worker has finished. Threads may report out of order: what is
+/// overtaken is left out.
 fn listen(inbox: &Receiver<(usize, usize)>, callback: Option<&Py<PyAny>>) -> PyResult<()> {
     let mut furthest = 0;
     loop {

@@ -1,4 +1,5 @@
-//! The Python extension module `frfid._core`: the crates of the house, seen from numpy. No arithmetic happens here.
+//! The Python extension module `frfid._core`: the crates of the house, seen from numpy. No
+//! arithmetic happens here.
 
 mod array;
 mod batch;
@@ -31,7 +32,8 @@ mod spectrogram;
 mod states;
 mod testbed;
 
-/// Frequency response functions of flexible-joint robots, by experiment: the compiled part of the package `frfid`.
+/// Frequency response functions of flexible-joint robots, by experiment: the compiled part of the
+/// package `frfid`.
 #[pyo3::pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]

@@ -10,9 +10,11 @@ use crate::error;
 use crate::frf::Frf;
 use crate::plant::Plant;
 
-/// FRFs of the linear closed loop at the plant's pose, between samples: what an ideal experiment would find.
+/// FRFs of the linear closed loop at the plant's pose, between samples: what an ideal experiment
+/// would find.
 ///
-/// Delay, differencing and filters are in them; limits, quantisation, noise, Coulomb friction and ripple are not.
+/// Delay, differencing and filters are in them; limits, quantisation, noise, Coulomb friction and
+/// ripple are not.
 ///
 /// Parameters
 /// ----------
@@ -23,20 +25,19 @@ use crate::plant::Plant;
 /// hz : array_like, shape (frequency,)
 ///     Frequencies in Hz, below half the controller's rate.
 ///
-/// Returns
-/// -------
-/// dict of Frf
-///     ``sensitivity`` S = (I + L K)^-1; ``r_to_u`` from reference velocity to motor torque; ``r_to_y`` from reference velocity
-///     to velocity reading; ``u_to_y``, the plant as its sensors see it.
+/// Returns ------- dict of Frf ``sensitivity`` S = (I + L K)^-1; ``r_to_u`` from reference velocity
+/// to motor torque; ``r_to_y`` from reference velocity to velocity reading; ``u_to_y``, the plant
+/// as its sensors see it.
 ///
-/// Raises
-/// ------
-/// ValueError
-///     For frequencies out of range, a controller of another number of axes, or a frequency at which the loop has a pole.
+/// Raises ------ ValueError For frequencies out of range, a controller of another number of axes,
+/// or a frequency at which the loop has a pole.
 #[pyfunction]
 pub fn loop_frf(plant: &Plant, controller: &PiController, hz: &Bound<'_, PyAny>) -> PyResult<Loop> {
-    let hz = real::<Ix1>("hz", hz, &[&["frequency"]])?.as_array().to_vec();
-    let frfs = LoopFrf::new(&*plant.robot, &controller.controller, &plant.sensors, &hz).map_err(error::signal)?;
+    let hz = real::<Ix1>("hz", hz, &[&["frequency"]])?
+        .as_array()
+        .to_vec();
+    let frfs = LoopFrf::new(&*plant.robot, &controller.controller, &plant.sensors, &hz)
+        .map_err(error::signal)?;
     Ok(Loop {
         sensitivity: frfs.sensitivity.into(),
         r_to_u: frfs.reference_to_torque.into(),

@@ -51,33 +51,32 @@ impl Multisine {
         shape: Option<&Bound<'_, PyAny>>,
         phases: &str,
     ) -> PyResult<Self> {
-        Self::on(LineGrid { sample_time_s, n_samples, excited: harmonics, detection }, shape, phases)
+        Self::on(
+            LineGrid {
+                sample_time_s,
+                n_samples,
+                excited: harmonics,
+                detection,
+            },
+            shape,
+            phases,
+        )
     }
 
     /// A multisine on the lines of a band, SK15 section 4.2.
     ///
-    /// The period is at least ``1 / resolution_hz``: a power of two of samples of the analysis, whose sample time is
-    /// ``1 / (5 high_hz)`` rounded down to a multiple of ``sample_time_s``.
+    /// The period is at least ``1 / resolution_hz``: a power of two of samples of the analysis,
+    /// whose sample time is ``1 / (5 high_hz)`` rounded down to a multiple of ``sample_time_s``.
     ///
-    /// Parameters
-    /// ----------
-    /// low_hz, high_hz : float
-    ///     Band in Hz; ``high_hz`` below Nyquist.
-    /// sample_time_s : float
-    ///     Sample time of the controller in s.
-    /// resolution_hz : float
-    ///     Largest spacing of the lines in Hz.
-    /// n_lines : int, optional
-    ///     Number of logarithmically spaced frequencies, each moved to the nearest line, duplicates merged; every line of
-    ///     the band if left out.
-    /// grid : {"odd", "full", "odd-random"}, optional
-    ///     Odd multiples of the fundamental, all of them, or odd ones with one of four left out at random.
-    /// seed : int, optional
-    ///     Seed for the lines left out by "odd-random".
-    /// shape : float or list of (hz, value), optional
-    ///     Amplitude over frequency; only ratios count.
-    /// phases : {"random", "low-crest"}, optional
-    ///     Random phases, a new draw per realization, or phases chosen for a low crest factor.
+    /// Parameters ---------- low_hz, high_hz : float Band in Hz; ``high_hz`` below Nyquist.
+    /// sample_time_s : float Sample time of the controller in s. resolution_hz : float Largest
+    /// spacing of the lines in Hz. n_lines : int, optional Number of logarithmically spaced
+    /// frequencies, each moved to the nearest line, duplicates merged; every line of the band if
+    /// left out. grid : {"odd", "full", "odd-random"}, optional Odd multiples of the fundamental,
+    /// all of them, or odd ones with one of four left out at random. seed : int, optional Seed for
+    /// the lines left out by "odd-random". shape : float or list of (hz, value), optional Amplitude
+    /// over frequency; only ratios count. phases : {"random", "low-crest"}, optional Random phases,
+    /// a new draw per realization, or phases chosen for a low crest factor.
     ///
     /// Returns
     /// -------
@@ -103,27 +102,29 @@ impl Multisine {
         phases: &str,
     ) -> PyResult<Self> {
         let kind = choice("grid", grid)?;
-        let design = GridDesign { low_hz, high_hz, sample_time_s, resolution_hz, n_lines, kind, seed };
+        let design = GridDesign {
+            low_hz,
+            high_hz,
+            sample_time_s,
+            resolution_hz,
+            n_lines,
+            kind,
+            seed,
+        };
         Self::on(design.design().map_err(error::signal)?, shape, phases)
     }
 
     /// One period of every experiment and channel, SK15 (9).
     ///
-    /// One factor over all channels and experiments makes the largest channel reach its peak; no channel exceeds its own.
-    /// The same seed and realization give the same bytes.
+    /// One factor over all channels and experiments makes the largest channel reach its peak; no
+    /// channel exceeds its own. The same seed and realization give the same bytes.
     ///
-    /// Parameters
-    /// ----------
-    /// seed : int
-    ///     Seed of the random phases.
-    /// n_inputs : int, optional
-    ///     Number of inputs, and so of experiments.
-    /// peak : float or sequence of float, optional
-    ///     Largest value of each channel, between the samples too; one number stands for all.
-    /// mimo : {"orthogonal", "sign-flip", "independent"}, optional
-    ///     Phases between channels and experiments: SK15 (9), SK15 (26), or (9) on top of random phases for each channel.
-    /// realization : int, optional
-    ///     Number of the draw.
+    /// Parameters ---------- seed : int Seed of the random phases. n_inputs : int, optional Number
+    /// of inputs, and so of experiments. peak : float or sequence of float, optional Largest value
+    /// of each channel, between the samples too; one number stands for all. mimo : {"orthogonal",
+    /// "sign-flip", "independent"}, optional Phases between channels and experiments: SK15 (9),
+    /// SK15 (26), or (9) on top of random phases for each channel. realization : int, optional
+    /// Number of the draw.
     ///
     /// Returns
     /// -------
@@ -143,9 +144,19 @@ impl Multisine {
         mimo: &str,
         realization: usize,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let peak = peak.map_or_else(|| Ok(vec![1.0; n_inputs]), |peak| per_channel("peak", peak, n_inputs))?;
-        let draw = Draw { seed, realization, phasing: choice("mimo", mimo)?, peak: &peak };
-        let drawn = py.detach(|| self.signal.realize(&draw)).map_err(error::signal)?;
+        let peak = peak.map_or_else(
+            || Ok(vec![1.0; n_inputs]),
+            |peak| per_channel("peak", peak, n_inputs),
+        )?;
+        let draw = Draw {
+            seed,
+            realization,
+            phasing: choice("mimo", mimo)?,
+            peak: &peak,
+        };
+        let drawn = py
+            .detach(|| self.signal.realize(&draw))
+            .map_err(error::signal)?;
         Ok(c_ordered(py, drawn.signal))
     }
 
@@ -206,7 +217,10 @@ impl Multisine {
     fn __repr__(&self) -> String {
         let grid = &self.signal.grid;
         let hz = grid.lines_hz();
-        let (low, high) = (hz.first().copied().unwrap_or_default(), hz.last().copied().unwrap_or_default());
+        let (low, high) = (
+            hz.first().copied().unwrap_or_default(),
+            hz.last().copied().unwrap_or_default(),
+        );
         format!(
             "<frfid.Multisine: {} lines from {low:.4} Hz to {high:.4} Hz, period {} s = {} samples of {} s>",
             hz.len(),
@@ -217,16 +231,35 @@ impl Multisine {
     }
 
     fn __getnewargs_ex__<'py>(slf: &Bound<'py, Self>) -> PyResult<NewArguments<'py>> {
-        attributes(slf, &["sample_time_s", "n_samples", "harmonics", "detection", "shape", "phases"])
+        attributes(
+            slf,
+            &[
+                "sample_time_s",
+                "n_samples",
+                "harmonics",
+                "detection",
+                "shape",
+                "phases",
+            ],
+        )
     }
 }
 
 impl Multisine {
     fn on(grid: LineGrid, shape: Option<&Bound<'_, PyAny>>, phases: &str) -> PyResult<Self> {
         grid.check().map_err(error::signal)?;
-        let shape = shape.map_or_else(|| Ok(Profile::constant(1.0)), |shape| profile("shape", shape))?;
+        let shape = shape.map_or_else(
+            || Ok(Profile::constant(1.0)),
+            |shape| profile("shape", shape),
+        )?;
         shape.check().map_err(error::signal)?;
-        Ok(Self { signal: Signal { grid, shape, phases: choice("phases", phases)? } })
+        Ok(Self {
+            signal: Signal {
+                grid,
+                shape,
+                phases: choice("phases", phases)?,
+            },
+        })
     }
 }
 

@@ -3,7 +3,8 @@
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-/// What `__getnewargs_ex__` returns for a class whose constructor takes its attributes `names` as keywords.
+/// What `__getnewargs_ex__` returns for a class whose constructor takes its attributes `names` as
+/// keywords.
 pub type NewArguments<'py> = (Bound<'py, PyTuple>, Bound<'py, PyDict>);
 
 /// The attributes `names` of the object as keywords of its constructor.

@@ -26,8 +26,8 @@ pub struct Plan {
 
 #[pymethods]
 impl Plan {
-    /// Names of the runs in the order in which they are done, glides first: ``"p000-m0-q0"`` is realization 0,
-    /// experiment 0, repetition 0.
+    /// Names of the runs in the order in which they are done, glides first: ``"p000-m0-q0"`` is
+    /// realization 0, experiment 0, repetition 0.
     #[getter]
     fn names(&self) -> Vec<String> {
         self.ids().iter().map(RunId::to_string).collect()
@@ -57,9 +57,21 @@ impl Plan {
     ///     If there is no such run.
     fn reference<'py>(&self, py: Python<'py>, index: usize) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let ids = self.ids();
-        let needed = || PyValueError::new_err(format!("index is {index}, needed a run from 0 to {}", ids.len() - 1));
+        let needed = || {
+            PyValueError::new_err(format!(
+                "index is {index}, needed a run from 0 to {}",
+                ids.len() - 1
+            ))
+        };
         let id = *ids.get(index).ok_or_else(needed)?;
-        Ok(c_ordered(py, self.description.plan.run(id).map_err(error::signal)?.reference))
+        Ok(c_ordered(
+            py,
+            self.description
+                .plan
+                .run(id)
+                .map_err(error::signal)?
+                .reference,
+        ))
     }
 
     /// What the runs will ask of the robot, found by doing each of them once on its model.
@@ -69,10 +81,8 @@ impl Plan {
     /// progress : callable, optional
     ///     Called with (done, total), from (0, total) on; an exception from it stops the work.
     ///
-    /// Returns
-    /// -------
-    /// dict
-    ///     ``peaks`` of torque, its rate, velocity and travel per axis, ``crest_factor``, and ``excesses`` over the limits.
+    /// Returns ------- dict ``peaks`` of torque, its rate, velocity and travel per axis,
+    /// ``crest_factor``, and ``excesses`` over the limits.
     ///
     /// Raises
     /// ------
@@ -81,27 +91,30 @@ impl Plan {
     /// NumericalError
     ///     If a run diverges.
     #[pyo3(signature = (*, progress = None))]
-    fn predict<'py>(&self, py: Python<'py>, progress: Option<&Bound<'py, PyAny>>) -> PyResult<Bound<'py, PyAny>> {
+    fn predict<'py>(
+        &self,
+        py: Python<'py>,
+        progress: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyAny>> {
         let prediction = interruptible(py, progress, |progress| {
-            frfid_experiment::predict(&self.description, 0, &|done, total| progress.report(done, total))
+            frfid_experiment::predict(&self.description, 0, &|done, total| {
+                progress.report(done, total)
+            })
         })?;
         to_python(py, &prediction.map_err(error::experiment)?)
     }
 
     /// Does every run.
     ///
-    /// An exception, or Ctrl-C, ends it without records. On a machine where each run is dear, do them one by one and keep
-    /// what each returns: ``testbed.run(plan.reference(k))`` for each ``k`` of ``range(len(plan))``.
+    /// An exception, or Ctrl-C, ends it without records. On a machine where each run is dear, do
+    /// them one by one and keep what each returns: ``testbed.run(plan.reference(k))`` for each
+    /// ``k`` of ``range(len(plan))``.
     ///
-    /// Parameters
-    /// ----------
-    /// testbed : object, optional
-    ///     Anything with ``run(reference) -> Record``, called on this thread for one run after the other with the reference
-    ///     of shape (channel, sample); the simulated robot of the experiment if left out.
-    /// progress : callable, optional
-    ///     Called with (done, total), from (0, total) on; an exception from it stops the work.
-    /// jobs : int, optional
-    ///     Threads for the simulation, 0 for one on each core.
+    /// Parameters ---------- testbed : object, optional Anything with ``run(reference) -> Record``,
+    /// called on this thread for one run after the other with the reference of shape (channel,
+    /// sample); the simulated robot of the experiment if left out. progress : callable, optional
+    /// Called with (done, total), from (0, total) on; an exception from it stops the work. jobs :
+    /// int, optional Threads for the simulation, 0 for one on each core.
     ///
     /// Returns
     /// -------
@@ -133,16 +146,17 @@ impl Plan {
                 records_of(py, &ids, &run, &*testbed, jobs, progress)?
             }
         };
-        records.into_iter().map(|record| Record::of(py, vec![record], false)).collect()
+        records
+            .into_iter()
+            .map(|record| Record::of(py, vec![record], false))
+            .collect()
     }
 
     /// The FRF from the records of all runs.
     ///
-    /// Parameters
-    /// ----------
-    /// records : sequence of Record or None
-    ///     In the order of ``names``; None for a run that is missing. Periods of which an experiment is missing are left
-    ///     out, with a warning.
+    /// Parameters ---------- records : sequence of Record or None In the order of ``names``; None
+    /// for a run that is missing. Periods of which an experiment is missing are left out, with a
+    /// warning.
     ///
     /// Returns
     /// -------
@@ -162,19 +176,33 @@ impl Plan {
                 "{found} records were given, needed one for each of {needed} runs"
             )));
         }
-        let measured = ids.into_iter().zip(records).filter_map(|(id, record)| Some((id, record?)));
+        let measured = ids
+            .into_iter()
+            .zip(records)
+            .filter_map(|(id, record)| Some((id, record?)));
         let measured: Vec<(RunId, Measured)> = measured
-            .map(|(id, record)| match <[Measured; 1]>::try_from(record.get().runs(py)) {
-                Ok([run]) => Ok((id, run)),
-                Err(_) => Err(PyValueError::new_err(format!("the record of run {id} is a batch, needed one run"))),
-            })
+            .map(
+                |(id, record)| match <[Measured; 1]>::try_from(record.get().runs(py)) {
+                    Ok([run]) => Ok((id, run)),
+                    Err(_) => Err(PyValueError::new_err(format!(
+                        "the record of run {id} is a batch, needed one run"
+                    ))),
+                },
+            )
             .collect::<PyResult<_>>()?;
         let (result, missing) =
-            interruptible(py, None, |_| result_of(&self.description, &measured))?.map_err(error::experiment)?;
+            interruptible(py, None, |_| result_of(&self.description, &measured))?
+                .map_err(error::experiment)?;
         if missing > 0 {
-            let message =
-                format!("{missing} periods are missing; others of the same experiments were left out with them");
-            PyErr::warn(py, &py.get_type::<PyUserWarning>(), &CString::new(message)?, 1)?;
+            let message = format!(
+                "{missing} periods are missing; others of the same experiments were left out with them"
+            );
+            PyErr::warn(
+                py,
+                &py.get_type::<PyUserWarning>(),
+                &CString::new(message)?,
+                1,
+            )?;
         }
         Ok(Frf::of(result))
     }
@@ -185,7 +213,9 @@ impl Plan {
 
     fn __repr__(&self) -> PyResult<String> {
         let (runs, time_s) = (self.description.plan.n_runs(), self.robot_time_s()?);
-        Ok(format!("<frfid.Plan: {runs} runs, {time_s:.1} s on the robot>"))
+        Ok(format!(
+            "<frfid.Plan: {runs} runs, {time_s:.1} s on the robot>"
+        ))
     }
 }
 

@@ -1,4 +1,5 @@
-//! Amplitudes as Python gives them: a number, a profile over frequency, or a list of these per channel.
+//! Amplitudes as Python gives them: a number, a profile over frequency, or a list of these per
+//! channel.
 
 use frfid_signals::Profile;
 use pyo3::exceptions::PyValueError;
@@ -20,7 +21,9 @@ impl From<Amplitude> for Profile {
     fn from(amplitude: Amplitude) -> Self {
         match amplitude {
             Amplitude::Constant(value) => Self::constant(value),
-            Amplitude::Points(points) => Self { points: points.into_iter().map(|[hz, value]| (hz, value)).collect() },
+            Amplitude::Points(points) => Self {
+                points: points.into_iter().map(|[hz, value]| (hz, value)).collect(),
+            },
         }
     }
 }
@@ -29,7 +32,9 @@ impl From<Amplitude> for Profile {
 pub fn profiles(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Profile>> {
     match value.extract() {
         Ok(Amplitudes::Common(amplitude)) => Ok(vec![amplitude.into()]),
-        Ok(Amplitudes::PerChannel(amplitudes)) => Ok(amplitudes.into_iter().map(Profile::from).collect()),
+        Ok(Amplitudes::PerChannel(amplitudes)) => {
+            Ok(amplitudes.into_iter().map(Profile::from).collect())
+        }
         Err(_) => Err(PyValueError::new_err(format!(
             "{argument} is {}, needed a number, a profile [(hz, value), ...], or a list of these per channel",
             value.repr()?
@@ -39,13 +44,22 @@ pub fn profiles(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Profil
 
 /// One profile, the same for all channels.
 pub fn profile(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Profile> {
-    value.extract::<Amplitude>().map(Profile::from).map_err(|_| {
-        PyValueError::new_err(format!("{argument} is {value}, needed a number or a profile [(hz, value), ...]"))
-    })
+    value
+        .extract::<Amplitude>()
+        .map(Profile::from)
+        .map_err(|_| {
+            PyValueError::new_err(format!(
+                "{argument} is {value}, needed a number or a profile [(hz, value), ...]"
+            ))
+        })
 }
 
 /// A number for every channel: one of them stands for all.
-pub fn per_channel(argument: &str, value: &Bound<'_, PyAny>, n_channels: usize) -> PyResult<Vec<f64>> {
+pub fn per_channel(
+    argument: &str,
+    value: &Bound<'_, PyAny>,
+    n_channels: usize,
+) -> PyResult<Vec<f64>> {
     if let Ok(common) = value.extract::<f64>() {
         return Ok(vec![common; n_channels]);
     }

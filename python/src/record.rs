@@ -17,19 +17,13 @@ const SHAPES: [Axes; 2] = [&["channel", "sample"], &["batch", "channel", "sample
 ///
 /// ``y[..., k]`` is what the sensor says at ``k * sample_time_s``, just before ``u[..., k]`` acts.
 ///
-/// Parameters
-/// ----------
-/// sample_time_s : float
-///     Sample time in s.
-/// u, y : array_like, shape (channel, sample) or (batch, channel, sample)
-///     Plant input (motor torque in N m) and output (motor velocity in rad/s).
-/// r, position_rad : array_like, same number of samples, optional
-///     Reference that was injected, and motor position in rad.
-/// input_kind : {"commanded", "measured"}, optional
-///     Whether ``u`` is the command or a measurement.
-/// events : list of dict, optional
-///     What happened, in order of time: ``{"time_s": 0.5, "event": "stopped", "reason": "..."}``; a list of these per run
-///     for a batch.
+/// Parameters ---------- sample_time_s : float Sample time in s. u, y : array_like, shape (channel,
+/// sample) or (batch, channel, sample) Plant input (motor torque in N m) and output (motor velocity
+/// in rad/s). r, position_rad : array_like, same number of samples, optional Reference that was
+/// injected, and motor position in rad. input_kind : {"commanded", "measured"}, optional Whether
+/// ``u`` is the command or a measurement. events : list of dict, optional What happened, in order
+/// of time: ``{"time_s": 0.5, "event": "stopped", "reason": "..."}``; a list of these per run for a
+/// batch.
 ///
 /// Raises
 /// ------
@@ -91,18 +85,27 @@ impl Record {
             Some(events) => vec![from_python("events", events)?],
         };
         if events.len() != n_runs {
-            return Err(PyValueError::new_err(format!("events of {} runs, needed {n_runs}", events.len())));
+            return Err(PyValueError::new_err(format!(
+                "events of {} runs, needed {n_runs}",
+                events.len()
+            )));
         }
         let record = Self {
             sample_time_s,
             y: like_u("y", y)?,
             r: r.map(|r| like_u("r", r)).transpose()?,
-            position_rad: position_rad.map(|position| like_u("position_rad", position)).transpose()?,
+            position_rad: position_rad
+                .map(|position| like_u("position_rad", position))
+                .transpose()?,
             input_kind: choice("input_kind", input_kind)?,
             events,
             u,
         };
-        record.runs(py).iter().try_for_each(Run::check).map_err(error::signal)?;
+        record
+            .runs(py)
+            .iter()
+            .try_for_each(Run::check)
+            .map_err(error::signal)?;
         Ok(record)
     }
 
@@ -115,7 +118,11 @@ impl Record {
     /// What happened, in order of time: a list of dicts, or a list of such lists for a batch.
     #[getter]
     fn events<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        if self.is_batch(py) { to_python(py, &self.events) } else { to_python(py, &self.events[0]) }
+        if self.is_batch(py) {
+            to_python(py, &self.events)
+        } else {
+            to_python(py, &self.events[0])
+        }
     }
 
     /// Number of samples of one run.
@@ -126,30 +133,51 @@ impl Record {
 
     fn __repr__(&self, py: Python<'_>) -> String {
         let (u, y) = (self.u.bind(py).shape(), self.y.bind(py).shape());
-        format!("<frfid.Record: u {u:?}, y {y:?}, {} s per sample>", self.sample_time_s)
+        format!(
+            "<frfid.Record: u {u:?}, y {y:?}, {} s per sample>",
+            self.sample_time_s
+        )
     }
 
     fn __getnewargs_ex__<'py>(slf: &Bound<'py, Self>) -> PyResult<NewArguments<'py>> {
-        attributes(slf, &["sample_time_s", "u", "y", "r", "position_rad", "input_kind", "events"])
+        attributes(
+            slf,
+            &[
+                "sample_time_s",
+                "u",
+                "y",
+                "r",
+                "position_rad",
+                "input_kind",
+                "events",
+            ],
+        )
     }
 }
 
 impl Record {
     /// What the crates measured: one run, or a batch of runs `stacked` on an axis of their own.
     pub fn of(py: Python<'_>, runs: Vec<Run>, stacked: bool) -> PyResult<Self> {
-        let [first, ..] = runs.as_slice() else { return Err(PyValueError::new_err("no run was done")) };
+        let [first, ..] = runs.as_slice() else {
+            return Err(PyValueError::new_err("no run was done"));
+        };
         let (sample_time_s, input_kind) = (first.sample_time_s, first.input_kind);
         let events = runs.iter().map(|run| run.events.clone()).collect();
-        let stack = |of: &dyn Fn(&Run) -> Option<&Array2<f64>>| -> PyResult<Option<Py<PyArrayDyn<f64>>>> {
-            let Some(signals) = runs.iter().map(of).collect::<Option<Vec<_>>>() else { return Ok(None) };
-            let array = if stacked {
-                let views: Vec<_> = signals.iter().map(|signal| signal.view()).collect();
-                ndarray::stack(Axis(0), &views).map_err(|error| PyValueError::new_err(error.to_string()))?.into_dyn()
-            } else {
-                signals[0].clone().into_dyn()
+        let stack =
+            |of: &dyn Fn(&Run) -> Option<&Array2<f64>>| -> PyResult<Option<Py<PyArrayDyn<f64>>>> {
+                let Some(signals) = runs.iter().map(of).collect::<Option<Vec<_>>>() else {
+                    return Ok(None);
+                };
+                let array = if stacked {
+                    let views: Vec<_> = signals.iter().map(|signal| signal.view()).collect();
+                    ndarray::stack(Axis(0), &views)
+                        .map_err(|error| PyValueError::new_err(error.to_string()))?
+                        .into_dyn()
+                } else {
+                    signals[0].clone().into_dyn()
+                };
+                Ok(Some(c_ordered(py, array).unbind()))
             };
-            Ok(Some(c_ordered(py, array).unbind()))
-        };
         let always = "every record has u and y";
         Ok(Self {
             sample_time_s,
@@ -166,13 +194,26 @@ impl Record {
     pub fn runs(&self, py: Python<'_>) -> Vec<Run> {
         let of = |signal: &Py<PyArrayDyn<f64>>| -> Vec<Array2<f64>> {
             let array = signal.bind(py).to_owned_array();
-            let stacked = if array.ndim() == 2 { array.insert_axis(Axis(0)) } else { array };
-            let two_axes =
-                |run: ndarray::ArrayViewD<'_, f64>| run.into_dimensionality::<Ix2>().map(|run| run.to_owned());
-            stacked.axis_iter(Axis(0)).map(two_axes).collect::<Result<_, _>>().expect("`signal` let 2 or 3 axes pass")
+            let stacked = if array.ndim() == 2 {
+                array.insert_axis(Axis(0))
+            } else {
+                array
+            };
+            let two_axes = |run: ndarray::ArrayViewD<'_, f64>| {
+                run.into_dimensionality::<Ix2>().map(|run| run.to_owned())
+            };
+            stacked
+                .axis_iter(Axis(0))
+                .map(two_axes)
+                .collect::<Result<_, _>>()
+                .expect("`signal` let 2 or 3 axes pass")
         };
-        let (u, y, r, position) =
-            (of(&self.u), of(&self.y), self.r.as_ref().map(of), self.position_rad.as_ref().map(of));
+        let (u, y, r, position) = (
+            of(&self.u),
+            of(&self.y),
+            self.r.as_ref().map(of),
+            self.position_rad.as_ref().map(of),
+        );
         let run = |k: usize| Run {
             sample_time_s: self.sample_time_s,
             u: u[k].clone(),

@@ -14,7 +14,11 @@ use crate::frf::Frf;
 impl From<Response> for Frf {
     fn from(frf: Response) -> Self {
         let (n_inputs, n_outputs) = (frf.n_inputs(), frf.n_outputs());
-        let numbered = |word: &str, count: usize| (1..=count).map(|channel| format!("{word} {channel}")).collect();
+        let numbered = |word: &str, count: usize| {
+            (1..=count)
+                .map(|channel| format!("{word} {channel}"))
+                .collect()
+        };
         Self::of(ResultFile {
             frf,
             input_names: numbered("input", n_inputs),
@@ -22,7 +26,11 @@ impl From<Response> for Frf {
             input_units: vec![String::new(); n_inputs],
             output_units: vec![String::new(); n_outputs],
             checks: Vec::new(),
-            provenance: [("frfid_version".to_owned(), env!("CARGO_PKG_VERSION").to_owned())].into(),
+            provenance: [(
+                "frfid_version".to_owned(),
+                env!("CARGO_PKG_VERSION").to_owned(),
+            )]
+            .into(),
         })
     }
 }
@@ -47,13 +55,18 @@ impl From<Response> for Frf {
 #[pyfunction]
 pub fn load(py: Python<'_>, path: PathBuf) -> PyResult<Frf> {
     path.metadata()?;
-    Ok(Frf::of(py.detach(|| read_result(&path)).map_err(error::file)?))
+    Ok(Frf::of(
+        py.detach(|| read_result(&path)).map_err(error::file)?,
+    ))
 }
 
 /// Size, band and which variances are known, in one line.
 pub fn described(frf: &Response) -> String {
     let hz = &frf.frequency_hz;
-    let (low, high) = (hz.first().copied().unwrap_or(f64::NAN), hz.last().copied().unwrap_or(f64::NAN));
+    let (low, high) = (
+        hz.first().copied().unwrap_or(f64::NAN),
+        hz.last().copied().unwrap_or(f64::NAN),
+    );
     let measured = |known: &Option<Uncertainty>| if known.is_some() { "measured" } else { "None" };
     format!(
         "<frfid.Frf: {} outputs x {} inputs at {} frequencies from {low:.4} Hz to {high:.4} Hz, noise variance {}, \
@@ -66,17 +79,45 @@ pub fn described(frf: &Response) -> String {
     )
 }
 
-/// The Bode diagram of a result as SVG, with the 95 % region of the largest variance that was measured.
+/// The Bode diagram of a result as SVG, with the 95 % region of the largest variance that was
+/// measured.
 pub fn svg(result: &ResultFile) -> Result<String, ReportError> {
-    let ResultFile { frf, input_names, output_names, input_units, output_units, .. } = result;
-    let band = if frf.total.is_some() { Band::Total } else { Band::Noise };
-    let curves = [Curve { label: "G".into(), frf, style: Style::Line, band, flagged: None }];
+    let ResultFile {
+        frf,
+        input_names,
+        output_names,
+        input_units,
+        output_units,
+        ..
+    } = result;
+    let band = if frf.total.is_some() {
+        Band::Total
+    } else {
+        Band::Noise
+    };
+    let curves = [Curve {
+        label: "G".into(),
+        frf,
+        style: Style::Line,
+        band,
+        flagged: None,
+    }];
     let gain_unit = match (output_units.first(), input_units.first()) {
-        (Some(output), Some(input)) if !output.is_empty() && !input.is_empty() => format!("{output} per {input}"),
+        (Some(output), Some(input)) if !output.is_empty() && !input.is_empty() => {
+            format!("{output} per {input}")
+        }
         _ => "output per input".to_owned(),
     };
-    let labels = Labels { inputs: input_names.clone(), outputs: output_names.clone(), gain_unit };
+    let labels = Labels {
+        inputs: input_names.clone(),
+        outputs: output_names.clone(),
+        gain_unit,
+    };
     let single = (frf.n_outputs(), frf.n_inputs()) == (1, 1);
-    let figure = if single { bode(&curves, 0, 0, &labels)? } else { bode_matrix(&curves, &labels, true, &[])? };
+    let figure = if single {
+        bode(&curves, 0, 0, &labels)?
+    } else {
+        bode_matrix(&curves, &labels, true, &[])?
+    };
     Ok(figure.svg())
 }

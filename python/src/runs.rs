@@ -1,4 +1,5 @@
-//! Doing runs on a testbed: simulated ones side by side while the interpreter goes on, those of Python one by one.
+//! Doing runs on a testbed: simulated ones side by side while the interpreter goes on, those of
+//! Python one by one.
 
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
@@ -22,19 +23,29 @@ pub fn records_of(
 ) -> PyResult<Vec<Record>> {
     let records: Mutex<BTreeMap<RunId, Record>> = Mutex::default();
     let keep = |run: &Run, record: Record| {
-        records.lock().unwrap_or_else(PoisonError::into_inner).insert(run.id, record);
+        records
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .insert(run.id, record);
         Ok(())
     };
     interruptible(py, progress, |progress| {
-        run_all(ids, reference, testbed, jobs, &|done, total| progress.report(done, total), &keep)
+        run_all(
+            ids,
+            reference,
+            testbed,
+            jobs,
+            &|done, total| progress.report(done, total),
+            &keep,
+        )
     })?
     .map_err(error::experiment)?;
     let mut records = records.into_inner().unwrap_or_else(PoisonError::into_inner);
     Ok(ids.iter().filter_map(|id| records.remove(id)).collect())
 }
 
-/// The records of the runs `ids`, done one after the other on the calling thread: a testbed written in Python hears Ctrl-C
-/// in the middle of its run, where it can stop its machine.
+/// The records of the runs `ids`, done one after the other on the calling thread: a testbed written
+/// in Python hears Ctrl-C in the middle of its run, where it can stop its machine.
 pub fn one_by_one(
     py: Python<'_>,
     ids: &[RunId],
@@ -42,7 +53,11 @@ pub fn one_by_one(
     testbed: &dyn Testbed,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<Record>> {
-    let tell = |done: usize| progress.map_or(Ok(()), |callable| callable.call1((done, ids.len())).map(drop));
+    let tell = |done: usize| {
+        progress.map_or(Ok(()), |callable| {
+            callable.call1((done, ids.len())).map(drop)
+        })
+    };
     tell(0)?;
     let mut records = Vec::new();
     for &id in ids {

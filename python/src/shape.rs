@@ -1,7 +1,8 @@
 //! `frfid.shape`.
 
 use frfid_estimate::{
-    ShapeError, ShapeLimits, ShapeOptions, Shaped as Shaping, Shaper, Step, Target, shape as shape_on,
+    ShapeError, ShapeLimits, ShapeOptions, Shaped as Shaping, Shaper, Step, Target,
+    shape as shape_on,
 };
 use frfid_signals::{Record, Run, Testbed};
 use ndarray::{Array3, Ix3};
@@ -19,62 +20,42 @@ use crate::testbed::PythonTestbed;
 
 const SIGNALS: [Axes; 1] = [&["experiment", "channel", "sample"]];
 
-/// Shapes the reference of a controlled machine until its torque is the desired one, SK15 section 5.3.
+/// Shapes the reference of a controlled machine until its torque is the desired one, SK15 section
+/// 5.3.
 ///
-/// In closed loop the torque cannot be commanded. From a reference that is small enough to be safe the response from reference
-/// to torque is estimated in every iteration, and the next reference is what should lead to the desired torque; its peaks are
-/// predicted and kept inside the limits before it is applied.
+/// In closed loop the torque cannot be commanded. From a reference that is small enough to be safe
+/// the response from reference to torque is estimated in every iteration, and the next reference is
+/// what should lead to the desired torque; its peaks are predicted and kept inside the limits
+/// before it is applied.
 ///
-/// Parameters
-/// ----------
-/// testbed : object or (Plant, PiController)
-///     Anything with ``run(reference) -> Record``, called on this thread for one run after the other with the reference in rad/s
-///     of shape (channel, sample); or a plant and its controller, simulated with all experiments side by side.
-/// desired : array_like, shape (experiment, channel, sample)
-///     What the target is to be, tail included; as many experiments as channels.
-/// start : array_like, same shape
-///     Reference of the first iteration in rad/s.
-/// sample_time_s : float
-///     Sample time in s.
-/// low_hz, high_hz : float, optional
-///     Band that is shaped, in Hz.
-/// target : {"torque", "velocity"}, optional
-///     Which measured signal is to follow ``desired``.
-/// step : {"damped", "paper"}, optional
-///     Correct a share of what is missing, or the paper's fixed point, which friction pushes apart.
-/// damping : float, optional
-///     That share; halved where the error rises.
-/// smoothing_bins : int, optional
-///     Lines over which the damped step smooths the response.
-/// n_iterations : int, optional
-///     Most iterations.
-/// good_enough : float, optional
-///     Relative error, rms over the band, at which to stop.
-/// largest_change : float, optional
-///     Largest growth of a reference's peak from one iteration to the next.
-/// max_torque_nm, max_velocity_rad_s, max_travel_rad : float or sequence of float, optional
-///     Limits of each axis that no reference may exceed.
-/// max_stuck_share : float, optional
-///     Largest share of the time that an axis may be stuck.
-/// still_rad_s : float, optional
-///     Velocity reading up to which an axis counts as stuck.
-/// coulomb_nm : float or sequence of float, optional
-///     Coulomb friction of each axis in N m, to be named beside an axis that sticks.
-/// seed : int, optional
-///     Seed of the sensors' noise of a simulated plant.
-/// progress : callable, optional
-///     Called with (done, total) iterations, from (0, total) on; an exception from it stops the work.
+/// Parameters ---------- testbed : object or (Plant, PiController) Anything with ``run(reference)
+/// -> Record``, called on this thread for one run after the other with the reference in rad/s of
+/// shape (channel, sample); or a plant and its controller, simulated with all experiments side by
+/// side. desired : array_like, shape (experiment, channel, sample) What the target is to be, tail
+/// included; as many experiments as channels. start : array_like, same shape Reference of the first
+/// iteration in rad/s. sample_time_s : float Sample time in s. low_hz, high_hz : float, optional
+/// Band that is shaped, in Hz. target : {"torque", "velocity"}, optional Which measured signal is
+/// to follow ``desired``. step : {"damped", "paper"}, optional Correct a share of what is missing,
+/// or the paper's fixed point, which friction pushes apart. damping : float, optional That share;
+/// halved where the error rises. smoothing_bins : int, optional Lines over which the damped step
+/// smooths the response. n_iterations : int, optional Most iterations. good_enough : float,
+/// optional Relative error, rms over the band, at which to stop. largest_change : float, optional
+/// Largest growth of a reference's peak from one iteration to the next. max_torque_nm,
+/// max_velocity_rad_s, max_travel_rad : float or sequence of float, optional Limits of each axis
+/// that no reference may exceed. max_stuck_share : float, optional Largest share of the time that
+/// an axis may be stuck. still_rad_s : float, optional Velocity reading up to which an axis counts
+/// as stuck. coulomb_nm : float or sequence of float, optional Coulomb friction of each axis in N
+/// m, to be named beside an axis that sticks. seed : int, optional Seed of the sensors' noise of a
+/// simulated plant. progress : callable, optional Called with (done, total) iterations, from (0,
+/// total) on; an exception from it stops the work.
 ///
 /// Returns
 /// -------
 /// Shaped
 ///
-/// Raises
-/// ------
-/// ValueError
-///     For shapes and numbers that do not fit, a first reference that is too large, a target that does not respond.
-/// NumericalError
-///     If a simulation diverges or a response cannot be inverted.
+/// Raises ------ ValueError For shapes and numbers that do not fit, a first reference that is too
+/// large, a target that does not respond. NumericalError If a simulation diverges or a response
+/// cannot be inverted.
 #[pyfunction]
 #[pyo3(signature = (testbed, *, desired, start, sample_time_s, low_hz = 2.0, high_hz = 60.0, target = "torque",
                     step = "damped", damping = 0.9, smoothing_bins = 30, n_iterations = 6, good_enough = 0.05,
@@ -104,16 +85,34 @@ pub fn shape(
     seed: u64,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Shaped> {
-    let desired = real::<Ix3>("desired", desired, &SIGNALS)?.as_array().to_owned();
+    let desired = real::<Ix3>("desired", desired, &SIGNALS)?
+        .as_array()
+        .to_owned();
     let start = real::<Ix3>("start", start, &SIGNALS)?.as_array().to_owned();
     let n_axes = start.dim().1;
-    let per_axis = |name, value: Option<&Bound<'_, PyAny>>| value.map(|v| per_channel(name, v, n_axes)).transpose();
+    let per_axis = |name, value: Option<&Bound<'_, PyAny>>| {
+        value.map(|v| per_channel(name, v, n_axes)).transpose()
+    };
     let options = ShapeOptions {
-        target: one_of("target", target, [("torque", Target::Torque), ("velocity", Target::Velocity)])?,
+        target: one_of(
+            "target",
+            target,
+            [("torque", Target::Torque), ("velocity", Target::Velocity)],
+        )?,
         step: one_of(
             "step",
             step,
-            [("damped", Step::Damped { damping, smoothing_bins, adaptive: true }), ("paper", Step::Paper)],
+            [
+                (
+                    "damped",
+                    Step::Damped {
+                        damping,
+                        smoothing_bins,
+                        adaptive: true,
+                    },
+                ),
+                ("paper", Step::Paper),
+            ],
         )?,
         low_hz,
         high_hz,
@@ -137,7 +136,14 @@ pub fn shape(
             let testbed = closed_loop(plant.get(), controller.get(), seed);
             simulated(py, &testbed, desired, start, options, progress)?
         }
-        Err(_) => measured(py, &PythonTestbed::new(testbed, n_axes)?, desired, start, options, progress)?,
+        Err(_) => measured(
+            py,
+            &PythonTestbed::new(testbed, n_axes)?,
+            desired,
+            start,
+            options,
+            progress,
+        )?,
     };
     Shaped::of(py, shaped)
 }
@@ -154,12 +160,15 @@ fn simulated(
     let total = options.n_iterations;
     interruptible(py, progress, |progress| {
         progress.report(0, total);
-        shape_on(testbed, desired, start, options, &mut |iteration| Ok(progress.report(iteration.number, total)))
+        shape_on(testbed, desired, start, options, &mut |iteration| {
+            Ok(progress.report(iteration.number, total))
+        })
     })?
     .map_err(error::shape)
 }
 
-/// Shaping on a machine behind Python code, run by run on the calling thread, which hears Ctrl-C in the middle of a run.
+/// Shaping on a machine behind Python code, run by run on the calling thread, which hears Ctrl-C in
+/// the middle of a run.
 fn measured(
     py: Python<'_>,
     testbed: &PythonTestbed,
@@ -169,12 +178,17 @@ fn measured(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Shaping> {
     let total = options.n_iterations;
-    let tell = |done: usize| progress.map_or(Ok(()), |callable| callable.call1((done, total)).map(drop));
+    let tell =
+        |done: usize| progress.map_or(Ok(()), |callable| callable.call1((done, total)).map(drop));
     tell(0)?;
     let mut shaper = Shaper::new(desired, start, options).map_err(error::shape)?;
     while shaper.stop().is_none() {
         let iterated = py.detach(|| {
-            let records = shaper.runs().iter().map(|run: &Run| testbed.run(run)).collect::<Result<Vec<Record>, _>>()?;
+            let records = shaper
+                .runs()
+                .iter()
+                .map(|run: &Run| testbed.run(run))
+                .collect::<Result<Vec<Record>, _>>()?;
             Ok::<_, ShapeError>(shaper.measured(records)?.number)
         });
         tell(iterated.map_err(error::shape)?)?;
@@ -184,9 +198,14 @@ fn measured(
 
 /// The choice of this name.
 fn one_of<T>(argument: &str, name: &str, choices: [(&str, T); 2]) -> PyResult<T> {
-    let needed = choices.each_ref().map(|(name, _)| format!("`{name}`")).join(" or ");
+    let needed = choices
+        .each_ref()
+        .map(|(name, _)| format!("`{name}`"))
+        .join(" or ");
     let found = choices.into_iter().find(|(choice, _)| *choice == name);
-    found
-        .map(|(_, value)| value)
-        .ok_or_else(|| PyValueError::new_err(format!("{argument}: unknown variant `{name}`, expected {needed}")))
+    found.map(|(_, value)| value).ok_or_else(|| {
+        PyValueError::new_err(format!(
+            "{argument}: unknown variant `{name}`, expected {needed}"
+        ))
+    })
 }

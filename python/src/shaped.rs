@@ -11,7 +11,8 @@ use crate::array::c_ordered;
 use crate::frf::Frf;
 use crate::record::Record;
 
-/// A shaped excitation: the best iteration, and what every iteration found; made by ``frfid.shape``. Printed, it is a table.
+/// A shaped excitation: the best iteration, and what every iteration found; made by
+/// ``frfid.shape``. Printed, it is a table.
 #[pyclass(frozen, module = "frfid")]
 pub struct Shaped {
     shaping: Shaping,
@@ -22,7 +23,8 @@ pub struct Shaped {
 
 #[pymethods]
 impl Shaped {
-    /// The reference to use, in rad/s, shape (experiment, channel, sample): that of the best iteration.
+    /// The reference to use, in rad/s, shape (experiment, channel, sample): that of the best
+    /// iteration.
     #[getter]
     fn reference<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray3<f64>> {
         c_ordered(py, self.shaping.best.reference.clone())
@@ -43,31 +45,53 @@ impl Shaped {
     /// The same of every iteration; None where a run was stopped before its end.
     #[getter]
     fn errors(&self) -> Vec<Option<f64>> {
-        self.shaping.iterations.iter().map(|iteration| iteration.error).collect()
+        self.shaping
+            .iterations
+            .iter()
+            .map(|iteration| iteration.error)
+            .collect()
     }
 
-    /// Relative error of the best iteration, shape (frequency, channel), at the frequencies of ``r_to_u``.
+    /// Relative error of the best iteration, shape (frequency, channel), at the frequencies of
+    /// ``r_to_u``.
     #[getter]
     fn error_per_frequency<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray2<f64>>> {
-        self.shaping.best.estimate.as_ref().map(|estimate| c_ordered(py, estimate.error_per_frequency.clone()))
+        self.shaping
+            .best
+            .estimate
+            .as_ref()
+            .map(|estimate| c_ordered(py, estimate.error_per_frequency.clone()))
     }
 
     /// Response from reference to torque in the best iteration.
     #[getter]
     fn r_to_u(&self) -> Option<Frf> {
-        self.shaping.best.estimate.as_ref().map(|estimate| estimate.r_to_u.clone().into())
+        self.shaping
+            .best
+            .estimate
+            .as_ref()
+            .map(|estimate| estimate.r_to_u.clone().into())
     }
 
     /// Response from reference to velocity in the best iteration.
     #[getter]
     fn r_to_y(&self) -> Option<Frf> {
-        self.shaping.best.estimate.as_ref().map(|estimate| estimate.r_to_y.clone().into())
+        self.shaping
+            .best
+            .estimate
+            .as_ref()
+            .map(|estimate| estimate.r_to_y.clone().into())
     }
 
-    /// Condition number of U in the best iteration, every channel relative to its desired size, shape (frequency,).
+    /// Condition number of U in the best iteration, every channel relative to its desired size,
+    /// shape (frequency,).
     #[getter]
     fn condition<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyArray1<f64>>> {
-        self.shaping.best.estimate.as_ref().map(|estimate| c_ordered(py, Array1::from(estimate.condition.clone())))
+        self.shaping
+            .best
+            .estimate
+            .as_ref()
+            .map(|estimate| c_ordered(py, Array1::from(estimate.condition.clone())))
     }
 
     /// Share of the sweep that each axis was stuck in the best iteration.
@@ -79,13 +103,22 @@ impl Shaped {
     /// Where axes still stick in the best iteration, in sentences; empty if none does.
     #[getter]
     fn sticking(&self) -> Vec<String> {
-        self.shaping.sticking.iter().map(ToString::to_string).collect()
+        self.shaping
+            .sticking
+            .iter()
+            .map(ToString::to_string)
+            .collect()
     }
 
-    /// Every iteration as a dict: errors, stuck share, damping, peaks predicted and measured, notes.
+    /// Every iteration as a dict: errors, stuck share, damping, peaks predicted and measured,
+    /// notes.
     #[getter]
     fn iterations(&self) -> Vec<Iteration> {
-        self.shaping.iterations.iter().map(Iteration::from).collect()
+        self.shaping
+            .iterations
+            .iter()
+            .map(Iteration::from)
+            .collect()
     }
 
     /// What is worth saying of the iterations, in sentences.
@@ -93,7 +126,11 @@ impl Shaped {
     fn notes(&self) -> Vec<String> {
         let of = |iteration: &Summary| {
             let number = iteration.number;
-            iteration.notes.iter().map(|note| format!("iteration {number}: {note}")).collect::<Vec<_>>()
+            iteration
+                .notes
+                .iter()
+                .map(|note| format!("iteration {number}: {note}"))
+                .collect::<Vec<_>>()
         };
         self.shaping.iterations.iter().flat_map(of).collect()
     }
@@ -107,18 +144,37 @@ impl Shaped {
     fn __str__(&self) -> String {
         let mut text = String::from("iteration  error %  stuck % per axis");
         for iteration in &self.shaping.iterations {
-            let error = iteration.error.map_or("-".into(), |error| format!("{:.1}", 100.0 * error));
-            let stuck: Vec<String> =
-                iteration.stuck_share.iter().map(|share| format!("{:.0}", 100.0 * share)).collect();
-            let _ = write!(text, "\n{:>9}  {error:>7}  {}", iteration.number, stuck.join(" ")); // a String takes everything
+            let error = iteration
+                .error
+                .map_or("-".into(), |error| format!("{:.1}", 100.0 * error));
+            let stuck: Vec<String> = iteration
+                .stuck_share
+                .iter()
+                .map(|share| format!("{:.0}", 100.0 * share))
+                .collect();
+            let _ = write!(
+                text,
+                "\n{:>9}  {error:>7}  {}",
+                iteration.number,
+                stuck.join(" ")
+            ); // a String takes everything
         }
-        let _ = write!(text, "\n{}; the best is iteration {}", self.shaping.stop, self.number());
-        self.sticking().iter().for_each(|line| text += &format!("\n{line}"));
+        let _ = write!(
+            text,
+            "\n{}; the best is iteration {}",
+            self.shaping.stop,
+            self.number()
+        );
+        self.sticking()
+            .iter()
+            .for_each(|line| text += &format!("\n{line}"));
         text
     }
 
     fn __repr__(&self) -> String {
-        let error = self.error().map_or("unknown".into(), |error| format!("{:.1} %", 100.0 * error));
+        let error = self
+            .error()
+            .map_or("unknown".into(), |error| format!("{:.1} %", 100.0 * error));
         let (best, of) = (self.number(), self.shaping.iterations.len());
         format!("<frfid.Shaped: iteration {best} of {of}, error {error}>")
     }
@@ -128,8 +184,9 @@ impl Shaped {
     /// The result with its records as Python sees them.
     pub fn of(py: Python<'_>, mut shaping: Shaping) -> PyResult<Self> {
         let records = std::mem::take(&mut shaping.best.records).into_iter();
-        let records =
-            records.map(|record| Py::new(py, Record::of(py, vec![record], false)?)).collect::<PyResult<_>>()?;
+        let records = records
+            .map(|record| Py::new(py, Record::of(py, vec![record], false)?))
+            .collect::<PyResult<_>>()?;
         Ok(Self { shaping, records })
     }
 }
@@ -174,7 +231,15 @@ impl From<&Summary> for Iteration {
 
 impl From<&Peak> for Peaks {
     fn from(peaks: &Peak) -> Self {
-        let Peak { torque_nm, velocity_rad_s, travel_rad } = peaks.clone();
-        Self { torque_nm, velocity_rad_s, travel_rad }
+        let Peak {
+            torque_nm,
+            velocity_rad_s,
+            travel_rad,
+        } = peaks.clone();
+        Self {
+            torque_nm,
+            velocity_rad_s,
+            travel_rad,
+        }
     }
 }

@@ -9,7 +9,11 @@ use crate::array::{c_ordered, real};
 use crate::error;
 
 /// Frequencies, times and densities, as scipy returns them.
-type Density<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray3<f64>>);
+type Density<'py> = (
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray1<f64>>,
+    Bound<'py, PyArray3<f64>>,
+);
 
 /// One-sided power spectral density over time (SK15 figure 3), by Hann windows.
 ///
@@ -46,15 +50,29 @@ pub fn spectrogram<'py>(
     window_s: f64,
     step_s: f64,
 ) -> PyResult<Density<'py>> {
-    let signal = real::<Ix2>("signal", signal, &[&["channel", "sample"]])?.as_array().to_owned();
+    let signal = real::<Ix2>("signal", signal, &[&["channel", "sample"]])?
+        .as_array()
+        .to_owned();
     let options = SpectrogramOptions { window_s, step_s };
     let channels = py.detach(|| {
-        signal.rows().into_iter().map(|row| of_channel(row, sample_time_s, &options)).collect::<Result<Vec<_>, _>>()
+        signal
+            .rows()
+            .into_iter()
+            .map(|row| of_channel(row, sample_time_s, &options))
+            .collect::<Result<Vec<_>, _>>()
     });
     let channels = channels.map_err(error::estimate)?;
-    let (frequency_hz, time_s) =
-        channels.first().map_or_else(Default::default, |first| (first.frequency_hz.clone(), first.time_s.clone()));
+    let (frequency_hz, time_s) = channels.first().map_or_else(Default::default, |first| {
+        (first.frequency_hz.clone(), first.time_s.clone())
+    });
     let mut density = Array3::zeros((channels.len(), frequency_hz.len(), time_s.len()));
-    density.axis_iter_mut(Axis(0)).zip(&channels).for_each(|(mut to, channel)| to.assign(&channel.density));
-    Ok((c_ordered(py, Array1::from(frequency_hz)), c_ordered(py, Array1::from(time_s)), c_ordered(py, density)))
+    density
+        .axis_iter_mut(Axis(0))
+        .zip(&channels)
+        .for_each(|(mut to, channel)| to.assign(&channel.density));
+    Ok((
+        c_ordered(py, Array1::from(frequency_hz)),
+        c_ordered(py, Array1::from(time_s)),
+        c_ordered(py, density),
+    ))
 }

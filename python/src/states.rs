@@ -11,8 +11,8 @@ use crate::error;
 
 const STATES: [Axes; 2] = [&["axis"], &["batch", "axis"]];
 
-/// `of` at every state: the arguments, by name, are of shape (axis,) or (batch, axis), the answer is of shape `answer` or
-/// (batch, *answer).
+/// `of` at every state: the arguments, by name, are of shape (axis,) or (batch, axis), the answer
+/// is of shape `answer` or (batch, *answer).
 pub fn per_state<'py>(
     py: Python<'py>,
     n_axes: usize,
@@ -22,7 +22,12 @@ pub fn per_state<'py>(
 ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
     let states: Vec<ArrayD<f64>> = arguments
         .iter()
-        .map(|(name, value)| Ok(real::<IxDyn>(name, value, &STATES)?.as_array().as_standard_layout().into_owned()))
+        .map(|(name, value)| {
+            Ok(real::<IxDyn>(name, value, &STATES)?
+                .as_array()
+                .as_standard_layout()
+                .into_owned())
+        })
         .collect::<PyResult<_>>()?;
     let shape = states[0].shape();
     for ((name, _), state) in arguments.iter().zip(&states) {
@@ -33,17 +38,25 @@ pub fn per_state<'py>(
             )));
         }
     }
-    let rows: Vec<_> =
-        states.iter().map(|state| state.as_slice().expect("in standard layout").chunks(n_axes)).collect();
+    let rows: Vec<_> = states
+        .iter()
+        .map(|state| state.as_slice().expect("in standard layout").chunks(n_axes))
+        .collect();
     let values = py.detach(|| {
         let mut values = Vec::new();
         for state in 0..shape.iter().product::<usize>() / n_axes {
-            let parts: Vec<&[f64]> = rows.iter().filter_map(|rows| rows.clone().nth(state)).collect();
+            let parts: Vec<&[f64]> = rows
+                .iter()
+                .filter_map(|rows| rows.clone().nth(state))
+                .collect();
             values.extend(of(&parts)?);
         }
         Ok(values)
     });
     let full = [&shape[..shape.len() - 1], answer].concat();
     let values = ArrayD::from_shape_vec(full, values.map_err(error::signal)?);
-    Ok(c_ordered(py, values.map_err(|error| PyValueError::new_err(error.to_string()))?))
+    Ok(c_ordered(
+        py,
+        values.map_err(|error| PyValueError::new_err(error.to_string()))?,
+    ))
 }

@@ -20,10 +20,16 @@ impl PythonTestbed {
     /// The testbed behind `object`, for references of `n_inputs` channels.
     pub fn new(object: &Bound<'_, PyAny>, n_inputs: usize) -> PyResult<Self> {
         if object.getattr("run").is_ok_and(|run| run.is_callable()) {
-            return Ok(Self { object: object.clone().unbind(), n_inputs, turn: Mutex::new(()) });
+            return Ok(Self {
+                object: object.clone().unbind(),
+                n_inputs,
+                turn: Mutex::new(()),
+            });
         }
         let found = object.get_type().name()?;
-        Err(PyTypeError::new_err(format!("testbed is a {found}, needed an object with run(reference) -> frfid.Record")))
+        Err(PyTypeError::new_err(format!(
+            "testbed is a {found}, needed an object with run(reference) -> frfid.Record"
+        )))
     }
 
     fn measured(&self, py: Python<'_>, run: &Run) -> PyResult<Measured> {
@@ -52,13 +58,22 @@ impl Testbed for PythonTestbed {
 
     fn run(&self, run: &Run) -> Result<Measured, TestbedError> {
         let _turn = self.turn.lock().unwrap_or_else(PoisonError::into_inner);
-        let record = Python::attach(|py| self.measured(py, run))
-            .map_err(|error| TestbedError::Foreign { run: run.id, source: Box::new(error) })?;
+        let record =
+            Python::attach(|py| self.measured(py, run)).map_err(|error| TestbedError::Foreign {
+                run: run.id,
+                source: Box::new(error),
+            })?;
         // half a sample over the run may not build up
-        let drift = (record.sample_time_s / run.sample_time_s - 1.0).abs() * record.n_samples() as f64;
+        let drift =
+            (record.sample_time_s / run.sample_time_s - 1.0).abs() * record.n_samples() as f64;
         if drift > 0.5 {
             let (name, found) = ("sample_time_s of the record", record.sample_time_s);
-            return Err(SignalError::Parameter { name, found, needed: "the sample time of the plan" }.into());
+            return Err(SignalError::Parameter {
+                name,
+                found,
+                needed: "the sample time of the plan",
+            }
+            .into());
         }
         Ok(record)
     }

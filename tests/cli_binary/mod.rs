@@ -8,7 +8,11 @@ use assert_cmd::Command;
 /// Runs `frfid` in `folder`.
 pub fn frfid(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_frfid"));
-    command.current_dir(folder).args(arguments).output().expect("the binary starts")
+    command
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .expect("the binary starts")
 }
 
 /// The exit code.

@@ -5,7 +5,8 @@ use std::ffi::OsString;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::command::{
-    check, compare, completions, demo, design, estimate, export, init, man, recover, run, schema, shape,
+    check, compare, completions, demo, design, estimate, export, init, man, recover, run, schema,
+    shape,
 };
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
@@ -89,7 +90,9 @@ impl Arguments {
 
 /// The whole command line, for parsing, completions and manual pages.
 pub(crate) fn command() -> clap::Command {
-    Arguments::command().help_template(HELP).mut_subcommands(|command| command.help_template(HELP))
+    Arguments::command()
+        .help_template(HELP)
+        .mut_subcommands(|command| command.help_template(HELP))
 }
 
 #[cfg(test)]

@@ -22,10 +22,21 @@ pub(crate) struct Console<'a> {
 }
 
 impl<'a> Console<'a> {
-    /// With [`ColorChoice::Auto`] each stream is coloured as the process's own stream of that name would be: on a terminal
-    /// unless `NO_COLOR` is set.
-    pub fn new(stdout: &'a mut dyn Write, stderr: &'a mut dyn Write, quiet: bool, colour: ColorChoice) -> Self {
-        Self { stdout, stderr, quiet, colour, left: false }
+    /// With [`ColorChoice::Auto`] each stream is coloured as the process's own stream of that name
+    /// would be: on a terminal unless `NO_COLOR` is set.
+    pub fn new(
+        stdout: &'a mut dyn Write,
+        stderr: &'a mut dyn Write,
+        quiet: bool,
+        colour: ColorChoice,
+    ) -> Self {
+        Self {
+            stdout,
+            stderr,
+            quiet,
+            colour,
+            left: false,
+        }
     }
 
     /// Writes data, which may hold ANSI colours, to stdout. A broken pipe is no error.
@@ -37,14 +48,19 @@ impl<'a> Console<'a> {
             return Ok(());
         }
         let text = painted(text, self.colour, &AutoStream::choice(&std::io::stdout()));
-        match self.stdout.write_all(text.as_bytes()).and_then(|()| self.stdout.flush()) {
+        match self
+            .stdout
+            .write_all(text.as_bytes())
+            .and_then(|()| self.stdout.flush())
+        {
             Err(error) if error.kind() == ErrorKind::BrokenPipe => {
                 self.left = true;
                 Ok(())
             }
-            Err(error) => {
-                Err(Failure { exit: Exit::Failed, message: format!("cannot write to standard output: {error}") })
-            }
+            Err(error) => Err(Failure {
+                exit: Exit::Failed,
+                message: format!("cannot write to standard output: {error}"),
+            }),
             Ok(()) => Ok(()),
         }
     }
@@ -66,12 +82,18 @@ impl<'a> Console<'a> {
 
     /// Tells which command comes next; nothing if `--quiet`.
     pub fn hint(&mut self, message: impl Display) {
-        self.note(format_args!("{} {message}", label("next:", AnsiColor::Cyan)));
+        self.note(format_args!(
+            "{} {message}",
+            label("next:", AnsiColor::Cyan)
+        ));
     }
 
     /// Tells of something that is not as it should be.
     pub fn warning(&mut self, message: impl Display) {
-        self.message(&format!("{} {message}", label("warning:", AnsiColor::Yellow)));
+        self.message(&format!(
+            "{} {message}",
+            label("warning:", AnsiColor::Yellow)
+        ));
     }
 
     /// Tells why the command could not be done.
@@ -86,14 +108,25 @@ impl<'a> Console<'a> {
     /// Writes a line to stderr. That stderr cannot be written can be told to nobody.
     fn message(&mut self, line: &str) {
         let line = painted(line, self.colour, &AutoStream::choice(&std::io::stderr()));
-        writeln!(self.stderr, "{}", line.trim_end()).and_then(|()| self.stderr.flush()).ok();
+        writeln!(self.stderr, "{}", line.trim_end())
+            .and_then(|()| self.stderr.flush())
+            .ok();
     }
 }
 
-/// The text with its colours, or without them where `choice`, or `stream` if that is left to it, wants none.
+/// The text with its colours, or without them where `choice`, or `stream` if that is left to it,
+/// wants none.
 fn painted(text: &str, choice: ColorChoice, stream: &ColorChoice) -> String {
-    let choice = if choice == ColorChoice::Auto { *stream } else { choice };
-    if choice == ColorChoice::Never { strip_str(text).to_string() } else { text.to_owned() }
+    let choice = if choice == ColorChoice::Auto {
+        *stream
+    } else {
+        choice
+    };
+    if choice == ColorChoice::Never {
+        strip_str(text).to_string()
+    } else {
+        text.to_owned()
+    }
 }
 
 fn label(word: &str, colour: AnsiColor) -> String {
@@ -126,14 +159,21 @@ mod tests {
         let mut disk = Broken(ErrorKind::StorageFull);
         let mut console = Console::new(&mut disk, &mut stderr, false, ColorChoice::Never);
         let failure = console.data("a\n").expect_err("the disk is full");
-        assert_eq!((failure.exit, failure.message.contains("no storage space")), (Exit::Failed, true));
+        assert_eq!(
+            (failure.exit, failure.message.contains("no storage space")),
+            (Exit::Failed, true)
+        );
     }
 
     #[test]
     fn quiet_keeps_warnings_and_colours_come_when_asked_for() {
-        for (choice, warning) in
-            [(ColorChoice::Never, "warning: b\n"), (ColorChoice::Always, "\u{1b}[1m\u{1b}[33mwarning:\u{1b}[0m b\n")]
-        {
+        for (choice, warning) in [
+            (ColorChoice::Never, "warning: b\n"),
+            (
+                ColorChoice::Always,
+                "\u{1b}[1m\u{1b}[33mwarning:\u{1b}[0m b\n",
+            ),
+        ] {
             let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
             let mut console = Console::new(&mut stdout, &mut stderr, true, choice);
             console.note("a");

@@ -34,7 +34,10 @@ pub(crate) struct Failure {
 impl Failure {
     /// The command line asks for something impossible.
     pub fn usage(message: impl Into<String>) -> Self {
-        Self { exit: Exit::Usage, message: message.into() }
+        Self {
+            exit: Exit::Usage,
+            message: message.into(),
+        }
     }
 
     /// An error with the whole chain of its causes.
@@ -73,10 +76,13 @@ impl From<ConfigError> for Failure {
 }
 
 impl From<FileError> for Failure {
-    /// An output in the way or a file of the wrong kind is answered by another command line; anything else has failed.
+    /// An output in the way or a file of the wrong kind is answered by another command line;
+    /// anything else has failed.
     fn from(error: FileError) -> Self {
         let exit = match error {
-            FileError::Exists { .. } | FileError::Leftover { .. } | FileError::Format { .. } => Exit::Usage,
+            FileError::Exists { .. } | FileError::Leftover { .. } | FileError::Format { .. } => {
+                Exit::Usage
+            }
             _ => Exit::Failed,
         };
         Self::of(exit, &error)
@@ -116,16 +122,32 @@ mod tests {
     #[test]
     fn the_last_cause_of_a_chain_is_told() {
         let error = Outer(io::Error::other("no space left"));
-        assert_eq!(Failure::of(Exit::Failed, &error).message, "cannot write a.json\n  because: no space left");
+        assert_eq!(
+            Failure::of(Exit::Failed, &error).message,
+            "cannot write a.json\n  because: no space left"
+        );
     }
 
     #[test]
     fn every_kind_of_error_has_its_exit_code() {
-        let config = ConfigError { file: "x.toml".into(), place: None, message: "wrong".into() };
+        let config = ConfigError {
+            file: "x.toml".into(),
+            place: None,
+            message: "wrong".into(),
+        };
         let code = |error: ExperimentError| Failure::from(error).exit;
         assert_eq!(code(config.into()), Exit::Usage);
-        assert_eq!(code(FileError::Exists { path: "a".into() }.into()), Exit::Usage);
-        assert_eq!(code(FileError::Busy { path: "a".into() }.into()), Exit::Failed);
-        assert_eq!(code(ExperimentError::Interrupted { done: 1, total: 2 }), Exit::Interrupted);
+        assert_eq!(
+            code(FileError::Exists { path: "a".into() }.into()),
+            Exit::Usage
+        );
+        assert_eq!(
+            code(FileError::Busy { path: "a".into() }.into()),
+            Exit::Failed
+        );
+        assert_eq!(
+            code(ExperimentError::Interrupted { done: 1, total: 2 }),
+            Exit::Interrupted
+        );
     }
 }

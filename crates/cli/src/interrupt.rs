@@ -7,9 +7,11 @@ use crate::exit::Exit;
 
 static PRESSED: AtomicUsize = AtomicUsize::new(0);
 
-/// Begins to listen for Ctrl-C and for the request to terminate (SIGTERM, sent by batch systems before they kill).
+/// Begins to listen for Ctrl-C and for the request to terminate (SIGTERM, sent by batch systems
+/// before they kill).
 ///
-/// Where the operating system refuses, Ctrl-C ends the process at once: nothing is lost but the run under way.
+/// Where the operating system refuses, Ctrl-C ends the process at once: nothing is lost but the run
+/// under way.
 pub(crate) fn listen() {
     static LISTENING: Once = Once::new();
     LISTENING.call_once(|| {

@@ -1,4 +1,5 @@
-//! The command line as a library: arguments and writers in, exit code out. The binary and the Python wheel call [`main`].
+//! The command line as a library: arguments and writers in, exit code out. The binary and the
+//! Python wheel call [`main`].
 
 mod arguments;
 mod command;
@@ -21,13 +22,19 @@ use crate::arguments::Arguments;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 
-/// Runs the command line `args`, the first of them the program's name, and returns the exit code: 0 done, 1 failed, 2 usage
-/// or configuration, 3 done but data was lost or a check failed, 130 interrupted.
+/// Runs the command line `args`, the first of them the program's name, and returns the exit code: 0
+/// done, 1 failed, 2 usage or configuration, 3 done but data was lost or a check failed, 130
+/// interrupted.
 ///
-/// Data go to `stdout`, messages to `stderr`. Colours and progress bars follow the process's own streams (and `--color`,
-/// `NO_COLOR`, `--quiet`); a bar is drawn on the process's stderr, from several threads: hand in `stderr()`, never its lock.
-/// A command that takes long listens for Ctrl-C in the whole process from then on.
-pub fn main(args: impl IntoIterator<Item = OsString>, stdout: &mut dyn Write, stderr: &mut dyn Write) -> i32 {
+/// Data go to `stdout`, messages to `stderr`. Colours and progress bars follow the process's own
+/// streams (and `--color`, `NO_COLOR`, `--quiet`); a bar is drawn on the process's stderr, from
+/// several threads: hand in `stderr()`, never its lock. A command that takes long listens for
+/// Ctrl-C in the whole process from then on.
+pub fn main(
+    args: impl IntoIterator<Item = OsString>,
+    stdout: &mut dyn Write,
+    stderr: &mut dyn Write,
+) -> i32 {
     let arguments = match Arguments::parse(args) {
         Ok(arguments) => arguments,
         Err(told) => return told_by_clap(&told, stdout, stderr) as i32,
@@ -67,8 +74,16 @@ mod tests {
     fn frfid(line: &str) -> (i32, String, String) {
         let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
         let args = format!("frfid --color never {line}");
-        let exit = main(args.split_whitespace().map(OsString::from), &mut stdout, &mut stderr);
-        (exit, String::from_utf8_lossy(&stdout).into(), String::from_utf8_lossy(&stderr).into())
+        let exit = main(
+            args.split_whitespace().map(OsString::from),
+            &mut stdout,
+            &mut stderr,
+        );
+        (
+            exit,
+            String::from_utf8_lossy(&stdout).into(),
+            String::from_utf8_lossy(&stderr).into(),
+        )
     }
 
     #[test]
@@ -77,9 +92,15 @@ mod tests {
         assert!(exit == 0 && schema.starts_with('{') && silence.is_empty());
         let (exit, silence, told) = frfid("check nowhere.toml");
         assert_eq!((exit, silence.as_str()), (2, ""));
-        assert_eq!(told, "error: nowhere.toml: cannot read: No such file or directory (os error 2)\n");
+        assert_eq!(
+            told,
+            "error: nowhere.toml: cannot read: No such file or directory (os error 2)\n"
+        );
         let (exit, version, _) = frfid("--version");
-        assert_eq!((exit, version), (0, format!("frfid {}\n", env!("CARGO_PKG_VERSION"))));
+        assert_eq!(
+            (exit, version),
+            (0, format!("frfid {}\n", env!("CARGO_PKG_VERSION")))
+        );
         assert_eq!(frfid("check").0, 2);
     }
 
@@ -87,8 +108,9 @@ mod tests {
     fn a_panic_in_the_work_is_no_silent_end() {
         let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
         let mut console = Console::new(&mut stdout, &mut stderr, true, ColorChoice::Never);
-        let work =
-            std::panic::AssertUnwindSafe(|| progress::watched(&mut console, "a", "b", |_| panic!("a fault of ours")));
+        let work = std::panic::AssertUnwindSafe(|| {
+            progress::watched(&mut console, "a", "b", |_| panic!("a fault of ours"))
+        });
         assert!(std::panic::catch_unwind(work).is_err());
     }
 }

@@ -16,7 +16,8 @@ pub(crate) struct MapOptions {
     /// Which signal is which, as TOML; or say it with the options below
     #[arg(long, value_name = "MAP.toml", conflicts_with_all = ["u", "y", "r", "position", "time", "sample_time_s"])]
     map: Option<PathBuf>,
-    /// An input: TOPIC:FIELD[INDEX or JOINT]=UNIT in an MCAP, COLUMN=UNIT in a CSV; once for each channel
+    /// An input: TOPIC:FIELD[INDEX or JOINT]=UNIT in an MCAP, COLUMN=UNIT in a CSV; once for each
+    /// channel
     #[arg(long, value_name = "SIGNAL=UNIT", value_parser = signal, requires = "y")]
     u: Vec<Signal>,
     /// An output, in the same way
@@ -60,10 +61,14 @@ impl MapOptions {
 /// Reads `SOURCE=UNIT`; the source may hold equals signs, a unit cannot.
 fn signal(text: &str) -> Result<Signal, String> {
     match text.rsplit_once('=') {
-        Some((source, unit)) if !source.is_empty() && !unit.is_empty() => {
-            Ok(Signal { source: source.into(), unit: unit.trim().into(), scale: 1.0 })
-        }
-        _ => Err("needed: SIGNAL=UNIT, as in '/joint_states:effort[elbow]=N m' or 'current=A'".into()),
+        Some((source, unit)) if !source.is_empty() && !unit.is_empty() => Ok(Signal {
+            source: source.into(),
+            unit: unit.trim().into(),
+            scale: 1.0,
+        }),
+        _ => Err(
+            "needed: SIGNAL=UNIT, as in '/joint_states:effort[elbow]=N m' or 'current=A'".into(),
+        ),
     }
 }
 
@@ -74,7 +79,14 @@ mod tests {
     #[test]
     fn a_signal_is_its_source_and_its_unit() {
         let read = signal("/a=b:effort[x]=N m").expect("sound");
-        assert_eq!((read.source.as_str(), read.unit.as_str()), ("/a=b:effort[x]", "N m"));
-        assert!(["effort", "=A", "current="].iter().all(|text| signal(text).is_err()));
+        assert_eq!(
+            (read.source.as_str(), read.unit.as_str()),
+            ("/a=b:effort[x]", "N m")
+        );
+        assert!(
+            ["effort", "=A", "current="]
+                .iter()
+                .all(|text| signal(text).is_err())
+        );
     }
 }

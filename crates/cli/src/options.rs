@@ -18,7 +18,13 @@ pub(crate) struct Options {
     #[arg(long, short, global = true, env = "FRFID_QUIET", value_parser = FalseyValueParser::new())]
     pub quiet: bool,
     /// When to use colours; `auto`: on a terminal, unless NO_COLOR is set
-    #[arg(long, global = true, env = "FRFID_COLOR", value_name = "WHEN", default_value = "auto")]
+    #[arg(
+        long,
+        global = true,
+        env = "FRFID_COLOR",
+        value_name = "WHEN",
+        default_value = "auto"
+    )]
     color: When,
     /// Replace output that exists
     #[arg(long, global = true)]
@@ -33,9 +39,14 @@ enum When {
 }
 
 impl Options {
-    /// What to do when the output exists. What an unfinished command left is replaced: every command can be done again.
+    /// What to do when the output exists. What an unfinished command left is replaced: every
+    /// command can be done again.
     pub fn overwrite(&self) -> Overwrite {
-        if self.force { Overwrite::Replace } else { Overwrite::Resume }
+        if self.force {
+            Overwrite::Replace
+        } else {
+            Overwrite::Resume
+        }
     }
 
     /// Refuses an output that exists, before any work is done for it.

@@ -1,4 +1,5 @@
-//! Shows how far a long piece of work is: a bar on a terminal, a line every ten seconds anywhere else.
+//! Shows how far a long piece of work is: a bar on a terminal, a line every ten seconds anywhere
+//! else.
 
 use std::io::IsTerminal;
 use std::panic::resume_unwind;
@@ -44,7 +45,11 @@ pub(crate) fn watched<T: Send>(
         });
         while !worker.is_finished() {
             thread::park_timeout(TICK);
-            display.show(console, done.load(Ordering::Relaxed), total.load(Ordering::Relaxed));
+            display.show(
+                console,
+                done.load(Ordering::Relaxed),
+                total.load(Ordering::Relaxed),
+            );
         }
         worker.join().unwrap_or_else(|panic| resume_unwind(panic))
     })
@@ -63,12 +68,20 @@ impl Display {
     fn new(console: &Console, what: &'static str, unit: &'static str) -> Self {
         let now = Instant::now();
         let bar = (!console.quiet && std::io::stderr().is_terminal()).then(|| {
-            let style = ProgressStyle::with_template("{prefix} {bar:30} {pos} of {len} {msg}, {eta} left");
+            let style =
+                ProgressStyle::with_template("{prefix} {bar:30} {pos} of {len} {msg}, {eta} left");
             let style = style.expect("the template is a constant and was tried");
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
             bar.with_style(style).with_prefix(what).with_message(unit)
         });
-        Self { what, unit, bar, started: now, last_line: now, said_stopping: false }
+        Self {
+            what,
+            unit,
+            bar,
+            started: now,
+            last_line: now,
+            said_stopping: false,
+        }
     }
 
     fn show(&mut self, console: &mut Console, done: usize, total: usize) {
@@ -86,7 +99,10 @@ impl Display {
         } else if self.last_line.elapsed() >= LINE_EVERY {
             self.last_line = Instant::now();
             let Self { what, unit, .. } = self;
-            console.note(format_args!("{what}: {done} of {total} {unit}, {} s", self.started.elapsed().as_secs()));
+            console.note(format_args!(
+                "{what}: {done} of {total} {unit}, {} s",
+                self.started.elapsed().as_secs()
+            ));
         }
     }
 }
@@ -108,11 +124,19 @@ mod tests {
     fn the_result_of_the_work_comes_back_and_a_line_is_due_after_ten_seconds() {
         let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
         let mut console = Console::new(&mut stdout, &mut stderr, false, ColorChoice::Never);
-        assert!(watched(&mut console, "counting", "sheep", |progress| progress(1, 2)));
-        let mut display = Display { bar: None, ..Display::new(&console, "counting", "sheep") };
+        assert!(watched(&mut console, "counting", "sheep", |progress| {
+            progress(1, 2)
+        }));
+        let mut display = Display {
+            bar: None,
+            ..Display::new(&console, "counting", "sheep")
+        };
         display.show(&mut console, 1, 2);
         display.last_line -= LINE_EVERY;
         display.show(&mut console, 1, 2);
-        assert_eq!(String::from_utf8_lossy(&stderr), "counting: 1 of 2 sheep, 0 s\n");
+        assert_eq!(
+            String::from_utf8_lossy(&stderr),
+            "counting: 1 of 2 sheep, 0 s\n"
+        );
     }
 }

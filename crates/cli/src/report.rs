@@ -1,7 +1,9 @@
 //! From results to figures and the HTML report.
 
 use frfid_files::ResultFile;
-use frfid_report::{Band, Curve, Labels, Part, Report, ReportError, Responses, Style, bode, bode_matrix};
+use frfid_report::{
+    Band, Curve, Labels, Part, Report, ReportError, Responses, Style, bode, bode_matrix,
+};
 use frfid_signals::Frf;
 
 /// More frequencies than this are drawn as a line, fewer as markers.
@@ -11,24 +13,45 @@ const DENSE: usize = 150;
 ///
 /// # Errors
 /// [`ReportError`] for an FRF that cannot be drawn.
-pub(crate) fn html(title: &str, result: &ResultFile, notes: Vec<String>) -> Result<String, ReportError> {
+pub(crate) fn html(
+    title: &str,
+    result: &ResultFile,
+    notes: Vec<String>,
+) -> Result<String, ReportError> {
     let curves = vec![Curve {
         label: title.to_owned(),
         frf: &result.frf,
-        style: if result.frf.n_frequencies() > DENSE { Style::Line } else { Style::Markers },
+        style: if result.frf.n_frequencies() > DENSE {
+            Style::Line
+        } else {
+            Style::Markers
+        },
         band: band(&result.frf),
         flagged: None,
     }];
     let labels = labels(result);
     let is_single = result.frf.n_outputs() * result.frf.n_inputs() == 1;
-    let figure = if is_single { bode(&curves, 0, 0, &labels) } else { bode_matrix(&curves, &labels, true, &[]) }?;
+    let figure = if is_single {
+        bode(&curves, 0, 0, &labels)
+    } else {
+        bode_matrix(&curves, &labels, true, &[])
+    }?;
     // the plan follows from the description, which reads better
-    let provenance = result.provenance.clone().into_iter().filter(|(name, _)| name != "plan").collect();
+    let provenance = result
+        .provenance
+        .clone()
+        .into_iter()
+        .filter(|(name, _)| name != "plan")
+        .collect();
     let part = Part {
         title: "Frequency response".to_owned(),
         notes,
         tables: Vec::new(),
-        responses: Some(Responses { title: "Interactive diagram".to_owned(), curves, labels }),
+        responses: Some(Responses {
+            title: "Interactive diagram".to_owned(),
+            curves,
+            labels,
+        }),
         figures: vec![(caption(&result.frf), figure)],
     };
     let report = Report {
@@ -61,10 +84,19 @@ fn caption(frf: &Frf) -> String {
 
 /// Names of the channels; one unit of the gain where all entries share it.
 fn labels(result: &ResultFile) -> Labels {
-    let one = |units: &[String]| units.first().filter(|first| units.iter().all(|unit| unit == *first)).cloned();
+    let one = |units: &[String]| {
+        units
+            .first()
+            .filter(|first| units.iter().all(|unit| unit == *first))
+            .cloned()
+    };
     let gain_unit = match (one(&result.output_units), one(&result.input_units)) {
         (Some(output), Some(input)) => format!("{output} per {input}"),
         _ => "output unit per input unit".to_owned(),
     };
-    Labels { inputs: result.input_names.clone(), outputs: result.output_names.clone(), gain_unit }
+    Labels {
+        inputs: result.input_names.clone(),
+        outputs: result.output_names.clone(),
+        gain_unit,
+    }
 }

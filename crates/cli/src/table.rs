@@ -3,12 +3,22 @@
 /// Rows of cells, columns two spaces apart: the first one flush left, the others flush right.
 pub(crate) fn table(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |column: usize| rows.iter().map(|row| row.get(column).map_or(0, |cell| cell.chars().count())).max();
-    let widths: Vec<usize> = (0..columns).map(|column| width(column).unwrap_or(0)).collect();
+    let width = |column: usize| {
+        rows.iter()
+            .map(|row| row.get(column).map_or(0, |cell| cell.chars().count()))
+            .max()
+    };
+    let widths: Vec<usize> = (0..columns)
+        .map(|column| width(column).unwrap_or(0))
+        .collect();
     let mut text = String::new();
     for row in rows {
         for (column, (cell, width)) in row.iter().zip(&widths).enumerate() {
-            text += &if column == 0 { format!("  {cell:width$}") } else { format!("  {cell:>width$}") };
+            text += &if column == 0 {
+                format!("  {cell:width$}")
+            } else {
+                format!("  {cell:>width$}")
+            };
         }
         text.truncate(text.trim_end().len());
         text.push('\n');
@@ -18,8 +28,15 @@ pub(crate) fn table(rows: &[Vec<String>]) -> String {
 
 /// Names and values, both flush left.
 pub(crate) fn list(entries: &[(&str, String)]) -> String {
-    let width = entries.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
-    entries.iter().map(|(name, value)| format!("  {name:width$}  {value}\n")).collect()
+    let width = entries
+        .iter()
+        .map(|(name, _)| name.chars().count())
+        .max()
+        .unwrap_or(0);
+    entries
+        .iter()
+        .map(|(name, value)| format!("  {name:width$}  {value}\n"))
+        .collect()
 }
 
 /// A number with `digits` significant digits, without zeros at its end: `0.08138`, `12.29`, `1500`.
@@ -33,7 +50,11 @@ pub(crate) fn significant(value: f64, digits: usize) -> String {
     }
     let decimals = usize::try_from(digits as i32 - 1 - magnitude).unwrap_or(0);
     let text = format!("{value:.decimals$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    if text.contains('.') {
+        text.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        text
+    }
 }
 
 /// A time for people: `12.3 s`, `12 min 17 s`, `3 h 5 min`.
@@ -49,7 +70,10 @@ pub(crate) fn duration(seconds: f64) -> String {
 /// An amount of memory for people: `2.4 MB`.
 pub(crate) fn bytes(count: f64) -> String {
     let units = [("GB", 1e9), ("MB", 1e6), ("kB", 1e3), ("B", 1.0)];
-    let (unit, size) = units.into_iter().find(|(_, size)| count >= *size).unwrap_or(units[3]);
+    let (unit, size) = units
+        .into_iter()
+        .find(|(_, size)| count >= *size)
+        .unwrap_or(units[3]);
     format!("{} {unit}", significant(count / size, 3))
 }
 
@@ -65,15 +89,40 @@ mod tests {
     #[test]
     fn columns_line_up() {
         let row = |cells: [&str; 3]| cells.map(str::to_owned).to_vec();
-        let text = table(&[row(["", "peak", "limit"]), row(["torque", "150 N m", ""]), row(["é", "1", "22222"])]);
-        assert_eq!(text, "             peak  limit\n  torque  150 N m\n  é             1  22222\n");
+        let text = table(&[
+            row(["", "peak", "limit"]),
+            row(["torque", "150 N m", ""]),
+            row(["é", "1", "22222"]),
+        ]);
+        assert_eq!(
+            text,
+            "             peak  limit\n  torque  150 N m\n  é             1  22222\n"
+        );
     }
 
     #[test]
     fn numbers_read_well() {
-        let all = [0.0, 12.288, 0.081_380_208, 1500.0, -0.5, 123_456.7, 1e-9, 3.5e12].map(|x| significant(x, 4));
-        assert_eq!(all, ["0", "12.29", "0.08138", "1500", "-0.5", "123457", "1.000e-9", "3.500e12"]);
-        assert_eq!([12.288, 737.28, 11_000.0].map(duration), ["12.3 s", "12 min 17 s", "3 h 3 min"]);
+        let all = [
+            0.0,
+            12.288,
+            0.081_380_208,
+            1500.0,
+            -0.5,
+            123_456.7,
+            1e-9,
+            3.5e12,
+        ]
+        .map(|x| significant(x, 4));
+        assert_eq!(
+            all,
+            [
+                "0", "12.29", "0.08138", "1500", "-0.5", "123457", "1.000e-9", "3.500e12"
+            ]
+        );
+        assert_eq!(
+            [12.288, 737.28, 11_000.0].map(duration),
+            ["12.3 s", "12 min 17 s", "3 h 3 min"]
+        );
         assert_eq!([0.0, 999.0, 2.36e6].map(bytes), ["0 B", "999 B", "2.36 MB"]);
     }
 }

@@ -1,7 +1,9 @@
-//! FRFs from chirps by excerpts, SK15 section 5.1: each frequency from the piece of the recording in which the chirp passes
-//! it, then (7). Harmonics of that moment lie at other frequencies and drop out.
+//! FRFs from chirps by excerpts, SK15 section 5.1: each frequency from the piece of the recording
+//! in which the chirp passes it, then (7). Harmonics of that moment lie at other frequencies and
+//! drop out.
 //!
-//! Known to be biased near sharp resonances: on the paper's linear example 0.03 dB in the median and 1.8 dB, 14 deg at worst.
+//! Known to be biased near sharp resonances: on the paper's linear example 0.03 dB in the median
+//! and 1.8 dB, 14 deg at worst.
 
 use frfid_signals::{Chirp, Frf, SignalError};
 use ndarray::{ArrayView4, s};
@@ -9,15 +11,15 @@ use rayon::prelude::*;
 
 use crate::{BlaOptions, Campaign, EstimateError, ExcerptOptions, Excerpts, Place, RunSpectra};
 
-/// FRF at `frequencies_hz` (rising) from recordings `(repeat, experiment, channel, sample)` of the same chirp, which starts
-/// `start_s` after the first sample.
+/// FRF at `frequencies_hz` (rising) from recordings `(repeat, experiment, channel, sample)` of the
+/// same chirp, which starts `start_s` after the first sample.
 ///
-/// Repeats give the noise covariance; with one it is `None`. With the reference `r` the estimate is the indirect one, as
-/// in [`crate::estimate_bla`].
+/// Repeats give the noise covariance; with one it is `None`. With the reference `r` the estimate is
+/// the indirect one, as in [`crate::estimate_bla`].
 ///
 /// # Errors
-/// [`EstimateError::OutsideChirp`] for a frequency that the chirp does not pass within the recording, and those of
-/// [`crate::estimate_bla`].
+/// [`EstimateError::OutsideChirp`] for a frequency that the chirp does not pass within the
+/// recording, and those of [`crate::estimate_bla`].
 #[allow(clippy::too_many_arguments)] // the recording, what is known about it, and what is asked: all by name in Python
 pub fn estimate_chirp(
     u: ArrayView4<f64>,
@@ -35,25 +37,53 @@ pub fn estimate_chirp(
         let (q, m, _, k) = signal.dim();
         if (q, m, k) != (n_q, n_ex, n_samples) {
             let needed = format!("({n_q}, {n_ex}, channel, {n_samples}), as u");
-            return Err(SignalError::Shape { name, found: signal.shape().to_vec(), needed }.into());
+            return Err(SignalError::Shape {
+                name,
+                found: signal.shape().to_vec(),
+                needed,
+            }
+            .into());
         }
     }
     let mut campaign = Campaign::new(frequencies_hz.to_vec())?;
-    let excerpts = Excerpts::new(chirp, frequencies_hz, sample_time_s, start_s, n_samples, options)?;
-    let places: Vec<Place> =
-        (0..n_q * n_ex).map(|run| Place { realization: 0, period: run / n_ex, experiment: run % n_ex }).collect();
+    let excerpts = Excerpts::new(
+        chirp,
+        frequencies_hz,
+        sample_time_s,
+        start_s,
+        n_samples,
+        options,
+    )?;
+    let places: Vec<Place> = (0..n_q * n_ex)
+        .map(|run| Place {
+            realization: 0,
+            period: run / n_ex,
+            experiment: run % n_ex,
+        })
+        .collect();
     let spectra: Result<Vec<RunSpectra>, EstimateError> = places
         .par_iter()
         .map(|place| {
             let window = s![place.period, place.experiment, .., ..];
-            RunSpectra::of(&excerpts, u.slice(window), y.slice(window), r.as_ref().map(|r| r.slice(window)))
+            RunSpectra::of(
+                &excerpts,
+                u.slice(window),
+                y.slice(window),
+                r.as_ref().map(|r| r.slice(window)),
+            )
         })
         .collect();
     for (place, run) in places.into_iter().zip(spectra?) {
         campaign.insert(place, run)?;
     }
-    let frf = campaign.estimate(&BlaOptions { max_condition: options.max_condition, ..BlaOptions::default() })?;
-    Ok(Frf { relative_resolution: Some(options.relative_resolution()), ..frf })
+    let frf = campaign.estimate(&BlaOptions {
+        max_condition: options.max_condition,
+        ..BlaOptions::default()
+    })?;
+    Ok(Frf {
+        relative_resolution: Some(options.relative_resolution()),
+        ..frf
+    })
 }
 
 #[cfg(test)]
@@ -80,7 +110,8 @@ mod tests {
         }
     }
 
-    /// The paper's linear joint, states motor angle, arm angle and their speeds; zero-order hold by the matrix exponential.
+    /// The paper's linear joint, states motor angle, arm angle and their speeds; zero-order hold by
+    /// the matrix exponential.
     fn joint() -> (Matrix4<f64>, Vector4<f64>) {
         let (motor, arm, damping, stiffness) = (35.0, 150.0, 400.0, 1.5e5);
         #[rustfmt::skip]
@@ -92,7 +123,10 @@ mod tests {
             0.0, 0.0, 0.0, 0.0, 0.0,
         );
         let held = (continuous * SAMPLE_TIME_S).exp();
-        (held.fixed_view::<4, 4>(0, 0).into_owned(), held.fixed_view::<4, 1>(0, 4).into_owned())
+        (
+            held.fixed_view::<4, 4>(0, 0).into_owned(),
+            held.fixed_view::<4, 1>(0, 4).into_owned(),
+        )
     }
 
     /// Motor velocity, before each sample of the input acts.
@@ -114,19 +148,41 @@ mod tests {
         let (a, b) = joint();
         let z = Complex64::cis(TAU * hz * SAMPLE_TIME_S);
         let system = Matrix4::from_diagonal_element(z) - a.map(Complex64::from);
-        system.lu().solve(&b.map(Complex64::from)).expect("regular on the unit circle")[2]
+        system
+            .lu()
+            .solve(&b.map(Complex64::from))
+            .expect("regular on the unit circle")[2]
     }
 
     fn grid_hz() -> Vec<f64> {
-        (0..150).map(|k| 1.3 * (55.0f64 / 1.3).powf(f64::from(k) / 149.0)).collect()
+        (0..150)
+            .map(|k| 1.3 * (55.0f64 / 1.3).powf(f64::from(k) / 149.0))
+            .collect()
     }
 
     fn recording() -> Array4<f64> {
-        chirp().sample(SAMPLE_TIME_S, 1, Phasing::Orthogonal).expect("sound").insert_axis(Axis(0))
+        chirp()
+            .sample(SAMPLE_TIME_S, 1, Phasing::Orthogonal)
+            .expect("sound")
+            .insert_axis(Axis(0))
     }
 
-    fn estimate(u: &Array4<f64>, y: &Array4<f64>, hz: &[f64], start_s: f64) -> Result<Frf, EstimateError> {
-        estimate_chirp(u.view(), y.view(), None, &chirp(), SAMPLE_TIME_S, hz, start_s, &ExcerptOptions::default())
+    fn estimate(
+        u: &Array4<f64>,
+        y: &Array4<f64>,
+        hz: &[f64],
+        start_s: f64,
+    ) -> Result<Frf, EstimateError> {
+        estimate_chirp(
+            u.view(),
+            y.view(),
+            None,
+            &chirp(),
+            SAMPLE_TIME_S,
+            hz,
+            start_s,
+            &ExcerptOptions::default(),
+        )
     }
 
     #[test]
@@ -134,14 +190,26 @@ mod tests {
         let u = recording();
         let frf = estimate(&u, &simulate(&u), &grid_hz(), 0.0).expect("sound");
         assert!(frf.noise.is_none() && frf.total.is_none());
-        let ratio: Vec<Complex64> =
-            grid_hz().iter().enumerate().map(|(k, &hz)| frf.response[[k, 0, 0]] / truth(hz)).collect();
-        let mut error_db: Vec<f64> = ratio.iter().map(|ratio| (20.0 * ratio.norm().log10()).abs()).collect();
-        let error_deg = ratio.iter().map(|ratio| ratio.arg().to_degrees().abs()).fold(0.0, f64::max);
+        let ratio: Vec<Complex64> = grid_hz()
+            .iter()
+            .enumerate()
+            .map(|(k, &hz)| frf.response[[k, 0, 0]] / truth(hz))
+            .collect();
+        let mut error_db: Vec<f64> = ratio
+            .iter()
+            .map(|ratio| (20.0 * ratio.norm().log10()).abs())
+            .collect();
+        let error_deg = ratio
+            .iter()
+            .map(|ratio| ratio.arg().to_degrees().abs())
+            .fold(0.0, f64::max);
         error_db.sort_by(f64::total_cmp);
         let (median, worst) = (error_db[75], error_db[149]);
         println!("excerpts: median {median:.4} dB, worst {worst:.2} dB, {error_deg:.1} deg");
-        assert!(median < 0.05 && worst < 2.0 && error_deg < 15.0, "{median} {worst} {error_deg}");
+        assert!(
+            median < 0.05 && worst < 2.0 && error_deg < 15.0,
+            "{median} {worst} {error_deg}"
+        );
     }
 
     #[test]
@@ -149,10 +217,18 @@ mod tests {
         let u = recording();
         let mut late = Array4::zeros((1, 1, 1, 20_700));
         late.slice_mut(s![.., .., .., 500..20_500]).assign(&u);
-        let (plain, shifted) =
-            (estimate(&u, &simulate(&u), &[2.0, 20.0], 0.0), estimate(&late, &simulate(&late), &[2.0, 20.0], 0.5));
-        let (plain, shifted) = (plain.expect("sound").response, shifted.expect("sound").response);
-        plain.iter().zip(&shifted).for_each(|(a, b)| assert!((a - b).norm() < 1e-9 * a.norm()));
+        let (plain, shifted) = (
+            estimate(&u, &simulate(&u), &[2.0, 20.0], 0.0),
+            estimate(&late, &simulate(&late), &[2.0, 20.0], 0.5),
+        );
+        let (plain, shifted) = (
+            plain.expect("sound").response,
+            shifted.expect("sound").response,
+        );
+        plain
+            .iter()
+            .zip(&shifted)
+            .for_each(|(a, b)| assert!((a - b).norm() < 1e-9 * a.norm()));
     }
 
     #[test]
@@ -166,23 +242,45 @@ mod tests {
         let frf = estimate(&u, &y, &[5.0, 20.0], 0.0).expect("sound");
         let exact = estimate(&clean, &simulate(&clean), &[5.0, 20.0], 0.0).expect("sound");
         let variance = frf.noise_variance().expect("40 repeats");
-        assert_eq!(frf.noise.as_ref().expect("40 repeats").degrees_of_freedom, 39);
+        assert_eq!(
+            frf.noise.as_ref().expect("40 repeats").degrees_of_freedom,
+            39
+        );
         for (line, variance) in variance.iter().enumerate() {
             let squared = (frf.response[[line, 0, 0]] - exact.response[[line, 0, 0]]).norm_sqr();
-            assert!(squared < 12.0 * variance && *variance > 0.0, "{squared:e} against {variance:e}");
+            assert!(
+                squared < 12.0 * variance && *variance > 0.0,
+                "{squared:e} against {variance:e}"
+            );
         }
     }
 
     #[test]
     fn frequencies_outside_the_sweep_and_bad_arrays_are_refused() {
         let u = recording();
-        for (hz, start_s) in [(0.9, 0.0), (61.0, 0.0), (f64::NAN, 0.0), (20.0, 30.0), (20.0, -30.0), (20.0, f64::NAN)] {
-            assert!(estimate(&u, &u, &[hz], start_s).is_err(), "{hz} Hz from {start_s} s");
+        for (hz, start_s) in [
+            (0.9, 0.0),
+            (61.0, 0.0),
+            (f64::NAN, 0.0),
+            (20.0, 30.0),
+            (20.0, -30.0),
+            (20.0, f64::NAN),
+        ] {
+            assert!(
+                estimate(&u, &u, &[hz], start_s).is_err(),
+                "{hz} Hz from {start_s} s"
+            );
         }
         let short = u.slice(s![.., .., .., ..100]).to_owned();
-        assert!(estimate(&u, &short, &[20.0], 0.0).is_err() && estimate(&short, &short, &[20.0], 0.0).is_err());
+        assert!(
+            estimate(&u, &short, &[20.0], 0.0).is_err()
+                && estimate(&short, &short, &[20.0], 0.0).is_err()
+        );
         let mut holed = u.clone();
         holed[[0, 0, 0, 100]] = f64::NAN;
-        assert!(estimate(&u, &holed, &[1.3], 0.0).is_err(), "the NaN lies within this excerpt");
+        assert!(
+            estimate(&u, &holed, &[1.3], 0.0).is_err(),
+            "the NaN lies within this excerpt"
+        );
     }
 }

@@ -7,15 +7,17 @@ use thiserror::Error;
 
 use crate::Place;
 
-/// Errors of the `estimate` crate. Every variant says what was found and what was needed. Channels, experiments, periods
-/// and realizations count from 0.
+/// Errors of the `estimate` crate. Every variant says what was found and what was needed. Channels,
+/// experiments, periods and realizations count from 0.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum EstimateError {
     /// Samples, shapes, lines or parameters that are already wrong as signals.
     #[error(transparent)]
     Signal(#[from] SignalError),
     /// Lines or frequencies that do not rise.
-    #[error("{name} must rise: entry {index} is {found} after {before}; sort them and drop duplicates")]
+    #[error(
+        "{name} must rise: entry {index} is {found} after {before}; sort them and drop duplicates"
+    )]
     NotRising {
         /// Name of the list.
         name: &'static str,
@@ -127,7 +129,9 @@ pub enum EstimateError {
         glide_mean: f64,
     },
     /// A record without positions, where torque over position was asked for.
-    #[error("the {0} has no motor position; record position_rad, or subtract the glide sample by sample")]
+    #[error(
+        "the {0} has no motor position; record position_rad, or subtract the glide sample by sample"
+    )]
     NoPosition(
         /// Which record.
         &'static str,
@@ -173,7 +177,9 @@ pub enum EstimateError {
         frequency_hz: f64,
     },
     /// A signal that does not hold the chirp at a frequency.
-    #[error("{frequency_hz} Hz: the signal is zero there, so that harmonics have nothing to be compared with")]
+    #[error(
+        "{frequency_hz} Hz: the signal is zero there, so that harmonics have nothing to be compared with"
+    )]
     NoFundamental {
         /// Frequency of the fundamental in Hz.
         frequency_hz: f64,
@@ -231,8 +237,14 @@ impl fmt::Display for DeficientLine {
         )?;
         match self.cause {
             Deficiency::InputSilent { input } => write!(f, "input {input} is not excited there"),
-            Deficiency::ExperimentsAlike { pair: (m, n), correlation } => {
-                write!(f, "experiments {m} and {n} are the most alike (correlation {correlation:.6})")
+            Deficiency::ExperimentsAlike {
+                pair: (m, n),
+                correlation,
+            } => {
+                write!(
+                    f,
+                    "experiments {m} and {n} are the most alike (correlation {correlation:.6})"
+                )
             }
         }
     }
@@ -244,10 +256,24 @@ mod tests {
 
     #[test]
     fn a_deficient_line_names_frequency_condition_and_experiments() {
-        let cause = Deficiency::ExperimentsAlike { pair: (0, 2), correlation: 1.0 };
-        let line = DeficientLine { frequency_hz: 5.0, condition: f64::INFINITY, limit: 1e10, cause };
+        let cause = Deficiency::ExperimentsAlike {
+            pair: (0, 2),
+            correlation: 1.0,
+        };
+        let line = DeficientLine {
+            frequency_hz: 5.0,
+            condition: f64::INFINITY,
+            limit: 1e10,
+            cause,
+        };
         let text = EstimateError::RankDeficient(vec![line]).to_string();
-        for part in ["1 of the lines", "5 Hz", "inf", "1.0e10", "experiments 0 and 2"] {
+        for part in [
+            "1 of the lines",
+            "5 Hz",
+            "inf",
+            "1.0e10",
+            "experiments 0 and 2",
+        ] {
             assert!(text.contains(part), "{text}");
         }
     }

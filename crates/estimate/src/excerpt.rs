@@ -1,8 +1,10 @@
-//! One excerpt of a chirp recording, SK15 section 5.1: the piece in which the chirp passes a frequency, as one spectral value.
+//! One excerpt of a chirp recording, SK15 section 5.1: the piece in which the chirp passes a
+//! frequency, as one spectral value.
 //!
-//! Of the four periods around the instant (clipped at the ends of the sweep) the mean is removed; a low-pass, ten samples per
-//! period, a Hann window and the DFT at the frequency follow. All of that is linear and the same for every channel, so it is
-//! done as one weighted sum, `X(f) = sum_k w_k (x_k - mean)`.
+//! Of the four periods around the instant (clipped at the ends of the sweep) the mean is removed; a
+//! low-pass, ten samples per period, a Hann window and the DFT at the frequency follow. All of that
+//! is linear and the same for every channel, so it is done as one weighted sum,
+//! `X(f) = sum_k w_k (x_k - mean)`.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,17 +22,23 @@ pub struct ExcerptOptions {
     pub n_periods: f64,
     /// Samples per period after the low-pass; fewer where the recording itself has fewer.
     pub samples_per_period: f64,
-    /// Largest condition number of U, rows scaled to equal size, at which a frequency is still inverted.
+    /// Largest condition number of U, rows scaled to equal size, at which a frequency is still
+    /// inverted.
     pub max_condition: f64,
 }
 
 impl Default for ExcerptOptions {
     fn default() -> Self {
-        Self { n_periods: 4.0, samples_per_period: 10.0, max_condition: BlaOptions::default().max_condition }
+        Self {
+            n_periods: 4.0,
+            samples_per_period: 10.0,
+            max_condition: BlaOptions::default().max_condition,
+        }
     }
 }
 
-/// The excerpts of a chirp at a list of frequencies, cut once and used for every run, from any thread.
+/// The excerpts of a chirp at a list of frequencies, cut once and used for every run, from any
+/// thread.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Excerpts {
     n_samples: usize,
@@ -38,8 +46,9 @@ pub struct Excerpts {
 }
 
 impl ExcerptOptions {
-    /// Half of the DFT's line spacing over one excerpt, relative to its frequency: resonances closer than that cannot be told
-    /// apart, and in a sweep each rings on into the excerpts of the frequencies that follow.
+    /// Half of the DFT's line spacing over one excerpt, relative to its frequency: resonances
+    /// closer than that cannot be told apart, and in a sweep each rings on into the excerpts of the
+    /// frequencies that follow.
     #[must_use]
     pub fn relative_resolution(&self) -> f64 {
         0.5 / self.n_periods
@@ -47,11 +56,12 @@ impl ExcerptOptions {
 }
 
 impl Excerpts {
-    /// Cuts recordings of `n_samples`, in which the chirp starts `start_s` after the first sample, at `frequencies_hz`.
+    /// Cuts recordings of `n_samples`, in which the chirp starts `start_s` after the first sample,
+    /// at `frequencies_hz`.
     ///
     /// # Errors
-    /// [`EstimateError::OutsideChirp`] for a frequency that the chirp does not pass within the recording,
-    /// [`SignalError::Parameter`] for a chirp or a sample time out of range.
+    /// [`EstimateError::OutsideChirp`] for a frequency that the chirp does not pass within the
+    /// recording, [`SignalError::Parameter`] for a chirp or a sample time out of range.
     pub fn new(
         chirp: &Chirp,
         frequencies_hz: &[f64],
@@ -64,25 +74,45 @@ impl Excerpts {
         positive("n_periods", options.n_periods)?;
         positive("samples_per_period", options.samples_per_period)?;
         if !start_s.is_finite() {
-            return Err(SignalError::Parameter { name: "start_s", found: start_s, needed: "a finite number" }.into());
+            return Err(SignalError::Parameter {
+                name: "start_s",
+                found: start_s,
+                needed: "a finite number",
+            }
+            .into());
         }
         chirp.check()?;
         let cut = |&hz: &f64| Excerpt::cut(hz, chirp, start_s, sample_time_s, n_samples, options);
-        Ok(Self { n_samples, excerpts: frequencies_hz.iter().map(cut).collect::<Result<_, _>>()? })
+        Ok(Self {
+            n_samples,
+            excerpts: frequencies_hz.iter().map(cut).collect::<Result<_, _>>()?,
+        })
     }
 }
 
 impl Transform for Excerpts {
-    fn transform(&self, name: &'static str, signal: ArrayView2<f64>) -> Result<Array2<Complex64>, EstimateError> {
+    fn transform(
+        &self,
+        name: &'static str,
+        signal: ArrayView2<f64>,
+    ) -> Result<Array2<Complex64>, EstimateError> {
         if signal.ncols() != self.n_samples {
             let needed = format!("(channel, {})", self.n_samples);
-            return Err(SignalError::Shape { name, found: signal.shape().to_vec(), needed }.into());
+            return Err(SignalError::Shape {
+                name,
+                found: signal.shape().to_vec(),
+                needed,
+            }
+            .into());
         }
         check_finite(name, signal)?;
         let mut spectra = Array2::zeros((signal.nrows(), self.excerpts.len()));
         for (channel, mut spectrum) in signal.rows().into_iter().zip(spectra.rows_mut()) {
             let samples = channel.to_vec();
-            spectrum.iter_mut().zip(&self.excerpts).for_each(|(value, excerpt)| *value = excerpt.of(&samples));
+            spectrum
+                .iter_mut()
+                .zip(&self.excerpts)
+                .for_each(|(value, excerpt)| *value = excerpt.of(&samples));
         }
         Ok(spectra)
     }
@@ -110,18 +140,37 @@ impl Excerpt {
         options: &ExcerptOptions,
     ) -> Result<Self, EstimateError> {
         let recording_s = n_samples as f64 * sample_time_s;
-        let refuse = |reason| EstimateError::OutsideChirp { frequency_hz: hz, reason, low_s: 0.0, high_s: recording_s };
+        let refuse = |reason| EstimateError::OutsideChirp {
+            frequency_hz: hz,
+            reason,
+            low_s: 0.0,
+            high_s: recording_s,
+        };
         if !(chirp.low_hz * (1.0 - 1e-9)..=chirp.high_hz * (1.0 + 1e-9)).contains(&hz) {
             return Err(refuse("the chirp never has this frequency"));
         }
         let centre_s = start_s + chirp.instant_of(hz);
         let half_s = 0.5 * options.n_periods / hz;
-        let (low_s, high_s) = ((centre_s - half_s).max(start_s), (centre_s + half_s).min(start_s + chirp.duration_s));
-        let (first, last) = ((low_s / sample_time_s).ceil(), (high_s / sample_time_s).floor());
+        let (low_s, high_s) = (
+            (centre_s - half_s).max(start_s),
+            (centre_s + half_s).min(start_s + chirp.duration_s),
+        );
+        let (first, last) = (
+            (low_s / sample_time_s).ceil(),
+            (high_s / sample_time_s).floor(),
+        );
         let (first, last) = (first.max(0.0), last.min(n_samples as f64 - 1.0));
-        // negative, NaN and too short alike: nothing is cut from less than one period or fewer than five samples
+        // negative, NaN and too short alike: nothing is cut from less than one period or fewer than
+        // five samples
         if (last - first) * sample_time_s * hz >= 1.0 && last - first >= 4.0 {
-            Ok(Self::weighted(hz, first as usize, last as usize, sample_time_s, n_samples, options))
+            Ok(Self::weighted(
+                hz,
+                first as usize,
+                last as usize,
+                sample_time_s,
+                n_samples,
+                options,
+            ))
         } else {
             Err(refuse(
                 "less than one period of it, or fewer than five samples, lie within the sweep and the recording",
@@ -129,7 +178,8 @@ impl Excerpt {
         }
     }
 
-    /// Window, Fourier kernel and low-pass in one: `w_k = sum_j hann(t_j) e^{-2 pi i f t_j} h(k - j)`, j every `step` samples.
+    /// Window, Fourier kernel and low-pass in one:
+    /// `w_k = sum_j hann(t_j) e^{-2 pi i f t_j} h(k - j)`, j every `step` samples.
     fn weighted(
         hz: f64,
         first: usize,
@@ -138,21 +188,33 @@ impl Excerpt {
         n_samples: usize,
         options: &ExcerptOptions,
     ) -> Self {
-        let step = ((1.0 / (options.samples_per_period * hz * sample_time_s)).floor() as usize).clamp(1, last - first);
+        let step = ((1.0 / (options.samples_per_period * hz * sample_time_s)).floor() as usize)
+            .clamp(1, last - first);
         let low_pass = low_pass(step);
         let reach = low_pass.len() / 2;
         let weights_from = first.saturating_sub(reach);
-        let mut weights = vec![Complex64::from(0.0); (last + reach + 1).min(n_samples) - weights_from];
+        let mut weights =
+            vec![Complex64::from(0.0); (last + reach + 1).min(n_samples) - weights_from];
         for centre in (first..=last).step_by(step) {
             let place = (centre - first) as f64 / (last - first) as f64;
             let window = (PI * place).sin().powi(2);
-            let kernel = Complex64::cis(-TAU * hz * (centre - first) as f64 * sample_time_s) * window;
+            let kernel =
+                Complex64::cis(-TAU * hz * (centre - first) as f64 * sample_time_s) * window;
             for (tap, gain) in low_pass.iter().enumerate() {
-                let weight = (centre + tap).checked_sub(reach + weights_from).and_then(|k| weights.get_mut(k));
-                weight.into_iter().for_each(|weight| *weight += kernel * gain); // beyond the recording's ends: nothing
+                let weight = (centre + tap)
+                    .checked_sub(reach + weights_from)
+                    .and_then(|k| weights.get_mut(k));
+                weight
+                    .into_iter()
+                    .for_each(|weight| *weight += kernel * gain); // beyond the recording's ends: nothing
             }
         }
-        Self { first, last, weights_from, weights }
+        Self {
+            first,
+            last,
+            weights_from,
+            weights,
+        }
     }
 
     /// The spectrum of one channel at the frequency of the excerpt.
@@ -160,18 +222,25 @@ impl Excerpt {
         let excerpt = &channel[self.first..=self.last];
         let mean = excerpt.iter().sum::<f64>() / excerpt.len() as f64;
         let samples = channel[self.weights_from..].iter();
-        self.weights.iter().zip(samples).map(|(weight, sample)| weight * (sample - mean)).sum()
+        self.weights
+            .iter()
+            .zip(samples)
+            .map(|(weight, sample)| weight * (sample - mean))
+            .sum()
     }
 }
 
-/// Anti-alias low-pass for taking every `step`-th sample: a Hann-shaped average over four new samples, whose first zero lies
-/// at the new Nyquist frequency; a single 1 where nothing is left out.
+/// Anti-alias low-pass for taking every `step`-th sample: a Hann-shaped average over four new
+/// samples, whose first zero lies at the new Nyquist frequency; a single 1 where nothing is left
+/// out.
 fn low_pass(step: usize) -> Vec<f64> {
     if step == 1 {
         return vec![1.0];
     }
     let reach = 2 * step;
-    let shape: Vec<f64> = (1..2 * reach).map(|k| (PI * k as f64 / (2 * reach) as f64).sin().powi(2)).collect();
+    let shape: Vec<f64> = (1..2 * reach)
+        .map(|k| (PI * k as f64 / (2 * reach) as f64).sin().powi(2))
+        .collect();
     let sum: f64 = shape.iter().sum();
     shape.iter().map(|value| value / sum).collect()
 }
@@ -185,16 +254,34 @@ mod tests {
 
     fn excerpt(hz: f64) -> Excerpt {
         let amplitude = vec![Profile::constant(1.0)];
-        let chirp = Chirp { low_hz: 1.0, high_hz: 60.0, duration_s: 20.0, amplitude, fade_s: 0.0, tail_s: 0.0 };
-        Excerpt::cut(hz, &chirp, 0.0, SAMPLE_TIME_S, 20_000, &ExcerptOptions::default()).expect("within the sweep")
+        let chirp = Chirp {
+            low_hz: 1.0,
+            high_hz: 60.0,
+            duration_s: 20.0,
+            amplitude,
+            fade_s: 0.0,
+            tail_s: 0.0,
+        };
+        Excerpt::cut(
+            hz,
+            &chirp,
+            0.0,
+            SAMPLE_TIME_S,
+            20_000,
+            &ExcerptOptions::default(),
+        )
+        .expect("within the sweep")
     }
 
     fn response(excerpt: &Excerpt, hz: f64) -> f64 {
-        let sine: Vec<f64> = (0..20_000).map(|k| (TAU * hz * f64::from(k) * SAMPLE_TIME_S).sin() + 7.0).collect();
+        let sine: Vec<f64> = (0..20_000)
+            .map(|k| (TAU * hz * f64::from(k) * SAMPLE_TIME_S).sin() + 7.0)
+            .collect();
         excerpt.of(&sine).norm()
     }
 
-    /// Harmonics have zeros or low side lobes of the Hann window, what lies above the new Nyquist frequency is filtered.
+    /// Harmonics have zeros or low side lobes of the Hann window, what lies above the new Nyquist
+    /// frequency is filtered.
     #[test]
     fn other_frequencies_are_rejected() {
         for hz in [2.0, 9.0, 25.0] {
@@ -213,7 +300,10 @@ mod tests {
         let instant = 20.0 * 10f64.ln() / 60f64.ln() / SAMPLE_TIME_S;
         assert_eq!(
             (middle.first, middle.last),
-            ((instant - 200.0).ceil() as usize, (instant + 200.0).floor() as usize)
+            (
+                (instant - 200.0).ceil() as usize,
+                (instant + 200.0).floor() as usize
+            )
         );
         assert_eq!((excerpt(1.0).first, excerpt(60.0).last), (0, 19_999));
     }

@@ -1,13 +1,14 @@
 //! Levels of the harmonics along a chirp: how visible the machine's nonlinearity is, and where.
 //!
-//! With the chirp's own phase phi(t) as the clock, every harmonic is a line however fast the chirp sweeps:
+//! With the chirp's own phase phi(t) as the clock, every harmonic is a line however fast the chirp
+//! sweeps:
 //!
 //! ```text
 //! X_k(f) = sum_j h((phi_j - phi(f)) / 2 pi n) (x_j - mean) e^{-i k phi_j} f_j T_s
 //! ```
 //!
-//! over the n = 4 cycles around the instant at which the chirp passes f, h Hann's window, f_j T_s the cycles that sample j stands
-//! for. The level of harmonic k is |X_k|/|X_1|.
+//! over the n = 4 cycles around the instant at which the chirp passes f, h Hann's window, f_j T_s
+//! the cycles that sample j stands for. The level of harmonic k is |X_k|/|X_1|.
 
 use std::f64::consts::{PI, TAU};
 
@@ -20,13 +21,15 @@ use crate::EstimateError;
 /// Cycles of the fundamental that a level is taken from, as SK15 section 5.1 takes for an excerpt.
 const CYCLES: f64 = 4.0;
 
-/// Amplitude of the harmonics `orders` relative to the fundamental at `frequencies_hz` of the fundamental, `(order, frequency)`,
-/// in one channel's recording of a chirp that starts `start_s` after the first sample.
+/// Amplitude of the harmonics `orders` relative to the fundamental at `frequencies_hz` of the
+/// fundamental, `(order, frequency)`, in one channel's recording of a chirp that starts `start_s`
+/// after the first sample.
 ///
 /// # Errors
-/// [`EstimateError::OutsideChirp`] for a frequency whose four cycles do not lie within sweep and recording,
-/// [`SignalError::AboveNyquist`] for a harmonic that the sampling cannot show, [`EstimateError::NoFundamental`] where the signal
-/// is zero, [`SignalError`] for a chirp, sample time or signal that is not sound.
+/// [`EstimateError::OutsideChirp`] for a frequency whose four cycles do not lie within sweep and
+/// recording, [`SignalError::AboveNyquist`] for a harmonic that the sampling cannot show,
+/// [`EstimateError::NoFundamental`] where the signal is zero, [`SignalError`] for a chirp, sample
+/// time or signal that is not sound.
 pub fn harmonic_levels(
     signal: ArrayView1<f64>,
     sample_time_s: f64,
@@ -43,14 +46,22 @@ pub fn harmonic_levels(
         let highest = orders.iter().copied().max().unwrap_or(1).max(1);
         let (high_hz, nyquist_hz) = (highest as f64 * hz, 0.5 / sample_time_s);
         if high_hz >= nyquist_hz {
-            return Err(SignalError::AboveNyquist { high_hz, nyquist_hz, sample_time_s }.into());
+            return Err(SignalError::AboveNyquist {
+                high_hz,
+                nyquist_hz,
+                sample_time_s,
+            }
+            .into());
         }
         let cycles = Cycles::around(hz, signal, sample_time_s, chirp, start_s)?;
         let fundamental = cycles.amplitude(1);
         if fundamental == 0.0 {
             return Err(EstimateError::NoFundamental { frequency_hz: hz });
         }
-        column.iter_mut().zip(orders).for_each(|(level, &order)| *level = cycles.amplitude(order) / fundamental);
+        column
+            .iter_mut()
+            .zip(orders)
+            .for_each(|(level, &order)| *level = cycles.amplitude(order) / fundamental);
     }
     Ok(levels)
 }
@@ -74,12 +85,21 @@ impl Cycles {
         let (low_s, high_s) = (instant_at(first), instant_at(last));
         let recording_s = signal.len() as f64 * sample_time_s;
         // NaN fails every comparison
-        let fits = first >= 0.0 && last <= cycles_at(chirp.high_hz) && low_s >= 0.0 && high_s <= recording_s;
+        let fits = first >= 0.0
+            && last <= cycles_at(chirp.high_hz)
+            && low_s >= 0.0
+            && high_s <= recording_s;
         if !fits {
             let reason = "the two cycles before and after it do not lie within sweep and recording";
-            return Err(EstimateError::OutsideChirp { frequency_hz: hz, reason, low_s: 0.0, high_s: recording_s });
+            return Err(EstimateError::OutsideChirp {
+                frequency_hz: hz,
+                reason,
+                low_s: 0.0,
+                high_s: recording_s,
+            });
         }
-        let samples = (low_s / sample_time_s).ceil() as usize..(high_s / sample_time_s).floor() as usize;
+        let samples =
+            (low_s / sample_time_s).ceil() as usize..(high_s / sample_time_s).floor() as usize;
         let mean = samples.clone().map(|k| signal[k]).sum::<f64>() / samples.len() as f64;
         let weighted = |k: usize| {
             let hz = chirp.frequency_at(k as f64 * sample_time_s - start_s);
@@ -107,26 +127,43 @@ mod tests {
 
     fn chirp() -> Chirp {
         let amplitude = vec![Profile::constant(1.0)];
-        Chirp { low_hz: 2.0, high_hz: 60.0, duration_s: 20.0, amplitude, fade_s: 0.0, tail_s: 0.0 }
+        Chirp {
+            low_hz: 2.0,
+            high_hz: 60.0,
+            duration_s: 20.0,
+            amplitude,
+            fade_s: 0.0,
+            tail_s: 0.0,
+        }
     }
 
     fn recording() -> Array1<f64> {
-        let signal = chirp().sample(SAMPLE_TIME_S, 1, Phasing::Orthogonal).expect("sound");
+        let signal = chirp()
+            .sample(SAMPLE_TIME_S, 1, Phasing::Orthogonal)
+            .expect("sound");
         signal.slice(s![0, 0, ..]).to_owned()
     }
 
-    fn levels(signal: &Array1<f64>, hz: &[f64], orders: &[usize]) -> Result<Array2<f64>, EstimateError> {
+    fn levels(
+        signal: &Array1<f64>,
+        hz: &[f64],
+        orders: &[usize],
+    ) -> Result<Array2<f64>, EstimateError> {
         harmonic_levels(signal.view(), SAMPLE_TIME_S, &chirp(), 0.0, hz, orders)
     }
 
-    /// A static nonlinearity has harmonics that are known: sin^3 = (3 sin - sin of the third)/4, sin^2 = (1 - cos of the second)/2.
+    /// A static nonlinearity has harmonics that are known: sin^3 = (3 sin - sin of the third)/4,
+    /// sin^2 = (1 - cos of the second)/2.
     #[test]
     fn harmonics_of_a_static_nonlinearity_are_found() {
         let bent = recording().mapv(|x| x + 0.2 * x * x + 0.4 * x.powi(3) + 5.0);
         let found = levels(&bent, &[3.5, 10.0, 30.0, 50.0], &[1, 2, 3, 5]).expect("sound");
         for column in found.columns() {
             for (level, expected) in column.iter().zip([1.0, 0.1 / 1.3, 0.1 / 1.3, 0.0]) {
-                assert!((level - expected).abs() < 2e-3, "{level} against {expected}");
+                assert!(
+                    (level - expected).abs() < 2e-3,
+                    "{level} against {expected}"
+                );
             }
         }
     }
@@ -137,9 +174,15 @@ mod tests {
         let found = levels(&signal, &[3.5, 25.0], &[2, 3, 4]).expect("sound");
         assert!(found.iter().all(|&level| level < 2e-3), "{found}");
         for (hz, order) in [(2.1, 3), (59.99, 3), (f64::NAN, 3), (50.0, 10)] {
-            assert!(levels(&signal, &[hz], &[order]).is_err(), "{hz} Hz, order {order}");
+            assert!(
+                levels(&signal, &[hz], &[order]).is_err(),
+                "{hz} Hz, order {order}"
+            );
         }
         let silent = levels(&Array1::zeros(20_000), &[10.0], &[3]);
-        assert_eq!(silent, Err(EstimateError::NoFundamental { frequency_hz: 10.0 }));
+        assert_eq!(
+            silent,
+            Err(EstimateError::NoFundamental { frequency_hz: 10.0 })
+        );
     }
 }

@@ -1,8 +1,8 @@
-//! From recordings to FRFs: direct, best linear approximation, excerpts, comparison; and the shaping of excitations in closed
-//! loop, which rests on such estimates.
+//! From recordings to FRFs: direct, best linear approximation, excerpts, comparison; and the
+//! shaping of excitations in closed loop, which rests on such estimates.
 //!
-//! Equation numbers are those of Saupe and Knoblach, MSSP 52-53 (2015) 60-72, cited SK15. Shapes, units and the DFT follow
-//! `frfid_signals`. Nothing here knows files, clocks or chance.
+//! Equation numbers are those of Saupe and Knoblach, MSSP 52-53 (2015) 60-72, cited SK15. Shapes,
+//! units and the DFT follow `frfid_signals`. Nothing here knows files, clocks or chance.
 
 mod bla;
 mod bode;
@@ -51,8 +51,8 @@ pub use residual::{FreeLines, ResidualLevel};
 pub use resonance::{Feature, FeatureKind, find_features};
 pub use ripple_torque::RippleTorque;
 pub use shape::{
-    BandMotion, Estimate, Iteration, Note, Peaks, Quantity, ShapeError, ShapeLimits, ShapeOptions, Shaped, Shaper,
-    Step, Sticking, Stop, Summary, Target, Watcher, shape,
+    BandMotion, Estimate, Iteration, Note, Peaks, Quantity, ShapeError, ShapeLimits, ShapeOptions,
+    Shaped, Shaper, Step, Sticking, Stop, Summary, Target, Watcher, shape,
 };
 pub use singular::{condition_number, scaled_condition_number, singular_values};
 pub use spectrogram::{Spectrogram, SpectrogramOptions, spectrogram};

@@ -13,6 +13,9 @@ mod tests {
 
     #[test]
     fn the_median_is_the_middle_one() {
-        assert_eq!([vec![], vec![3.0, 1.0, 2.0], vec![1.0, 2.0]].map(median), [None, Some(2.0), Some(2.0)]);
+        assert_eq!(
+            [vec![], vec![3.0, 1.0, 2.0], vec![1.0, 2.0]].map(median),
+            [None, Some(2.0), Some(2.0)]
+        );
     }
 }

@@ -1,11 +1,12 @@
-//! Iterative shaping of closed-loop excitations, SK15 section 5.3, eqs. (17)-(19): references whose answer is the torque that
-//! was asked for.
+//! Iterative shaping of closed-loop excitations, SK15 section 5.3, eqs. (17)-(19): references whose
+//! answer is the torque that was asked for.
 //!
-//! The plant input cannot be excited directly in closed loop. From a conservatively small reference r_1 the response G_i from
-//! r to the target is estimated in every iteration, and the next reference is what should lead to the desired spectrum. The
-//! paper's step, `R_{i+1} = G_i^-1 U_des`, is a fixed point that Coulomb friction pushes apart; the damped step
-//! `R_{i+1} = R_i + lambda G_i^-1 (U_des - U_i)` with a smoothed G_i corrects only what is missing and converges. Spectra are
-//! those of whole records, tail included, with experiments as columns.
+//! The plant input cannot be excited directly in closed loop. From a conservatively small reference
+//! r_1 the response G_i from r to the target is estimated in every iteration, and the next
+//! reference is what should lead to the desired spectrum. The paper's step,
+//! `R_{i+1} = G_i^-1 U_des`, is a fixed point that Coulomb friction pushes apart; the damped step
+//! `R_{i+1} = R_i + lambda G_i^-1 (U_des - U_i)` with a smoothed G_i corrects only what is missing
+//! and converges. Spectra are those of whole records, tail included, with experiments as columns.
 
 mod error;
 mod iteration;
@@ -46,23 +47,27 @@ pub enum Target {
 pub enum Step {
     /// The paper's fixed point (18), `R_{i+1} = G_i^-1 U_des` with `G_i = U_i R_i^-1` line by line.
     Paper,
-    /// `R_{i+1} = R_i + damping G_i^-1 (U_des - U_i)`, `G_i = S_ur S_rr^-1` with the products of `smoothing_bins` neighbouring
-    /// lines summed.
+    /// `R_{i+1} = R_i + damping G_i^-1 (U_des - U_i)`, `G_i = S_ur S_rr^-1` with the products of
+    /// `smoothing_bins` neighbouring lines summed.
     Damped {
-        /// Share of the missing signal that is made up for in one step. With the adaptive damping 0.9 is fast and safe, without
-        /// it 0.5 to 0.7 is as much as friction allows.
+        /// Share of the missing signal that is made up for in one step. With the adaptive damping
+        /// 0.9 is fast and safe, without it 0.5 to 0.7 is as much as friction allows.
         damping: f64,
         /// Lines over which G is smoothed; a few tens.
         smoothing_bins: usize,
-        /// Whether the damping is halved at lines and channels where an iteration made the error larger, and the iteration
-        /// taken back if it made the whole error larger.
+        /// Whether the damping is halved at lines and channels where an iteration made the error
+        /// larger, and the iteration taken back if it made the whole error larger.
         adaptive: bool,
     },
 }
 
 impl Default for Step {
     fn default() -> Self {
-        Self::Damped { damping: 0.9, smoothing_bins: 30, adaptive: true }
+        Self::Damped {
+            damping: 0.9,
+            smoothing_bins: 30,
+            adaptive: true,
+        }
     }
 }
 
@@ -89,10 +94,11 @@ pub struct ShapeOptions {
     pub limits: ShapeLimits,
     /// Largest share of the sweep that an axis may be stuck.
     pub max_stuck_share: f64,
-    /// Velocity reading in rad/s up to which an axis counts as stuck, besides a position reading that does not change; 0 for
-    /// sensors without noise.
+    /// Velocity reading in rad/s up to which an axis counts as stuck, besides a position reading
+    /// that does not change; 0 for sensors without noise.
     pub still_rad_s: f64,
-    /// Coulomb friction per axis in N m, where it is known: named beside the torque of an axis that sticks.
+    /// Coulomb friction per axis in N m, where it is known: named beside the torque of an axis that
+    /// sticks.
     pub coulomb_nm: Option<Vec<f64>>,
 }
 
@@ -134,19 +140,61 @@ impl ShapeOptions {
         let nyquist_hz = 0.5 / self.sample_time_s;
         if self.high_hz.is_nan() || self.high_hz >= nyquist_hz {
             let (high_hz, sample_time_s) = (self.high_hz, self.sample_time_s);
-            return Err(SignalError::AboveNyquist { high_hz, nyquist_hz, sample_time_s });
+            return Err(SignalError::AboveNyquist {
+                high_hz,
+                nyquist_hz,
+                sample_time_s,
+            });
         }
         let needs = |name, found, fits: bool, needed| {
-            if fits { Ok(()) } else { Err(SignalError::Parameter { name, found, needed }) }
+            if fits {
+                Ok(())
+            } else {
+                Err(SignalError::Parameter {
+                    name,
+                    found,
+                    needed,
+                })
+            }
         };
-        needs("high_hz", self.high_hz, self.high_hz > self.low_hz, "a frequency above low_hz")?;
+        needs(
+            "high_hz",
+            self.high_hz,
+            self.high_hz > self.low_hz,
+            "a frequency above low_hz",
+        )?;
         let change = self.largest_change;
-        needs("largest_change", change, change > 1.0 && change.is_finite(), "a finite factor above 1")?;
-        if let Step::Damped { damping, smoothing_bins, .. } = self.step {
-            needs("damping", damping, damping > 0.0 && damping <= 1.0, "above 0 and at most 1")?;
-            needs("smoothing_bins", smoothing_bins as f64, smoothing_bins > 0, "at least 1")?;
+        needs(
+            "largest_change",
+            change,
+            change > 1.0 && change.is_finite(),
+            "a finite factor above 1",
+        )?;
+        if let Step::Damped {
+            damping,
+            smoothing_bins,
+            ..
+        } = self.step
+        {
+            needs(
+                "damping",
+                damping,
+                damping > 0.0 && damping <= 1.0,
+                "above 0 and at most 1",
+            )?;
+            needs(
+                "smoothing_bins",
+                smoothing_bins as f64,
+                smoothing_bins > 0,
+                "at least 1",
+            )?;
         }
-        range::one_per_axis("coulomb_nm", self.coulomb_nm.as_deref(), n_axes, range::not_negative)?;
+        range::one_per_axis(
+            "coulomb_nm",
+            self.coulomb_nm.as_deref(),
+            n_axes,
+            range::not_negative,
+        )?;
         self.limits.check(n_axes)
     }
 }
@@ -154,9 +202,9 @@ impl ShapeOptions {
 /// Sees every iteration; `false` ends the shaping.
 pub type Watcher<'a> = dyn FnMut(&Iteration) -> Result<bool, Box<dyn Error + Send + Sync>> + 'a;
 
-/// Shapes a reference on a testbed until the target follows `desired`, from the reference `start`, both
-/// `(experiment, channel, sample)` with as many experiments as channels; `watch` sees every iteration and may end it with
-/// `false`. The experiments of an iteration run side by side.
+/// Shapes a reference on a testbed until the target follows `desired`, from the reference `start`,
+/// both `(experiment, channel, sample)` with as many experiments as channels; `watch` sees every
+/// iteration and may end it with `false`. The experiments of an iteration run side by side.
 ///
 /// This is the plain loop over [`Shaper`], which can also be fed with records from elsewhere.
 ///
@@ -171,7 +219,11 @@ pub fn shape(
 ) -> Result<Shaped, ShapeError> {
     let mut shaper = Shaper::new(desired, start, options)?;
     while shaper.stop().is_none() {
-        let records = shaper.runs().par_iter().map(|run| testbed.run(run)).collect::<Result<_, _>>()?;
+        let records = shaper
+            .runs()
+            .par_iter()
+            .map(|run| testbed.run(run))
+            .collect::<Result<_, _>>()?;
         if !watch(shaper.measured(records)?).map_err(ShapeError::Watch)? {
             shaper.end();
         }

@@ -1,8 +1,10 @@
-//! Power spectral density over time (SK15 figure 3): a chirp as a line that rises, its harmonics as lines above it.
+//! Power spectral density over time (SK15 figure 3): a chirp as a line that rises, its harmonics as
+//! lines above it.
 //!
-//! `S(f, t) = 2 |sum_k w_k x_k e^{-2 pi i f k T_s}|^2 T_s / sum_k w_k^2` over the window that begins at sample t/T_s, w Hann's
-//! window; at 0 and at the Nyquist frequency without the 2. The sum of S over all f, times their spacing, is the mean power of
-//! the windowed signal (Welch, IEEE Trans. Audio Electroacoustics 15 (1967) 70).
+//! `S(f, t) = 2 |sum_k w_k x_k e^{-2 pi i f k T_s}|^2 T_s / sum_k w_k^2` over the window that
+//! begins at sample t/T_s, w Hann's window; at 0 and at the Nyquist frequency without the 2. The
+//! sum of S over all f, times their spacing, is the mean power of the windowed signal (Welch, IEEE
+//! Trans. Audio Electroacoustics 15 (1967) 70).
 
 use std::f64::consts::TAU;
 
@@ -23,7 +25,10 @@ pub struct SpectrogramOptions {
 
 impl Default for SpectrogramOptions {
     fn default() -> Self {
-        Self { window_s: 1.0, step_s: 0.1 }
+        Self {
+            window_s: 1.0,
+            step_s: 0.1,
+        }
     }
 }
 
@@ -41,25 +46,38 @@ pub struct Spectrogram {
 /// Spectrogram of one channel.
 ///
 /// # Errors
-/// [`SignalError::NotFinite`]; [`SignalError::Parameter`] for times that are not above 0, or a window of fewer than four samples
-/// or longer than the signal.
+/// [`SignalError::NotFinite`]; [`SignalError::Parameter`] for times that are not above 0, or a
+/// window of fewer than four samples or longer than the signal.
 pub fn spectrogram(
     signal: ArrayView1<f64>,
     sample_time_s: f64,
     options: &SpectrogramOptions,
 ) -> Result<Spectrogram, EstimateError> {
     check_finite("signal", signal.insert_axis(Axis(0)))?;
-    for (name, value) in [("sample_time_s", sample_time_s), ("window_s", options.window_s), ("step_s", options.step_s)]
-    {
+    for (name, value) in [
+        ("sample_time_s", sample_time_s),
+        ("window_s", options.window_s),
+        ("step_s", options.step_s),
+    ] {
         positive(name, value)?;
     }
     let length = (options.window_s / sample_time_s).round();
     if !(4.0..=signal.len() as f64).contains(&length) {
         let needed = "four samples or more, and no longer than the signal";
-        return Err(SignalError::Parameter { name: "window_s", found: options.window_s, needed }.into());
+        return Err(SignalError::Parameter {
+            name: "window_s",
+            found: options.window_s,
+            needed,
+        }
+        .into());
     }
-    let (length, step) = (length as usize, (options.step_s / sample_time_s).round().max(1.0) as usize);
-    let window: Vec<f64> = (0..length).map(|k| 0.5 - 0.5 * (TAU * k as f64 / length as f64).cos()).collect();
+    let (length, step) = (
+        length as usize,
+        (options.step_s / sample_time_s).round().max(1.0) as usize,
+    );
+    let window: Vec<f64> = (0..length)
+        .map(|k| 0.5 - 0.5 * (TAU * k as f64 / length as f64).cos())
+        .collect();
     let scale = sample_time_s / window.iter().map(|w| w * w).sum::<f64>();
     let starts: Vec<usize> = (0..=signal.len() - length).step_by(step).collect();
     let fft = RealFftPlanner::new().plan_fft_forward(length);
@@ -67,16 +85,34 @@ pub fn spectrogram(
     let mut density = Array2::zeros((bins.len(), starts.len()));
     for (&start, mut column) in starts.iter().zip(density.columns_mut()) {
         let piece = signal.slice(s![start..start + length]);
-        samples.iter_mut().zip(&window).zip(piece).for_each(|((sample, w), x)| *sample = w * x);
-        fft.process(&mut samples, &mut bins).expect("the plan made the buffers, so their lengths fit");
+        samples
+            .iter_mut()
+            .zip(&window)
+            .zip(piece)
+            .for_each(|((sample, w), x)| *sample = w * x);
+        fft.process(&mut samples, &mut bins)
+            .expect("the plan made the buffers, so their lengths fit");
         for (bin, (value, spectrum)) in column.iter_mut().zip(&bins).enumerate() {
-            let sides = if bin == 0 || 2 * bin == length { 1.0 } else { 2.0 };
+            let sides = if bin == 0 || 2 * bin == length {
+                1.0
+            } else {
+                2.0
+            };
             *value = sides * scale * spectrum.norm_sqr();
         }
     }
-    let frequency_hz = (0..bins.len()).map(|bin| bin as f64 / (length as f64 * sample_time_s)).collect();
-    let time_s = starts.iter().map(|&start| (start as f64 + 0.5 * length as f64) * sample_time_s).collect();
-    Ok(Spectrogram { frequency_hz, time_s, density })
+    let frequency_hz = (0..bins.len())
+        .map(|bin| bin as f64 / (length as f64 * sample_time_s))
+        .collect();
+    let time_s = starts
+        .iter()
+        .map(|&start| (start as f64 + 0.5 * length as f64) * sample_time_s)
+        .collect();
+    Ok(Spectrogram {
+        frequency_hz,
+        time_s,
+        density,
+    })
 }
 
 #[cfg(test)]
@@ -88,20 +124,27 @@ mod tests {
     const SAMPLE_TIME_S: f64 = 1e-2;
 
     fn of(signal: &Array1<f64>, window_s: f64, step_s: f64) -> Result<Spectrogram, EstimateError> {
-        spectrogram(signal.view(), SAMPLE_TIME_S, &SpectrogramOptions { window_s, step_s })
+        spectrogram(
+            signal.view(),
+            SAMPLE_TIME_S,
+            &SpectrogramOptions { window_s, step_s },
+        )
     }
 
     #[test]
     fn the_density_integrates_to_the_power_of_the_windowed_signal() {
         let mut rng = stream(1, "spectrogram", &[]);
-        let signal = Array1::from_shape_fn(1000, |k| normal(&mut rng) + (k as f64 * 0.3).sin() + 2.0);
+        let signal =
+            Array1::from_shape_fn(1000, |k| normal(&mut rng) + (k as f64 * 0.3).sin() + 2.0);
         for length in [100, 101] {
             let spectrogram = of(&signal, f64::from(length) * SAMPLE_TIME_S, 0.5).expect("sound");
             let spacing_hz = spectrogram.frequency_hz[1];
             assert!((spacing_hz - 1.0 / (f64::from(length) * SAMPLE_TIME_S)).abs() < 1e-12);
             for (column, density) in spectrogram.density.columns().into_iter().enumerate() {
                 let hann = |k: i32| 0.5 - 0.5 * (TAU * f64::from(k) / f64::from(length)).cos();
-                let weighted: f64 = (0..length).map(|k| (hann(k) * signal[50 * column + k as usize]).powi(2)).sum();
+                let weighted: f64 = (0..length)
+                    .map(|k| (hann(k) * signal[50 * column + k as usize]).powi(2))
+                    .sum();
                 let power = weighted / (0..length).map(|k| hann(k).powi(2)).sum::<f64>();
                 assert!((density.sum() * spacing_hz / power - 1.0).abs() < 1e-12);
             }
@@ -110,20 +153,43 @@ mod tests {
 
     #[test]
     fn a_sine_has_its_power_at_its_frequency_and_time() {
-        let sine = |k: usize| if k < 1000 { 0.0 } else { 3.0 * (TAU * 7.0 * k as f64 * SAMPLE_TIME_S).sin() };
+        let sine = |k: usize| {
+            if k < 1000 {
+                0.0
+            } else {
+                3.0 * (TAU * 7.0 * k as f64 * SAMPLE_TIME_S).sin()
+            }
+        };
         let spectrogram = of(&Array1::from_shape_fn(3000, sine), 2.0, 0.25).expect("sound");
-        let column = spectrogram.time_s.iter().position(|&time_s| time_s > 20.0).expect("30 s");
-        let around: f64 = spectrogram.density.slice(s![12..=16, column]).sum() * spectrogram.frequency_hz[1];
+        let column = spectrogram
+            .time_s
+            .iter()
+            .position(|&time_s| time_s > 20.0)
+            .expect("30 s");
+        let around: f64 =
+            spectrogram.density.slice(s![12..=16, column]).sum() * spectrogram.frequency_hz[1];
         assert!((around / 4.5 - 1.0).abs() < 1e-6, "{around}");
         assert_eq!(spectrogram.density.column(0).sum(), 0.0);
-        assert_eq!((spectrogram.time_s[0], spectrogram.time_s.len()), (1.0, 113));
+        assert_eq!(
+            (spectrogram.time_s[0], spectrogram.time_s.len()),
+            (1.0, 113)
+        );
     }
 
     #[test]
     fn windows_that_do_not_fit_are_refused() {
         let signal = Array1::zeros(100);
-        for (window_s, step_s) in [(0.03, 0.1), (1.01, 0.1), (0.5, 0.0), (f64::NAN, 0.1), (0.5, f64::INFINITY)] {
-            assert!(of(&signal, window_s, step_s).is_err(), "{window_s} {step_s}");
+        for (window_s, step_s) in [
+            (0.03, 0.1),
+            (1.01, 0.1),
+            (0.5, 0.0),
+            (f64::NAN, 0.1),
+            (0.5, f64::INFINITY),
+        ] {
+            assert!(
+                of(&signal, window_s, step_s).is_err(),
+                "{window_s} {step_s}"
+            );
         }
         assert!(of(&Array1::from_elem(100, f64::NAN), 0.5, 0.1).is_err());
     }

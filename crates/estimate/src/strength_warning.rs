@@ -8,12 +8,17 @@ use crate::{AxisStrength, BandStrength};
 /// Largest share of the time that an axis may stick without a word.
 const STUCK: f64 = 0.15;
 
-/// Warnings about axes that stick, are driven too weakly or turn back on their constant velocity; empty if all is well.
+/// Warnings about axes that stick, are driven too weakly or turn back on their constant velocity;
+/// empty if all is well.
 ///
-/// `names` of the axes as the user knows them, and their Coulomb friction F_c in N m where it is known. With a chirp the torque
-/// is told as the amplitude of a sine, sqrt(2) rms.
+/// `names` of the axes as the user knows them, and their Coulomb friction F_c in N m where it is
+/// known. With a chirp the torque is told as the amplitude of a sine, sqrt(2) rms.
 #[must_use]
-pub fn strength_warnings(axes: &[AxisStrength], names: &[String], coulomb_nm: Option<&[f64]>) -> Vec<String> {
+pub fn strength_warnings(
+    axes: &[AxisStrength],
+    names: &[String],
+    coulomb_nm: Option<&[f64]>,
+) -> Vec<String> {
     let axis = |(index, (axis, name)): (usize, (&AxisStrength, &String))| {
         let coulomb_nm = coulomb_nm.and_then(|coulomb_nm| coulomb_nm.get(index).copied());
         let mut warnings = sticking(axis, name, coulomb_nm);
@@ -41,13 +46,23 @@ pub fn strength_warnings(axes: &[AxisStrength], names: &[String], coulomb_nm: Op
 fn sticking(axis: &AxisStrength, name: &str, coulomb_nm: Option<f64>) -> Vec<String> {
     let sticks = |band: &BandStrength| band.stuck_share.is_some_and(|share| share > STUCK);
     let against = |torque: String, nm: f64| match coulomb_nm {
-        Some(coulomb_nm) if nm < coulomb_nm => format!("{torque} is below its friction {coulomb_nm:.0} N m"),
-        Some(coulomb_nm) => format!("{torque} is {:.1} times its friction {coulomb_nm:.0} N m", nm / coulomb_nm),
+        Some(coulomb_nm) if nm < coulomb_nm => {
+            format!("{torque} is below its friction {coulomb_nm:.0} N m")
+        }
+        Some(coulomb_nm) => format!(
+            "{torque} is {:.1} times its friction {coulomb_nm:.0} N m",
+            nm / coulomb_nm
+        ),
         None => torque,
     };
     let mut warnings = Vec::new();
-    for run in axis.bands.chunk_by(|a, b| sticks(a) == sticks(b)).filter(|run| sticks(&run[0])) {
-        let mean = |of: &dyn Fn(&BandStrength) -> f64| run.iter().map(of).sum::<f64>() / run.len() as f64;
+    for run in axis
+        .bands
+        .chunk_by(|a, b| sticks(a) == sticks(b))
+        .filter(|run| sticks(&run[0]))
+    {
+        let mean =
+            |of: &dyn Fn(&BandStrength) -> f64| run.iter().map(of).sum::<f64>() / run.len() as f64;
         let share = mean(&|band| band.stuck_share.unwrap_or(0.0));
         let amplitude_nm = SQRT_2 * mean(&|band| band.rms_nm.powi(2)).sqrt();
         let torque = against(format!("torque {amplitude_nm:.0} N m"), amplitude_nm);
@@ -59,7 +74,10 @@ fn sticking(axis: &AxisStrength, name: &str, coulomb_nm: Option<f64>) -> Vec<Str
     }
     if warnings.is_empty() && axis.stuck_share > STUCK {
         let torque = against(format!("torque {:.0} N m rms", axis.rms_nm), axis.rms_nm);
-        warnings.push(format!("{name} sticks: {:.0} % of the time, {torque}", 100.0 * axis.stuck_share));
+        warnings.push(format!(
+            "{name} sticks: {:.0} % of the time, {torque}",
+            100.0 * axis.stuck_share
+        ));
     }
     warnings
 }
@@ -67,7 +85,10 @@ fn sticking(axis: &AxisStrength, name: &str, coulomb_nm: Option<f64>) -> Vec<Str
 /// The band of a run of bands in words, from what it leaves out at either end.
 fn place(run: &[BandStrength], all: &[BandStrength]) -> String {
     let (low_hz, high_hz) = (run[0].low_hz, run[run.len() - 1].high_hz);
-    let (from_start, to_end) = (low_hz <= all[0].low_hz, high_hz >= all[all.len() - 1].high_hz);
+    let (from_start, to_end) = (
+        low_hz <= all[0].low_hz,
+        high_hz >= all[all.len() - 1].high_hz,
+    );
     let [low_hz, high_hz] = [low_hz, high_hz].map(|hz| (10.0 * hz).round() / 10.0); // no digits that nobody asked for
     match (from_start, to_end) {
         (true, true) => String::new(),

@@ -7,7 +7,9 @@ use num_complex::Complex64;
 /// Matrix of standard normal real and imaginary parts.
 pub(crate) fn complex(n_rows: usize, n_columns: usize, seed: u64) -> DMatrix<Complex64> {
     let mut rng = stream(seed, "matrix", &[]);
-    DMatrix::from_fn(n_rows, n_columns, |_, _| Complex64::new(normal(&mut rng), normal(&mut rng)))
+    DMatrix::from_fn(n_rows, n_columns, |_, _| {
+        Complex64::new(normal(&mut rng), normal(&mut rng))
+    })
 }
 
 /// Random unitary matrix.

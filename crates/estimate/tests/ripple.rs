@@ -1,15 +1,17 @@
-//! Torque ripple in a constant-velocity campaign: what each subtraction of the glide leaves, on a machine simulated here.
+//! Torque ripple in a constant-velocity campaign: what each subtraction of the glide leaves, on a
+//! machine simulated here.
 //!
-//! Axes 2 and 3 of the Manutec r3 (motor, gear and link inertia; METHOD.md section 4) in closed loop at 1 kHz, with ripple at
-//! 12 cycles per motor turn and a third of it at 6, torque noise of 0.1 N m. The truth is the zero-order-hold FRF of the
-//! linear part, by the matrix exponential.
+//! Axes 2 and 3 of the Manutec r3 (motor, gear and link inertia; METHOD.md section 4) in closed
+//! loop at 1 kHz, with ripple at 12 cycles per motor turn and a third of it at 6, torque noise of
+//! 0.1 N m. The truth is the zero-order-hold FRF of the linear part, by the matrix exponential.
 
 use std::f64::consts::TAU;
 
 use frfid_estimate::{BlaOptions, EstimateError, RippleTorque, estimate_bla, subtract_glide};
 use frfid_signals::random::{normal, stream};
 use frfid_signals::{
-    Draw, Frf, GridDesign, GridKind, InputKind, LineGrid, Multisine, Phases, Phasing, Profile, Record,
+    Draw, Frf, GridDesign, GridKind, InputKind, LineGrid, Multisine, Phases, Phasing, Profile,
+    Record,
 };
 use nalgebra::{DMatrix, Matrix2, SVector, Vector2};
 use ndarray::{Array2, Array5, ArrayView2, Axis, concatenate, s};
@@ -32,7 +34,10 @@ struct Machine {
 impl Machine {
     fn new(ripple_nm: [f64; 2]) -> Self {
         let links = Matrix2::new(74.855, 29.070, 29.070, 20.264);
-        Self { links_inverse: links.try_inverse().expect("regular"), ripple_nm }
+        Self {
+            links_inverse: links.try_inverse().expect("regular"),
+            ripple_nm,
+        }
     }
 
     fn ripple(&self, axis: usize, position_rad: f64) -> f64 {
@@ -46,16 +51,22 @@ impl Machine {
         let (mut slope, mut gear_nm) = (State::zeros(), Vector2::zeros());
         for axis in 0..2 {
             let (motor_rad, motor_rad_s) = (x[axis], x[4 + axis]);
-            gear_nm[axis] = stiffness[axis] * (motor_rad - x[2 + axis]) + damping[axis] * (motor_rad_s - x[6 + axis]);
+            gear_nm[axis] = stiffness[axis] * (motor_rad - x[2 + axis])
+                + damping[axis] * (motor_rad_s - x[6 + axis]);
             let friction_nm = viscous[axis] * motor_rad_s + self.ripple(axis, motor_rad);
             slope[4 + axis] = (torque_nm[axis] - friction_nm - gear_nm[axis]) / motor[axis];
         }
-        slope.fixed_rows_mut::<4>(0).copy_from(&x.fixed_rows::<4>(4));
-        slope.fixed_rows_mut::<2>(6).copy_from(&(self.links_inverse * gear_nm));
+        slope
+            .fixed_rows_mut::<4>(0)
+            .copy_from(&x.fixed_rows::<4>(4));
+        slope
+            .fixed_rows_mut::<2>(6)
+            .copy_from(&(self.links_inverse * gear_nm));
         slope
     }
 
-    /// Closed loop on a reference velocity, u held over each sample, from a constant velocity; noise on the torque reading.
+    /// Closed loop on a reference velocity, u held over each sample, from a constant velocity;
+    /// noise on the torque reading.
     fn run(&self, reference: ArrayView2<f64>, name: &[u64]) -> Record {
         let (gain, step) = (Vector2::new(1500.0, 400.0), SAMPLE_TIME_S);
         let mut rng = stream(1, "noise", name);
@@ -77,7 +88,15 @@ impl Machine {
             x += (k1 + (k2 + k3) * 2.0 + k4) * (step / 6.0);
         }
         let (r, position_rad) = (Some(reference.to_owned()), Some(position));
-        Record { sample_time_s: step, u, y, r, position_rad, input_kind: InputKind::Measured, events: Vec::new() }
+        Record {
+            sample_time_s: step,
+            u,
+            y,
+            r,
+            position_rad,
+            input_kind: InputKind::Measured,
+            events: Vec::new(),
+        }
     }
 
     /// FRF of the linear part at `hz`, zero-order hold: `C (z - A_d)^-1 B_d`.
@@ -87,13 +106,18 @@ impl Machine {
         for column in 0..10 {
             let x = State::from_fn(|row, _| f64::from(u8::from(row == column)));
             let torque = Vector2::from_fn(|axis, _| f64::from(u8::from(8 + axis == column)));
-            continuous.view_mut((0, column), (8, 1)).copy_from(&linear.slope(&x, &torque));
+            continuous
+                .view_mut((0, column), (8, 1))
+                .copy_from(&linear.slope(&x, &torque));
         }
         let held = (continuous * SAMPLE_TIME_S).exp().map(Complex64::from);
         let response = |&hz: &f64| {
             let z = Complex64::cis(TAU * hz * SAMPLE_TIME_S);
             let system = DMatrix::identity(8, 8) * z - held.view((0, 0), (8, 8));
-            let states = system.lu().solve(&held.view((0, 8), (8, 2)).into_owned()).expect("regular");
+            let states = system
+                .lu()
+                .solve(&held.view((0, 8), (8, 2)).into_owned())
+                .expect("regular");
             states.view((4, 0), (2, 2)).into_owned()
         };
         hz.iter().map(response).collect()
@@ -115,36 +139,64 @@ fn grid() -> LineGrid {
 
 /// The runs by realization and experiment, and the mean of three glides.
 fn campaign(machine: &Machine) -> (Vec<Vec<Record>>, Record) {
-    let multisine = Multisine { grid: grid(), shape: Profile::constant(1.0), phases: Phases::Random };
+    let multisine = Multisine {
+        grid: grid(),
+        shape: Profile::constant(1.0),
+        phases: Phases::Random,
+    };
     let runs = |realization: usize| {
-        let draw = Draw { seed: 4, realization, phasing: Phasing::Orthogonal, peak: &[0.75 * VELOCITY_RAD_S; 2] };
+        let draw = Draw {
+            seed: 4,
+            realization,
+            phasing: Phasing::Orthogonal,
+            peak: &[0.75 * VELOCITY_RAD_S; 2],
+        };
         let periods = multisine.realize(&draw).expect("sound").signal;
         let run = |(experiment, period): (usize, ArrayView2<f64>)| {
             let lead_in = period.slice(s![.., period.ncols() - LEAD_IN..]);
             let reference = concatenate![Axis(1), lead_in, period] + VELOCITY_RAD_S;
-            machine.run(reference.view(), &[1, realization as u64, experiment as u64])
+            machine.run(
+                reference.view(),
+                &[1, realization as u64, experiment as u64],
+            )
         };
         periods.axis_iter(Axis(0)).enumerate().map(run).collect()
     };
     let steady = Array2::from_elem((2, LEAD_IN + grid().n_samples), VELOCITY_RAD_S);
     let glides = [0, 1, 2].map(|repetition| machine.run(steady.view(), &[0, repetition]));
-    let mean =
-        |signal: &dyn Fn(&Record) -> &Array2<f64>| glides.iter().map(signal).fold(0.0 * &steady, |a, b| a + b) / 3.0;
-    let glide = Record { u: mean(&|glide| &glide.u), y: mean(&|glide| &glide.y), ..glides[0].clone() };
+    let mean = |signal: &dyn Fn(&Record) -> &Array2<f64>| {
+        glides.iter().map(signal).fold(0.0 * &steady, |a, b| a + b) / 3.0
+    };
+    let glide = Record {
+        u: mean(&|glide| &glide.u),
+        y: mean(&|glide| &glide.y),
+        ..glides[0].clone()
+    };
     ((0..REALIZATIONS).map(runs).collect(), glide)
 }
 
 /// Best linear approximation of the last period of every run, after a treatment.
 fn bla(runs: &[Vec<Record>], treat: impl Fn(&Record) -> Record) -> Frf {
     let n = grid().n_samples;
-    let treated: Vec<Vec<Record>> = runs.iter().map(|runs| runs.iter().map(&treat).collect()).collect();
+    let treated: Vec<Vec<Record>> = runs
+        .iter()
+        .map(|runs| runs.iter().map(&treat).collect())
+        .collect();
     let stack = |signal: &dyn Fn(&Record) -> &Array2<f64>| {
         Array5::from_shape_fn((runs.len(), 2, 1, 2, n), |(p, m, _, channel, k)| {
             signal(&treated[p][m])[[channel, LEAD_IN + k]]
         })
     };
     let (u, y) = (stack(&|record| &record.u), stack(&|record| &record.y));
-    estimate_bla(u.view(), y.view(), None, SAMPLE_TIME_S, &grid().excited, &BlaOptions::default()).expect("sound")
+    estimate_bla(
+        u.view(),
+        y.view(),
+        None,
+        SAMPLE_TIME_S,
+        &grid().excited,
+        &BlaOptions::default(),
+    )
+    .expect("sound")
 }
 
 /// Errors |G - truth| / |truth| per line (Frobenius): median, rms, worst.
@@ -163,12 +215,17 @@ fn errors(frf: &Frf) -> [f64; 3] {
 
 /// Share of the entries of all lines that lie within their stated 95 % region.
 fn coverage(frf: &Frf) -> f64 {
-    let (truth, total) = (Machine::truth(&frf.frequency_hz), frf.total.as_ref().expect("ten realizations"));
+    let (truth, total) = (
+        Machine::truth(&frf.frequency_hz),
+        frf.total.as_ref().expect("ten realizations"),
+    );
     let variance = frf.total_variance().expect("ten realizations");
-    let inside = variance.indexed_iter().filter(|&((line, output, input), variance)| {
-        let error = frf.response[[line, output, input]] - truth[line][(output, input)];
-        error.norm_sqr() <= variance * total.confidence_factor_95()
-    });
+    let inside = variance
+        .indexed_iter()
+        .filter(|&((line, output, input), variance)| {
+            let error = frf.response[[line, output, input]] - truth[line][(output, input)];
+            error.norm_sqr() <= variance * total.confidence_factor_95()
+        });
     inside.count() as f64 / variance.len() as f64
 }
 
@@ -182,45 +239,109 @@ fn subtraction_by_position_is_better_than_in_time_and_none_is_wrong() {
         let ripple = RippleTorque::of_glide(&glide, plant).expect("fits");
         bla(&runs, |run| ripple.subtract_glide(run).expect("fits"))
     };
-    let (position, from_one) = (by_position(&in_time), by_position(&bla(&runs[..1], subtract)));
+    let (position, from_one) = (
+        by_position(&in_time),
+        by_position(&bla(&runs[..1], subtract)),
+    );
     let (smooth_runs, smooth_glide) = campaign(&Machine::new([0.0; 2]));
-    let smooth = bla(&smooth_runs, |run| subtract_glide(run, &smooth_glide).expect("fits"));
+    let smooth = bla(&smooth_runs, |run| {
+        subtract_glide(run, &smooth_glide).expect("fits")
+    });
     let all = [&none, &in_time, &position, &from_one, &smooth];
-    let names = ["none", "in time", "by position", "with P of one realization", "no ripple"];
+    let names = [
+        "none",
+        "in time",
+        "by position",
+        "with P of one realization",
+        "no ripple",
+    ];
     for (name, frf) in names.iter().zip(all) {
-        println!("{name}: median, rms, worst error {:.4?}, coverage {:.3}", errors(frf), coverage(frf));
+        println!(
+            "{name}: median, rms, worst error {:.4?}, coverage {:.3}",
+            errors(frf),
+            coverage(frf)
+        );
     }
     let [none, time, by_position, from_one, smooth] = all.map(errors);
-    assert!(none[1] > 0.2 && none[2] > 1.0, "without the cure the FRF is visibly wrong");
+    assert!(
+        none[1] > 0.2 && none[2] > 1.0,
+        "without the cure the FRF is visibly wrong"
+    );
     for position in [by_position, from_one] {
-        assert!(position[1] < 0.1 * time[1] && position[2] < 0.1 * time[2], "much better than in time");
-        assert!(position[1] < 1.4 * smooth[1], "nearly as good as a machine without ripple");
+        assert!(
+            position[1] < 0.1 * time[1] && position[2] < 0.1 * time[2],
+            "much better than in time"
+        );
+        assert!(
+            position[1] < 1.4 * smooth[1],
+            "nearly as good as a machine without ripple"
+        );
     }
-    assert!(coverage(&position) > 0.9 && coverage(&in_time) < 0.9, "only by position the stated region is honest");
+    assert!(
+        coverage(&position) > 0.9 && coverage(&in_time) < 0.9,
+        "only by position the stated region is honest"
+    );
 }
 
 #[test]
 fn records_that_do_not_fit_are_refused() {
     let machine = Machine::new([5.0, 2.0]);
     let steady = |samples| Array2::from_elem((2, samples), VELOCITY_RAD_S);
-    let (glide, run) = (machine.run(steady(900).view(), &[0]), machine.run(steady(900).view(), &[1]));
+    let (glide, run) = (
+        machine.run(steady(900).view(), &[0]),
+        machine.run(steady(900).view(), &[1]),
+    );
     let hz = [2.0, 10.0, 60.0];
     let truth = Machine::truth(&hz);
-    let response = ndarray::Array3::from_shape_fn((3, 2, 2), |(line, output, input)| truth[line][(output, input)]);
+    let response = ndarray::Array3::from_shape_fn((3, 2, 2), |(line, output, input)| {
+        truth[line][(output, input)]
+    });
     let plant = Frf::new(hz.to_vec(), response).expect("sound");
     let ripple = RippleTorque::of_glide(&glide, &plant).expect("fits");
     assert!(ripple.subtract_glide(&run).is_ok());
-    let nowhere = Record { position_rad: None, ..glide.clone() };
-    assert!(matches!(RippleTorque::of_glide(&nowhere, &plant), Err(EstimateError::NoPosition(_))));
-    assert!(matches!(ripple.subtract_glide(&nowhere), Err(EstimateError::NoPosition(_))));
+    let nowhere = Record {
+        position_rad: None,
+        ..glide.clone()
+    };
+    assert!(matches!(
+        RippleTorque::of_glide(&nowhere, &plant),
+        Err(EstimateError::NoPosition(_))
+    ));
+    assert!(matches!(
+        ripple.subtract_glide(&nowhere),
+        Err(EstimateError::NoPosition(_))
+    ));
     let mut elsewhere = run.clone();
-    elsewhere.position_rad.as_mut().expect("measured").mapv_inplace(|position| position + 1.0);
-    assert!(matches!(ripple.subtract_glide(&elsewhere), Err(EstimateError::BeyondGlide { channel: 0, .. })));
+    elsewhere
+        .position_rad
+        .as_mut()
+        .expect("measured")
+        .mapv_inplace(|position| position + 1.0);
+    assert!(matches!(
+        ripple.subtract_glide(&elsewhere),
+        Err(EstimateError::BeyondGlide { channel: 0, .. })
+    ));
     let mut turning = glide.clone();
-    turning.position_rad.as_mut().expect("measured").slice_mut(s![1, 600..]).fill(0.0);
-    turning.position_rad.as_mut().expect("measured").slice_mut(s![1, 700..]).fill(-1.0);
-    assert!(matches!(RippleTorque::of_glide(&turning, &plant), Err(EstimateError::NotMonotone { channel: 1, .. })));
+    turning
+        .position_rad
+        .as_mut()
+        .expect("measured")
+        .slice_mut(s![1, 600..])
+        .fill(0.0);
+    turning
+        .position_rad
+        .as_mut()
+        .expect("measured")
+        .slice_mut(s![1, 700..])
+        .fill(-1.0);
+    assert!(matches!(
+        RippleTorque::of_glide(&turning, &plant),
+        Err(EstimateError::NotMonotone { channel: 1, .. })
+    ));
     let mut deaf = plant.clone();
     deaf.response.slice_mut(s![1, 0, ..]).fill(Complex64::ZERO);
-    assert!(matches!(RippleTorque::of_glide(&glide, &deaf), Err(EstimateError::SingularPlant { .. })));
+    assert!(matches!(
+        RippleTorque::of_glide(&glide, &deaf),
+        Err(EstimateError::SingularPlant { .. })
+    ));
 }

@@ -1,4 +1,5 @@
-//! What is taken off the records of a constant velocity before their spectra are taken (SK15 section 4.4 E).
+//! What is taken off the records of a constant velocity before their spectra are taken (SK15
+//! section 4.4 E).
 
 use ndarray::Array2;
 
@@ -24,24 +25,39 @@ impl Baseline {
     /// # Errors
     /// [`ExperimentError::Signal`] if they differ in shape.
     pub fn of_glides(glides: &[&Record]) -> Result<Self, ExperimentError> {
-        let Some(&first) = glides.first() else { return Ok(Self::None) };
+        let Some(&first) = glides.first() else {
+            return Ok(Self::None);
+        };
         let mean = |name, signal: &dyn Fn(&Record) -> &Array2<f64>| {
             let mut sum = Array2::zeros(signal(first).dim());
             for glide in glides {
                 if signal(glide).dim() != sum.dim() {
                     let needed = format!("{:?}, as in the first glide", sum.shape());
-                    return Err(SignalError::Shape { name, found: signal(glide).shape().to_vec(), needed });
+                    return Err(SignalError::Shape {
+                        name,
+                        found: signal(glide).shape().to_vec(),
+                        needed,
+                    });
                 }
                 sum += signal(glide);
             }
             Ok(sum / glides.len() as f64)
         };
-        let (u, y) = (mean("u of a glide", &|glide| &glide.u)?, mean("y of a glide", &|glide| &glide.y)?);
+        let (u, y) = (
+            mean("u of a glide", &|glide| &glide.u)?,
+            mean("y of a glide", &|glide| &glide.y)?,
+        );
         let position_rad = mean_position(glides);
-        Ok(Self::Glide(Record { u, y, position_rad, ..first.clone() }))
+        Ok(Self::Glide(Record {
+            u,
+            y,
+            position_rad,
+            ..first.clone()
+        }))
     }
 
-    /// The same with the ripple over the motor position, for which a first estimate of the plant is needed.
+    /// The same with the ripple over the motor position, for which a first estimate of the plant is
+    /// needed.
     ///
     /// # Errors
     /// [`ExperimentError::Estimate`] for glides without positions, or a plant that does not fit.
@@ -69,7 +85,10 @@ impl Baseline {
 fn mean_position(glides: &[&Record]) -> Option<Array2<f64>> {
     let mut sum = Array2::zeros(glides.first()?.position_rad.as_ref()?.dim());
     for glide in glides {
-        let position = glide.position_rad.as_ref().filter(|position| position.dim() == sum.dim())?;
+        let position = glide
+            .position_rad
+            .as_ref()
+            .filter(|position| position.dim() == sum.dim())?;
         sum += position;
     }
     Some(sum / glides.len() as f64)

@@ -1,4 +1,5 @@
-//! Doing the runs of a plan on a testbed, several at once: the records do not depend on the number of jobs.
+//! Doing the runs of a plan on a testbed, several at once: the records do not depend on the number
+//! of jobs.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -17,14 +18,15 @@ pub fn silent(_done: usize, _total: usize) -> bool {
     true
 }
 
-/// Does the runs `ids` on `jobs` threads (0: one for each core) and hands each record to `keep`, in no particular order.
+/// Does the runs `ids` on `jobs` threads (0: one for each core) and hands each record to `keep`, in
+/// no particular order.
 ///
-/// `reference` gives the run to an id: [`frfid_signals::Plan::run`], or a reader of a plan file. Memory is that of `jobs`
-/// records.
+/// `reference` gives the run to an id: [`frfid_signals::Plan::run`], or a reader of a plan file.
+/// Memory is that of `jobs` records.
 ///
 /// # Errors
-/// The first error of reference, testbed or `keep`; [`ExperimentError::Interrupted`] when `progress` said so. Runs that were
-/// already under way are finished and kept.
+/// The first error of reference, testbed or `keep`; [`ExperimentError::Interrupted`] when
+/// `progress` said so. Runs that were already under way are finished and kept.
 pub fn run_all(
     ids: &[RunId],
     reference: &(dyn Fn(RunId) -> Result<Run, ExperimentError> + Sync),
@@ -33,10 +35,16 @@ pub fn run_all(
     progress: Progress,
     keep: &(dyn Fn(&Run, Record) -> Result<(), ExperimentError> + Sync),
 ) -> Result<(), ExperimentError> {
-    let (done, stop) = (AtomicUsize::new(0), AtomicBool::new(!progress(0, ids.len())));
+    let (done, stop) = (
+        AtomicUsize::new(0),
+        AtomicBool::new(!progress(0, ids.len())),
+    );
     let one = |&id: &RunId| {
         if stop.load(Ordering::Relaxed) {
-            return Err(ExperimentError::Interrupted { done: done.load(Ordering::Relaxed), total: ids.len() });
+            return Err(ExperimentError::Interrupted {
+                done: done.load(Ordering::Relaxed),
+                total: ids.len(),
+            });
         }
         let run = reference(id)?;
         let record = testbed.run(&run)?;
@@ -61,5 +69,9 @@ pub fn in_pool<T: Send>(
         return work();
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
-    pool.map_err(|error| ExperimentError::Threads { jobs, reason: error.to_string() })?.install(work)
+    pool.map_err(|error| ExperimentError::Threads {
+        jobs,
+        reason: error.to_string(),
+    })?
+    .install(work)
 }

@@ -41,7 +41,9 @@ pub enum ExperimentError {
         source: EstimateError,
     },
     /// Somebody asked to stop.
-    #[error("interrupted after {done} of {total} runs; what was done is kept, the same command goes on from there")]
+    #[error(
+        "interrupted after {done} of {total} runs; what was done is kept, the same command goes on from there"
+    )]
     Interrupted {
         /// Runs done.
         done: usize,
@@ -52,7 +54,9 @@ pub enum ExperimentError {
     #[error(transparent)]
     Shape(#[from] ShapeError),
     /// Somebody asked to stop a shaping.
-    #[error("interrupted in iteration {iteration}; what was done is kept, the same command goes on from there")]
+    #[error(
+        "interrupted in iteration {iteration}; what was done is kept, the same command goes on from there"
+    )]
     ShapingInterrupted {
         /// The iteration, from 1, whose runs are not all done.
         iteration: usize,

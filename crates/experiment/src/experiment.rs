@@ -46,16 +46,25 @@ impl Experiment {
     pub fn of(config: Config, source: Source) -> Result<Self, ConfigError> {
         config.robot.check(&source)?;
         let n_axes = config.robot.n_axes();
-        config.controller.iter().try_for_each(|table| table.check(config.sample_time_s, n_axes, &source))?;
+        config
+            .controller
+            .iter()
+            .try_for_each(|table| table.check(config.sample_time_s, n_axes, &source))?;
         let plan = design(&config, &source)?;
-        let experiment = Self { source, config, plan };
+        let experiment = Self {
+            source,
+            config,
+            plan,
+        };
         experiment.check_feasible()?;
         Ok(experiment)
     }
 
-    /// The description as one TOML text that stands alone: it travels with every plan, record and result.
+    /// The description as one TOML text that stands alone: it travels with every plan, record and
+    /// result.
     #[must_use]
     pub fn to_toml(&self) -> String {
-        toml::to_string(&self.config).expect("every table of a configuration can be written as TOML")
+        toml::to_string(&self.config)
+            .expect("every table of a configuration can be written as TOML")
     }
 }

@@ -1,4 +1,5 @@
-//! What can be told of an experiment before it is simulated: limits that leave no amplitude, and what looks like a mistake.
+//! What can be told of an experiment before it is simulated: limits that leave no amplitude, and
+//! what looks like a mistake.
 
 use frfid_plant::check_stability;
 
@@ -8,26 +9,47 @@ use crate::source::ConfigError;
 use crate::{Experiment, ExperimentError};
 
 impl Experiment {
-    /// What is possible but looks like a mistake: inertias that no body can have, and gains under which the linear loop is
-    /// not stable.
+    /// What is possible but looks like a mistake: inertias that no body can have, and gains under
+    /// which the linear loop is not stable.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = self.config.robot.arm().map_or_else(Vec::new, |arm| arm.warnings());
+        let mut warnings = self
+            .config
+            .robot
+            .arm()
+            .map_or_else(Vec::new, |arm| arm.warnings());
         if let (Some(table), Ok(robot)) = (&self.config.controller, self.robot()) {
-            let (controller, sensors) = (table.controller(self.config.sample_time_s), self.config.robot.sensors());
-            warnings.extend(check_stability(&*robot, &controller, &sensors).err().map(|error| error.to_string()));
+            let (controller, sensors) = (
+                table.controller(self.config.sample_time_s),
+                self.config.robot.sensors(),
+            );
+            warnings.extend(
+                check_stability(&*robot, &controller, &sensors)
+                    .err()
+                    .map(|error| error.to_string()),
+            );
         }
         warnings
     }
 
-    /// Refuses a limit that friction, gravity and the constant velocity exceed without any excitation.
+    /// Refuses a limit that friction, gravity and the constant velocity exceed without any
+    /// excitation.
     ///
     /// # Errors
     /// [`ConfigError`] at the limit.
     pub(crate) fn check_feasible(&self) -> Result<(), ConfigError> {
-        let resting = self.resting().map_err(|error| self.source.error(&["robot"], error.to_string()))?;
-        let Some(excess) = resting.excesses(&self.limits()).into_iter().next() else { return Ok(()) };
-        let Excess { axis, limit, allowed, found } = excess;
+        let resting = self
+            .resting()
+            .map_err(|error| self.source.error(&["robot"], error.to_string()))?;
+        let Some(excess) = resting.excesses(&self.limits()).into_iter().next() else {
+            return Ok(());
+        };
+        let Excess {
+            axis,
+            limit,
+            allowed,
+            found,
+        } = excess;
         let unit = LimitsTable::unit(limit);
         let message = format!(
             "no amplitude is left: without any excitation axis {} ({}) is at {found:.5} {unit}, {} is {allowed:.5} {unit}; \
@@ -42,14 +64,22 @@ impl Experiment {
     /// The limit, and whose it is.
     #[must_use]
     pub fn whose(&self, excess: &Excess) -> String {
-        let whose = if self.is_robots(excess.limit, excess.axis) { "the robot's" } else { "the limit" };
+        let whose = if self.is_robots(excess.limit, excess.axis) {
+            "the robot's"
+        } else {
+            "the limit"
+        };
         format!("{whose} {}", excess.limit)
     }
 
     /// Where the limit stands in the description.
     #[must_use]
     pub fn place_of(&self, excess: &Excess) -> Vec<&'static str> {
-        if self.is_robots(excess.limit, excess.axis) { vec!["robot"] } else { vec!["limits", excess.limit] }
+        if self.is_robots(excess.limit, excess.axis) {
+            vec!["robot"]
+        } else {
+            vec!["limits", excess.limit]
+        }
     }
 
     /// What the runs ask of the robot without their excitation, at both ends of their way.
@@ -59,9 +89,21 @@ impl Experiment {
         let end: Vec<f64> = start.iter().map(|start| -start).collect();
         let holding = [&start, &end].map(|place| Ok(robot.start(place, velocity)?.holding_nm()));
         let [at_start, at_end]: [Result<Vec<f64>, ExperimentError>; 2] = holding;
-        let effort_nm = at_start?.iter().zip(at_end?).map(|(a, b)| a.abs().max(b.abs())).collect();
+        let effort_nm = at_start?
+            .iter()
+            .zip(at_end?)
+            .map(|(a, b)| a.abs().max(b.abs()))
+            .collect();
         let way: Vec<f64> = start.iter().map(|start| start.abs()).collect();
-        let from_pose = |sign: f64| self.config.robot.pose().iter().zip(&way).map(|(q, way)| q + sign * way).collect();
+        let from_pose = |sign: f64| {
+            self.config
+                .robot
+                .pose()
+                .iter()
+                .zip(&way)
+                .map(|(q, way)| q + sign * way)
+                .collect()
+        };
         Ok(Peaks {
             effort_nm,
             effort_rate_nm_per_s: vec![0.0; way.len()],

@@ -20,11 +20,15 @@ impl Experiment {
         jobs: usize,
         progress: Progress,
     ) -> Result<Estimated, ExperimentError> {
-        let [estimated] = self.measure_each([&self.config.estimate], testbed, jobs, progress, &|_, _| Ok(()))?;
+        let [estimated] =
+            self.measure_each([&self.config.estimate], testbed, jobs, progress, &|_, _| {
+                Ok(())
+            })?;
         Ok(estimated)
     }
 
-    /// Does every run once and estimates the FRF in several ways, one for each table; `look` sees every record before it goes.
+    /// Does every run once and estimates the FRF in several ways, one for each table; `look` sees
+    /// every record before it goes.
     ///
     /// # Errors
     /// As [`Experiment::measure`], and those of `look`.
@@ -36,32 +40,55 @@ impl Experiment {
         progress: Progress,
         look: &(dyn Fn(&Run, &Record) -> Result<(), ExperimentError> + Sync),
     ) -> Result<[Estimated; N], ExperimentError> {
-        let mut estimators =
-            ways.iter().map(|way| Estimator::new(&self.plan, way)).collect::<Result<Vec<_>, ExperimentError>>()?;
-        let comes_first = |id: &RunId| estimators.iter().any(|estimator| estimator.comes_first(*id));
+        let mut estimators = ways
+            .iter()
+            .map(|way| Estimator::new(&self.plan, way))
+            .collect::<Result<Vec<_>, ExperimentError>>()?;
+        let comes_first = |id: &RunId| {
+            estimators
+                .iter()
+                .any(|estimator| estimator.comes_first(*id))
+        };
         let (first, rest): (Vec<RunId>, Vec<RunId>) = self.plan.run_ids().partition(comes_first);
         let total = first.len() + rest.len();
         let records: Mutex<Vec<(RunId, Record)>> = Mutex::default();
         let reference = |id| Ok(self.plan.run(id)?);
         let of_all = |done: usize, _: usize| progress(done, total);
-        run_all(&first, &reference, testbed, jobs, &of_all, &|run, record| {
-            look(run, &record)?;
-            records.lock().expect("no holder of the lock panics").push((run.id, record));
-            Ok(())
-        })?;
+        run_all(
+            &first,
+            &reference,
+            testbed,
+            jobs,
+            &of_all,
+            &|run, record| {
+                look(run, &record)?;
+                records
+                    .lock()
+                    .expect("no holder of the lock panics")
+                    .push((run.id, record));
+                Ok(())
+            },
+        )?;
         let mut records = records.into_inner().expect("no holder of the lock panics");
         // a mean over them is then the same whatever the order in which they came
         records.sort_by_key(|(id, _)| *id);
-        estimators.iter_mut().try_for_each(|estimator| estimator.prepare(&records))?;
+        estimators
+            .iter_mut()
+            .try_for_each(|estimator| estimator.prepare(&records))?;
         let spectra: [Mutex<Spectra>; N] = std::array::from_fn(|_| Mutex::default());
         let estimate = |id: RunId, record: &Record| {
             for (estimator, spectra) in estimators.iter().zip(&spectra) {
                 let periods = estimator.spectra(id, record, &|_| false)?;
-                spectra.lock().expect("no holder of the lock panics").extend(periods);
+                spectra
+                    .lock()
+                    .expect("no holder of the lock panics")
+                    .extend(periods);
             }
             Ok(())
         };
-        records.iter().try_for_each(|(id, record)| estimate(*id, record))?;
+        records
+            .iter()
+            .try_for_each(|(id, record)| estimate(*id, record))?;
         drop(records);
         let of_all = |done: usize, _: usize| progress(first.len() + done, total);
         run_all(&rest, &reference, testbed, jobs, &of_all, &|run, record| {
@@ -86,7 +113,11 @@ pub fn estimate_records(
     records: &[(RunId, Record)],
 ) -> Result<Estimated, ExperimentError> {
     let mut estimator = Estimator::new(plan, options)?;
-    let mut first: Vec<_> = records.iter().filter(|(id, _)| estimator.comes_first(*id)).cloned().collect();
+    let mut first: Vec<_> = records
+        .iter()
+        .filter(|(id, _)| estimator.comes_first(*id))
+        .cloned()
+        .collect();
     first.sort_by_key(|(id, _)| *id);
     estimator.prepare(&first)?;
     let mut spectra = Spectra::default();

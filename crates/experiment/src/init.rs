@@ -1,4 +1,5 @@
-//! Templates of `experiment.toml`, one for each kind of experiment: the very files under `examples/`.
+//! Templates of `experiment.toml`, one for each kind of experiment: the very files under
+//! `examples/`.
 
 /// A template.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -13,9 +14,18 @@ pub struct Template {
 }
 
 /// The robots, as they stand in `examples/robots/`.
-const PAPER_JOINT: (&str, &str) = ("paper_joint", include_str!("../../../examples/robots/paper_joint.toml"));
-const MANUTEC_R3: (&str, &str) = ("manutec_r3", include_str!("../../../examples/robots/manutec_r3.toml"));
-const SIX_AXIS: (&str, &str) = ("six_axis", include_str!("../../../examples/robots/six_axis.toml"));
+const PAPER_JOINT: (&str, &str) = (
+    "paper_joint",
+    include_str!("../../../examples/robots/paper_joint.toml"),
+);
+const MANUTEC_R3: (&str, &str) = (
+    "manutec_r3",
+    include_str!("../../../examples/robots/manutec_r3.toml"),
+);
+const SIX_AXIS: (&str, &str) = (
+    "six_axis",
+    include_str!("../../../examples/robots/six_axis.toml"),
+);
 
 /// Every template.
 pub const TEMPLATES: [Template; 7] = [
@@ -70,29 +80,41 @@ impl Template {
         TEMPLATES.iter().find(|template| template.kind == kind)
     }
 
-    /// The text, the robot's tables in place of the robot's file: it stands alone wherever it is written.
+    /// The text, the robot's tables in place of the robot's file: it stands alone wherever it is
+    /// written.
     #[must_use]
     pub fn text(&self) -> String {
         let (name, robot) = self.robot;
-        self.text.replace(&format!("[robot]\nfile = \"../robots/{name}.toml\"\n"), &within_robot(robot))
+        self.text.replace(
+            &format!("[robot]\nfile = \"../robots/{name}.toml\"\n"),
+            &within_robot(robot),
+        )
     }
 }
 
-/// A robot file's text as it stands in `experiment.toml`: its tables are `[robot.TABLE]`, its keys those of `[robot]`.
+/// A robot file's text as it stands in `experiment.toml`: its tables are `[robot.TABLE]`, its keys
+/// those of `[robot]`.
 fn within_robot(text: &str) -> String {
     let mut lines: Vec<String> = text.lines().map(table_within_robot).collect();
     let is_entry = |line: &String| !line.is_empty() && !line.starts_with('#');
-    if let Some(first) = lines.iter().position(is_entry).filter(|&first| !lines[first].starts_with('[')) {
+    if let Some(first) = lines
+        .iter()
+        .position(is_entry)
+        .filter(|&first| !lines[first].starts_with('['))
+    {
         lines.insert(first, "[robot]".to_owned());
     }
     lines.join("\n") + "\n"
 }
 
-/// A line, in which the name of a table is put beneath `robot`; lines within a list are indented and no headers.
+/// A line, in which the name of a table is put beneath `robot`; lines within a list are indented
+/// and no headers.
 fn table_within_robot(line: &str) -> String {
     match line.strip_prefix("[[") {
         Some(name) => format!("[[robot.{name}"),
-        None => line.strip_prefix('[').map_or_else(|| line.to_owned(), |name| format!("[robot.{name}")),
+        None => line
+            .strip_prefix('[')
+            .map_or_else(|| line.to_owned(), |name| format!("[robot.{name}")),
     }
 }
 
@@ -104,11 +126,21 @@ mod tests {
     #[test]
     fn every_template_stands_alone_and_is_sound() {
         for template in TEMPLATES {
-            let source = Source { name: template.kind.into(), text: template.text() };
+            let source = Source {
+                name: template.kind.into(),
+                text: template.text(),
+            };
             let experiment = Experiment::new(source, "nowhere".as_ref()).expect(template.kind);
-            let axes = [("six", 6), ("r3", 3), ("", 1)].into_iter().find(|(kind, _)| template.kind.starts_with(kind));
+            let axes = [("six", 6), ("r3", 3), ("", 1)]
+                .into_iter()
+                .find(|(kind, _)| template.kind.starts_with(kind));
             assert_eq!(axes.map(|(_, axes)| axes), Some(experiment.plan.n_inputs));
-            assert_eq!(experiment.warnings(), Vec::<String>::new(), "{}", template.kind);
+            assert_eq!(
+                experiment.warnings(),
+                Vec::<String>::new(),
+                "{}",
+                template.kind
+            );
         }
     }
 }

@@ -49,8 +49,8 @@ pub use own_logs::{OwnLogs, estimate_own, find_logs};
 pub use predict::{Excess, Peaks, Prediction, predict};
 pub use result::{Estimate, EstimateOptions, estimate_logs};
 pub use robot::{
-    BodyTable, ChallengesTable, ControllerTable, InertiaTable, JointTable, MotorRippleTable, PayloadTable, RippleTable,
-    RobotTable, SensorTable, SingleJointTable, UrdfTable,
+    BodyTable, ChallengesTable, ControllerTable, InertiaTable, JointTable, MotorRippleTable,
+    PayloadTable, RippleTable, RobotTable, SensorTable, SingleJointTable, UrdfTable,
 };
 pub use run_folder::{RunOptions, RunReport, RunSummary, run_to_folder};
 pub use schema::schema;

@@ -24,16 +24,22 @@ impl Measured {
     #[must_use]
     pub fn errors_db(&self, band_hz: RangeInclusive<f64>) -> Vec<f64> {
         let (ours, truth) = (self.frf.magnitude_db(0, 0), self.truth.magnitude_db(0, 0));
-        let mut errors: Vec<f64> = self.in_band(band_hz).map(|k| (ours[k] - truth[k]).abs()).collect();
+        let mut errors: Vec<f64> = self
+            .in_band(band_hz)
+            .map(|k| (ours[k] - truth[k]).abs())
+            .collect();
         errors.sort_by(f64::total_cmp);
         errors
     }
 
-    /// Largest magnitude of the estimate in a band: frequency in Hz and dB; `None` for a band without lines.
+    /// Largest magnitude of the estimate in a band: frequency in Hz and dB; `None` for a band
+    /// without lines.
     #[must_use]
     pub fn peak(&self, band_hz: RangeInclusive<f64>) -> Option<(f64, f64)> {
         let magnitude = self.frf.magnitude_db(0, 0);
-        let highest = self.in_band(band_hz).max_by(|&a, &b| magnitude[a].total_cmp(&magnitude[b]))?;
+        let highest = self
+            .in_band(band_hz)
+            .max_by(|&a, &b| magnitude[a].total_cmp(&magnitude[b]))?;
         Some((self.frf.frequency_hz[highest], magnitude[highest]))
     }
 
@@ -47,23 +53,34 @@ impl Measured {
     /// How far the peak stands above the notch in a band: dB of the estimate and of the truth.
     #[must_use]
     pub fn contrasts_db(&self, band_hz: RangeInclusive<f64>) -> (f64, f64) {
-        let [ours, truth] = self.extremes(band_hz, &|frf| frf.magnitude_db(0, 0)).map(|(low, high)| high - low);
+        let [ours, truth] = self
+            .extremes(band_hz, &|frf| frf.magnitude_db(0, 0))
+            .map(|(low, high)| high - low);
         (ours, truth)
     }
 
-    /// Span of the phase, largest minus smallest, in a band: degrees of the estimate and of the truth.
+    /// Span of the phase, largest minus smallest, in a band: degrees of the estimate and of the
+    /// truth.
     #[must_use]
     pub fn phase_spans_deg(&self, band_hz: RangeInclusive<f64>) -> (f64, f64) {
-        let [ours, truth] = self.extremes(band_hz, &|frf| frf.phase_deg(0, 0)).map(|(low, high)| high - low);
+        let [ours, truth] = self
+            .extremes(band_hz, &|frf| frf.phase_deg(0, 0))
+            .map(|(low, high)| high - low);
         (ours, truth)
     }
 
     /// Smallest and largest value of a quantity in a band, of the estimate and of the truth.
-    fn extremes(&self, band_hz: RangeInclusive<f64>, quantity: &dyn Fn(&Frf) -> Vec<f64>) -> [(f64, f64); 2] {
+    fn extremes(
+        &self,
+        band_hz: RangeInclusive<f64>,
+        quantity: &dyn Fn(&Frf) -> Vec<f64>,
+    ) -> [(f64, f64); 2] {
         [&self.frf, &self.truth].map(|frf| {
             let values = quantity(frf);
             self.in_band(band_hz.clone())
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), k| (low.min(values[k]), high.max(values[k])))
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), k| {
+                    (low.min(values[k]), high.max(values[k]))
+                })
         })
     }
 
@@ -75,5 +92,9 @@ impl Measured {
 /// Largest |A - B| / |B| over all frequencies and entries of two FRFs on the same frequencies.
 #[must_use]
 pub fn largest_relative_difference(a: &Frf, b: &Frf) -> f64 {
-    a.response.iter().zip(&b.response).map(|(a, b)| (a - b).norm() / b.norm()).fold(0.0, f64::max)
+    a.response
+        .iter()
+        .zip(&b.response)
+        .map(|(a, b)| (a - b).norm() / b.norm())
+        .fold(0.0, f64::max)
 }

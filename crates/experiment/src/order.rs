@@ -1,4 +1,5 @@
-//! What is to be run: a description, whose references are made from the seed, or a plan file, whose references are read.
+//! What is to be run: a description, whose references are made from the seed, or a plan file, whose
+//! references are read.
 
 use std::path::Path;
 
@@ -24,19 +25,33 @@ impl Order {
     /// # Errors
     /// [`ExperimentError`]: unreadable, damaged, or not what it should be.
     pub fn load(path: &Path) -> Result<Self, ExperimentError> {
-        if path.extension().is_some_and(|extension| extension == "toml") {
-            return Ok(Self { experiment: Experiment::load(path)?, plan: None });
+        if path
+            .extension()
+            .is_some_and(|extension| extension == "toml")
+        {
+            return Ok(Self {
+                experiment: Experiment::load(path)?,
+                plan: None,
+            });
         }
         let plan = PlanFile::open(path)?;
-        let source =
-            Source { name: format!("experiment.toml in {}", path.display()), text: plan.head.experiment_toml.clone() };
-        Ok(Self { experiment: Experiment::new(source, Path::new(""))?, plan: Some(plan) })
+        let source = Source {
+            name: format!("experiment.toml in {}", path.display()),
+            text: plan.head.experiment_toml.clone(),
+        };
+        Ok(Self {
+            experiment: Experiment::new(source, Path::new(""))?,
+            plan: Some(plan),
+        })
     }
 
     /// An order to run a description.
     #[must_use]
     pub fn of(experiment: Experiment) -> Self {
-        Self { experiment, plan: None }
+        Self {
+            experiment,
+            plan: None,
+        }
     }
 
     /// Every run, in the order in which they are done.
@@ -61,11 +76,17 @@ impl Order {
 }
 
 impl Experiment {
-    /// Writes the references of every run as a plan file that a player on the robot's side can send.
+    /// Writes the references of every run as a plan file that a player on the robot's side can
+    /// send.
     ///
     /// # Errors
     /// [`ExperimentError::File`], also when `progress` said to stop.
-    pub fn write_plan(&self, path: &Path, overwrite: Overwrite, progress: Progress) -> Result<(), ExperimentError> {
+    pub fn write_plan(
+        &self,
+        path: &Path,
+        overwrite: Overwrite,
+        progress: Progress,
+    ) -> Result<(), ExperimentError> {
         let plan = &self.plan;
         let head = PlanHead {
             joint_names: self.config.robot.joint_names(),
@@ -81,10 +102,20 @@ impl Experiment {
         let ids: Vec<RunId> = plan.run_ids().filter(|id| id.repetition == 0).collect();
         let runs = ids.iter().enumerate().map(|(done, &id)| {
             if !progress(done, ids.len()) {
-                return Err(BoxError::from(ExperimentError::Interrupted { done, total: ids.len() }));
+                return Err(BoxError::from(ExperimentError::Interrupted {
+                    done,
+                    total: ids.len(),
+                }));
             }
-            let n_repetitions = if id.kind == RunKind::Glide { plan.n_glides } else { plan.n_repetitions };
-            Ok(PlannedRun { run: plan.run(id)?, n_repetitions })
+            let n_repetitions = if id.kind == RunKind::Glide {
+                plan.n_glides
+            } else {
+                plan.n_repetitions
+            };
+            Ok(PlannedRun {
+                run: plan.run(id)?,
+                n_repetitions,
+            })
         });
         Ok(write_plan(path, overwrite, &head, runs)?)
     }

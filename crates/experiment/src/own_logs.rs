@@ -1,4 +1,5 @@
-//! From the runs of one plan, as files, to the FRF: everything needed stands in the files themselves.
+//! From the runs of one plan, as files, to the FRF: everything needed stands in the files
+//! themselves.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -41,12 +42,16 @@ pub struct OwnLogs {
 /// The files among `paths` in the order given, the MCAP files of a folder by name, each file once.
 ///
 /// # Errors
-/// [`ExperimentError::File`] for a path that does not exist or cannot be listed, [`ExperimentError::Logs`] for none.
+/// [`ExperimentError::File`] for a path that does not exist or cannot be listed,
+/// [`ExperimentError::Logs`] for none.
 pub fn find_logs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentError> {
     let mut found: Vec<PathBuf> = Vec::new();
     for path in paths {
-        let failed =
-            |error: std::io::Error| FileError::Io { path: path.clone(), action: "read", reason: error.to_string() };
+        let failed = |error: std::io::Error| FileError::Io {
+            path: path.clone(),
+            action: "read",
+            reason: error.to_string(),
+        };
         if !std::fs::metadata(path).map_err(failed)?.is_dir() {
             found.push(path.clone());
             continue;
@@ -54,7 +59,10 @@ pub fn find_logs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentError> {
         let mut inside = BTreeSet::new();
         for entry in std::fs::read_dir(path).map_err(failed)? {
             let path = entry.map_err(failed)?.path();
-            if path.extension().is_some_and(|extension| extension == "mcap") {
+            if path
+                .extension()
+                .is_some_and(|extension| extension == "mcap")
+            {
                 inside.insert(path);
             }
         }
@@ -73,11 +81,13 @@ pub fn find_logs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentError> {
     Ok(found)
 }
 
-/// Estimates the FRF from the files of one plan, in any order; `options` replaces the `[estimate]` table that travelled with
-/// them. Memory is that of `jobs` records and of the spectra, whatever the length of the campaign.
+/// Estimates the FRF from the files of one plan, in any order; `options` replaces the `[estimate]`
+/// table that travelled with them. Memory is that of `jobs` records and of the spectra, whatever
+/// the length of the campaign.
 ///
 /// # Errors
-/// [`ExperimentError`]: no file is readable, files of different plans, a run twice, or too few runs.
+/// [`ExperimentError`]: no file is readable, files of different plans, a run twice, or too few
+/// runs.
 pub fn estimate_own(
     paths: &[PathBuf],
     options: Option<&EstimateTable>,
@@ -86,7 +96,10 @@ pub fn estimate_own(
 ) -> Result<OwnLogs, ExperimentError> {
     let labels = Labels::read(paths)?;
     let experiment = labels.experiment()?;
-    let mut estimator = Estimator::new(&experiment.plan, options.unwrap_or(&experiment.config.estimate))?;
+    let mut estimator = Estimator::new(
+        &experiment.plan,
+        options.unwrap_or(&experiment.config.estimate),
+    )?;
     let files = Files {
         experiment: &experiment,
         plan: &experiment.plan,
@@ -103,14 +116,32 @@ pub fn estimate_own(
         if estimator.learns_ripple() {
             estimator.learn_ripple(&files.learning(&labels)?)?;
         }
-        labels.of_kind(RunKind::Excitation).par_bridge().try_for_each(|(path, id)| files.excited(path, id, &estimator))
+        labels
+            .of_kind(RunKind::Excitation)
+            .par_bridge()
+            .try_for_each(|(path, id)| files.excited(path, id, &estimator))
     })?;
-    let Found { spectra, mut losses, peaks, strengths } =
-        files.found.into_inner().expect("no holder of the lock panics");
+    let Found {
+        spectra,
+        mut losses,
+        peaks,
+        strengths,
+    } = files
+        .found
+        .into_inner()
+        .expect("no holder of the lock panics");
     losses.sort_by(|(a, _), (b, _)| a.cmp(b));
     let estimated = estimator.estimate(spectra)?;
     let (n_files, strength) = (labels.runs.len(), experiment.strength(strengths));
-    Ok(OwnLogs { estimated, experiment, n_files, unreadable: labels.unreadable, losses, peaks, strength })
+    Ok(OwnLogs {
+        estimated,
+        experiment,
+        n_files,
+        unreadable: labels.unreadable,
+        losses,
+        peaks,
+        strength,
+    })
 }
 
 /// Which file holds which run.
@@ -137,7 +168,10 @@ impl Labels {
                     runs.push((path.clone(), label.run));
                     let name = || format!("experiment.toml in {}", path.display());
                     description = description.or_else(|| {
-                        label.experiment_toml.filter(|text| !text.is_empty()).map(|text| Source { name: name(), text })
+                        label
+                            .experiment_toml
+                            .filter(|text| !text.is_empty())
+                            .map(|text| Source { name: name(), text })
                     });
                 }
                 Err(error) => {
@@ -148,12 +182,19 @@ impl Labels {
         }
         match first_error {
             Some(error) if runs.is_empty() => Err(error.into()),
-            _ => Ok(Self { runs, description, unreadable }),
+            _ => Ok(Self {
+                runs,
+                description,
+                unreadable,
+            }),
         }
     }
 
     fn of_kind(&self, kind: RunKind) -> impl Iterator<Item = (&Path, RunId)> + Send {
-        self.runs.iter().filter(move |(_, id)| id.kind == kind).map(|(path, id)| (path.as_path(), *id))
+        self.runs
+            .iter()
+            .filter(move |(_, id)| id.kind == kind)
+            .map(|(path, id)| (path.as_path(), *id))
     }
 
     /// The description that travelled with the runs.
@@ -208,24 +249,34 @@ impl Files<'_> {
     fn record(&self, path: &Path) -> Result<(Record, Vec<Loss>), ExperimentError> {
         let done = self.read.fetch_add(1, Ordering::Relaxed);
         if !(self.progress)(done, self.total) {
-            return Err(ExperimentError::Interrupted { done, total: self.total });
+            return Err(ExperimentError::Interrupted {
+                done,
+                total: self.total,
+            });
         }
         let (run, mut losses) = read_run(path)?;
         let mut found = self.found.lock().expect("no holder of the lock panics");
         if losses.is_empty() {
             let peaks = Peaks::of(&run.record, &self.start_rad, &self.pose_rad);
             Peaks::enlarge(&mut found.peaks, &peaks);
-            found
-                .strengths
-                .extend(self.experiment.strength_of(run.run, &run.record).map(|strength| (run.run, strength)));
+            found.strengths.extend(
+                self.experiment
+                    .strength_of(run.run, &run.record)
+                    .map(|strength| (run.run, strength)),
+            );
         }
         losses.extend(stop_of(&run.record, self.plan.run_samples()?));
-        found.losses.extend(losses.iter().map(|loss| (path.to_owned(), loss.clone())));
+        found
+            .losses
+            .extend(losses.iter().map(|loss| (path.to_owned(), loss.clone())));
         Ok((run.record, losses))
     }
 
     /// The whole records of the glides, by repetition.
-    fn glides<'p>(&self, labels: impl Iterator<Item = (&'p Path, RunId)>) -> Result<Vec<Record>, ExperimentError> {
+    fn glides<'p>(
+        &self,
+        labels: impl Iterator<Item = (&'p Path, RunId)>,
+    ) -> Result<Vec<Record>, ExperimentError> {
         let mut glides = Vec::new();
         for (path, id) in labels {
             let (record, losses) = self.record(path)?;
@@ -245,17 +296,32 @@ impl Files<'_> {
         Ok(glides.into_iter().map(|(_, record)| record).collect())
     }
 
-    /// The whole records of one run of every experiment of the same realization, the first for which there are all.
+    /// The whole records of one run of every experiment of the same realization, the first for
+    /// which there are all.
     fn learning(&self, labels: &Labels) -> Result<Vec<(RunId, Record)>, ExperimentError> {
         let mut groups: BTreeMap<(usize, usize), Vec<(&Path, RunId)>> = BTreeMap::new();
         for (path, id) in labels.of_kind(RunKind::Excitation) {
-            groups.entry((id.realization, id.repetition)).or_default().push((path, id));
+            groups
+                .entry((id.realization, id.repetition))
+                .or_default()
+                .push((path, id));
         }
-        for group in groups.into_values().filter(|group| group.len() == self.plan.n_experiments()) {
-            let read = group.into_iter().map(|(path, id)| read_run(path).map(|(run, losses)| (id, run.record, losses)));
+        for group in groups
+            .into_values()
+            .filter(|group| group.len() == self.plan.n_experiments())
+        {
+            let read = group
+                .into_iter()
+                .map(|(path, id)| read_run(path).map(|(run, losses)| (id, run.record, losses)));
             let read = read.collect::<Result<Vec<_>, _>>()?;
-            if read.iter().all(|(_, record, losses)| losses.is_empty() && record.stopped_at_s().is_none()) {
-                return Ok(read.into_iter().map(|(id, record, _)| (id, record)).collect());
+            if read
+                .iter()
+                .all(|(_, record, losses)| losses.is_empty() && record.stopped_at_s().is_none())
+            {
+                return Ok(read
+                    .into_iter()
+                    .map(|(id, record, _)| (id, record))
+                    .collect());
             }
         }
         Err(ExperimentError::Logs {
@@ -267,21 +333,42 @@ impl Files<'_> {
     }
 
     /// The spectra of the whole periods of an excited run.
-    fn excited(&self, path: &Path, id: RunId, estimator: &Estimator) -> Result<(), ExperimentError> {
+    fn excited(
+        &self,
+        path: &Path,
+        id: RunId,
+        estimator: &Estimator,
+    ) -> Result<(), ExperimentError> {
         let (mut record, losses) = self.record(path)?;
         let period_samples = self.plan.period_samples()?;
         let sample = |time_s: f64| (time_s / self.plan.sample_time_s).round() as usize;
         let lost = |period: usize| {
             let from = self.plan.lead_in_samples + period * period_samples;
-            let hits = |loss: &Loss| sample(loss.from_s) < from + period_samples && sample(loss.to_s) > from;
+            let hits = |loss: &Loss| {
+                sample(loss.from_s) < from + period_samples && sample(loss.to_s) > from
+            };
             losses.iter().any(hits)
         };
-        // lost samples lie in periods that are not used: a number in their place keeps the rest of the record usable
-        for signal in [Some(&mut record.u), Some(&mut record.y), record.r.as_mut(), record.position_rad.as_mut()] {
-            signal.into_iter().flatten().filter(|value| !value.is_finite()).for_each(|value| *value = 0.0);
+        // lost samples lie in periods that are not used: a number in their place keeps the rest of
+        // the record usable
+        for signal in [
+            Some(&mut record.u),
+            Some(&mut record.y),
+            record.r.as_mut(),
+            record.position_rad.as_mut(),
+        ] {
+            signal
+                .into_iter()
+                .flatten()
+                .filter(|value| !value.is_finite())
+                .for_each(|value| *value = 0.0);
         }
         let spectra = estimator.spectra(id, &record, &lost)?;
-        self.found.lock().expect("no holder of the lock panics").spectra.extend(spectra);
+        self.found
+            .lock()
+            .expect("no holder of the lock panics")
+            .spectra
+            .extend(spectra);
         Ok(())
     }
 }
@@ -295,5 +382,10 @@ fn stop_of(record: &Record, run_samples: usize) -> Option<Loss> {
     let reason = record.events.iter().find_map(why)?;
     let time_s = |samples: usize| samples as f64 * record.sample_time_s;
     let (from_s, to_s) = (time_s(record.n_steady_samples()), time_s(run_samples));
-    Some(Loss { topic: "run".into(), from_s, to_s, reason: format!("stopped: {reason}") })
+    Some(Loss {
+        topic: "run".into(),
+        from_s,
+        to_s,
+        reason: format!("stopped: {reason}"),
+    })
 }

@@ -1,5 +1,5 @@
-//! Where a file comes from: version, seed and hashes, the same in plans, records and results. No clock and no machine in it:
-//! the same description gives the same bytes.
+//! Where a file comes from: version, seed and hashes, the same in plans, records and results. No
+//! clock and no machine in it: the same description gives the same bytes.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,8 @@ use crate::Experiment;
 pub(crate) const PLAN: &str = "plan";
 /// Key of the hash of the plan: records with the same one belong together.
 pub(crate) const DESIGN: &str = "design_sha256";
-/// Key of the hash of the whole description, robot included: a run with the same one needs not be done again.
+/// Key of the hash of the whole description, robot included: a run with the same one needs not be
+/// done again.
 pub(crate) const CONFIG: &str = "config_sha256";
 
 impl Experiment {
@@ -21,7 +22,8 @@ impl Experiment {
         sha256_hex(self.to_toml().as_bytes())
     }
 
-    /// Version, seed, hashes and the plan itself, as they stand in the metadata record `frfid` of plans and runs.
+    /// Version, seed, hashes and the plan itself, as they stand in the metadata record `frfid` of
+    /// plans and runs.
     #[must_use]
     pub fn provenance(&self) -> BTreeMap<String, String> {
         let plan = plan_json(&self.plan);

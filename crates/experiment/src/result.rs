@@ -19,7 +19,8 @@ const GOOD_CONDITION: f64 = 20.0;
 /// How logs become a result.
 #[derive(Debug, Clone, Default)]
 pub struct EstimateOptions {
-    /// Replaces the `[estimate]` table that travelled with our own logs; the default for foreign ones.
+    /// Replaces the `[estimate]` table that travelled with our own logs; the default for foreign
+    /// ones.
     pub estimate: Option<EstimateTable>,
     /// Which signal is which, for recordings that frfid did not make.
     pub map: Option<LogMap>,
@@ -40,7 +41,8 @@ pub struct Estimate {
     pub strength: Option<Strength>,
 }
 
-/// Estimates the FRF of the logs in files and folders: our own by what travelled with them, foreign ones by `options.map`.
+/// Estimates the FRF of the logs in files and folders: our own by what travelled with them, foreign
+/// ones by `options.map`.
 ///
 /// # Errors
 /// [`ExperimentError`].
@@ -60,10 +62,20 @@ pub fn estimate_logs(
 }
 
 fn own(paths: &[PathBuf], logs: OwnLogs) -> Result<Estimate, ExperimentError> {
-    let OwnLogs { estimated, experiment, n_files, unreadable, losses, peaks, strength } = logs;
+    let OwnLogs {
+        estimated,
+        experiment,
+        n_files,
+        unreadable,
+        losses,
+        peaks,
+        strength,
+    } = logs;
     let n_runs = experiment.plan.n_runs();
-    let mut warnings: Vec<String> =
-        unreadable.iter().map(|(path, error)| format!("{}: not used: {error}", path.display())).collect();
+    let mut warnings: Vec<String> = unreadable
+        .iter()
+        .map(|(path, error)| format!("{}: not used: {error}", path.display()))
+        .collect();
     warnings.extend(in_words(&losses));
     if !estimated.missing.is_empty() {
         warnings.push(format!(
@@ -77,20 +89,35 @@ fn own(paths: &[PathBuf], logs: OwnLogs) -> Result<Estimate, ExperimentError> {
         passed: n_files == n_runs && losses.is_empty() && estimated.missing.is_empty(),
         found: format!("{n_files}, {} with losses", flawed.len()),
         needed: format!("{n_runs} whole ones"),
-        advice: "do the missing runs (frfid run goes on where it stopped) and estimate again".into(),
+        advice: "do the missing runs (frfid run goes on where it stopped) and estimate again"
+            .into(),
     };
     let is_lossy = !complete.passed;
-    warnings.extend(strength.iter().flat_map(|strength| strength.warnings.iter().cloned()));
-    let mut checks = vec![complete, condition_check(&estimated.frf, efforts(peaks.as_ref()))];
+    warnings.extend(
+        strength
+            .iter()
+            .flat_map(|strength| strength.warnings.iter().cloned()),
+    );
+    let mut checks = vec![
+        complete,
+        condition_check(&estimated.frf, efforts(peaks.as_ref())),
+    ];
     checks.extend(strength.as_ref().and_then(Strength::sign_check));
     let disturbed = estimated.disturbed_hz();
     warnings.extend(ripple_warning(&disturbed, estimated.frf.n_frequencies()));
     let mut result = experiment.result(estimated.frf, peaks.as_ref(), checks);
     if !disturbed.is_empty() {
-        result.provenance.insert("ripple_above_noise_hz".into(), format!("{disturbed:.3?}"));
+        result
+            .provenance
+            .insert("ripple_above_noise_hz".into(), format!("{disturbed:.3?}"));
     }
     log_hashes(paths, &mut result.provenance)?;
-    Ok(Estimate { result, warnings, is_lossy, strength })
+    Ok(Estimate {
+        result,
+        warnings,
+        is_lossy,
+        strength,
+    })
 }
 
 /// Says at which lines the ripple is not cured.
@@ -104,8 +131,8 @@ fn ripple_warning(disturbed_hz: &[f64], n_lines: usize) -> Option<String> {
 }
 
 impl Experiment {
-    /// An FRF of this experiment as a result: names and units of the joints, and where it came from, the amplitudes reached
-    /// included.
+    /// An FRF of this experiment as a result: names and units of the joints, and where it came
+    /// from, the amplitudes reached included.
     #[must_use]
     pub fn result(&self, frf: Frf, peaks: Option<&Peaks>, checks: Vec<Check>) -> ResultFile {
         let joints = self.config.robot.joint_names();
@@ -121,8 +148,14 @@ impl Experiment {
             }
         }
         ResultFile {
-            input_names: joints.iter().map(|joint| format!("{joint} torque")).collect(),
-            output_names: joints.iter().map(|joint| format!("{joint} velocity")).collect(),
+            input_names: joints
+                .iter()
+                .map(|joint| format!("{joint} torque"))
+                .collect(),
+            output_names: joints
+                .iter()
+                .map(|joint| format!("{joint} velocity"))
+                .collect(),
             input_units: vec!["N m".into(); frf.n_inputs()],
             output_units: vec!["rad/s".into(); frf.n_outputs()],
             frf,
@@ -132,15 +165,27 @@ impl Experiment {
     }
 }
 
-fn foreign(paths: &[PathBuf], map: &LogMap, options: &EstimateOptions) -> Result<Estimate, ExperimentError> {
+fn foreign(
+    paths: &[PathBuf],
+    map: &LogMap,
+    options: &EstimateOptions,
+) -> Result<Estimate, ExperimentError> {
     let found = estimate_foreign(paths, map, &options.estimate.clone().unwrap_or_default())?;
     let mut warnings = in_words(&found.losses);
-    warnings.extend(found.warnings.iter().map(|(path, warning)| format!("{}: {warning}", path.display())));
+    warnings.extend(
+        found
+            .warnings
+            .iter()
+            .map(|(path, warning)| format!("{}: {warning}", path.display())),
+    );
     let used = found.n_periods - found.n_transient;
     let periods = Check {
         name: "periods".into(),
         passed: used >= 2 && found.losses.is_empty(),
-        found: format!("{used} of {} samples, after {} transient", found.period_samples, found.n_transient),
+        found: format!(
+            "{used} of {} samples, after {} transient",
+            found.period_samples, found.n_transient
+        ),
         needed: "2 or more whole ones, for the noise to be known".into(),
         advice: "record more periods back to back".into(),
     };
@@ -149,13 +194,23 @@ fn foreign(paths: &[PathBuf], map: &LogMap, options: &EstimateOptions) -> Result
         passed: found.n_periods >= 3,
         found: format!("{} periods", found.n_periods),
         needed: "3 or more, to tell a transient from the steady state".into(),
-        advice: "record more periods back to back; until then the first one may be transient".into(),
+        advice: "record more periods back to back; until then the first one may be transient"
+            .into(),
     };
     let mut provenance = BTreeMap::from([
-        ("frfid_version".to_owned(), env!("CARGO_PKG_VERSION").to_owned()),
-        ("period_samples".to_owned(), found.period_samples.to_string()),
+        (
+            "frfid_version".to_owned(),
+            env!("CARGO_PKG_VERSION").to_owned(),
+        ),
+        (
+            "period_samples".to_owned(),
+            found.period_samples.to_string(),
+        ),
         ("periods_used".to_owned(), used.to_string()),
-        ("transient_periods_dropped".to_owned(), found.n_transient.to_string()),
+        (
+            "transient_periods_dropped".to_owned(),
+            found.n_transient.to_string(),
+        ),
     ]);
     log_hashes(paths, &mut provenance)?;
     let is_lossy = !found.losses.is_empty();
@@ -168,12 +223,20 @@ fn foreign(paths: &[PathBuf], map: &LogMap, options: &EstimateOptions) -> Result
         output_units: found.names.output_units,
         provenance,
     };
-    Ok(Estimate { result, warnings, is_lossy, strength: None })
+    Ok(Estimate {
+        result,
+        warnings,
+        is_lossy,
+        strength: None,
+    })
 }
 
 /// What was lost, in words, the first few of each file.
 fn in_words(losses: &[(PathBuf, Loss)]) -> Vec<String> {
-    losses.iter().map(|(path, loss)| format!("{}: {loss}", path.display())).collect()
+    losses
+        .iter()
+        .map(|(path, loss)| format!("{}: {loss}", path.display()))
+        .collect()
 }
 
 /// Rms of the torque of every axis in N m, where it is known.
@@ -181,26 +244,41 @@ fn efforts(peaks: Option<&Peaks>) -> &[f64] {
     peaks.map_or(&[], |peaks| &peaks.effort_rms_nm)
 }
 
-/// Whether U could be inverted well. Torques of `effort_rms_nm` side by side make the condition number as large as their spread
-/// and cost nothing: what counts is what it is beyond that.
+/// Whether U could be inverted well. Torques of `effort_rms_nm` side by side make the condition
+/// number as large as their spread and cost nothing: what counts is what it is beyond that.
 pub(crate) fn condition_check(frf: &Frf, effort_rms_nm: &[f64]) -> Check {
     let worst = frf.condition.iter().flatten().copied().fold(1.0, f64::max);
-    let (low, high) =
-        effort_rms_nm.iter().fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), &rms| (low.min(rms), high.max(rms)));
-    let spread = if low > 0.0 && low < high { high / low } else { 1.0 };
-    let share =
-        if spread > 2.0 { format!(", {spread:.1} of it from the spread of the torques") } else { String::new() };
+    let (low, high) = effort_rms_nm
+        .iter()
+        .fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), &rms| {
+            (low.min(rms), high.max(rms))
+        });
+    let spread = if low > 0.0 && low < high {
+        high / low
+    } else {
+        1.0
+    };
+    let share = if spread > 2.0 {
+        format!(", {spread:.1} of it from the spread of the torques")
+    } else {
+        String::new()
+    };
     Check {
         name: "condition number of U".into(),
         passed: worst <= GOOD_CONDITION * spread,
         found: format!("{worst:.2} at worst{share}"),
         needed: format!("{:.0} or less", GOOD_CONDITION * spread),
-        advice: "excite the inputs more differently from experiment to experiment, and equally strongly".into(),
+        advice:
+            "excite the inputs more differently from experiment to experiment, and equally strongly"
+                .into(),
     }
 }
 
 /// The hash of every log, so that a result can be traced to its data.
-fn log_hashes(paths: &[PathBuf], provenance: &mut BTreeMap<String, String>) -> Result<(), ExperimentError> {
+fn log_hashes(
+    paths: &[PathBuf],
+    provenance: &mut BTreeMap<String, String>,
+) -> Result<(), ExperimentError> {
     for path in paths {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         provenance.insert(format!("sha256 of {name}"), sha256_file(path)?);

@@ -1,4 +1,5 @@
-//! Section 6 of the paper: the academic example, every experiment of figures 4 and 5 and the claims drawn from them.
+//! Section 6 of the paper: the academic example, every experiment of figures 4 and 5 and the claims
+//! drawn from them.
 
 use frfid_plant::Hold;
 use frfid_signals::{Draw, Excitation, Frf, power};
@@ -39,7 +40,8 @@ pub struct Section6 {
     pub friction: Pair,
     /// F_c = 50 N m on a constant velocity of 0.25 rad/s.
     pub gliding: Pair,
-    /// The chirp on the same constant velocity without friction: what the one with friction should equal.
+    /// The chirp on the same constant velocity without friction: what the one with friction should
+    /// equal.
     pub gliding_frictionless: Measured,
     /// F_c = 50 N m on a constant velocity of 0.011 rad/s, which is too slow.
     pub slow: Pair,
@@ -59,7 +61,11 @@ struct Variant {
     velocity_rad_s: f64,
 }
 
-const LINEAR: Variant = Variant { coulomb_nm: 0.0, stiffness_beyond_nm_per_rad: 1.5e5, velocity_rad_s: 0.0 };
+const LINEAR: Variant = Variant {
+    coulomb_nm: 0.0,
+    stiffness_beyond_nm_per_rad: 1.5e5,
+    velocity_rad_s: 0.0,
+};
 
 impl Section6 {
     /// Runs every experiment in simulation.
@@ -71,30 +77,63 @@ impl Section6 {
         // every experiment is told as 1000 steps, whatever the number of its runs
         let mut number = 0;
         let mut measure = |kind: &str, variant: Variant| {
-            let step =
-                |done: usize, total: usize| progress(1000 * number + 1000 * done / total.max(1), 1000 * EXPERIMENTS);
+            let step = |done: usize, total: usize| {
+                progress(
+                    1000 * number + 1000 * done / total.max(1),
+                    1000 * EXPERIMENTS,
+                )
+            };
             let measured = variant.measure(kind, jobs, &step);
             number += 1;
             measured
         };
         let mut pair = |variant: Variant| -> Result<Pair, ExperimentError> {
-            Ok(Pair { multisine: measure("multisine", variant)?, chirp: measure("chirp", variant)? })
+            Ok(Pair {
+                multisine: measure("multisine", variant)?,
+                chirp: measure("chirp", variant)?,
+            })
         };
-        let friction = Variant { coulomb_nm: FRICTION_NM, ..LINEAR };
+        let friction = Variant {
+            coulomb_nm: FRICTION_NM,
+            ..LINEAR
+        };
         let linear = pair(LINEAR)?;
         let with_friction = pair(friction)?;
-        let gliding = pair(Variant { velocity_rad_s: FAST_RAD_S, ..friction })?;
-        let slow = pair(Variant { velocity_rad_s: SLOW_RAD_S, ..friction })?;
-        let stiffening = pair(Variant { stiffness_beyond_nm_per_rad: STIFFER_NM_PER_RAD, ..LINEAR })?;
+        let gliding = pair(Variant {
+            velocity_rad_s: FAST_RAD_S,
+            ..friction
+        })?;
+        let slow = pair(Variant {
+            velocity_rad_s: SLOW_RAD_S,
+            ..friction
+        })?;
+        let stiffening = pair(Variant {
+            stiffness_beyond_nm_per_rad: STIFFER_NM_PER_RAD,
+            ..LINEAR
+        })?;
         let dense = log_spaced(1.0, 60.0, 600)?;
         Ok(Self {
-            truth: LINEAR.experiment("chirp")?.truth(&dense, Hold::Zoh, false)?,
+            truth: LINEAR
+                .experiment("chirp")?
+                .truth(&dense, Hold::Zoh, false)?,
             linear,
             friction: with_friction,
             gliding,
-            gliding_frictionless: measure("chirp", Variant { velocity_rad_s: FAST_RAD_S, ..LINEAR })?,
+            gliding_frictionless: measure(
+                "chirp",
+                Variant {
+                    velocity_rad_s: FAST_RAD_S,
+                    ..LINEAR
+                },
+            )?,
             slow,
-            slow_frictionless: measure("chirp", Variant { velocity_rad_s: SLOW_RAD_S, ..LINEAR })?,
+            slow_frictionless: measure(
+                "chirp",
+                Variant {
+                    velocity_rad_s: SLOW_RAD_S,
+                    ..LINEAR
+                },
+            )?,
             stiffening,
             power_share: power_share()?,
         })
@@ -105,7 +144,10 @@ impl Variant {
     /// The experiment of the template `kind` on this joint.
     fn experiment(self, kind: &str) -> Result<Experiment, ExperimentError> {
         let template = Template::named(kind).expect("the templates of section 6 are built in");
-        let source = Source { name: kind.to_owned(), text: template.text() };
+        let source = Source {
+            name: kind.to_owned(),
+            text: template.text(),
+        };
         let mut config: Config = source.parse()?;
         if let Some(joint) = &mut config.robot.single_joint {
             joint.coulomb_nm = self.coulomb_nm;
@@ -122,25 +164,42 @@ impl Variant {
         Ok(Experiment::of(config, source)?)
     }
 
-    fn measure(self, kind: &str, jobs: usize, progress: Progress) -> Result<Measured, ExperimentError> {
+    fn measure(
+        self,
+        kind: &str,
+        jobs: usize,
+        progress: Progress,
+    ) -> Result<Measured, ExperimentError> {
         let experiment = self.experiment(kind)?;
-        let frf = experiment.measure(&*experiment.testbed()?, jobs, progress)?.frf;
+        let frf = experiment
+            .measure(&*experiment.testbed()?, jobs, progress)?
+            .frf;
         let truth = experiment.truth(&frf.frequency_hz, Hold::Zoh, false)?;
         Ok(Measured { frf, truth })
     }
 }
 
-/// Mean power of multisines over that of the chirp of equal peak, for 1000 realizations, sorted (SK15 section 6.1).
+/// Mean power of multisines over that of the chirp of equal peak, for 1000 realizations, sorted
+/// (SK15 section 6.1).
 fn power_share() -> Result<Vec<f64>, ExperimentError> {
     let chirp = LINEAR.experiment("chirp")?.plan.period(0)?;
     let chirp_power = power::mean_power(chirp.as_slice().unwrap_or_default());
     let plan = LINEAR.experiment("multisine")?.plan;
-    let Excitation::Multisine { signal, peak } = &plan.excitation else { return Ok(Vec::new()) };
+    let Excitation::Multisine { signal, peak } = &plan.excitation else {
+        return Ok(Vec::new());
+    };
     let share = |realization| {
-        let drawn = signal.realize(&Draw { seed: plan.seed, realization, phasing: plan.phasing, peak })?;
+        let drawn = signal.realize(&Draw {
+            seed: plan.seed,
+            realization,
+            phasing: plan.phasing,
+            peak,
+        })?;
         Ok(power::mean_power(drawn.signal.as_slice().unwrap_or_default()) / chirp_power)
     };
-    let mut shares = (0..1000).map(share).collect::<Result<Vec<f64>, ExperimentError>>()?;
+    let mut shares = (0..1000)
+        .map(share)
+        .collect::<Result<Vec<f64>, ExperimentError>>()?;
     shares.sort_by(f64::total_cmp);
     Ok(shares)
 }

@@ -10,14 +10,22 @@ impl Section6 {
     /// Every claim that section 6 lets one check, with our number.
     #[must_use]
     pub fn claims(&self) -> Vec<Claim> {
-        [self.design(), self.linear_claims(), self.friction_claims(), self.gliding_claims(), self.stiffness_claims()]
-            .concat()
+        [
+            self.design(),
+            self.linear_claims(),
+            self.friction_claims(),
+            self.gliding_claims(),
+            self.stiffness_claims(),
+        ]
+        .concat()
     }
 
     fn design(&self) -> Vec<Claim> {
         let hz = &self.linear.multisine.frf.frequency_hz;
         let (first, last) = (hz[0], hz[hz.len() - 1]);
-        let share = |quantile: f64| 100.0 * self.power_share[(quantile * (self.power_share.len() - 1) as f64) as usize];
+        let share = |quantile: f64| {
+            100.0 * self.power_share[(quantile * (self.power_share.len() - 1) as f64) as usize]
+        };
         let (low, median, high) = (share(0.05), share(0.5), share(0.95));
         vec![
             Claim {
@@ -25,14 +33,20 @@ impl Section6 {
                 statement: "Lines of the odd multisine between 1 and 60 Hz",
                 expected: "71 lines, 1.058 to 59.977 Hz",
                 found: format!("{} lines, {first:.3} to {last:.3} Hz", hz.len()),
-                holds: hz.len() == 71 && (first - 1.058).abs() < 5e-4 && (last - 59.977).abs() < 5e-4,
+                holds: hz.len() == 71
+                    && (first - 1.058).abs() < 5e-4
+                    && (last - 59.977).abs() < 5e-4,
             },
             Claim {
                 id: "1b",
                 statement: "Power of the multisine over that of the chirp at equal peak",
                 expected: "11 to 20 % in the paper; 12 to 22 % for nine of ten draws",
-                found: format!("{low:.1} to {high:.1} % for nine of ten of 1000 draws, median {median:.1} %"),
-                holds: (low - 12.0).abs() < 1.0 && (high - 22.0).abs() < 1.5 && (median - 16.6).abs() < 1.0,
+                found: format!(
+                    "{low:.1} to {high:.1} % for nine of ten of 1000 draws, median {median:.1} %"
+                ),
+                holds: (low - 12.0).abs() < 1.0
+                    && (high - 22.0).abs() < 1.5
+                    && (median - 16.6).abs() < 1.0,
             },
         ]
     }
@@ -93,9 +107,11 @@ impl Section6 {
 
     fn gliding_claims(&self) -> Vec<Claim> {
         let multisine = self.gliding.multisine.worst_relative_error();
-        let chirp = largest_relative_difference(&self.gliding.chirp.frf, &self.gliding_frictionless.frf);
+        let chirp =
+            largest_relative_difference(&self.gliding.chirp.frf, &self.gliding_frictionless.frf);
         let slow_multisine = self.slow.multisine.worst_relative_error();
-        let slow_chirp = largest_relative_difference(&self.slow.chirp.frf, &self.slow_frictionless.frf);
+        let slow_chirp =
+            largest_relative_difference(&self.slow.chirp.frf, &self.slow_frictionless.frf);
         vec![
             Claim {
                 id: "4a",
@@ -122,7 +138,11 @@ impl Section6 {
         let errors = self.stiffening.multisine.errors_db(1.0..=60.0);
         let largest = errors[errors.len() - 1];
         let verdict = self.stiffness_verdict();
-        let peak_hz = self.stiffening.chirp.peak(8.0..=20.0).map_or(f64::NAN, |(hz, _)| hz);
+        let peak_hz = self
+            .stiffening
+            .chirp
+            .peak(8.0..=20.0)
+            .map_or(f64::NAN, |(hz, _)| hz);
         vec![
             Claim {
                 id: "5a",
@@ -148,11 +168,25 @@ impl Section6 {
         ]
     }
 
-    /// What the comparison of multisine and chirp says about the stiffness, the chirp being the stronger excitation.
+    /// What the comparison of multisine and chirp says about the stiffness, the chirp being the
+    /// stronger excitation.
     fn stiffness_verdict(&self) -> Option<Verdict> {
-        let options = CompareOptions { stronger: Some(Side::B), ..CompareOptions::default() };
-        let comparison = compare(&self.stiffening.multisine.frf, &self.stiffening.chirp.frf, &options).ok()?;
-        let verdicts = comparison.entries.into_iter().flat_map(|entry| entry.verdicts);
-        verdicts.into_iter().find(|verdict| matches!(verdict, Verdict::StiffnessGrowsWithDeflection { .. }))
+        let options = CompareOptions {
+            stronger: Some(Side::B),
+            ..CompareOptions::default()
+        };
+        let comparison = compare(
+            &self.stiffening.multisine.frf,
+            &self.stiffening.chirp.frf,
+            &options,
+        )
+        .ok()?;
+        let verdicts = comparison
+            .entries
+            .into_iter()
+            .flat_map(|entry| entry.verdicts);
+        verdicts
+            .into_iter()
+            .find(|verdict| matches!(verdict, Verdict::StiffnessGrowsWithDeflection { .. }))
     }
 }

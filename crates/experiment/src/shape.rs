@@ -1,5 +1,5 @@
-//! The shaping that a description asks for (SK15 section 5.3): from the reference of its `[chirp]` towards what its `[shape]`
-//! desires, inside its limits.
+//! The shaping that a description asks for (SK15 section 5.3): from the reference of its `[chirp]`
+//! towards what its `[shape]` desires, inside its limits.
 
 use frfid_estimate::{EstimateError, ShapeError, ShapeLimits, ShapeOptions, Shaper, Target};
 use frfid_plant::{Sensor, Velocity};
@@ -14,42 +14,59 @@ use crate::{ConfigError, Experiment, ExperimentError};
 const STILL: f64 = 3.0;
 
 impl Experiment {
-    /// The shaper at its beginning, with its options: the reference of `[chirp]` is its first, what `[shape]` desires is the same chirp with
-    /// other amplitudes.
+    /// The shaper at its beginning, with its options: the reference of `[chirp]` is its first, what
+    /// `[shape]` desires is the same chirp with other amplitudes.
     ///
     /// # Errors
-    /// [`ExperimentError::Config`] with the place of what is missing or does not fit: no chirp, no controller, no table
-    /// `[shape]`, a desired torque or an initial reference beyond its limit.
+    /// [`ExperimentError::Config`] with the place of what is missing or does not fit: no chirp, no
+    /// controller, no table `[shape]`, a desired torque or an initial reference beyond its limit.
     pub fn shaper(&self) -> Result<(Shaper, ShapeOptions), ExperimentError> {
         let (chirp, table) = self.shaped()?;
         let (target, _) = self.desired(table)?;
         let options = self.shape_options(chirp, table, target);
-        let made = Shaper::new(self.desired_signal()?, experiments(&self.plan)?, options.clone());
+        let made = Shaper::new(
+            self.desired_signal()?,
+            experiments(&self.plan)?,
+            options.clone(),
+        );
         let shaper = made.map_err(|error| match error {
-            ShapeError::StartTooLarge { .. } => {
-                self.source.error(&["chirp", "amplitude_rad_s"], error.to_string()).into()
+            ShapeError::StartTooLarge { .. } => self
+                .source
+                .error(&["chirp", "amplitude_rad_s"], error.to_string())
+                .into(),
+            ShapeError::Estimate(EstimateError::Signal(error)) => {
+                located(&self.source, "shape", &error).into()
             }
-            ShapeError::Estimate(EstimateError::Signal(error)) => located(&self.source, "shape", &error).into(),
             error => ExperimentError::from(error),
         })?;
         Ok((shaper, options))
     }
 
-    /// What the target shall be, `(experiment, channel, sample)`: the chirp with the amplitudes that `[shape]` desires.
+    /// What the target shall be, `(experiment, channel, sample)`: the chirp with the amplitudes
+    /// that `[shape]` desires.
     ///
     /// # Errors
     /// As [`Experiment::shaper`].
     pub fn desired_signal(&self) -> Result<Array3<f64>, ExperimentError> {
         let (chirp, table) = self.shaped()?;
-        let chirp = Chirp { amplitude: self.desired(table)?.1, ..chirp.clone() };
-        experiments(&Plan { excitation: Excitation::Chirp(chirp), ..self.plan.clone() })
+        let chirp = Chirp {
+            amplitude: self.desired(table)?.1,
+            ..chirp.clone()
+        };
+        experiments(&Plan {
+            excitation: Excitation::Chirp(chirp),
+            ..self.plan.clone()
+        })
     }
 
     /// The chirp and its table, once everything stands that shaping needs.
     pub(crate) fn shaped(&self) -> Result<(&Chirp, &ShapeTable), ConfigError> {
         let refused = |path: &[&str], message: &str| Err(self.source.error(path, message));
         let Excitation::Chirp(chirp) = &self.plan.excitation else {
-            return refused(&["multisine"], "a chirp is shaped: give a table [chirp] instead of [multisine]");
+            return refused(
+                &["multisine"],
+                "a chirp is shaped: give a table [chirp] instead of [multisine]",
+            );
         };
         let Some(table) = &self.config.shape else {
             let message = "no [shape]: add this table with desired_nm, the motor torque that the chirp shall lead to on each axis";
@@ -61,7 +78,10 @@ impl Experiment {
             return refused(&["shape"], message);
         }
         if self.config.constant_velocity.is_some() {
-            return refused(&["constant_velocity"], "a chirp is shaped from rest: leave [constant_velocity] out");
+            return refused(
+                &["constant_velocity"],
+                "a chirp is shaped from rest: leave [constant_velocity] out",
+            );
         }
         if self.plan.n_repetitions != 1 {
             return refused(
@@ -84,14 +104,22 @@ impl Experiment {
         };
         let n_axes = self.plan.n_inputs;
         if amplitude.len() != n_axes {
-            let message = format!("{key} has {} entries, needed: one for each of the {n_axes} axes", amplitude.len());
+            let message = format!(
+                "{key} has {} entries, needed: one for each of the {n_axes} axes",
+                amplitude.len()
+            );
             return Err(self.source.error(&["shape", key], message));
         }
         let profiles: Vec<Profile> = amplitude.iter().map(Amplitude::profile).collect();
         for (axis, profile) in profiles.iter().enumerate() {
-            profile.check().map_err(|error| self.source.error(&["shape", key], error.to_string()))?;
+            profile
+                .check()
+                .map_err(|error| self.source.error(&["shape", key], error.to_string()))?;
             if profile.peak() == 0.0 {
-                let message = format!("axis {} desires nothing; needed: an amplitude above 0", axis + 1);
+                let message = format!(
+                    "axis {} desires nothing; needed: an amplitude above 0",
+                    axis + 1
+                );
                 return Err(self.source.error(&["shape", key], message));
             }
         }
@@ -100,7 +128,12 @@ impl Experiment {
     }
 
     /// Refuses what is desired beyond a limit.
-    fn inside_limits(&self, target: Target, key: &str, profiles: &[Profile]) -> Result<(), ConfigError> {
+    fn inside_limits(
+        &self,
+        target: Target,
+        key: &str,
+        profiles: &[Profile],
+    ) -> Result<(), ConfigError> {
         let limits = self.limits();
         let (name, unit, limit) = match target {
             Target::Torque => ("max_effort", "N m", limits.max_effort),
@@ -142,12 +175,15 @@ impl Experiment {
         }
     }
 
-    /// Velocity reading in rad/s up to which a motor may be standing: a few times the noise of the noisiest sensor, 0 without
-    /// noise.
+    /// Velocity reading in rad/s up to which a motor may be standing: a few times the noise of the
+    /// noisiest sensor, 0 without noise.
     #[must_use]
     pub fn still_rad_s(&self) -> f64 {
         let sensors = self.config.robot.sensors();
-        sensors.iter().map(|sensor| STILL * velocity_noise_rad_s(sensor, self.plan.sample_time_s)).fold(0.0, f64::max)
+        sensors
+            .iter()
+            .map(|sensor| STILL * velocity_noise_rad_s(sensor, self.plan.sample_time_s))
+            .fold(0.0, f64::max)
     }
 
     /// Coulomb friction in N m of each axis of the robot that is described; `None` where none is.
@@ -157,7 +193,11 @@ impl Experiment {
         let of_joint = robot.joint().map(|joint| vec![joint.coulomb_nm]);
         let of_arm = || {
             let arm = robot.arm()?;
-            Some(arm.joints().map(|joint| joint.with(arm.challenges).coulomb_nm).collect())
+            Some(
+                arm.joints()
+                    .map(|joint| joint.with(arm.challenges).coulomb_nm)
+                    .collect(),
+            )
         };
         of_joint.or_else(of_arm)
     }
@@ -166,15 +206,24 @@ impl Experiment {
 /// Rms of the noise on a velocity reading: its own, or that of the difference of two positions.
 fn velocity_noise_rad_s(sensor: &Sensor, sample_time_s: f64) -> f64 {
     let own = sensor.velocity_noise_rad_s.unwrap_or(0.0);
-    let position = sensor.position_noise_rad.filter(|_| sensor.velocity == Velocity::Differenced).unwrap_or(0.0);
+    let position = sensor
+        .position_noise_rad
+        .filter(|_| sensor.velocity == Velocity::Differenced)
+        .unwrap_or(0.0);
     own.hypot(2.0_f64.sqrt() * position / sample_time_s)
 }
 
-/// The references of all experiments of a plan, rest before the chirp included, `(experiment, channel, sample)`.
+/// The references of all experiments of a plan, rest before the chirp included,
+/// `(experiment, channel, sample)`.
 fn experiments(plan: &Plan) -> Result<Array3<f64>, ExperimentError> {
     let mut stacked = Array3::zeros((plan.n_experiments(), plan.n_inputs, plan.run_samples()?));
     for (experiment, mut to) in stacked.axis_iter_mut(Axis(0)).enumerate() {
-        let id = RunId { kind: RunKind::Excitation, realization: 0, experiment, repetition: 0 };
+        let id = RunId {
+            kind: RunKind::Excitation,
+            realization: 0,
+            experiment,
+            repetition: 0,
+        };
         to.assign(&plan.run(id)?.reference);
     }
     Ok(stacked)

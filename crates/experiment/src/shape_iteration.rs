@@ -33,7 +33,11 @@ impl<'a> IterationFiles<'a> {
     /// For the iterations of an experiment.
     pub fn new(experiment: &'a Experiment) -> Result<Self, ExperimentError> {
         let estimator = Estimator::new(&experiment.plan, &experiment.config.estimate)?;
-        Ok(Self { experiment, metadata: experiment.provenance(), estimator })
+        Ok(Self {
+            experiment,
+            metadata: experiment.provenance(),
+            estimator,
+        })
     }
 
     /// The FRF from motor torque to motor velocity, by excerpts of the chirp.
@@ -44,8 +48,13 @@ impl<'a> IterationFiles<'a> {
     /// Whether U of an iteration can be inverted well.
     pub fn condition_check(&self, frf: &Frf, iteration: &estimate::Iteration) -> Check {
         let still = vec![0.0; self.experiment.plan.n_inputs];
-        let peaks = iteration.records.iter().map(|record| Peaks::of(record, &still, &still));
-        let efforts = peaks.reduce(|a, b| a.max(&b)).map(|peaks| peaks.effort_rms_nm);
+        let peaks = iteration
+            .records
+            .iter()
+            .map(|record| Peaks::of(record, &still, &still));
+        let efforts = peaks
+            .reduce(|a, b| a.max(&b))
+            .map(|peaks| peaks.effort_rms_nm);
         condition_check(frf, &efforts.unwrap_or_default())
     }
 
@@ -64,8 +73,16 @@ impl<'a> IterationFiles<'a> {
             names.push(U_TO_Y.into());
         }
         if let Some(estimate) = &iteration.estimate {
-            write_result(&folder.join(RESPONSE), Overwrite::Replace, &self.response(estimate.r_to_u.clone()))?;
-            write_bytes(&folder.join(ERRORS), Overwrite::Replace, errors_csv(estimate).as_bytes())?;
+            write_result(
+                &folder.join(RESPONSE),
+                Overwrite::Replace,
+                &self.response(estimate.r_to_u.clone()),
+            )?;
+            write_bytes(
+                &folder.join(ERRORS),
+                Overwrite::Replace,
+                errors_csv(estimate).as_bytes(),
+            )?;
             names.extend([RESPONSE.into(), ERRORS.into()]);
         }
         let hashed = |name: String| {
@@ -85,11 +102,20 @@ impl<'a> IterationFiles<'a> {
     ) -> Result<ResultFile, ExperimentError> {
         let pose = self.experiment.config.robot.pose();
         let start = vec![0.0; pose.len()];
-        let peaks = iteration.records.iter().map(|record| Peaks::of(record, &start, &pose)).reduce(|a, b| a.max(&b));
+        let peaks = iteration
+            .records
+            .iter()
+            .map(|record| Peaks::of(record, &start, &pose))
+            .reduce(|a, b| a.max(&b));
         let mut result = self.experiment.result(frf, peaks.as_ref(), checks);
-        result.provenance.insert("iteration".into(), iteration.number.to_string());
+        result
+            .provenance
+            .insert("iteration".into(), iteration.number.to_string());
         for name in run_names(iteration) {
-            result.provenance.insert(format!("sha256 of {name}"), sha256_file(&folder.join(&name))?);
+            result.provenance.insert(
+                format!("sha256 of {name}"),
+                sha256_file(&folder.join(&name))?,
+            );
         }
         Ok(result)
     }
@@ -99,8 +125,14 @@ impl<'a> IterationFiles<'a> {
         let joints = self.experiment.config.robot.joint_names();
         ResultFile {
             frf,
-            input_names: joints.iter().map(|joint| format!("{joint} reference")).collect(),
-            output_names: joints.iter().map(|joint| format!("{joint} torque")).collect(),
+            input_names: joints
+                .iter()
+                .map(|joint| format!("{joint} reference"))
+                .collect(),
+            output_names: joints
+                .iter()
+                .map(|joint| format!("{joint} torque"))
+                .collect(),
             input_units: vec!["rad/s".into(); joints.len()],
             output_units: vec!["N m".into(); joints.len()],
             checks: Vec::new(),
@@ -110,21 +142,34 @@ impl<'a> IterationFiles<'a> {
 }
 
 fn run_id(realization: usize, experiment: usize) -> RunId {
-    RunId { kind: RunKind::Excitation, realization, experiment, repetition: 0 }
+    RunId {
+        kind: RunKind::Excitation,
+        realization,
+        experiment,
+        repetition: 0,
+    }
 }
 
 /// Files of the runs of an iteration.
 fn run_names(iteration: &estimate::Iteration) -> Vec<String> {
     let runs = 0..iteration.records.len();
-    runs.map(|experiment| format!("{}.mcap", run_id(iteration.number, experiment))).collect()
+    runs.map(|experiment| format!("{}.mcap", run_id(iteration.number, experiment)))
+        .collect()
 }
 
 /// The relative error of each axis and the condition number of U over frequency.
 fn errors_csv(estimate: &estimate::Estimate) -> String {
     let errors = &estimate.error_per_frequency;
-    let axes: String = (1..=errors.ncols()).map(|axis| format!("error_axis_{axis},")).collect();
+    let axes: String = (1..=errors.ncols())
+        .map(|axis| format!("error_axis_{axis},"))
+        .collect();
     let mut text = format!("frequency_hz,{axes}condition\n");
-    let lines = estimate.r_to_u.frequency_hz.iter().zip(errors.rows()).zip(&estimate.condition);
+    let lines = estimate
+        .r_to_u
+        .frequency_hz
+        .iter()
+        .zip(errors.rows())
+        .zip(&estimate.condition);
     for ((hz, errors), condition) in lines {
         let errors: String = errors.iter().map(|error| format!("{error},")).collect();
         writeln!(text, "{hz},{errors}{condition}").expect("a text can always be written");

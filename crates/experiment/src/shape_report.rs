@@ -1,5 +1,5 @@
-//! What a shaping came to, as `shape.json` in its folder tells it. No clock and no machine in it: the same runs give the same
-//! bytes.
+//! What a shaping came to, as `shape.json` in its folder tells it. No clock and no machine in it:
+//! the same runs give the same bytes.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -39,9 +39,11 @@ pub struct ShapeReport {
     pub max_stuck_share: f64,
     /// Every iteration that was measured, in order.
     pub iterations: Vec<IterationReport>,
-    /// Number of the best iteration, whose FRF is `frf.json`; `None` while the shaping is under way.
+    /// Number of the best iteration, whose FRF is `frf.json`; `None` while the shaping is under
+    /// way.
     pub best: Option<usize>,
-    /// Why it ended: good-enough, sticking, rose-twice, all-iterations or watcher; `None` while it is under way.
+    /// Why it ended: good-enough, sticking, rose-twice, all-iterations or watcher; `None` while it
+    /// is under way.
     pub stop: Option<String>,
     /// The same in words.
     pub stop_reason: Option<String>,
@@ -58,7 +60,8 @@ pub struct ShapeReport {
 pub struct IterationReport {
     /// Number, from 1.
     pub number: usize,
-    /// Relative error |U - U_des| / |U_des| of the target, rms over the band, over all axes; `None` if a run was stopped.
+    /// Relative error |U - U_des| / |U_des| of the target, rms over the band, over all axes; `None`
+    /// if a run was stopped.
     pub error: Option<f64>,
     /// The same for each axis.
     pub axis_error: Option<Vec<f64>>,
@@ -92,8 +95,18 @@ pub struct ShapePeaks {
 }
 
 impl From<&Peaks> for ShapePeaks {
-    fn from(Peaks { torque_nm, velocity_rad_s, travel_rad }: &Peaks) -> Self {
-        Self { torque_nm: torque_nm.clone(), velocity_rad_s: velocity_rad_s.clone(), travel_rad: travel_rad.clone() }
+    fn from(
+        Peaks {
+            torque_nm,
+            velocity_rad_s,
+            travel_rad,
+        }: &Peaks,
+    ) -> Self {
+        Self {
+            torque_nm: torque_nm.clone(),
+            velocity_rad_s: velocity_rad_s.clone(),
+            travel_rad: travel_rad.clone(),
+        }
     }
 }
 
@@ -107,7 +120,8 @@ impl IterationReport {
             error: iteration.error(),
             axis_error: estimate.map(|estimate| estimate.channel_error.clone()),
             stuck_share: iteration.stuck_share.clone(),
-            condition: estimate.map(|estimate| estimate.condition.iter().copied().fold(1.0, f64::max)),
+            condition: estimate
+                .map(|estimate| estimate.condition.iter().copied().fold(1.0, f64::max)),
             damping: iteration.damping,
             predicted: iteration.predicted.as_ref().map(ShapePeaks::from),
             peaks: ShapePeaks::from(&iteration.peaks),
@@ -153,17 +167,29 @@ impl ShapeReport {
         let text = match std::fs::read(&path) {
             Ok(text) => text,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(error) => return Err(FileError::Io { path, action: "read", reason: error.to_string() }),
+            Err(error) => {
+                return Err(FileError::Io {
+                    path,
+                    action: "read",
+                    reason: error.to_string(),
+                });
+            }
         };
-        let format = |found: String| FileError::Format {
+        let format = |found: String| {
+            FileError::Format {
             path: path.clone(),
             found,
             needed: "a shaping written by frfid (JSON, frfid-shape version 1)",
             advice: "choose another folder, or say that it may be replaced (--force, in Python overwrite=True)".into(),
+        }
         };
-        let report: Self = serde_json::from_slice(&text).map_err(|error| format(error.to_string()))?;
+        let report: Self =
+            serde_json::from_slice(&text).map_err(|error| format(error.to_string()))?;
         if (report.format.as_str(), report.version) != (FORMAT, VERSION) {
-            return Err(format(format!("{} version {}", report.format, report.version)));
+            return Err(format(format!(
+                "{} version {}",
+                report.format, report.version
+            )));
         }
         Ok(Some(report))
     }
@@ -171,7 +197,8 @@ impl ShapeReport {
     /// The report as it stands in the file.
     #[must_use]
     pub fn to_json(&self) -> String {
-        let mut text = serde_json::to_string_pretty(self).expect("a report is structs, lists, texts and numbers");
+        let mut text = serde_json::to_string_pretty(self)
+            .expect("a report is structs, lists, texts and numbers");
         text.push('\n');
         text
     }
@@ -182,17 +209,31 @@ impl ShapeReport {
         self.stop.is_some() && self.checks.iter().all(|check| check.passed)
     }
 
-    /// Takes the end of the shaping of a band up to `high_hz`; `condition` is the check of the best iteration's U.
+    /// Takes the end of the shaping of a band up to `high_hz`; `condition` is the check of the best
+    /// iteration's U.
     pub(crate) fn finish(&mut self, shaped: &Shaped, high_hz: f64, condition: Check) {
         self.best = Some(shaped.best.number);
         self.stop = Some(code(shaped.stop).into());
         self.stop_reason = Some(shaped.stop.to_string());
-        self.sticking = shaped.sticking.iter().map(|sticking| in_words(sticking, high_hz)).collect();
-        self.checks = vec![self.follows(shaped), self.moves(shaped), self.kept_limits(), condition];
+        self.sticking = shaped
+            .sticking
+            .iter()
+            .map(|sticking| in_words(sticking, high_hz))
+            .collect();
+        self.checks = vec![
+            self.follows(shaped),
+            self.moves(shaped),
+            self.kept_limits(),
+            condition,
+        ];
     }
 
     fn follows(&self, shaped: &Shaped) -> Check {
-        let errors = shaped.best.estimate.as_ref().map_or(Vec::new(), |estimate| estimate.channel_error.clone());
+        let errors = shaped
+            .best
+            .estimate
+            .as_ref()
+            .map_or(Vec::new(), |estimate| estimate.channel_error.clone());
         Check {
             name: format!("{} as desired", self.target),
             passed: !errors.is_empty() && errors.iter().all(|&error| error <= self.good_enough),
@@ -249,18 +290,33 @@ fn code(stop: Stop) -> &'static str {
 
 /// Where an axis sticks, and why: axes from 1.
 fn in_words(sticking: &Sticking, band_high_hz: f64) -> String {
-    let &Sticking { axis, low_hz, high_hz, stuck_share, rms_nm, coulomb_nm } = sticking;
+    let &Sticking {
+        axis,
+        low_hz,
+        high_hz,
+        stuck_share,
+        rms_nm,
+        coulomb_nm,
+    } = sticking;
     let place = if high_hz < 0.999 * band_high_hz {
         format!("between {low_hz:.1} and {high_hz:.1} Hz")
     } else {
         format!("above {low_hz:.1} Hz")
     };
-    let friction = coulomb_nm.map_or(String::new(), |nm| format!(" against {nm:.0} N m of friction"));
+    let friction = coulomb_nm.map_or(String::new(), |nm| {
+        format!(" against {nm:.0} N m of friction")
+    });
     let (axis, percent) = (axis + 1, 100.0 * stuck_share);
-    format!("axis {axis} sticks {place}: {percent:.0} % of the time, with a torque of {rms_nm:.0} N m rms{friction}")
+    format!(
+        "axis {axis} sticks {place}: {percent:.0} % of the time, with a torque of {rms_nm:.0} N m rms{friction}"
+    )
 }
 
 /// Shares in %, axis by axis.
 fn per_axis(shares: &[f64]) -> String {
-    shares.iter().map(|share| format!("{:.1} %", 100.0 * share)).collect::<Vec<_>>().join(", ")
+    shares
+        .iter()
+        .map(|share| format!("{:.1} %", 100.0 * share))
+        .collect::<Vec<_>>()
+        .join(", ")
 }

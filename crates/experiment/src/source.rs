@@ -44,12 +44,22 @@ impl std::error::Error for ConfigError {}
 
 impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(Place { line, column, text, width }) = &self.place else {
+        let Some(Place {
+            line,
+            column,
+            text,
+            width,
+        }) = &self.place
+        else {
             return write!(f, "{}: {}", self.file, self.message);
         };
         let margin = " ".repeat(line.to_string().len());
         // tabs are kept, so that the caret stands under its column whatever their width
-        let indent: String = text.chars().take(column - 1).map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
+        let indent: String = text
+            .chars()
+            .take(column - 1)
+            .map(|c| if c == '\t' { '\t' } else { ' ' })
+            .collect();
         writeln!(f, "{}:{line}:{column}: {}", self.file, self.message)?;
         writeln!(f, "{margin} |\n{line} | {text}")?;
         write!(f, "{margin} | {indent}{}", "^".repeat(*width))
@@ -65,20 +75,26 @@ impl Source {
         let name = path.display().to_string();
         match std::fs::read_to_string(path) {
             Ok(text) => Ok(Self { name, text }),
-            Err(error) => Err(ConfigError { file: name, place: None, message: format!("cannot read: {error}") }),
+            Err(error) => Err(ConfigError {
+                file: name,
+                place: None,
+                message: format!("cannot read: {error}"),
+            }),
         }
     }
 
-    /// Reads the text into `T`: unknown keys, missing keys and wrong types are errors with their place.
+    /// Reads the text into `T`: unknown keys, missing keys and wrong types are errors with their
+    /// place.
     ///
     /// # Errors
     /// [`ConfigError`].
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, ConfigError> {
-        toml::from_str(&self.text).map_err(|error| self.error_at(error.span(), error.message().trim().to_owned()))
+        toml::from_str(&self.text)
+            .map_err(|error| self.error_at(error.span(), error.message().trim().to_owned()))
     }
 
-    /// An error at the value of `path` (keys from the outermost table inwards, in lists the number from 0), or at the innermost
-    /// of its tables that exists.
+    /// An error at the value of `path` (keys from the outermost table inwards, in lists the number
+    /// from 0), or at the innermost of its tables that exists.
     #[must_use]
     pub fn error(&self, path: &[&str], message: impl Into<String>) -> ConfigError {
         self.error_at(self.span_of(path), message.into())
@@ -91,8 +107,14 @@ impl Source {
     }
 
     fn error_at(&self, span: Option<Range<usize>>, message: String) -> ConfigError {
-        let place = span.filter(|span| !span.is_empty()).map(|span| self.place(&span));
-        ConfigError { file: self.name.clone(), place, message }
+        let place = span
+            .filter(|span| !span.is_empty())
+            .map(|span| self.place(&span));
+        ConfigError {
+            file: self.name.clone(),
+            place,
+            message,
+        }
     }
 
     fn span_of(&self, path: &[&str]) -> Option<Range<usize>> {
@@ -101,20 +123,26 @@ impl Source {
 
     /// Spans along `path` as far as it exists: of the name for a table, of the value otherwise.
     fn walk(&self, path: &[&str]) -> Vec<Range<usize>> {
-        let Ok(root) = DeTable::parse(&self.text) else { return Vec::new() };
+        let Ok(root) = DeTable::parse(&self.text) else {
+            return Vec::new();
+        };
         let root = DeValue::Table(root.into_inner());
         let (mut outer, mut spans) = (&root, Vec::new());
         for key in path {
             let (name, value) = match outer {
-                DeValue::Table(table) => match table.iter().find(|(name, _)| name.get_ref() == key) {
+                DeValue::Table(table) => match table.iter().find(|(name, _)| name.get_ref() == key)
+                {
                     Some((name, value)) => (name.span(), value),
                     None => break,
                 },
-                // a table of a list has no name of its own: the place of its header, or of its brace
-                DeValue::Array(list) => match key.parse().ok().and_then(|index: usize| list.get(index)) {
-                    Some(value) => (value.span(), value),
-                    None => break,
-                },
+                // a table of a list has no name of its own: the place of its header, or of its
+                // brace
+                DeValue::Array(list) => {
+                    match key.parse().ok().and_then(|index: usize| list.get(index)) {
+                        Some(value) => (value.span(), value),
+                        None => break,
+                    }
+                }
                 _ => break,
             };
             outer = value.get_ref();
@@ -124,13 +152,18 @@ impl Source {
     }
 
     fn place(&self, span: &Range<usize>) -> Place {
-        let start = self.text[..span.start].rfind('\n').map_or(0, |newline| newline + 1);
+        let start = self.text[..span.start]
+            .rfind('\n')
+            .map_or(0, |newline| newline + 1);
         let text = self.text[start..].lines().next().unwrap_or_default();
         let end = span.end.min(start + text.len());
         Place {
             line: 1 + self.text[..start].matches('\n').count(),
             column: 1 + self.text[start..span.start].chars().count(),
-            width: self.text.get(span.start..end).map_or(1, |marked| marked.chars().count().max(1)),
+            width: self
+                .text
+                .get(span.start..end)
+                .map_or(1, |marked| marked.chars().count().max(1)),
             text: text.to_owned(),
         }
     }
@@ -149,30 +182,55 @@ mod tests {
     }
 
     fn source(text: &str) -> Source {
-        Source { name: "x.toml".into(), text: text.into() }
+        Source {
+            name: "x.toml".into(),
+            text: text.into(),
+        }
     }
 
     #[test]
     fn an_unknown_key_is_underlined_and_the_known_ones_are_named() {
-        let error = source("# comment\npeak_Nm = 3.0\n").parse::<Table>().expect_err("misspelt").to_string();
-        assert!(error.starts_with("x.toml:2:1: unknown field `peak_Nm`, expected `peak_nm`"), "{error}");
+        let error = source("# comment\npeak_Nm = 3.0\n")
+            .parse::<Table>()
+            .expect_err("misspelt")
+            .to_string();
+        assert!(
+            error.starts_with("x.toml:2:1: unknown field `peak_Nm`, expected `peak_nm`"),
+            "{error}"
+        );
         assert!(error.ends_with("2 | peak_Nm = 3.0\n  | ^^^^^^^"), "{error}");
     }
 
     #[test]
     fn an_error_of_our_own_points_at_the_value() {
         let text = source("seed = 1\n[multisine]\nlow_hz = 1.0\n\thigh_hz = 600.0 # too high\n");
-        let place = text.error(&["multisine", "high_hz"], "above Nyquist").place.expect("the key exists");
+        let place = text
+            .error(&["multisine", "high_hz"], "above Nyquist")
+            .place
+            .expect("the key exists");
         assert_eq!((place.line, place.column, place.width), (4, 12, 5));
-        let missing = text.error(&["multisine", "peak_nm"], "missing").place.expect("its table exists");
+        let missing = text
+            .error(&["multisine", "peak_nm"], "missing")
+            .place
+            .expect("its table exists");
         assert_eq!((missing.line, missing.column), (2, 2));
         assert_eq!(text.error(&["averaging"], "missing").place, None);
     }
 
     #[test]
     fn broken_text_never_panics() {
-        for text in ["", "=", "[", "é = \"", "a = 1\r\nb = [[", "\u{feff}peak_nm = 1", "peak_nm = nan\npeak_nm = 2"] {
-            let _ = source(text).parse::<Table>().map_err(|error| error.to_string());
+        for text in [
+            "",
+            "=",
+            "[",
+            "é = \"",
+            "a = 1\r\nb = [[",
+            "\u{feff}peak_nm = 1",
+            "peak_nm = nan\npeak_nm = 2",
+        ] {
+            let _ = source(text)
+                .parse::<Table>()
+                .map_err(|error| error.to_string());
             let _ = source(text).error(&["a", "b"], "x").to_string();
         }
     }

@@ -1,4 +1,5 @@
-//! The simulated robot that a configuration describes, watched as a real one would be, and its linear truth.
+//! The simulated robot that a configuration describes, watched as a real one would be, and its
+//! linear truth.
 
 use std::sync::Arc;
 
@@ -24,10 +25,12 @@ impl Simulator {
     /// Does one run; returns the true motion beside what the sensors recorded.
     pub fn simulate(&self, run: &Run) -> Result<(Record, Trajectory), TestbedError> {
         match self {
-            Self::Open(testbed) => testbed.simulate(run).map_err(|error| error.in_run(run.id, &[])),
-            Self::Closed(testbed) => {
-                testbed.simulate(run).map_err(|error| error.in_run(run.id, &testbed.controller.gain))
-            }
+            Self::Open(testbed) => testbed
+                .simulate(run)
+                .map_err(|error| error.in_run(run.id, &[])),
+            Self::Closed(testbed) => testbed
+                .simulate(run)
+                .map_err(|error| error.in_run(run.id, &testbed.controller.gain)),
         }
     }
 }
@@ -46,8 +49,8 @@ impl Testbed for Simulator {
 }
 
 impl Experiment {
-    /// The simulated robot, in open loop or under its controller if one is described. Runs that exceed a limit of torque,
-    /// velocity or travel are brought to rest, and end there.
+    /// The simulated robot, in open loop or under its controller if one is described. Runs that
+    /// exceed a limit of torque, velocity or travel are brought to rest, and end there.
     ///
     /// # Errors
     /// [`ExperimentError::Config`] where no robot is described.
@@ -59,22 +62,37 @@ impl Experiment {
     pub(crate) fn simulator(&self, watch: Option<Watch>) -> Result<Simulator, ExperimentError> {
         let (robot, seed, sensors) = (self.robot()?, self.config.seed, self.config.robot.sensors());
         Ok(match &self.config.controller {
-            None => Simulator::Open(OpenLoop { sensors, seed, watch, ..OpenLoop::new(robot) }),
+            None => Simulator::Open(OpenLoop {
+                sensors,
+                seed,
+                watch,
+                ..OpenLoop::new(robot)
+            }),
             Some(table) => {
                 let controller = table.controller(self.config.sample_time_s);
-                Simulator::Closed(ClosedLoop { sensors, seed, watch, ..ClosedLoop::new(robot, controller) })
+                Simulator::Closed(ClosedLoop {
+                    sensors,
+                    seed,
+                    watch,
+                    ..ClosedLoop::new(robot, controller)
+                })
             }
         })
     }
 
-    /// Exact FRF from motor torque to velocity at the pose of the robot without its nonlinearities; with `sensor` as the robot's
-    /// sensors see it, by differencing and through a filter ([`Robot::frf_seen`]).
+    /// Exact FRF from motor torque to velocity at the pose of the robot without its nonlinearities;
+    /// with `sensor` as the robot's sensors see it, by differencing and through a filter
+    /// ([`Robot::frf_seen`]).
     ///
     /// # Errors
     /// [`ExperimentError`] where no robot is described, or for frequencies out of range.
     pub fn truth(&self, hz: &[f64], hold: Hold, sensor: bool) -> Result<Frf, ExperimentError> {
         let robot = self.robot()?;
-        let sensors = if sensor { self.config.robot.sensors() } else { vec![Sensor::default(); robot.n_axes()] };
+        let sensors = if sensor {
+            self.config.robot.sensors()
+        } else {
+            vec![Sensor::default(); robot.n_axes()]
+        };
         Ok(robot.frf_seen(hz, hold, self.config.sample_time_s, &sensors)?)
     }
 
@@ -83,12 +101,17 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError::Config`] where none is described.
     pub fn robot(&self) -> Result<Arc<dyn Robot>, ExperimentError> {
-        let missing =
-            || self.source.error(&["robot"], "no robot to simulate: a robot file, or tables of one, are needed");
+        let missing = || {
+            self.source.error(
+                &["robot"],
+                "no robot to simulate: a robot file, or tables of one, are needed",
+            )
+        };
         Ok(self.config.robot.robot().ok_or_else(missing)?)
     }
 
-    /// The limits that bind: those of the experiment and those of the robot, the tighter of the two.
+    /// The limits that bind: those of the experiment and those of the robot, the tighter of the
+    /// two.
     #[must_use]
     pub fn limits(&self) -> LimitsTable {
         self.config.limits.tighter(&self.config.robot.limits())
@@ -97,21 +120,43 @@ impl Experiment {
     /// Whether a limit of an axis is the robot's own, not that of the experiment.
     #[must_use]
     pub fn is_robots(&self, limit: &str, axis: usize) -> bool {
-        let of = |limits: &LimitsTable| limits.clone().entry(limit).as_ref().and_then(|limit| limit.get(axis).copied());
+        let of = |limits: &LimitsTable| {
+            limits
+                .clone()
+                .entry(limit)
+                .as_ref()
+                .and_then(|limit| limit.get(axis).copied())
+        };
         of(&self.config.limits) != of(&self.limits())
     }
 
-    /// What stops a run. A position limit nearer to the pose than the largest travel takes its place, on either side.
+    /// What stops a run. A position limit nearer to the pose than the largest travel takes its
+    /// place, on either side.
     #[must_use]
     pub fn watch(&self) -> Watch {
         // an axis without a limit has one that no number reaches
         let watched = |limit: Vec<f64>| limit.iter().map(|limit| limit.min(f64::MAX)).collect();
-        let LimitsTable { max_effort, max_velocity, max_travel, min_position, max_position, .. } = self.limits();
+        let LimitsTable {
+            max_effort,
+            max_velocity,
+            max_travel,
+            min_position,
+            max_position,
+            ..
+        } = self.limits();
         let pose_rad = self.config.robot.pose();
         let room = |limit: Option<Vec<f64>>| {
-            limit.map(|limit| limit.iter().zip(&pose_rad).map(|(limit, pose)| (limit - pose).abs()).collect())
+            limit.map(|limit| {
+                limit
+                    .iter()
+                    .zip(&pose_rad)
+                    .map(|(limit, pose)| (limit - pose).abs())
+                    .collect()
+            })
         };
-        let travels = [max_travel, room(min_position), room(max_position)].into_iter().flatten();
+        let travels = [max_travel, room(min_position), room(max_position)]
+            .into_iter()
+            .flatten();
         let nearest = |a: Vec<f64>, b: Vec<f64>| a.iter().zip(b).map(|(a, b)| a.min(b)).collect();
         Watch {
             max_effort_nm: max_effort.map(watched),
@@ -131,8 +176,17 @@ mod tests {
     fn a_position_limit_near_the_pose_is_watched() {
         let template = Template::named("r3-chirp").expect("built in");
         let limits = "max_position = [-1.04, 0.36, 3.0]\nmin_position = [-3.0, -3.0, 1.55]";
-        let text = template.text().replace("[limits]", &format!("[limits]\n{limits}"));
-        let experiment = Experiment::new(Source { name: "r3".into(), text }, "".as_ref()).expect("sound");
+        let text = template
+            .text()
+            .replace("[limits]", &format!("[limits]\n{limits}"));
+        let experiment = Experiment::new(
+            Source {
+                name: "r3".into(),
+                text,
+            },
+            "".as_ref(),
+        )
+        .expect("sound");
         let travel = experiment.watch().max_travel_rad.expect("limited");
         for (found, expected) in travel.iter().zip([0.0072, 0.0109, 0.0208]) {
             assert!((found - expected).abs() < 1e-4, "{travel:?}");

@@ -6,8 +6,14 @@ use ndarray::Array2;
 
 #[test]
 fn periods_after_the_instant_that_led_to_a_stop_are_not_used() {
-    let text = Template::named("multisine").expect("built in").text().replace("periods = 1", "periods = 3");
-    let source = Source { name: "x.toml".into(), text };
+    let text = Template::named("multisine")
+        .expect("built in")
+        .text()
+        .replace("periods = 1", "periods = 3");
+    let source = Source {
+        name: "x.toml".into(),
+        text,
+    };
     let experiment = Experiment::new(source, "nowhere".as_ref()).expect("sound");
     let plan = &experiment.plan;
     let estimator = Estimator::new(plan, &experiment.config.estimate).expect("sound");
@@ -16,7 +22,13 @@ fn periods_after_the_instant_that_led_to_a_stop_are_not_used() {
         let signal = Array2::from_shape_fn((1, n_samples), |(_, k)| (k as f64).sin());
         let reason = "axis 1: effort 2.0 N m, limit 1 N m".to_owned();
         let time_s = n_samples as f64 * plan.sample_time_s;
-        let stop = since_s.map(|since_s| Event { time_s, kind: EventKind::Stopped { reason, since_s: Some(since_s) } });
+        let stop = since_s.map(|since_s| Event {
+            time_s,
+            kind: EventKind::Stopped {
+                reason,
+                since_s: Some(since_s),
+            },
+        });
         let record = Record {
             sample_time_s: plan.sample_time_s,
             u: signal.clone(),
@@ -27,7 +39,10 @@ fn periods_after_the_instant_that_led_to_a_stop_are_not_used() {
             events: stop.into_iter().collect(),
         };
         let id = plan.run_ids().next().expect("a run");
-        estimator.spectra(id, &record, &|_| false).expect("finite").n_periods()
+        estimator
+            .spectra(id, &record, &|_| false)
+            .expect("finite")
+            .n_periods()
     };
     let all = lead_in + 3 * period;
     let after_s = |samples: usize| Some(samples as f64 * plan.sample_time_s);

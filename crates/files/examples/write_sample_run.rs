@@ -1,5 +1,6 @@
-//! Writes a small run and a small plan for readers that are not ours: `write_sample_run DIR` gives DIR/run.mcap and
-//! DIR/plan.mcap. Every value is exact in binary and follows from `value` below, so that a test can compute it again.
+//! Writes a small run and a small plan for readers that are not ours: `write_sample_run DIR` gives
+//! DIR/run.mcap and DIR/plan.mcap. Every value is exact in binary and follows from `value` below,
+//! so that a test can compute it again.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -19,12 +20,24 @@ fn signal(signal: usize) -> Array2<f64> {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let folder = PathBuf::from(std::env::args().nth(1).ok_or("give the folder to write to")?);
-    let id = RunId { kind: RunKind::Excitation, realization: 1, experiment: 0, repetition: 2 };
+    let folder = PathBuf::from(
+        std::env::args()
+            .nth(1)
+            .ok_or("give the folder to write to")?,
+    );
+    let id = RunId {
+        kind: RunKind::Excitation,
+        realization: 1,
+        experiment: 0,
+        repetition: 2,
+    };
     let joint_names = vec!["shoulder".to_string(), "elbow".to_string()];
     let metadata = [("seed".to_string(), "42".to_string())];
     let experiment_toml = "[experiment]\nname = \"sample\"\n".to_string();
-    let period = |period| Event { time_s: 1.5 * period as f64, kind: EventKind::PeriodStart { period } };
+    let period = |period| Event {
+        time_s: 1.5 * period as f64,
+        kind: EventKind::PeriodStart { period },
+    };
     let run = RunFile {
         joint_names: joint_names.clone(),
         run: id,
@@ -54,7 +67,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let planned = |realization| PlannedRun {
         run: Run {
-            id: RunId { realization, repetition: 0, ..id },
+            id: RunId {
+                realization,
+                repetition: 0,
+                ..id
+            },
             sample_time_s: 1e-3,
             reference: signal(10 + realization),
             velocity_rad_s: vec![0.25, 0.0],
@@ -62,6 +79,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         },
         n_repetitions: 4,
     };
-    write_plan(&folder.join("plan.mcap"), Overwrite::Replace, &head, (0..3).map(|p| Ok::<_, BoxError>(planned(p))))?;
+    write_plan(
+        &folder.join("plan.mcap"),
+        Overwrite::Replace,
+        &head,
+        (0..3).map(|p| Ok::<_, BoxError>(planned(p))),
+    )?;
     Ok(())
 }

@@ -1,5 +1,6 @@
-//! The one way this crate writes a file: into `NAME.part`, synced, then renamed. A reader never sees half a file under its
-//! final name, a failure keeps what was written, and two processes cannot write the same file.
+//! The one way this crate writes a file: into `NAME.part`, synced, then renamed. A reader never
+//! sees half a file under its final name, a failure keeps what was written, and two processes
+//! cannot write the same file.
 
 use std::error::Error;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -12,11 +13,12 @@ use crate::error::chain;
 /// What to do when the output exists already.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Overwrite {
-    /// Leave it alone and say so; so too with what an unfinished run left in `NAME.part`: it may be all there is of a
-    /// measurement.
+    /// Leave it alone and say so; so too with what an unfinished run left in `NAME.part`: it may be
+    /// all there is of a measurement.
     #[default]
     Refuse,
-    /// Leave a complete file alone, but replace what an unfinished run left: for work that can be done again.
+    /// Leave a complete file alone, but replace what an unfinished run left: for work that can be
+    /// done again.
     Resume,
     /// Replace it, once the new file is complete.
     Replace,
@@ -36,8 +38,8 @@ pub fn part_path(path: &Path) -> PathBuf {
 /// Writes `path` by `fill`, so that it appears complete or not at all.
 ///
 /// # Errors
-/// [`FileError::Exists`], [`FileError::Leftover`], [`FileError::Busy`], or [`FileError::Write`] with the whole chain of
-/// reasons; what was written stays in `NAME.part`.
+/// [`FileError::Exists`], [`FileError::Leftover`], [`FileError::Busy`], or [`FileError::Write`]
+/// with the whole chain of reasons; what was written stays in `NAME.part`.
 pub(crate) fn write_file(
     path: &Path,
     overwrite: Overwrite,
@@ -87,7 +89,9 @@ pub fn create_folder(folder: &Path) -> Result<(), FileError> {
 /// [`FileError::Exists`].
 pub fn check_free(path: &Path, overwrite: Overwrite) -> Result<(), FileError> {
     if overwrite != Overwrite::Replace && path.symlink_metadata().is_ok() {
-        return Err(FileError::Exists { path: path.to_path_buf() });
+        return Err(FileError::Exists {
+            path: path.to_path_buf(),
+        });
     }
     Ok(())
 }
@@ -95,16 +99,30 @@ pub fn check_free(path: &Path, overwrite: Overwrite) -> Result<(), FileError> {
 fn open_part(path: &Path, part: &Path, overwrite: Overwrite) -> Result<File, FileError> {
     check_free(path, overwrite)?;
     let left_over = part.symlink_metadata().is_ok();
-    let failed =
-        |error: std::io::Error| FileError::Io { path: part.to_path_buf(), action: "create", reason: error.to_string() };
-    let file = OpenOptions::new().write(true).create(true).truncate(false).open(part).map_err(failed)?;
+    let failed = |error: std::io::Error| FileError::Io {
+        path: part.to_path_buf(),
+        action: "create",
+        reason: error.to_string(),
+    };
+    let file = OpenOptions::new()
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .open(part)
+        .map_err(failed)?;
     match file.try_lock() {
-        Err(TryLockError::WouldBlock) => return Err(FileError::Busy { path: part.to_path_buf() }),
+        Err(TryLockError::WouldBlock) => {
+            return Err(FileError::Busy {
+                path: part.to_path_buf(),
+            });
+        }
         // a file system without locks (some network folders) must not keep anyone from writing
         Ok(()) | Err(TryLockError::Error(_)) => {}
     }
     if left_over && overwrite == Overwrite::Refuse {
-        return Err(FileError::Leftover { path: part.to_path_buf() });
+        return Err(FileError::Leftover {
+            path: part.to_path_buf(),
+        });
     }
     if file.metadata().is_ok_and(|meta| meta.is_file()) {
         file.set_len(0).map_err(failed)?;
@@ -112,9 +130,13 @@ fn open_part(path: &Path, part: &Path, overwrite: Overwrite) -> Result<File, Fil
     Ok(file)
 }
 
-/// Makes the rename last through a power failure, where folders can be synced; the file itself is safe either way.
+/// Makes the rename last through a power failure, where folders can be synced; the file itself is
+/// safe either way.
 fn sync_folder(path: &Path) {
-    let folder = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = path
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
     if let Ok(folder) = File::open(folder) {
         folder.sync_all().ok();
     }
@@ -130,7 +152,10 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("a.json");
         write_bytes(&path, Overwrite::Refuse, b"one").expect("nothing in the way");
-        assert!(matches!(write_bytes(&path, Overwrite::Refuse, b"two"), Err(FileError::Exists { .. })));
+        assert!(matches!(
+            write_bytes(&path, Overwrite::Refuse, b"two"),
+            Err(FileError::Exists { .. })
+        ));
         assert_eq!(fs::read(&path).expect("written"), b"one");
         write_bytes(&path, Overwrite::Replace, b"two").expect("replaces");
         assert_eq!(fs::read(&path).expect("written"), b"two");
@@ -142,10 +167,16 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("a.mcap");
         fs::write(part_path(&path), b"measured").expect("written");
-        assert!(matches!(write_bytes(&path, Overwrite::Refuse, b"new"), Err(FileError::Leftover { .. })));
+        assert!(matches!(
+            write_bytes(&path, Overwrite::Refuse, b"new"),
+            Err(FileError::Leftover { .. })
+        ));
         assert_eq!(fs::read(part_path(&path)).expect("kept"), b"measured");
         write_bytes(&path, Overwrite::Resume, b"new").expect("replaces the leftover");
-        assert!(matches!(write_bytes(&path, Overwrite::Resume, b"newer"), Err(FileError::Exists { .. })));
+        assert!(matches!(
+            write_bytes(&path, Overwrite::Resume, b"newer"),
+            Err(FileError::Exists { .. })
+        ));
         assert_eq!(fs::read(&path).expect("written"), b"new");
     }
 
@@ -154,7 +185,10 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("a.mcap");
         let outer = write_file(&path, Overwrite::Replace, |_| {
-            assert!(matches!(write_bytes(&path, Overwrite::Replace, b"second"), Err(FileError::Busy { .. })));
+            assert!(matches!(
+                write_bytes(&path, Overwrite::Replace, b"second"),
+                Err(FileError::Busy { .. })
+            ));
             Ok(())
         });
         outer.expect("the first one goes on");
@@ -169,7 +203,10 @@ mod tests {
             Err(mcap::McapError::Io(std::io::ErrorKind::StorageFull.into()).into())
         });
         let error = error.expect_err("the fill failed").to_string();
-        assert!(error.contains("no storage space") && error.contains("a.json.part"), "{error}");
+        assert!(
+            error.contains("no storage space") && error.contains("a.json.part"),
+            "{error}"
+        );
         assert!(!path.exists());
         assert_eq!(fs::read(part_path(&path)).expect("kept"), b"half");
     }
@@ -180,9 +217,14 @@ mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("a.json");
         std::os::unix::fs::symlink("/dev/full", part_path(&path)).expect("a link");
-        let error = write_bytes(&path, Overwrite::Replace, b"x").expect_err("the disk is full").to_string();
+        let error = write_bytes(&path, Overwrite::Replace, b"x")
+            .expect_err("the disk is full")
+            .to_string();
         assert!(error.contains("No space left on device"), "{error}");
         let folder = Path::new("/proc/nowhere/a.json");
-        assert!(matches!(write_bytes(folder, Overwrite::Refuse, b"x"), Err(FileError::Io { .. })));
+        assert!(matches!(
+            write_bytes(folder, Overwrite::Refuse, b"x"),
+            Err(FileError::Io { .. })
+        ));
     }
 }

@@ -1,4 +1,5 @@
-//! A cursor over bytes that came from a file: every step is checked against the bytes left before anything is allocated.
+//! A cursor over bytes that came from a file: every step is checked against the bytes left before
+//! anything is allocated.
 
 /// More bytes were asked for than are left.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -38,7 +39,11 @@ impl<'a> Bytes<'a> {
 
     /// The next `count` bytes; a count read from the file may be any number.
     pub(crate) fn take(&mut self, count: u64) -> Result<&'a [u8], Short> {
-        let short = Short { at: self.at, needed: count, left: self.left() };
+        let short = Short {
+            at: self.at,
+            needed: count,
+            left: self.left(),
+        };
         let count = usize::try_from(count).map_err(|_| short.clone())?;
         let taken = self.rest().get(..count).ok_or(short)?;
         self.at += count;

@@ -1,5 +1,6 @@
-//! Common Data Representation (CDR), the wire format of ROS 2 messages: a four-byte header naming the byte order, then
-//! every number aligned to its own size, counted from behind the header (OMG DDS-RTPS 2.2 section 10, CORBA 3.0 section 15.3).
+//! Common Data Representation (CDR), the wire format of ROS 2 messages: a four-byte header naming
+//! the byte order, then every number aligned to its own size, counted from behind the header (OMG
+//! DDS-RTPS 2.2 section 10, CORBA 3.0 section 15.3).
 
 use thiserror::Error;
 
@@ -26,7 +27,9 @@ pub enum CdrError {
         short: Short,
     },
     /// The message goes on after its last field.
-    #[error("{left} bytes are left after the last field: the message is of another type than its schema says")]
+    #[error(
+        "{left} bytes are left after the last field: the message is of another type than its schema says"
+    )]
     Trailing {
         /// How many.
         left: usize,
@@ -38,7 +41,9 @@ pub enum CdrError {
         field: String,
     },
     /// A type whose encoding differs between middlewares.
-    #[error("field {field}: wstring has no agreed encoding (it differs between middlewares) and is not read")]
+    #[error(
+        "field {field}: wstring has no agreed encoding (it differs between middlewares) and is not read"
+    )]
     WideText {
         /// The field being read.
         field: String,
@@ -53,7 +58,8 @@ pub struct CdrReader<'a> {
     field: String,
 }
 
-/// Makes the readers of the fixed-size numbers: aligned to their own size, in the message's byte order.
+/// Makes the readers of the fixed-size numbers: aligned to their own size, in the message's byte
+/// order.
 macro_rules! number {
     ($($name:ident: $doc:literal),*) => {
         $(
@@ -77,12 +83,20 @@ impl<'a> CdrReader<'a> {
     /// [`CdrError::Encoding`] for anything but plain CDR, [`CdrError::Short`].
     pub fn new(message: &'a [u8]) -> Result<Self, CdrError> {
         let mut header = Bytes::new(message);
-        let mut reader = Self { body: Bytes::new(&[]), big_endian: false, field: "header".into() };
+        let mut reader = Self {
+            body: Bytes::new(&[]),
+            big_endian: false,
+            field: "header".into(),
+        };
         let found: [u8; 4] = header.array().map_err(|short| reader.short(short))?;
         reader.big_endian = match found {
             [0, 0, ..] => true,
             [0, 1, ..] => false,
-            [first, second, ..] => return Err(CdrError::Encoding { found: [first, second] }),
+            [first, second, ..] => {
+                return Err(CdrError::Encoding {
+                    found: [first, second],
+                });
+            }
         };
         reader.body = Bytes::new(header.rest());
         Ok(reader)
@@ -94,12 +108,18 @@ impl<'a> CdrReader<'a> {
     }
 
     fn short(&self, short: Short) -> CdrError {
-        CdrError::Short { field: self.field.clone(), short }
+        CdrError::Short {
+            field: self.field.clone(),
+            short,
+        }
     }
 
     fn align(&mut self, size: usize) -> Result<(), CdrError> {
         let padding = self.body.at().wrapping_neg() & (size - 1);
-        self.body.take(padding as u64).map(drop).map_err(|short| self.short(short))
+        self.body
+            .take(padding as u64)
+            .map(drop)
+            .map_err(|short| self.short(short))
     }
 
     number! {
@@ -110,8 +130,8 @@ impl<'a> CdrReader<'a> {
         f32: "A 32-bit number.", f64: "A 64-bit number."
     }
 
-    /// A count of elements of at least `least_size` bytes each, checked against the bytes left, so that nothing larger than
-    /// the message is ever allocated for it.
+    /// A count of elements of at least `least_size` bytes each, checked against the bytes left, so
+    /// that nothing larger than the message is ever allocated for it.
     ///
     /// # Errors
     /// [`CdrError::Short`].
@@ -127,7 +147,11 @@ impl<'a> CdrReader<'a> {
     pub fn fits(&self, count: usize, least_size: usize) -> Result<usize, CdrError> {
         let needed = (count as u64).saturating_mul(least_size as u64);
         if needed > self.body.left() as u64 {
-            return Err(self.short(Short { at: self.body.at(), needed, left: self.body.left() }));
+            return Err(self.short(Short {
+                at: self.body.at(),
+                needed,
+                left: self.body.left(),
+            }));
         }
         Ok(count)
     }
@@ -135,7 +159,9 @@ impl<'a> CdrReader<'a> {
     /// Why a text of wide characters is not read.
     #[must_use]
     pub fn wide_text(&self) -> CdrError {
-        CdrError::WideText { field: self.field.clone() }
+        CdrError::WideText {
+            field: self.field.clone(),
+        }
     }
 
     /// A text, borrowed from the message.
@@ -144,13 +170,18 @@ impl<'a> CdrReader<'a> {
     /// [`CdrError::Short`], [`CdrError::Text`].
     pub fn text(&mut self) -> Result<&'a str, CdrError> {
         let length = self.count(1)?;
-        let bytes = self.body.take(length as u64).map_err(|short| self.short(short))?;
+        let bytes = self
+            .body
+            .take(length as u64)
+            .map_err(|short| self.short(short))?;
         let text = match bytes.split_last() {
             None => Some(""), // some writers leave out the NUL of an empty text
             Some((0, text)) => std::str::from_utf8(text).ok(),
             Some(_) => None,
         };
-        text.ok_or_else(|| CdrError::Text { field: self.field.clone() })
+        text.ok_or_else(|| CdrError::Text {
+            field: self.field.clone(),
+        })
     }
 
     /// A sequence of texts.
@@ -169,14 +200,19 @@ impl<'a> CdrReader<'a> {
         (0..self.count(8)?).map(|_| self.f64()).collect()
     }
 
-    /// Ends the message. Some middlewares pad it to a multiple of four bytes; anything more means that it was read wrongly.
+    /// Ends the message. Some middlewares pad it to a multiple of four bytes; anything more means
+    /// that it was read wrongly.
     ///
     /// # Errors
     /// [`CdrError::Trailing`].
     pub fn finish(&self) -> Result<(), CdrError> {
         let left = self.body.left();
         let padded = (self.body.at() + left).is_multiple_of(4) && left < 4;
-        if left == 0 || padded { Ok(()) } else { Err(CdrError::Trailing { left }) }
+        if left == 0 || padded {
+            Ok(())
+        } else {
+            Err(CdrError::Trailing { left })
+        }
     }
 }
 
@@ -217,7 +253,8 @@ mod tests {
         cdr.finish().map(|()| odd)
     }
 
-    /// The crate `cdr` is somebody else's encoder: ours must agree byte for byte, in both byte orders when reading.
+    /// The crate `cdr` is somebody else's encoder: ours must agree byte for byte, in both byte
+    /// orders when reading.
     #[test]
     fn agrees_with_the_cdr_crate() {
         for odd in (0..50).map(odd) {
@@ -230,7 +267,8 @@ mod tests {
             let theirs = cdr::serialize::<_, _, cdr::CdrLe>(&odd, cdr::Infinite).expect("encodes");
             assert_eq!(ours.bytes(), theirs);
             assert_eq!(read(&theirs), Ok(odd.clone()));
-            let big_endian = cdr::serialize::<_, _, cdr::CdrBe>(&odd, cdr::Infinite).expect("encodes");
+            let big_endian =
+                cdr::serialize::<_, _, cdr::CdrBe>(&odd, cdr::Infinite).expect("encodes");
             assert_eq!(read(&big_endian), Ok(odd));
         }
     }
@@ -244,7 +282,13 @@ mod tests {
         let longer = [&whole[..], &[0; 8]].concat();
         assert_eq!(read(&longer), Err(CdrError::Trailing { left: 8 }));
         let hostile = [0, 1, 0, 0, 0xff, 0xff, 0xff, 0xff, 1, 2, 3];
-        assert!(matches!(CdrReader::new(&hostile).and_then(|mut cdr| cdr.f64s()), Err(CdrError::Short { .. })));
-        assert_eq!(CdrReader::new(&[0, 7, 0, 0]).err(), Some(CdrError::Encoding { found: [0, 7] }));
+        assert!(matches!(
+            CdrReader::new(&hostile).and_then(|mut cdr| cdr.f64s()),
+            Err(CdrError::Short { .. })
+        ));
+        assert_eq!(
+            CdrReader::new(&[0, 7, 0, 0]).err(),
+            Some(CdrError::Encoding { found: [0, 7] })
+        );
     }
 }

@@ -10,7 +10,9 @@ const HEADER: [u8; 4] = [0, 1, 0, 0];
 
 impl Default for CdrWriter {
     fn default() -> Self {
-        Self { bytes: HEADER.to_vec() }
+        Self {
+            bytes: HEADER.to_vec(),
+        }
     }
 }
 

@@ -1,4 +1,5 @@
-//! The signals of a CSV, plain or gzipped: a header row of column names, then one row of numbers per sample.
+//! The signals of a CSV, plain or gzipped: a header row of column names, then one row of numbers
+//! per sample.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -13,15 +14,26 @@ use crate::log_map::{LogMap, Signal};
 /// A line may be this long: 16 MiB.
 const LINE_LIMIT: u64 = 16 << 20;
 
-/// Reads the mapped columns. A row that breaks off, and everything behind it, is reported as damage.
+/// Reads the mapped columns. A row that breaks off, and everything behind it, is reported as
+/// damage.
 pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Recording, FileError> {
     let mut lines = Lines::open(path)?;
     let header = lines.next_line()?.unwrap_or_default();
-    let separator = [',', ';', '\t'].into_iter().find(|separator| header.contains(*separator)).unwrap_or(',');
+    let separator = [',', ';', '\t']
+        .into_iter()
+        .find(|separator| header.contains(*separator))
+        .unwrap_or(',');
     let names: Vec<_> = header.split(separator).map(unquoted).collect();
     let clock = Times::of(path, map, |name| column(path, &names, name))?;
-    let columns = signals.iter().map(|signal| column(path, &names, &signal.source)).collect::<Result<Vec<_>, _>>()?;
-    let mut series = Series { topic: "rows".into(), signals: (0..signals.len()).collect(), ..Default::default() };
+    let columns = signals
+        .iter()
+        .map(|signal| column(path, &names, &signal.source))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut series = Series {
+        topic: "rows".into(),
+        signals: (0..signals.len()).collect(),
+        ..Default::default()
+    };
     while let Some(line) = lines.next_line()? {
         if line.is_empty() || line.starts_with('#') {
             continue;
@@ -31,16 +43,32 @@ pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Rec
             lines.failed = Some(format!("the file breaks off in line {}", lines.number));
             break;
         }
-        let row = Row { fields, needed: names.len(), path, line: lines.number };
+        let row = Row {
+            fields,
+            needed: names.len(),
+            path,
+            line: lines.number,
+        };
         let stamp_ns = clock.stamp_ns(series.rows.len(), |column| row.number(column))?;
-        series.rows.push(columns.iter().map(|&column| row.number(column)).collect::<Result<_, _>>()?);
+        series.rows.push(
+            columns
+                .iter()
+                .map(|&column| row.number(column))
+                .collect::<Result<_, _>>()?,
+        );
         series.stamps_ns.push(stamp_ns);
     }
-    let mut recording = Recording { sample_time_s: clock.sample_time_s(map), ..Default::default() };
+    let mut recording = Recording {
+        sample_time_s: clock.sample_time_s(map),
+        ..Default::default()
+    };
     if let Some(reason) = lines.failed {
-        recording.damages.push((series.stamps_ns.last().copied(), reason));
+        recording
+            .damages
+            .push((series.stamps_ns.last().copied(), reason));
     } else if lines.broke_off {
-        let warning = "the last line has no line end: if the file was cut, its last number may be too";
+        let warning =
+            "the last line has no line end: if the file was cut, its last number may be too";
         recording.warnings.push(warning.into());
     }
     recording.series.push(series);
@@ -72,7 +100,9 @@ impl Row<'_> {
         if field.is_empty() {
             return Ok(f64::NAN);
         }
-        field.parse().map_err(|_| bad(format!("`{field}`"), "a number".into()))
+        field
+            .parse()
+            .map_err(|_| bad(format!("`{field}`"), "a number".into()))
     }
 }
 
@@ -87,7 +117,12 @@ fn column(path: &Path, names: &[&str], name: &str) -> Result<usize, FileError> {
         (first, _) => Err(FileError::Content {
             path: path.into(),
             what: format!("column `{name}`"),
-            found: if first.is_some() { "two of that name" } else { "no such column" }.into(),
+            found: if first.is_some() {
+                "two of that name"
+            } else {
+                "no such column"
+            }
+            .into(),
             needed: format!("one of {}", names.join(", ")),
         }),
     }
@@ -119,7 +154,10 @@ impl Times {
                         needed: "s, ms, us or ns".into(),
                     });
                 }
-                Ok(Self::Column(place(&time.source)?, factor * time.scale * 1e9))
+                Ok(Self::Column(
+                    place(&time.source)?,
+                    factor * time.scale * 1e9,
+                ))
             }
             (None, Some(sample_time_s)) => {
                 crate::structure::check_sample_time(sample_time_s)?;
@@ -133,9 +171,11 @@ impl Times {
         }
     }
 
-    /// The sample time that the user gave, to its last digit; none where it comes from the sample times.
+    /// The sample time that the user gave, to its last digit; none where it comes from the sample
+    /// times.
     pub(crate) fn sample_time_s(&self, map: &LogMap) -> Option<f64> {
-        map.sample_time_s.filter(|_| matches!(self, Self::Counted(_)))
+        map.sample_time_s
+            .filter(|_| matches!(self, Self::Counted(_)))
     }
 
     /// The stamp of a row; `number` reads its column.
@@ -164,13 +204,25 @@ struct Lines {
 
 impl Lines {
     fn open(path: &Path) -> Result<Self, FileError> {
-        let failed =
-            |error: std::io::Error| FileError::Io { path: path.into(), action: "open", reason: error.to_string() };
+        let failed = |error: std::io::Error| FileError::Io {
+            path: path.into(),
+            action: "open",
+            reason: error.to_string(),
+        };
         let mut file = BufReader::with_capacity(1 << 16, File::open(path).map_err(failed)?);
         let is_gzipped = file.fill_buf().map_err(failed)?.starts_with(&[0x1f, 0x8b]);
-        let reader: Box<dyn BufRead> =
-            if is_gzipped { Box::new(BufReader::new(MultiGzDecoder::new(file))) } else { Box::new(file) };
-        Ok(Self { reader, path: path.into(), number: 0, broke_off: false, failed: None })
+        let reader: Box<dyn BufRead> = if is_gzipped {
+            Box::new(BufReader::new(MultiGzDecoder::new(file)))
+        } else {
+            Box::new(file)
+        };
+        Ok(Self {
+            reader,
+            path: path.into(),
+            number: 0,
+            broke_off: false,
+            failed: None,
+        })
     }
 
     /// The next line without its end; `None` at the end of what can be read.
@@ -180,8 +232,14 @@ impl Lines {
         }
         let mut line = Vec::new();
         self.number += 1;
-        if let Err(error) = (&mut self.reader).take(LINE_LIMIT).read_until(b'\n', &mut line) {
-            self.failed = Some(format!("cannot read on behind line {}: {error}", self.number - 1));
+        if let Err(error) = (&mut self.reader)
+            .take(LINE_LIMIT)
+            .read_until(b'\n', &mut line)
+        {
+            self.failed = Some(format!(
+                "cannot read on behind line {}: {error}",
+                self.number - 1
+            ));
         }
         if !line.is_empty() {
             self.broke_off = !line.ends_with(b"\n");
@@ -198,6 +256,11 @@ impl Lines {
         if line.is_empty() || self.failed.is_some() {
             return Ok(None);
         }
-        Ok(Some(String::from_utf8_lossy(&line).trim().trim_start_matches('\u{feff}').into()))
+        Ok(Some(
+            String::from_utf8_lossy(&line)
+                .trim()
+                .trim_start_matches('\u{feff}')
+                .into(),
+        ))
     }
 }

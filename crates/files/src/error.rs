@@ -87,7 +87,8 @@ pub enum FileError {
     },
 }
 
-/// An error with all its causes, outermost first: some libraries hide the operating system's reason in the last one.
+/// An error with all its causes, outermost first: some libraries hide the operating system's reason
+/// in the last one.
 pub(crate) fn chain(error: &(dyn Error + 'static)) -> String {
     let mut text = error.to_string();
     let mut cause = error.source();

@@ -1,4 +1,5 @@
-//! Whatever bytes come in, no reader panics and none takes memory that the bytes do not account for.
+//! Whatever bytes come in, no reader panics and none takes memory that the bytes do not account
+//! for.
 
 use std::io::Cursor;
 use std::path::Path;
@@ -56,31 +57,74 @@ proptest! {
 #[test]
 fn absurd_lengths_are_refused_by_number() {
     let chunk = |unpacked: u64| {
-        let body = [&[0; 16][..], &unpacked.to_le_bytes(), &[1, 0, 0, 0], &[4, 0, 0, 0], b"zstd", &[0; 8]].concat();
+        let body = [
+            &[0; 16][..],
+            &unpacked.to_le_bytes(),
+            &[1, 0, 0, 0],
+            &[4, 0, 0, 0],
+            b"zstd",
+            &[0; 8],
+        ]
+        .concat();
         [&[6][..], &(body.len() as u64).to_le_bytes(), &body].concat()
     };
     let record = [&[5][..], &(1_u64 << 50).to_le_bytes()].concat();
-    for (record, told) in [(chunk(1 << 40), 1_u64 << 40), (chunk(u64::MAX), u64::MAX), (record, 1 << 50)] {
+    for (record, told) in [
+        (chunk(1 << 40), 1_u64 << 40),
+        (chunk(u64::MAX), u64::MAX),
+        (record, 1 << 50),
+    ] {
         let file = [mcap::MAGIC, &record].concat();
-        let damages = scan(Cursor::new(&file), Path::new("x.mcap"), Part::All, &mut |_| Ok(())).expect("readable");
-        let reasons: Vec<_> = damages.iter().map(|damage| damage.reason.as_str()).collect();
-        assert!(reasons.iter().any(|reason| reason.contains(&told.to_string())), "{reasons:?}");
+        let damages = scan(
+            Cursor::new(&file),
+            Path::new("x.mcap"),
+            Part::All,
+            &mut |_| Ok(()),
+        )
+        .expect("readable");
+        let reasons: Vec<_> = damages
+            .iter()
+            .map(|damage| damage.reason.as_str())
+            .collect();
+        assert!(
+            reasons
+                .iter()
+                .any(|reason| reason.contains(&told.to_string())),
+            "{reasons:?}"
+        );
     }
     assert_eq!(LENGTH_LIMIT, 268_435_456);
 }
 
-/// The names of attachments come from the file; recovering one copies it as content and touches no path.
+/// The names of attachments come from the file; recovering one copies it as content and touches no
+/// path.
 #[test]
 fn an_attachment_named_like_a_path_stays_in_the_file() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (input, output) = (folder.path().join("a.mcap"), folder.path().join("b.mcap"));
-    let mut mcap = crate::mcap_write::options().create(Cursor::new(Vec::new())).expect("memory");
+    let mut mcap = crate::mcap_write::options()
+        .create(Cursor::new(Vec::new()))
+        .expect("memory");
     let (log_time, create_time, media_type) = (0, 0, String::new());
-    let evil = mcap::Attachment { log_time, create_time, name: "../evil".into(), media_type, data: b"x"[..].into() };
+    let evil = mcap::Attachment {
+        log_time,
+        create_time,
+        name: "../evil".into(),
+        media_type,
+        data: b"x"[..].into(),
+    };
     mcap.attach(&evil).expect("memory");
     mcap.finish().expect("memory");
     std::fs::write(&input, mcap.into_inner().into_inner()).expect("written");
-    assert_eq!(recover(&input, &output, Overwrite::Refuse).expect("sound").n_attachments, 1);
-    assert_eq!(std::fs::read_dir(folder.path()).expect("readable").count(), 2);
+    assert_eq!(
+        recover(&input, &output, Overwrite::Refuse)
+            .expect("sound")
+            .n_attachments,
+        1
+    );
+    assert_eq!(
+        std::fs::read_dir(folder.path()).expect("readable").count(),
+        2
+    );
     assert!(!folder.path().join("../evil").exists());
 }

@@ -1,4 +1,5 @@
-//! The two ROS 2 messages this crate writes: `sensor_msgs/msg/JointState` and `std_msgs/msg/String`.
+//! The two ROS 2 messages this crate writes: `sensor_msgs/msg/JointState` and
+//! `std_msgs/msg/String`.
 
 use crate::cdr_read::{CdrError, CdrReader};
 use crate::cdr_write::CdrWriter;
@@ -10,7 +11,8 @@ pub(crate) struct MessageType {
     pub(crate) hash: &'static str,
 }
 
-/// Definition: <https://docs.ros.org/en/rolling/p/sensor_msgs>; the hash as rosbags 0.11 computes it.
+/// Definition: <https://docs.ros.org/en/rolling/p/sensor_msgs>; the hash as rosbags 0.11 computes
+/// it.
 pub(crate) const JOINT_STATE: MessageType = MessageType {
     name: "sensor_msgs/msg/JointState",
     definition: "\
@@ -77,7 +79,15 @@ impl JointState {
         }
         cdr.finish()?;
         let [position, velocity, effort] = arrays.map(|(_, values)| values);
-        Ok((Self { stamp_ns: stamp_ns.max(0) as u64, position, velocity, effort }, names))
+        Ok((
+            Self {
+                stamp_ns: stamp_ns.max(0) as u64,
+                position,
+                velocity,
+                effort,
+            },
+            names,
+        ))
     }
 }
 
@@ -88,21 +98,42 @@ mod tests {
     #[test]
     fn comes_back_as_it_went() {
         let names = ["a".to_string(), "joint_2".to_string()];
-        let state = JointState { stamp_ns: 1_250_000_001, velocity: vec![-0.0, 1e-310], ..Default::default() };
+        let state = JointState {
+            stamp_ns: 1_250_000_001,
+            velocity: vec![-0.0, 1e-310],
+            ..Default::default()
+        };
         let mut cdr = CdrWriter::default();
         for _ in 0..2 {
             state.encode(&names, &mut cdr); // the second time into the same buffer
-            assert_eq!(JointState::decode(cdr.bytes()), Ok((state.clone(), vec!["a", "joint_2"])));
+            assert_eq!(
+                JointState::decode(cdr.bytes()),
+                Ok((state.clone(), vec!["a", "joint_2"]))
+            );
         }
     }
 
     #[test]
     fn agrees_with_the_cdr_crate() {
         let names = ["elbow".to_string()];
-        let state = JointState { stamp_ns: 7_000_000_009, position: vec![0.5], ..Default::default() };
+        let state = JointState {
+            stamp_ns: 7_000_000_009,
+            position: vec![0.5],
+            ..Default::default()
+        };
         let mut ours = CdrWriter::default();
         state.encode(&names, &mut ours);
-        let fields = ((7_i32, 9_u32), "", &names[..], &[0.5][..], &[0.0; 0][..], &[0.0; 0][..]);
-        assert_eq!(ours.bytes(), cdr::serialize::<_, _, cdr::CdrLe>(&fields, cdr::Infinite).expect("encodes"));
+        let fields = (
+            (7_i32, 9_u32),
+            "",
+            &names[..],
+            &[0.5][..],
+            &[0.0; 0][..],
+            &[0.0; 0][..],
+        );
+        assert_eq!(
+            ours.bytes(),
+            cdr::serialize::<_, _, cdr::CdrLe>(&fields, cdr::Infinite).expect("encodes")
+        );
     }
 }

@@ -1,8 +1,8 @@
 //! Runs, plans and robot logs in MCAP (ROS 2), CSV and NPZ; results in JSON.
 //!
-//! Every file is written to `NAME.part`, synced and renamed, and never replaces another unless told so. Every reader expects
-//! cut, flipped and hostile files: no panic, no memory beyond a stated limit, and nothing lost without a [`Loss`] that says
-//! which samples are gone and why.
+//! Every file is written to `NAME.part`, synced and renamed, and never replaces another unless told
+//! so. Every reader expects cut, flipped and hostile files: no panic, no memory beyond a stated
+//! limit, and nothing lost without a [`Loss`] that says which samples are gone and why.
 
 mod alignment;
 mod atomic;

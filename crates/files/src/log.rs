@@ -1,4 +1,5 @@
-//! A recording that frfid did not make: a robot's log in MCAP, CSV or NPZ, read through a [`LogMap`].
+//! A recording that frfid did not make: a robot's log in MCAP, CSV or NPZ, read through a
+//! [`LogMap`].
 
 use std::path::Path;
 
@@ -30,14 +31,16 @@ pub struct Log {
     pub warnings: Vec<String>,
 }
 
-/// The samples of the signals of one topic (or of a whole CSV) as they were recorded, with their stamps.
+/// The samples of the signals of one topic (or of a whole CSV) as they were recorded, with their
+/// stamps.
 #[derive(Debug, Default)]
 pub(crate) struct Series {
     pub(crate) topic: String,
     pub(crate) stamps_ns: Vec<i64>,
     /// Which signals, by their place among all signals of the map.
     pub(crate) signals: Vec<usize>,
-    /// One row of values per stamp, in the order of `signals`; NaN where a message does not have the joint.
+    /// One row of values per stamp, in the order of `signals`; NaN where a message does not have
+    /// the joint.
     pub(crate) rows: Vec<Vec<f64>>,
 }
 
@@ -52,25 +55,43 @@ pub(crate) struct Recording {
     pub(crate) sample_time_s: Option<f64>,
 }
 
-/// Reads a recording: `.csv` and `.csv.gz` by columns, `.npz` by arrays, everything else as MCAP by topics.
+/// Reads a recording: `.csv` and `.csv.gz` by columns, `.npz` by arrays, everything else as MCAP by
+/// topics.
 ///
-/// Topics are aligned by their stamps; a constant delay between them is told, not corrected. Nothing is resampled.
+/// Topics are aligned by their stamps; a constant delay between them is told, not corrected.
+/// Nothing is resampled.
 ///
 /// # Errors
-/// [`FileError`]: unreadable files, topics, fields, columns or units that are not there, and clocks that are not even.
+/// [`FileError`]: unreadable files, topics, fields, columns or units that are not there, and clocks
+/// that are not even.
 pub fn read_log(path: &Path, map: &LogMap) -> Result<Log, FileError> {
     if map.u.is_empty() || map.y.is_empty() {
         let found = format!("{} inputs, {} outputs", map.u.len(), map.y.len());
-        return Err(FileError::Shape { what: "log map", found, needed: "at least one signal for u and for y".into() });
+        return Err(FileError::Shape {
+            what: "log map",
+            found,
+            needed: "at least one signal for u and for y".into(),
+        });
     }
-    for (what, role, size) in [("r", &map.r, map.u.len()), ("position", &map.position, map.y.len())] {
+    for (what, role, size) in [
+        ("r", &map.r, map.u.len()),
+        ("position", &map.position, map.y.len()),
+    ] {
         if !role.is_empty() && role.len() != size {
             let needed = format!("{size}, or none");
-            return Err(FileError::Shape { what, found: format!("{} signals", role.len()), needed });
+            return Err(FileError::Shape {
+                what,
+                found: format!("{} signals", role.len()),
+                needed,
+            });
         }
     }
     let signals: Vec<&Signal> = map.roles().into_iter().flatten().collect();
-    let name = path.file_name().unwrap_or_default().to_string_lossy().to_lowercase();
+    let name = path
+        .file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .to_lowercase();
     let ends_with = |endings: &[&str]| endings.iter().any(|ending| name.ends_with(ending));
     let recording = if ends_with(&[".csv", ".csv.gz", ".txt", ".txt.gz"]) {
         csv_read::read(path, map, &signals)?
@@ -83,7 +104,12 @@ pub fn read_log(path: &Path, map: &LogMap) -> Result<Log, FileError> {
 }
 
 /// Puts the signals of all topics on one clock.
-fn assemble(path: &Path, map: &LogMap, signals: &[&Signal], mut recording: Recording) -> Result<Log, FileError> {
+fn assemble(
+    path: &Path,
+    map: &LogMap,
+    signals: &[&Signal],
+    mut recording: Recording,
+) -> Result<Log, FileError> {
     let content = |what: &str, found: String, needed: String| FileError::Content {
         path: path.into(),
         what: what.into(),
@@ -102,19 +128,38 @@ fn assemble(path: &Path, map: &LogMap, signals: &[&Signal], mut recording: Recor
         .map_err(|(found, needed)| content("topics", found, needed))?;
     if grid.n_samples.saturating_mul(signals.len()) > structure::MOST_VALUES {
         let needed = format!("at most {} values", structure::MOST_VALUES);
-        return Err(content("stamps", format!("{} samples", grid.n_samples), needed));
+        return Err(content(
+            "stamps",
+            format!("{} samples", grid.n_samples),
+            needed,
+        ));
     }
     let mut values = Array2::from_elem((signals.len(), grid.n_samples), f64::NAN);
     let mut losses = grid.fill(&recording.series, &clocks, signals, &mut values);
     for (signal, row) in signals.iter().zip(values.rows()) {
         if row.iter().all(|value| !value.is_finite()) {
-            return Err(content(&signal.source, "no number in the whole recording".into(), "a measured signal".into()));
+            return Err(content(
+                &signal.source,
+                "no number in the whole recording".into(),
+                "a measured signal".into(),
+            ));
         }
     }
-    losses.extend(recording.damages.into_iter().map(|(at_ns, reason)| grid.of_file(at_ns, reason)));
+    losses.extend(
+        recording
+            .damages
+            .into_iter()
+            .map(|(at_ns, reason)| grid.of_file(at_ns, reason)),
+    );
     convert(path, signals, &mut values)?;
     let sample_time_s = recording.sample_time_s.unwrap_or(grid.sample_time_s);
-    Ok(sort_into_roles(map, &values, sample_time_s, losses, warnings))
+    Ok(sort_into_roles(
+        map,
+        &values,
+        sample_time_s,
+        losses,
+        warnings,
+    ))
 }
 
 fn convert(path: &Path, signals: &[&Signal], values: &mut Array2<f64>) -> Result<(), FileError> {
@@ -144,14 +189,18 @@ fn sort_into_roles(
 ) -> Log {
     let mut taken = 0;
     let [u, y, r, position] = map.roles().map(|role| {
-        let rows = values.slice(ndarray::s![taken..taken + role.len(), ..]).to_owned();
+        let rows = values
+            .slice(ndarray::s![taken..taken + role.len(), ..])
+            .to_owned();
         taken += role.len();
         rows
     });
     let there = |signal: Array2<f64>| (signal.nrows() > 0).then_some(signal);
     let names = |role: &[Signal]| role.iter().map(|signal| signal.source.clone()).collect();
     let units = |role: &[Signal]| {
-        role.iter().map(|signal| to_si(&signal.unit).map_or(signal.unit.clone(), |(_, si)| si.into())).collect()
+        role.iter()
+            .map(|signal| to_si(&signal.unit).map_or(signal.unit.clone(), |(_, si)| si.into()))
+            .collect()
     };
     Log {
         input_names: names(&map.u),

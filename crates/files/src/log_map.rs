@@ -1,4 +1,5 @@
-//! Which signal of a foreign recording plays which role: `topic:field[index or joint]` of an MCAP, or a column of a CSV, an array of an NPZ.
+//! Which signal of a foreign recording plays which role: `topic:field[index or joint]` of an MCAP,
+//! or a column of a CSV, an array of an NPZ.
 
 use frfid_signals::InputKind;
 use serde::{Deserialize, Serialize};
@@ -7,11 +8,13 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Signal {
-    /// In an MCAP `topic:field`, for example `/joint_states:velocity[elbow]` or `/state:reference.positions[2]`; what stands
-    /// in brackets is a place from 0 or the name of a joint, looked up in each message. In a CSV the name of the column;
-    /// in an NPZ the name of an array (sample), or `name[row]` for one (channel, sample).
+    /// In an MCAP `topic:field`, for example `/joint_states:velocity[elbow]` or
+    /// `/state:reference.positions[2]`; what stands in brackets is a place from 0 or the name of a
+    /// joint, looked up in each message. In a CSV the name of the column; in an NPZ the name of an
+    /// array (sample), or `name[row]` for one (channel, sample).
     pub source: String,
-    /// Unit in the recording: `rad`, `deg`, `rad/s`, `rpm`, `N m`, `A`, ...; the signal is converted to SI once.
+    /// Unit in the recording: `rad`, `deg`, `rad/s`, `rpm`, `N m`, `A`, ...; the signal is
+    /// converted to SI once.
     pub unit: String,
     /// Factor on top of the unit, -1 for a sensor that counts the other way round.
     #[serde(default = "one")]
@@ -39,7 +42,8 @@ pub struct LogMap {
     /// Whether `u` was commanded or measured.
     #[serde(default = "measured")]
     pub input_kind: InputKind,
-    /// Column or array of the sample times of a CSV or NPZ, unit `s`, `ms`, `us` or `ns`; an MCAP has its header stamps.
+    /// Column or array of the sample times of a CSV or NPZ, unit `s`, `ms`, `us` or `ns`; an MCAP
+    /// has its header stamps.
     #[serde(default)]
     pub time: Option<Signal>,
     /// Sample time in s of a CSV or NPZ without sample times.
@@ -94,7 +98,10 @@ const UNITS: [(&str, f64, &str); 30] = [
 
 /// Factor to SI and the SI unit, or the units there are.
 pub(crate) fn to_si(unit: &str) -> Result<(f64, &'static str), String> {
-    let known = UNITS.iter().find(|(name, ..)| *name == unit).map(|&(_, factor, si)| (factor, si));
+    let known = UNITS
+        .iter()
+        .find(|(name, ..)| *name == unit)
+        .map(|&(_, factor, si)| (factor, si));
     known.ok_or_else(|| format!("one of {}", UNITS.map(|(name, ..)| name).join(", ")))
 }
 
@@ -104,7 +111,10 @@ mod tests {
 
     #[test]
     fn units_are_converted_once_and_unknown_ones_are_refused_with_the_list() {
-        assert_eq!(to_si("deg").map(|(factor, si)| (factor * 180.0, si)), Ok((std::f64::consts::PI, "rad")));
+        assert_eq!(
+            to_si("deg").map(|(factor, si)| (factor * 180.0, si)),
+            Ok((std::f64::consts::PI, "rad"))
+        );
         assert!((to_si("rpm").expect("known").0 * 60.0 - std::f64::consts::TAU).abs() < 1e-15);
         assert!(to_si("degree").expect_err("unknown").contains("deg/s"));
     }

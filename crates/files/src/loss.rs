@@ -4,7 +4,8 @@ use std::fmt;
 
 use crate::mcap_read::Damage;
 
-/// A part of a recording that is missing, damaged or not a number: the samples at times in `[from_s, to_s)`.
+/// A part of a recording that is missing, damaged or not a number: the samples at times in
+/// `[from_s, to_s)`.
 ///
 /// An empty range (`from_s == to_s`) takes no sample away: something else in the file is damaged.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,19 +24,39 @@ pub struct Loss {
 impl fmt::Display for Loss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let microseconds = |time_s: f64| (time_s * 1e6).round() / 1e6;
-        write!(f, "{} {} s to {} s: {}", self.topic, microseconds(self.from_s), microseconds(self.to_s), self.reason)
+        write!(
+            f,
+            "{} {} s to {} s: {}",
+            self.topic,
+            microseconds(self.from_s),
+            microseconds(self.to_s),
+            self.reason
+        )
     }
 }
 
-/// Damage to the file as a loss of no sample yet; the samples missing because of it are found one by one.
+/// Damage to the file as a loss of no sample yet; the samples missing because of it are found one
+/// by one.
 pub(crate) fn of_file(damage: Damage, start_ns: u64) -> Loss {
-    let at_s = damage.times_ns.map_or(0.0, |(from, _)| (from as f64 - start_ns as f64) / 1e9);
-    Loss { topic: "file".into(), from_s: at_s, to_s: at_s, reason: damage.reason }
+    let at_s = damage
+        .times_ns
+        .map_or(0.0, |(from, _)| (from as f64 - start_ns as f64) / 1e9);
+    Loss {
+        topic: "file".into(),
+        from_s: at_s,
+        to_s: at_s,
+        reason: damage.reason,
+    }
 }
 
 /// Something other than a sample is lost.
 pub(crate) fn of_nothing(topic: &str, reason: &str) -> Loss {
-    Loss { topic: topic.into(), from_s: 0.0, to_s: 0.0, reason: reason.into() }
+    Loss {
+        topic: topic.into(),
+        from_s: 0.0,
+        to_s: 0.0,
+        reason: reason.into(),
+    }
 }
 
 /// The runs of samples for which `is_lost` holds, as losses of `topic`.

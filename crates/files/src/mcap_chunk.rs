@@ -14,9 +14,16 @@ use crate::mcap_record::{self, Attachment, Channel, Message, Schema};
 
 /// What a file holds, in the order of the file.
 pub(crate) enum Entry<'a> {
-    Metadata { name: String, values: BTreeMap<String, String> },
+    Metadata {
+        name: String,
+        values: BTreeMap<String, String>,
+    },
     Attachment(Attachment<'a>),
-    Message { channel: &'a Channel, schema: Option<&'a Schema>, message: Message<'a> },
+    Message {
+        channel: &'a Channel,
+        schema: Option<&'a Schema>,
+        message: Message<'a>,
+    },
 }
 
 /// Takes the entries; an error stops the reading.
@@ -31,7 +38,8 @@ pub(crate) struct Topics {
 }
 
 impl Topics {
-    /// Takes in a schema or channel record. Definitions are repeated in a file; the first one holds.
+    /// Takes in a schema or channel record. Definitions are repeated in a file; the first one
+    /// holds.
     pub(crate) fn define(&mut self, opcode: u8, body: &[u8]) -> Result<(), Short> {
         if opcode == op::SCHEMA {
             let (id, schema) = mcap_record::schema(body)?;
@@ -43,11 +51,19 @@ impl Topics {
         Ok(())
     }
 
-    /// Hands one record to `visit` if it is of interest. The outer error stops the reading, the inner one is damage.
-    pub(crate) fn take(&mut self, opcode: u8, body: &[u8], visit: &mut Visit) -> Result<Result<(), Short>, FileError> {
+    /// Hands one record to `visit` if it is of interest. The outer error stops the reading, the
+    /// inner one is damage.
+    pub(crate) fn take(
+        &mut self,
+        opcode: u8,
+        body: &[u8],
+        visit: &mut Visit,
+    ) -> Result<Result<(), Short>, FileError> {
         let entry = match opcode {
             op::SCHEMA | op::CHANNEL => return Ok(self.define(opcode, body)),
-            op::METADATA => mcap_record::metadata(body).map(|(name, values)| Entry::Metadata { name, values }),
+            op::METADATA => {
+                mcap_record::metadata(body).map(|(name, values)| Entry::Metadata { name, values })
+            }
             op::ATTACHMENT => mcap_record::attachment(body).map(Entry::Attachment),
             op::MESSAGE => match mcap_record::message(body) {
                 Err(short) => Err(short),
@@ -56,7 +72,11 @@ impl Topics {
                         self.orphans += 1;
                         return Ok(Ok(()));
                     };
-                    Ok(Entry::Message { channel, schema: self.schemas.get(&channel.schema_id), message })
+                    Ok(Entry::Message {
+                        channel,
+                        schema: self.schemas.get(&channel.schema_id),
+                        message,
+                    })
                 }
             },
             _ => return Ok(Ok(())),
@@ -68,11 +88,13 @@ impl Topics {
     }
 }
 
-/// Takes a record of a chunk by opcode and body. The outer error stops the reading, the inner one is damage.
+/// Takes a record of a chunk by opcode and body. The outer error stops the reading, the inner one
+/// is damage.
 pub(crate) type Take<'t> = dyn FnMut(u8, &[u8]) -> Result<Result<(), Short>, FileError> + 't;
 
-/// Unpacks a chunk into `take`, after its checksum was verified. Of a chunk whose end is cut off, which no checksum covers,
-/// it delivers what comes before the cut. The outer error stops the reading, the inner one is damage, in words.
+/// Unpacks a chunk into `take`, after its checksum was verified. Of a chunk whose end is cut off,
+/// which no checksum covers, it delivers what comes before the cut. The outer error stops the
+/// reading, the inner one is damage, in words.
 pub(crate) fn unpack(chunk: &RawRecord, take: &mut Take) -> Result<Result<(), String>, FileError> {
     let options = LinearReaderOptions::default()
         .with_skip_start_magic(true)

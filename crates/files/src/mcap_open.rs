@@ -13,10 +13,26 @@ const OTHERS: [(&[u8], &str, &str); 5] = [
         "a rosbag2 .db3 file",
         "convert it: ros2 bag convert, or rosbags-convert --dst-storage mcap",
     ),
-    (&[0x28, 0xb5, 0x2f, 0xfd], "a zstd-compressed file", "unpack it first: zstd -d FILE.mcap.zstd"),
-    (b"#ROSBAG V2.0", "a ROS 1 bag", "convert it: mcap convert, or rosbags-convert"),
-    (&[0x1f, 0x8b], "a gzip-compressed file", "unpack it first: gunzip FILE"),
-    (b"\x89HDF", "an HDF5 or MATLAB v7.3 file", "export the signals to CSV or MCAP"),
+    (
+        &[0x28, 0xb5, 0x2f, 0xfd],
+        "a zstd-compressed file",
+        "unpack it first: zstd -d FILE.mcap.zstd",
+    ),
+    (
+        b"#ROSBAG V2.0",
+        "a ROS 1 bag",
+        "convert it: mcap convert, or rosbags-convert",
+    ),
+    (
+        &[0x1f, 0x8b],
+        "a gzip-compressed file",
+        "unpack it first: gunzip FILE",
+    ),
+    (
+        b"\x89HDF",
+        "an HDF5 or MATLAB v7.3 file",
+        "export the signals to CSV or MCAP",
+    ),
 ];
 
 /// Opens an MCAP for reading.
@@ -24,10 +40,17 @@ const OTHERS: [(&[u8], &str, &str); 5] = [
 /// # Errors
 /// [`FileError::Io`], or [`FileError::Format`] naming what the file is instead.
 pub(crate) fn open_mcap(path: &Path) -> Result<BufReader<File>, FileError> {
-    let failed = |error: std::io::Error| FileError::Io { path: path.into(), action: "open", reason: error.to_string() };
+    let failed = |error: std::io::Error| FileError::Io {
+        path: path.into(),
+        action: "open",
+        reason: error.to_string(),
+    };
     let mut file = BufReader::with_capacity(1 << 16, File::open(path).map_err(failed)?);
     let mut start = Vec::new();
-    file.by_ref().take(16).read_to_end(&mut start).map_err(failed)?;
+    file.by_ref()
+        .take(16)
+        .read_to_end(&mut start)
+        .map_err(failed)?;
     file.seek(SeekFrom::Start(0)).map_err(failed)?;
     if start.starts_with(mcap::MAGIC) {
         return Ok(file);
@@ -36,10 +59,17 @@ pub(crate) fn open_mcap(path: &Path) -> Result<BufReader<File>, FileError> {
     let (found, advice) = match other {
         Some((_, found, advice)) => (*found, *advice),
         None if start.is_empty() => ("an empty file", "its writer did not get to write anything"),
-        None if mcap::MAGIC.starts_with(&start) => ("the first bytes of an MCAP", "the rest is lost"),
+        None if mcap::MAGIC.starts_with(&start) => {
+            ("the first bytes of an MCAP", "the rest is lost")
+        }
         None => ("an unknown kind of file", "give an .mcap file"),
     };
-    Err(FileError::Format { path: path.into(), found: found.into(), needed: "an MCAP file", advice: advice.into() })
+    Err(FileError::Format {
+        path: path.into(),
+        found: found.into(),
+        needed: "an MCAP file",
+        advice: advice.into(),
+    })
 }
 
 #[cfg(test)]
@@ -62,6 +92,9 @@ mod tests {
             let error = open_mcap(&path).expect_err("not an MCAP").to_string();
             assert!(error.contains(named), "{error}");
         }
-        assert!(matches!(open_mcap(&folder.path().join("none")), Err(FileError::Io { .. })));
+        assert!(matches!(
+            open_mcap(&folder.path().join("none")),
+            Err(FileError::Io { .. })
+        ));
     }
 }

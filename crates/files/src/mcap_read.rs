@@ -1,5 +1,6 @@
-//! Reads MCAP files as they come out of robots and disks: cut, flipped, hostile. Every chunk is unpacked on its own and only
-//! after its checksum was verified; what cannot be read is reported as [`Damage`], the rest is delivered.
+//! Reads MCAP files as they come out of robots and disks: cut, flipped, hostile. Every chunk is
+//! unpacked on its own and only after its checksum was verified; what cannot be read is reported as
+//! [`Damage`], the rest is delivered.
 
 use std::io::{self, Read, Seek, SeekFrom};
 use std::path::Path;
@@ -48,7 +49,8 @@ pub(crate) enum Part {
     All,
     /// What stands outside of chunks: metadata and attachments.
     Description,
-    /// Chunks that hold anything between these log times, both included; the others are not even read.
+    /// Chunks that hold anything between these log times, both included; the others are not even
+    /// read.
     Window(u64, u64),
 }
 
@@ -59,41 +61,75 @@ pub(crate) fn scan<R: Read + Seek>(
     part: Part,
     visit: &mut Visit,
 ) -> Result<Vec<Damage>, FileError> {
-    let failed = |error: io::Error| FileError::Io { path: path.into(), action: "read", reason: error.to_string() };
+    let failed = |error: io::Error| FileError::Io {
+        path: path.into(),
+        action: "read",
+        reason: error.to_string(),
+    };
     let length = file.seek(SeekFrom::End(0)).map_err(failed)?;
     let mut damages = Vec::new();
-    let summary = mcap_summary::read(&mut file, length).map_err(failed)?.unwrap_or_else(|reason| {
-        damages.push(Damage { times_ns: None, reason });
-        Summary::default()
-    });
+    let summary = mcap_summary::read(&mut file, length)
+        .map_err(failed)?
+        .unwrap_or_else(|reason| {
+            damages.push(Damage {
+                times_ns: None,
+                reason,
+            });
+            Summary::default()
+        });
     let at = mcap::MAGIC.len() as u64;
     file.seek(SeekFrom::Start(at)).map_err(failed)?;
     let mut crc = crc32fast::Hasher::new();
     crc.update(mcap::MAGIC);
     let crc = (part == Part::All).then_some(crc);
-    let mut walk = Walk { file, length, at, chunks: summary.chunks, crc, damages };
+    let mut walk = Walk {
+        file,
+        length,
+        at,
+        chunks: summary.chunks,
+        crc,
+        damages,
+    };
     let mut topics = summary.topics;
     while let Some(record) = walk.next_record(part).map_err(failed)? {
         deliver(&record, &mut walk, &mut topics, visit)?;
     }
     if topics.orphans > 0 {
-        walk.damaged(None, format!("{} messages belong to topics whose definition is lost", topics.orphans));
+        walk.damaged(
+            None,
+            format!(
+                "{} messages belong to topics whose definition is lost",
+                topics.orphans
+            ),
+        );
     }
     Ok(walk.damages)
 }
 
-fn deliver<R>(record: &RawRecord, walk: &mut Walk<R>, topics: &mut Topics, visit: &mut Visit) -> Result<(), FileError> {
+fn deliver<R>(
+    record: &RawRecord,
+    walk: &mut Walk<R>,
+    topics: &mut Topics,
+    visit: &mut Visit,
+) -> Result<(), FileError> {
     if record.opcode() == op::CHUNK {
         if let Err(reason) = unpack(record, &mut |opcode, body| topics.take(opcode, body, visit))? {
-            walk.damaged(walk.times_of(record), format!("the chunk before byte {} cannot be read: {reason}", walk.at));
+            walk.damaged(
+                walk.times_of(record),
+                format!("the chunk before byte {} cannot be read: {reason}", walk.at),
+            );
         }
     } else if let Err(short) = topics.take(record.opcode(), record.body(), visit)? {
-        walk.damaged(None, format!("the record before byte {} is broken: {short}", walk.at));
+        walk.damaged(
+            None,
+            format!("the record before byte {} is broken: {short}", walk.at),
+        );
     }
     Ok(())
 }
 
-/// Steps from record to record, and over the broken ones where the index knows the next sound chunk.
+/// Steps from record to record, and over the broken ones where the index knows the next sound
+/// chunk.
 struct Walk<R> {
     file: R,
     length: u64,
@@ -112,13 +148,18 @@ impl<R> Walk<R> {
 
     /// The first indexed chunk that is not before this offset.
     fn chunk_from(&self, offset: u64) -> Option<ChunkIndex> {
-        self.chunks.get(self.chunks.partition_point(|chunk| chunk.offset < offset)).copied()
+        self.chunks
+            .get(self.chunks.partition_point(|chunk| chunk.offset < offset))
+            .copied()
     }
 
-    /// The log times of the chunk that was just read: the index's, protected by a checksum, before the chunk's own.
+    /// The log times of the chunk that was just read: the index's, protected by a checksum, before
+    /// the chunk's own.
     fn times_of(&self, chunk: &RawRecord) -> Option<(u64, u64)> {
         let offset = self.at - chunk.bytes.len() as u64;
-        let indexed = self.chunk_from(offset).filter(|index| index.offset == offset);
+        let indexed = self
+            .chunk_from(offset)
+            .filter(|index| index.offset == offset);
         let indexed = indexed.map(|index| (index.from_ns, index.to_ns));
         indexed.or_else(|| chunk.body().first_chunk().map(|times| times_ns(*times)))
     }
@@ -130,7 +171,13 @@ impl<R: Read + Seek> Walk<R> {
         loop {
             let left = self.length.saturating_sub(self.at);
             if left < HEAD {
-                self.damaged(None, format!("the file ends in the middle of a record, at byte {}", self.length));
+                self.damaged(
+                    None,
+                    format!(
+                        "the file ends in the middle of a record, at byte {}",
+                        self.length
+                    ),
+                );
                 return Ok(None);
             }
             let (head, room) = self.read_head()?;
@@ -148,7 +195,9 @@ impl<R: Read + Seek> Walk<R> {
                     return Ok(None);
                 }
                 op::CHUNK if !self.is_in(part)? => {
-                    let Some(next) = self.behind(self.at + HEAD + size, part) else { return Ok(None) };
+                    let Some(next) = self.behind(self.at + HEAD + size, part) else {
+                        return Ok(None);
+                    };
                     self.seek(next)?;
                     continue;
                 }
@@ -156,7 +205,10 @@ impl<R: Read + Seek> Walk<R> {
                 _ => false,
             };
             if size > LENGTH_LIMIT {
-                let reason = format!("the record at byte {} claims {size} bytes; the limit is {LENGTH_LIMIT}", self.at);
+                let reason = format!(
+                    "the record at byte {} claims {size} bytes; the limit is {LENGTH_LIMIT}",
+                    self.at
+                );
                 self.damaged(None, reason);
             } else if !skip {
                 return self.read_record(head, size, false).map(Some);
@@ -166,8 +218,9 @@ impl<R: Read + Seek> Walk<R> {
         }
     }
 
-    /// The next head, and the room there is for the record: up to the next indexed chunk. Where the index says that a chunk
-    /// begins, its word counts: it is protected by a checksum, the head is not.
+    /// The next head, and the room there is for the record: up to the next indexed chunk. Where the
+    /// index says that a chunk begins, its word counts: it is protected by a checksum, the head is
+    /// not.
     fn read_head(&mut self) -> io::Result<([u8; 9], u64)> {
         let mut head = [0; HEAD as usize];
         self.file.read_exact(&mut head)?;
@@ -185,16 +238,32 @@ impl<R: Read + Seek> Walk<R> {
 
     /// What to do with a record that is longer than the room for it.
     fn step_over(&mut self, opcode: u8, size: u64, left: u64) -> io::Result<Step> {
-        if let Some(chunk) = self.chunk_from(self.at + 1).filter(|chunk| chunk.offset < self.length) {
-            self.damaged(None, format!("the records between bytes {} and {} are broken", self.at, chunk.offset));
+        if let Some(chunk) = self
+            .chunk_from(self.at + 1)
+            .filter(|chunk| chunk.offset < self.length)
+        {
+            self.damaged(
+                None,
+                format!(
+                    "the records between bytes {} and {} are broken",
+                    self.at, chunk.offset
+                ),
+            );
             self.crc = None;
             self.seek(chunk.offset)?;
             return Ok(Step::Resumed);
         }
-        let reason =
-            format!("the record at byte {} claims {size} bytes, {} are left: the file is cut", self.at, left - HEAD);
+        let reason = format!(
+            "the record at byte {} claims {size} bytes, {} are left: the file is cut",
+            self.at,
+            left - HEAD
+        );
         self.damaged(None, reason);
-        Ok(if opcode == op::CHUNK && left < LENGTH_LIMIT { Step::Cut } else { Step::Lost })
+        Ok(if opcode == op::CHUNK && left < LENGTH_LIMIT {
+            Step::Cut
+        } else {
+            Step::Lost
+        })
     }
 
     fn seek(&mut self, to: u64) -> io::Result<()> {
@@ -218,12 +287,16 @@ impl<R: Read + Seek> Walk<R> {
         }
     }
 
-    /// Where to go on behind a chunk that is not in the part: with an index straight to the next one that is, or nowhere.
+    /// Where to go on behind a chunk that is not in the part: with an index straight to the next
+    /// one that is, or nowhere.
     fn behind(&self, offset: u64, part: Part) -> Option<u64> {
         match part {
             Part::Window(from, to) if !self.chunks.is_empty() => {
-                let later = &self.chunks[self.chunks.partition_point(|chunk| chunk.offset < offset)..];
-                let next = later.iter().find(|chunk| chunk.from_ns <= to && chunk.to_ns >= from)?;
+                let later =
+                    &self.chunks[self.chunks.partition_point(|chunk| chunk.offset < offset)..];
+                let next = later
+                    .iter()
+                    .find(|chunk| chunk.from_ns <= to && chunk.to_ns >= from)?;
                 Some(next.offset).filter(|&offset| offset < self.length)
             }
             _ => Some(offset),
@@ -241,9 +314,14 @@ impl<R: Read + Seek> Walk<R> {
         Ok(RawRecord { bytes, is_cut })
     }
 
-    /// At the end of the data, the checksum over everything before it: the only one that covers metadata.
+    /// At the end of the data, the checksum over everything before it: the only one that covers
+    /// metadata.
     fn check_data_crc(&mut self, head: [u8; 9]) -> io::Result<()> {
-        let Some(crc) = self.crc.take().filter(|_| head[0] == op::DATA_END && length_of(head) >= 4) else {
+        let Some(crc) = self
+            .crc
+            .take()
+            .filter(|_| head[0] == op::DATA_END && length_of(head) >= 4)
+        else {
             return Ok(());
         };
         let mut saved = [0; 4];

@@ -1,5 +1,5 @@
-//! The records of an MCAP file that we read ourselves (<https://mcap.dev/spec>), bounds-checked; chunks are unpacked by the
-//! `mcap` crate.
+//! The records of an MCAP file that we read ourselves (<https://mcap.dev/spec>), bounds-checked;
+//! chunks are unpacked by the `mcap` crate.
 
 use std::collections::BTreeMap;
 
@@ -65,20 +65,42 @@ fn text_map(bytes: &mut Bytes) -> Result<BTreeMap<String, String>, Short> {
 pub(crate) fn schema(body: &[u8]) -> Result<(u16, Schema), Short> {
     let mut bytes = Bytes::new(body);
     let (id, name, encoding, length) = (bytes.u16()?, bytes.text()?, bytes.text()?, bytes.u32()?);
-    Ok((id, Schema { name, encoding, text: bytes.take(u64::from(length))?.to_vec() }))
+    Ok((
+        id,
+        Schema {
+            name,
+            encoding,
+            text: bytes.take(u64::from(length))?.to_vec(),
+        },
+    ))
 }
 
 pub(crate) fn channel(body: &[u8]) -> Result<(u16, Channel), Short> {
     let mut bytes = Bytes::new(body);
-    let (id, schema_id, topic, encoding) = (bytes.u16()?, bytes.u16()?, bytes.text()?, bytes.text()?);
-    Ok((id, Channel { schema_id, topic, encoding, metadata: text_map(&mut bytes)? }))
+    let (id, schema_id, topic, encoding) =
+        (bytes.u16()?, bytes.u16()?, bytes.text()?, bytes.text()?);
+    Ok((
+        id,
+        Channel {
+            schema_id,
+            topic,
+            encoding,
+            metadata: text_map(&mut bytes)?,
+        },
+    ))
 }
 
 pub(crate) fn message(body: &[u8]) -> Result<Message<'_>, Short> {
     let mut bytes = Bytes::new(body);
     let (channel_id, sequence) = (bytes.u16()?, bytes.u32()?);
     let (log_time_ns, publish_time_ns) = (bytes.u64()?, bytes.u64()?);
-    Ok(Message { channel_id, sequence, log_time_ns, publish_time_ns, data: bytes.rest() })
+    Ok(Message {
+        channel_id,
+        sequence,
+        log_time_ns,
+        publish_time_ns,
+        data: bytes.rest(),
+    })
 }
 
 pub(crate) fn metadata(body: &[u8]) -> Result<(String, BTreeMap<String, String>), Short> {
@@ -94,10 +116,22 @@ pub(crate) fn attachment(body: &[u8]) -> Result<Attachment<'_>, Short> {
     let checked = &body[..bytes.at()];
     let crc = bytes.u32()?;
     let is_sound = crc == 0 || crc == crc32fast::hash(checked);
-    Ok(Attachment { log_time_ns, create_time_ns, name, media_type, data, is_sound })
+    Ok(Attachment {
+        log_time_ns,
+        create_time_ns,
+        name,
+        media_type,
+        data,
+        is_sound,
+    })
 }
 
 pub(crate) fn chunk_index(body: &[u8]) -> Result<ChunkIndex, Short> {
     let mut bytes = Bytes::new(body);
-    Ok(ChunkIndex { from_ns: bytes.u64()?, to_ns: bytes.u64()?, offset: bytes.u64()?, length: bytes.u64()? })
+    Ok(ChunkIndex {
+        from_ns: bytes.u64()?,
+        to_ns: bytes.u64()?,
+        offset: bytes.u64()?,
+        length: bytes.u64()?,
+    })
 }

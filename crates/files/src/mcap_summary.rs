@@ -1,5 +1,5 @@
-//! The summary at the end of an MCAP file: the topics once more and where the chunks are. With it, one broken record does
-//! not hide the chunks behind it.
+//! The summary at the end of an MCAP file: the topics once more and where the chunks are. With it,
+//! one broken record does not hide the chunks behind it.
 
 use std::io::{self, Read, Seek, SeekFrom};
 
@@ -22,8 +22,12 @@ pub(crate) struct Summary {
     pub(crate) chunks: Vec<ChunkIndex>,
 }
 
-/// Reads the summary; an empty one where the writer left it out, or why the end of the file cannot be used.
-pub(crate) fn read<R: Read + Seek>(file: &mut R, length: u64) -> io::Result<Result<Summary, String>> {
+/// Reads the summary; an empty one where the writer left it out, or why the end of the file cannot
+/// be used.
+pub(crate) fn read<R: Read + Seek>(
+    file: &mut R,
+    length: u64,
+) -> io::Result<Result<Summary, String>> {
     let Some(footer_at) = length.checked_sub(FOOTER + MAGIC).filter(|&at| at >= MAGIC) else {
         return Ok(Err("the file is cut".into()));
     };
@@ -31,14 +35,21 @@ pub(crate) fn read<R: Read + Seek>(file: &mut R, length: u64) -> io::Result<Resu
     let mut end = [0; (FOOTER + MAGIC) as usize];
     file.read_exact(&mut end)?;
     if end[FOOTER as usize..] != *mcap::MAGIC || end[0] != op::FOOTER {
-        return Ok(Err("the file has no end: it was cut, or its writer did not finish".into()));
+        return Ok(Err(
+            "the file has no end: it was cut, or its writer did not finish".into(),
+        ));
     }
     let start = u64::from_le_bytes(end[9..17].try_into().unwrap_or_default());
     if start == 0 {
         return Ok(Ok(Summary::default()));
     }
-    let Some(size) = footer_at.checked_sub(start).filter(|&size| size <= LENGTH_LIMIT) else {
-        return Ok(Err(format!("the footer puts the summary at byte {start}, which cannot be")));
+    let Some(size) = footer_at
+        .checked_sub(start)
+        .filter(|&size| size <= LENGTH_LIMIT)
+    else {
+        return Ok(Err(format!(
+            "the footer puts the summary at byte {start}, which cannot be"
+        )));
     };
     file.seek(SeekFrom::Start(start))?;
     let mut section = vec![0; size as usize];

@@ -1,5 +1,6 @@
-//! Writes MCAP files that rosbag2, Foxglove, PlotJuggler and MATLAB open: ROS 2 profile, CDR messages, zstd chunks with
-//! checksums, an index, and nothing that depends on the machine or the clock: same content, same bytes.
+//! Writes MCAP files that rosbag2, Foxglove, PlotJuggler and MATLAB open: ROS 2 profile, CDR
+//! messages, zstd chunks with checksums, an index, and nothing that depends on the machine or the
+//! clock: same content, same bytes.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -12,10 +13,12 @@ use mcap::{Compression, McapResult, WriteOptions};
 use crate::cdr_write::CdrWriter;
 use crate::joint_state::{JOINT_STATE, JointState, MessageType, TEXT};
 
-/// The first sample of every file: fixed, so that files depend on their content alone, and not 0, which means "unset" in ROS.
+/// The first sample of every file: fixed, so that files depend on their content alone, and not 0,
+/// which means "unset" in ROS.
 pub(crate) const START_NS: u64 = 1_000_000_000;
 
-/// Names the writer in the file; no version, so that an unchanged run keeps its bytes through a release.
+/// Names the writer in the file; no version, so that an unchanged run keeps its bytes through a
+/// release.
 const LIBRARY: &str = "frfid";
 
 /// Unpacked size of a chunk: what a damaged byte costs at most.
@@ -39,7 +42,8 @@ pub(crate) struct Topic {
     sequence: u32,
 }
 
-/// Writes ROS 2 messages. Bytes only ever get appended, so whatever is on the disk when the process dies can be read.
+/// Writes ROS 2 messages. Bytes only ever get appended, so whatever is on the disk when the process
+/// dies can be read.
 pub(crate) struct RosWriter<W: Write> {
     mcap: mcap::Writer<NoSeek<W>>,
     cdr: CdrWriter,
@@ -47,12 +51,22 @@ pub(crate) struct RosWriter<W: Write> {
 
 impl<W: Write> RosWriter<W> {
     pub(crate) fn new(file: W) -> McapResult<Self> {
-        Ok(Self { mcap: options().create(NoSeek::new(file))?, cdr: CdrWriter::default() })
+        Ok(Self {
+            mcap: options().create(NoSeek::new(file))?,
+            cdr: CdrWriter::default(),
+        })
     }
 
     /// A record of key and value texts.
-    pub(crate) fn metadata(&mut self, name: &str, values: &BTreeMap<String, String>) -> McapResult<()> {
-        self.mcap.write_metadata(&Metadata { name: name.into(), metadata: values.clone() })
+    pub(crate) fn metadata(
+        &mut self,
+        name: &str,
+        values: &BTreeMap<String, String>,
+    ) -> McapResult<()> {
+        self.mcap.write_metadata(&Metadata {
+            name: name.into(),
+            metadata: values.clone(),
+        })
     }
 
     pub(crate) fn attach(&mut self, name: &str, media_type: &str, data: &[u8]) -> McapResult<()> {
@@ -75,15 +89,31 @@ impl<W: Write> RosWriter<W> {
         self.topic(name, &TEXT)
     }
 
-    /// Channel metadata as rosbag2 writes it; an empty list of quality-of-service profiles means the defaults.
+    /// Channel metadata as rosbag2 writes it; an empty list of quality-of-service profiles means
+    /// the defaults.
     fn topic(&mut self, name: &str, kind: &MessageType) -> McapResult<Topic> {
-        let schema = self.mcap.add_schema(kind.name, "ros2msg", kind.definition.as_bytes())?;
-        let metadata = [("offered_qos_profiles", "[]"), ("topic_type_hash", kind.hash)];
-        let metadata = metadata.map(|(key, value)| (key.to_string(), value.to_string())).into();
-        Ok(Topic { id: self.mcap.add_channel(schema, name, "cdr", &metadata)?, sequence: 0 })
+        let schema = self
+            .mcap
+            .add_schema(kind.name, "ros2msg", kind.definition.as_bytes())?;
+        let metadata = [
+            ("offered_qos_profiles", "[]"),
+            ("topic_type_hash", kind.hash),
+        ];
+        let metadata = metadata
+            .map(|(key, value)| (key.to_string(), value.to_string()))
+            .into();
+        Ok(Topic {
+            id: self.mcap.add_channel(schema, name, "cdr", &metadata)?,
+            sequence: 0,
+        })
     }
 
-    pub(crate) fn joint_state(&mut self, topic: &mut Topic, names: &[String], state: &JointState) -> McapResult<()> {
+    pub(crate) fn joint_state(
+        &mut self,
+        topic: &mut Topic,
+        names: &[String],
+        state: &JointState,
+    ) -> McapResult<()> {
         state.encode(names, &mut self.cdr);
         self.message(topic, state.stamp_ns)
     }
@@ -95,13 +125,18 @@ impl<W: Write> RosWriter<W> {
     }
 
     fn message(&mut self, topic: &mut Topic, time_ns: u64) -> McapResult<()> {
-        let header =
-            MessageHeader { channel_id: topic.id, sequence: topic.sequence, log_time: time_ns, publish_time: time_ns };
+        let header = MessageHeader {
+            channel_id: topic.id,
+            sequence: topic.sequence,
+            log_time: time_ns,
+            publish_time: time_ns,
+        };
         topic.sequence = topic.sequence.wrapping_add(1);
         self.mcap.write_to_known_channel(&header, self.cdr.bytes())
     }
 
-    /// Closes the chunk and hands everything to the operating system: a killed process loses nothing written before.
+    /// Closes the chunk and hands everything to the operating system: a killed process loses
+    /// nothing written before.
     pub(crate) fn flush(&mut self) -> McapResult<()> {
         self.mcap.flush()
     }

@@ -1,4 +1,5 @@
-//! Arrays of numbers out of an NPZ, as `numpy.savez` writes it: any real type, either byte order, either axis order.
+//! Arrays of numbers out of an NPZ, as `numpy.savez` writes it: any real type, either byte order,
+//! either axis order.
 
 use std::fs::File;
 use std::io::{BufReader, Read};
@@ -15,8 +16,8 @@ use crate::{FileError, csv_read::Times, structure};
 /// Reads one array as `f64`, C-ordered; 64-bit integers beyond 2^53 are rounded.
 ///
 /// # Errors
-/// [`FileError::Io`], [`FileError::Format`] if the file is no NPZ, [`FileError::Content`] if the array is not there (the error
-/// lists those that are), is not of real numbers, or is damaged.
+/// [`FileError::Io`], [`FileError::Format`] if the file is no NPZ, [`FileError::Content`] if the
+/// array is not there (the error lists those that are), is not of real numbers, or is damaged.
 pub fn read_npz_array(path: &Path, name: &str) -> Result<ArrayD<f64>, FileError> {
     let file = File::open(path).map_err(|error| FileError::Io {
         path: path.into(),
@@ -39,32 +40,65 @@ pub fn read_npz_array(path: &Path, name: &str) -> Result<ArrayD<f64>, FileError>
     };
     let limit = 8 * structure::MOST_VALUES as u64;
     let mut bytes = Vec::new();
-    // the entry is read here rather than by npyz, whose reader multiplies a hostile shape beyond its integers
-    let entry = archive.zip_archive().by_name(&npyz::npz::file_name_from_array_name(name));
-    let entry = entry.map_err(|_| content("no such array".into(), &format!("one of {}", known.join(", "))))?;
+    // the entry is read here rather than by npyz, whose reader multiplies a hostile shape beyond
+    // its integers
+    let entry = archive
+        .zip_archive()
+        .by_name(&npyz::npz::file_name_from_array_name(name));
+    let entry = entry.map_err(|_| {
+        content(
+            "no such array".into(),
+            &format!("one of {}", known.join(", ")),
+        )
+    })?;
     let read = entry.take(limit).read_to_end(&mut bytes);
     read.map_err(|error| content(error.to_string(), "an undamaged array"))?;
     parse(&bytes).ok_or_else(|| {
-        let header: String = String::from_utf8_lossy(bytes.get(..128).unwrap_or(&bytes)).into_owned();
-        content(format!("{:?}", header.trim_end()), "an array of real numbers, as long as its shape says")
+        let header: String =
+            String::from_utf8_lossy(bytes.get(..128).unwrap_or(&bytes)).into_owned();
+        content(
+            format!("{:?}", header.trim_end()),
+            "an array of real numbers, as long as its shape says",
+        )
     })
 }
 
-/// The NPY format, versions 1 to 3: magic, version, length of the header, a Python dictionary, the numbers.
+/// The NPY format, versions 1 to 3: magic, version, length of the header, a Python dictionary, the
+/// numbers.
 fn parse(file: &[u8]) -> Option<ArrayD<f64>> {
     let mut bytes = Bytes::new(file);
     if bytes.take(6).ok()? != b"\x93NUMPY" {
         return None;
     }
     let [major, _] = bytes.array().ok()?;
-    let length = if major == 1 { u64::from(bytes.u16().ok()?) } else { u64::from(bytes.u32().ok()?) };
+    let length = if major == 1 {
+        u64::from(bytes.u16().ok()?)
+    } else {
+        u64::from(bytes.u32().ok()?)
+    };
     let header = std::str::from_utf8(bytes.take(length).ok()?).ok()?;
-    let kind = value_of(header, "descr")?.trim_start().strip_prefix(['\'', '"'])?.get(..3)?;
-    let is_fortran = value_of(header, "fortran_order")?.trim_start().starts_with("True");
-    let shape = value_of(header, "shape")?.trim_start().strip_prefix('(')?.split_once(')')?.0;
-    let shape = shape.split(',').map(str::trim).filter(|length| !length.is_empty());
-    let shape: Vec<usize> = shape.map(|length| length.trim_end_matches('L').parse().ok()).collect::<Option<_>>()?;
-    let count = shape.iter().try_fold(1_usize, |product, &length| product.checked_mul(length))?;
+    let kind = value_of(header, "descr")?
+        .trim_start()
+        .strip_prefix(['\'', '"'])?
+        .get(..3)?;
+    let is_fortran = value_of(header, "fortran_order")?
+        .trim_start()
+        .starts_with("True");
+    let shape = value_of(header, "shape")?
+        .trim_start()
+        .strip_prefix('(')?
+        .split_once(')')?
+        .0;
+    let shape = shape
+        .split(',')
+        .map(str::trim)
+        .filter(|length| !length.is_empty());
+    let shape: Vec<usize> = shape
+        .map(|length| length.trim_end_matches('L').parse().ok())
+        .collect::<Option<_>>()?;
+    let count = shape
+        .iter()
+        .try_fold(1_usize, |product, &length| product.checked_mul(length))?;
     let numbers = numbers(kind, bytes.rest(), count)?;
     let array = ArrayD::from_shape_vec(IxDyn(&shape).set_f(is_fortran), numbers).ok()?;
     Some(array.as_standard_layout().into_owned())
@@ -102,12 +136,24 @@ fn numbers(kind: &str, bytes: &[u8], count: usize) -> Option<Vec<f64>> {
     bytes.chunks_exact(size).map(number).collect()
 }
 
-/// The mapped arrays of a recording: `name` for one channel, `name[row]` for a row of (channel, sample).
+/// The mapped arrays of a recording: `name` for one channel, `name[row]` for a row of (channel,
+/// sample).
 pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Recording, FileError> {
-    let rows = signals.iter().map(|signal| row(path, &signal.source)).collect::<Result<Vec<_>, _>>()?;
-    let times = map.time.as_ref().map(|time| row(path, &time.source)).transpose()?;
+    let rows = signals
+        .iter()
+        .map(|signal| row(path, &signal.source))
+        .collect::<Result<Vec<_>, _>>()?;
+    let times = map
+        .time
+        .as_ref()
+        .map(|time| row(path, &time.source))
+        .transpose()?;
     let n = rows.first().map_or(0, Vec::len);
-    for (signal, row) in signals.iter().zip(&rows).chain(map.time.as_ref().iter().zip(&times)) {
+    for (signal, row) in signals
+        .iter()
+        .zip(&rows)
+        .chain(map.time.as_ref().iter().zip(&times))
+    {
         if row.len() != n {
             return Err(FileError::Content {
                 path: path.into(),
@@ -119,23 +165,37 @@ pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Rec
     }
     let clock = Times::of(path, map, |_| Ok(0))?;
     let time = |k: usize| Ok(times.as_ref().map_or(0.0, |times| times[k]));
-    let mut series = Series { topic: "samples".into(), signals: (0..signals.len()).collect(), ..Default::default() };
+    let mut series = Series {
+        topic: "samples".into(),
+        signals: (0..signals.len()).collect(),
+        ..Default::default()
+    };
     for k in 0..n {
         series.stamps_ns.push(clock.stamp_ns(k, |_| time(k))?);
         series.rows.push(rows.iter().map(|row| row[k]).collect());
     }
-    Ok(Recording { series: vec![series], sample_time_s: clock.sample_time_s(map), ..Default::default() })
+    Ok(Recording {
+        series: vec![series],
+        sample_time_s: clock.sample_time_s(map),
+        ..Default::default()
+    })
 }
 
 fn row(path: &Path, source: &str) -> Result<Vec<f64>, FileError> {
-    let (name, place) = match source.strip_suffix(']').and_then(|source| source.split_once('[')) {
+    let (name, place) = match source
+        .strip_suffix(']')
+        .and_then(|source| source.split_once('['))
+    {
         Some((name, place)) => (name, place.parse::<usize>().ok()),
         None => (source, None),
     };
     let array = read_npz_array(path, name)?;
     let row = match (array.ndim(), place) {
         (1, None) => Some(array.iter().copied().collect()),
-        (2, Some(place)) => array.outer_iter().nth(place).map(|row| row.iter().copied().collect()),
+        (2, Some(place)) => array
+            .outer_iter()
+            .nth(place)
+            .map(|row| row.iter().copied().collect()),
         _ => None,
     };
     row.ok_or_else(|| FileError::Content {
@@ -155,8 +215,15 @@ mod tests {
     use num_complex::Complex64;
 
     fn npy(kind: &str, is_fortran: &str, shape: &str, data: &[u8]) -> Vec<u8> {
-        let header = format!("{{'descr': '{kind}', 'fortran_order': {is_fortran}, 'shape': {shape}, }}\n");
-        [b"\x93NUMPY\x01\x00", &(header.len() as u16).to_le_bytes()[..], header.as_bytes(), data].concat()
+        let header =
+            format!("{{'descr': '{kind}', 'fortran_order': {is_fortran}, 'shape': {shape}, }}\n");
+        [
+            b"\x93NUMPY\x01\x00",
+            &(header.len() as u16).to_le_bytes()[..],
+            header.as_bytes(),
+            data,
+        ]
+        .concat()
     }
 
     #[test]
@@ -167,40 +234,67 @@ mod tests {
         assert_eq!(values("<i2", &[0xfe, 0xff, 3, 0]), Some(vec![-2.0, 3.0]));
         assert_eq!(values(">i2", &[0xff, 0xfe, 0, 3]), Some(vec![-2.0, 3.0]));
         assert_eq!(values("|b1", &[1, 0]), Some(vec![1.0, 0.0]));
-        assert_eq!(values("<f4", &[0, 0, 0x80, 0x3f, 0, 0, 0, 0xc0]), Some(vec![1.0, -2.0]));
-        assert_eq!(values(">u4", &[0xff, 0xff, 0xff, 0xff, 0, 0, 0, 1]), Some(vec![4_294_967_295.0, 1.0]));
+        assert_eq!(
+            values("<f4", &[0, 0, 0x80, 0x3f, 0, 0, 0, 0xc0]),
+            Some(vec![1.0, -2.0])
+        );
+        assert_eq!(
+            values(">u4", &[0xff, 0xff, 0xff, 0xff, 0, 0, 0, 1]),
+            Some(vec![4_294_967_295.0, 1.0])
+        );
         assert_eq!(values("<c8", &[0; 16]), None);
         assert_eq!(values("<i2", &[0; 3]), None);
         let fortran = parse(&npy("|u1", "True", "(2, 2)", &[1, 2, 3, 4])).expect("sound");
-        assert_eq!(fortran.iter().copied().collect::<Vec<_>>(), [1.0, 3.0, 2.0, 4.0]);
-        assert_eq!(parse(&npy("|u1", "False", "(18446744073709551615, 3)", &[1])), None);
-        assert_eq!(parse(&npy("|u1", "False", "()", &[7])).map(|array| array.sum()), Some(7.0));
+        assert_eq!(
+            fortran.iter().copied().collect::<Vec<_>>(),
+            [1.0, 3.0, 2.0, 4.0]
+        );
+        assert_eq!(
+            parse(&npy("|u1", "False", "(18446744073709551615, 3)", &[1])),
+            None
+        );
+        assert_eq!(
+            parse(&npy("|u1", "False", "()", &[7])).map(|array| array.sum()),
+            Some(7.0)
+        );
     }
 
     #[test]
     fn what_we_write_comes_back_and_nothing_that_was_not_measured() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("frf.npz");
-        let covariance = Array3::from_shape_fn((3, 1, 1), |(k, ..)| Complex64::from(0.1 * k as f64));
+        let covariance =
+            Array3::from_shape_fn((3, 1, 1), |(k, ..)| Complex64::from(0.1 * k as f64));
         let frf = Frf {
             frequency_hz: vec![1.0, 2.0, 3.0],
             response: Array3::from_elem((3, 1, 1), Complex64::new(1.0, -1.0)),
-            noise: Some(Uncertainty { covariance, degrees_of_freedom: 9 }),
+            noise: Some(Uncertainty {
+                covariance,
+                degrees_of_freedom: 9,
+            }),
             total: None,
             condition: None,
             relative_resolution: None,
         };
         write_frf_npz(&path, Overwrite::Refuse, &frf).expect("sound");
-        let read = |name| read_npz_array(&path, name).map(|array| array.into_raw_vec_and_offset().0);
+        let read =
+            |name| read_npz_array(&path, name).map(|array| array.into_raw_vec_and_offset().0);
         assert_eq!(read("frequency_hz").expect("there"), [1.0, 2.0, 3.0]);
         assert_eq!(read("noise_variance").expect("there"), [0.0, 0.1, 0.2]);
         assert_eq!(read("noise_degrees_of_freedom").expect("there"), [9.0]);
-        let names = read("total_variance").expect_err("was not measured").to_string();
+        let names = read("total_variance")
+            .expect_err("was not measured")
+            .to_string();
         assert!(
             names.contains("one of frequency_hz, noise_covariance, noise_degrees_of_freedom, noise_variance, response"),
             "{names}"
         );
-        assert!(read("response").expect_err("complex").to_string().contains("<c16"));
+        assert!(
+            read("response")
+                .expect_err("complex")
+                .to_string()
+                .contains("<c16")
+        );
         let first = std::fs::read(&path).expect("written");
         write_frf_npz(&path, Overwrite::Replace, &frf).expect("sound");
         assert_eq!(std::fs::read(&path).expect("written"), first);

@@ -1,4 +1,5 @@
-//! Numbers in JSON, every `f64` there and back: JSON has no word for NaN and infinity, here they are `null`, `"inf"`, `"-inf"`.
+//! Numbers in JSON, every `f64` there and back: JSON has no word for NaN and infinity, here they
+//! are `null`, `"inf"`, `"-inf"`.
 
 use std::fmt;
 
@@ -82,7 +83,16 @@ mod tests {
 
     #[test]
     fn the_special_ones_too() {
-        for value in [0.0, -0.0, 5e-324, -f64::MAX, f64::INFINITY, f64::NEG_INFINITY, 1.0, 1e22] {
+        for value in [
+            0.0,
+            -0.0,
+            5e-324,
+            -f64::MAX,
+            f64::INFINITY,
+            f64::NEG_INFINITY,
+            1.0,
+            1e22,
+        ] {
             assert_eq!(there_and_back(value).to_bits(), value.to_bits());
         }
         assert!(there_and_back(f64::NAN).is_nan());

@@ -1,5 +1,6 @@
-//! A plan as a file: the references of every run, one after the other on one time axis, so that a player on the robot's side
-//! can send them: `/joint_commands` (effort or velocity), and the start of every run on `/frfid/events`.
+//! A plan as a file: the references of every run, one after the other on one time axis, so that a
+//! player on the robot's side can send them: `/joint_commands` (effort or velocity), and the start
+//! of every run on `/frfid/events`.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -22,11 +22,12 @@ enum Told<'a> {
 /// Rest between two runs on the time axis in s.
 const REST_S: f64 = 1.0;
 
-/// Writes a plan run by run: the memory of one run, however many there are. The same content gives the same bytes.
+/// Writes a plan run by run: the memory of one run, however many there are. The same content gives
+/// the same bytes.
 ///
 /// # Errors
-/// [`FileError::Shape`] for a head that contradicts itself; [`FileError::Write`] also for a run that does not fit it, or that
-/// could not be made: the plan then stays in `NAME.part`.
+/// [`FileError::Shape`] for a head that contradicts itself; [`FileError::Write`] also for a run
+/// that does not fit it, or that could not be made: the plan then stays in `NAME.part`.
 pub fn write_plan<E: Into<BoxError>>(
     path: &Path,
     overwrite: Overwrite,
@@ -45,8 +46,18 @@ pub(crate) fn write_to<W: Write, E: Into<BoxError>>(
 ) -> Result<(), BoxError> {
     let mut writer = RosWriter::new(file)?;
     writer.metadata(structure::PROVENANCE, &head.metadata)?;
-    writer.metadata(structure::PLAN, &structure::to_texts(&PlanStructure { version: VERSION, head }))?;
-    writer.attach(structure::EXPERIMENT, "application/toml", head.experiment_toml.as_bytes())?;
+    writer.metadata(
+        structure::PLAN,
+        &structure::to_texts(&PlanStructure {
+            version: VERSION,
+            head,
+        }),
+    )?;
+    writer.attach(
+        structure::EXPERIMENT,
+        "application/toml",
+        head.experiment_toml.as_bytes(),
+    )?;
     let mut commands = writer.joint_topic(topics::COMMANDS)?;
     let mut events = writer.text_topic(topics::EVENTS)?;
     let rest = (REST_S / head.sample_time_s).ceil() as usize;
@@ -57,7 +68,11 @@ pub(crate) fn write_to<W: Write, E: Into<BoxError>>(
         let entry = entry_of(&planned, head, start_sample)?;
         let start_ns = stamp_ns(start_sample, head.sample_time_s);
         writer.flush()?; // a run begins with a chunk of its own, so that it can be read alone
-        writer.text(&mut events, start_ns, &serde_json::to_string(&Told::RunStart(&entry))?)?;
+        writer.text(
+            &mut events,
+            start_ns,
+            &serde_json::to_string(&Told::RunStart(&entry))?,
+        )?;
         write_reference(&mut writer, &mut commands, head, &planned.run, start_sample)?;
         start_sample += entry.n_samples + rest;
         index.runs.push(entry);
@@ -67,7 +82,11 @@ pub(crate) fn write_to<W: Write, E: Into<BoxError>>(
 }
 
 /// The run's place in the file, if it fits the plan and every number of it may be sent to a robot.
-fn entry_of(planned: &PlannedRun, head: &PlanHead, start_sample: usize) -> Result<PlanEntry, FileError> {
+fn entry_of(
+    planned: &PlannedRun,
+    head: &PlanHead,
+    start_sample: usize,
+) -> Result<PlanEntry, FileError> {
     let run = &planned.run;
     let refused = |found: String, needed: String| FileError::Shape {
         what: "planned run",
@@ -76,12 +95,23 @@ fn entry_of(planned: &PlannedRun, head: &PlanHead, start_sample: usize) -> Resul
     };
     let (channels, n_samples) = run.reference.dim();
     let (joints, velocities) = (head.joint_names.len(), run.velocity_rad_s.len());
-    if (channels, velocities, run.sample_time_s) != (joints, joints, head.sample_time_s) || n_samples == 0 {
-        let found =
-            format!("{channels} channels, {velocities} velocities, {n_samples} samples every {} s", run.sample_time_s);
-        return Err(refused(found, format!("{joints} joints, some samples every {} s", head.sample_time_s)));
+    if (channels, velocities, run.sample_time_s) != (joints, joints, head.sample_time_s)
+        || n_samples == 0
+    {
+        let found = format!(
+            "{channels} channels, {velocities} velocities, {n_samples} samples every {} s",
+            run.sample_time_s
+        );
+        return Err(refused(
+            found,
+            format!(
+                "{joints} joints, some samples every {} s",
+                head.sample_time_s
+            ),
+        ));
     }
-    check_finite("reference", run.reference.view()).map_err(|error| refused(error.to_string(), "numbers".into()))?;
+    check_finite("reference", run.reference.view())
+        .map_err(|error| refused(error.to_string(), "numbers".into()))?;
     Ok(PlanEntry {
         id: run.id,
         n_repetitions: planned.n_repetitions,
@@ -100,7 +130,10 @@ fn write_reference<W: Write>(
     start_sample: usize,
 ) -> mcap::McapResult<()> {
     for (k, values) in run.reference.columns().into_iter().enumerate() {
-        let mut command = JointState { stamp_ns: stamp_ns(start_sample + k, head.sample_time_s), ..Default::default() };
+        let mut command = JointState {
+            stamp_ns: stamp_ns(start_sample + k, head.sample_time_s),
+            ..Default::default()
+        };
         match head.injection {
             Injection::Torque => command.effort = values.to_vec(),
             Injection::Velocity => command.velocity = values.to_vec(),

@@ -1,4 +1,5 @@
-//! Salvages a damaged or half-written MCAP: everything readable goes into a new file with fresh chunks, checksums and index.
+//! Salvages a damaged or half-written MCAP: everything readable goes into a new file with fresh
+//! chunks, checksums and index.
 
 use std::io::{BufReader, Write};
 use std::path::Path;
@@ -25,23 +26,32 @@ pub struct Recovered {
     pub n_attachments: u64,
     /// Metadata records in the new file.
     pub n_metadata: u64,
-    /// What could not be read, at times in s after the first message salvaged; empty if the file was sound.
+    /// What could not be read, at times in s after the first message salvaged; empty if the file
+    /// was sound.
     pub losses: Vec<Loss>,
 }
 
-/// Copies everything readable of `input`, whatever its encoding, into a new file. Chunks whose checksum fails are left out:
-/// their numbers may be wrong.
+/// Copies everything readable of `input`, whatever its encoding, into a new file. Chunks whose
+/// checksum fails are left out: their numbers may be wrong.
 ///
 /// # Errors
-/// Those of reading and writing; [`FileError::Shape`] if `output` would be written over the input on the way.
+/// Those of reading and writing; [`FileError::Shape`] if `output` would be written over the input
+/// on the way.
 pub fn recover(input: &Path, output: &Path, overwrite: Overwrite) -> Result<Recovered, FileError> {
     let is_input = |path: &Path| {
-        path == input || path.canonicalize().is_ok_and(|path| input.canonicalize().is_ok_and(|input| path == input))
+        path == input
+            || path
+                .canonicalize()
+                .is_ok_and(|path| input.canonicalize().is_ok_and(|input| path == input))
     };
     if is_input(output) || is_input(&part_path(output)) {
         return Err(FileError::Shape {
             what: "output",
-            found: format!("{}, which is written by way of {}", output.display(), part_path(output).display()),
+            found: format!(
+                "{}, which is written by way of {}",
+                output.display(),
+                part_path(output).display()
+            ),
             needed: "a name that does not touch the input".into(),
         });
     }
@@ -54,8 +64,16 @@ pub fn recover(input: &Path, output: &Path, overwrite: Overwrite) -> Result<Reco
     Ok(recovered)
 }
 
-fn copy<W: Write>(file: BufReader<std::fs::File>, path: &Path, out: W) -> Result<Recovered, FileError> {
-    let failed = |error: mcap::McapError| FileError::Io { path: path.into(), action: "copy", reason: chain(&error) };
+fn copy<W: Write>(
+    file: BufReader<std::fs::File>,
+    path: &Path,
+    out: W,
+) -> Result<Recovered, FileError> {
+    let failed = |error: mcap::McapError| FileError::Io {
+        path: path.into(),
+        action: "copy",
+        reason: chain(&error),
+    };
     let mut writer = options().create(NoSeek::new(out)).map_err(failed)?;
     let mut recovered = Recovered::default();
     let mut start_ns = None;
@@ -67,16 +85,26 @@ fn copy<W: Write>(file: BufReader<std::fs::File>, path: &Path, out: W) -> Result
     })?;
     writer.finish().map_err(failed)?;
     let start_ns = start_ns.unwrap_or_default();
-    recovered.losses = damages.into_iter().map(|damage| loss::of_file(damage, start_ns)).collect();
+    recovered.losses = damages
+        .into_iter()
+        .map(|damage| loss::of_file(damage, start_ns))
+        .collect();
     Ok(recovered)
 }
 
 /// Schemas and channels are recognised by their content and written once each.
-fn put<W: Write>(writer: &mut Writer<NoSeek<W>>, entry: Entry, recovered: &mut Recovered) -> McapResult<()> {
+fn put<W: Write>(
+    writer: &mut Writer<NoSeek<W>>,
+    entry: Entry,
+    recovered: &mut Recovered,
+) -> McapResult<()> {
     match entry {
         Entry::Metadata { name, values } => {
             recovered.n_metadata += 1;
-            writer.write_metadata(&Metadata { name, metadata: values })
+            writer.write_metadata(&Metadata {
+                name,
+                metadata: values,
+            })
         }
         Entry::Attachment(attachment) if !attachment.is_sound => Ok(()),
         Entry::Attachment(attachment) => {
@@ -89,12 +117,21 @@ fn put<W: Write>(writer: &mut Writer<NoSeek<W>>, entry: Entry, recovered: &mut R
                 data: attachment.data.into(),
             })
         }
-        Entry::Message { channel, schema, message } => {
+        Entry::Message {
+            channel,
+            schema,
+            message,
+        } => {
             let schema_id = match schema {
                 Some(schema) => writer.add_schema(&schema.name, &schema.encoding, &schema.text)?,
                 None => 0,
             };
-            let channel_id = writer.add_channel(schema_id, &channel.topic, &channel.encoding, &channel.metadata)?;
+            let channel_id = writer.add_channel(
+                schema_id,
+                &channel.topic,
+                &channel.encoding,
+                &channel.metadata,
+            )?;
             let header = MessageHeader {
                 channel_id,
                 sequence: message.sequence,
@@ -116,12 +153,18 @@ mod tests {
     #[test]
     fn a_killed_run_is_salvaged_up_to_the_last_chunk() {
         let folder = tempfile::tempdir().expect("a temporary folder");
-        let (whole, cut, out) =
-            (folder.path().join("a.mcap"), folder.path().join("b.mcap.part"), folder.path().join("c.mcap"));
+        let (whole, cut, out) = (
+            folder.path().join("a.mcap"),
+            folder.path().join("b.mcap.part"),
+            folder.path().join("c.mcap"),
+        );
         let written = run(6000);
         write_run(&whole, Overwrite::Refuse, &written).expect("sound");
         let sound = recover(&whole, &out, Overwrite::Refuse).expect("sound");
-        assert_eq!((sound.n_messages, sound.n_metadata, sound.n_attachments), (18_004, 2, 1));
+        assert_eq!(
+            (sound.n_messages, sound.n_metadata, sound.n_attachments),
+            (18_004, 2, 1)
+        );
         assert_eq!(sound.losses, []);
         assert_eq!(read_run(&out).expect("sound"), (written.clone(), vec![]));
 
@@ -130,20 +173,35 @@ mod tests {
         let recovered = recover(&cut, &out, Overwrite::Replace).expect("the start is sound");
         assert!(recovered.n_messages > 9000 && !recovered.losses.is_empty());
         let (read, losses) = read_run(&out).expect("a sound file");
-        assert!(losses.iter().all(|loss| loss.topic != "file" && loss.to_s == 6.0 || loss.topic == "/frfid/events"));
+        assert!(
+            losses
+                .iter()
+                .all(|loss| loss.topic != "file" && loss.to_s == 6.0
+                    || loss.topic == "/frfid/events")
+        );
         assert_eq!(read.record.y[[0, 2000]], written.record.y[[0, 2000]]);
     }
 
     #[test]
     fn the_input_is_never_written_over() {
         let part = Path::new("run.mcap.part");
-        assert!(matches!(recover(part, Path::new("run.mcap"), Overwrite::Replace), Err(FileError::Shape { .. })));
-        assert!(matches!(recover(part, part, Overwrite::Replace), Err(FileError::Shape { .. })));
+        assert!(matches!(
+            recover(part, Path::new("run.mcap"), Overwrite::Replace),
+            Err(FileError::Shape { .. })
+        ));
+        assert!(matches!(
+            recover(part, part, Overwrite::Replace),
+            Err(FileError::Shape { .. })
+        ));
         let folder = tempfile::tempdir().expect("a temporary folder");
         std::fs::write(folder.path().join("a.mcap.part"), mcap::MAGIC).expect("written");
         let detour = folder.path().join("x/../a.mcap");
         std::fs::create_dir(folder.path().join("x")).expect("created");
-        let error = recover(&folder.path().join("a.mcap.part"), &detour, Overwrite::Replace);
+        let error = recover(
+            &folder.path().join("a.mcap.part"),
+            &detour,
+            Overwrite::Replace,
+        );
         assert!(matches!(error, Err(FileError::Shape { .. })));
     }
 }

@@ -1,7 +1,8 @@
 //! A result as a file: JSON with named arrays, what was checked, and where it came from.
 //!
-//! Arrays are flat, last axis first to change, with their shape beside them; complex ones have `re` and `im`. A variance that
-//! was not measured is absent. A number that is not known (a line without an estimate) is `null`.
+//! Arrays are flat, last axis first to change, with their shape beside them; complex ones have `re`
+//! and `im`. A variance that was not measured is absent. A number that is not known (a line without
+//! an estimate) is `null`.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -83,9 +84,18 @@ struct UncertaintyJson {
 /// Writes a result.
 ///
 /// # Errors
-/// [`FileError::Shape`] if names or units do not fit the FRF, and those of writing (see [`Overwrite`]).
-pub fn write_result(path: &Path, overwrite: Overwrite, result: &ResultFile) -> Result<(), FileError> {
-    check(result).map_err(|(what, found, needed)| FileError::Shape { what, found, needed })?;
+/// [`FileError::Shape`] if names or units do not fit the FRF, and those of writing (see
+/// [`Overwrite`]).
+pub fn write_result(
+    path: &Path,
+    overwrite: Overwrite,
+    result: &ResultFile,
+) -> Result<(), FileError> {
+    check(result).map_err(|(what, found, needed)| FileError::Shape {
+        what,
+        found,
+        needed,
+    })?;
     let frf = &result.frf;
     let json = Json {
         format: FORMAT.into(),
@@ -103,16 +113,22 @@ pub fn write_result(path: &Path, overwrite: Overwrite, result: &ResultFile) -> R
         checks: result.checks.clone(),
         provenance: result.provenance.clone(),
     };
-    write_file(path, overwrite, |file| Ok(serde_json::to_writer(file, &json)?))
+    write_file(path, overwrite, |file| {
+        Ok(serde_json::to_writer(file, &json)?)
+    })
 }
 
 /// Reads a result.
 ///
 /// # Errors
-/// [`FileError::Io`]; [`FileError::Format`] if it is no result of ours; [`FileError::Content`] if arrays contradict their
-/// shapes or each other.
+/// [`FileError::Io`]; [`FileError::Format`] if it is no result of ours; [`FileError::Content`] if
+/// arrays contradict their shapes or each other.
 pub fn read_result(path: &Path) -> Result<ResultFile, FileError> {
-    let failed = |error: std::io::Error| FileError::Io { path: path.into(), action: "open", reason: error.to_string() };
+    let failed = |error: std::io::Error| FileError::Io {
+        path: path.into(),
+        action: "open",
+        reason: error.to_string(),
+    };
     let format = |found: String| FileError::Format {
         path: path.into(),
         found,
@@ -137,7 +153,13 @@ pub fn read_result(path: &Path) -> Result<ResultFile, FileError> {
 
 fn check(result: &ResultFile) -> Result<(), Flaw> {
     let frf = &result.frf;
-    frf.check().map_err(|error| ("frf", error.to_string(), "arrays that fit each other".into()))?;
+    frf.check().map_err(|error| {
+        (
+            "frf",
+            error.to_string(),
+            "arrays that fit each other".into(),
+        )
+    })?;
     for (what, list, needed) in [
         ("input_names", &result.input_names, frf.n_inputs()),
         ("output_names", &result.output_names, frf.n_outputs()),
@@ -155,7 +177,10 @@ fn from_json(json: Json) -> Result<ResultFile, Flaw> {
     let uncertainty = |what, json: Option<UncertaintyJson>| {
         json.map(|json| {
             let covariance = json.covariance.into_array(what)?;
-            Ok(Uncertainty { covariance, degrees_of_freedom: json.degrees_of_freedom })
+            Ok(Uncertainty {
+                covariance,
+                degrees_of_freedom: json.degrees_of_freedom,
+            })
         })
         .transpose()
     };
@@ -165,7 +190,10 @@ fn from_json(json: Json) -> Result<ResultFile, Flaw> {
             response: json.response.into_array("response")?,
             noise: uncertainty("noise.covariance", json.noise)?,
             total: uncertainty("total.covariance", json.total)?,
-            condition: json.condition.map(|condition| condition.into_list("condition")).transpose()?,
+            condition: json
+                .condition
+                .map(|condition| condition.into_list("condition"))
+                .transpose()?,
             relative_resolution: json.relative_resolution,
         },
         input_names: json.input_names,
@@ -178,7 +206,10 @@ fn from_json(json: Json) -> Result<ResultFile, Flaw> {
 }
 
 fn uncertainty(known: &Uncertainty) -> UncertaintyJson {
-    UncertaintyJson { degrees_of_freedom: known.degrees_of_freedom, covariance: Complexes::of(&known.covariance) }
+    UncertaintyJson {
+        degrees_of_freedom: known.degrees_of_freedom,
+        covariance: Complexes::of(&known.covariance),
+    }
 }
 
 #[cfg(test)]
@@ -188,7 +219,9 @@ pub(crate) mod tests {
     use num_complex::Complex64;
 
     pub(crate) fn result() -> ResultFile {
-        let entry = |(k, i, j): (usize, usize, usize)| Complex64::new((k + i) as f64 / 3.0, -1.0 / (1 + k + j) as f64);
+        let entry = |(k, i, j): (usize, usize, usize)| {
+            Complex64::new((k + i) as f64 / 3.0, -1.0 / (1 + k + j) as f64)
+        };
         let mut response = Array3::from_shape_fn((4, 2, 1), entry);
         response[[2, 0, 0]] = Complex64::new(f64::NAN, f64::NAN);
         let covariance = Array3::from_shape_fn((4, 2, 2), entry);
@@ -196,7 +229,10 @@ pub(crate) mod tests {
             frf: Frf {
                 frequency_hz: vec![0.1, 0.2, 0.1 + 0.2, 1.0 / 3.0],
                 response,
-                noise: Some(Uncertainty { covariance, degrees_of_freedom: 40 }),
+                noise: Some(Uncertainty {
+                    covariance,
+                    degrees_of_freedom: 40,
+                }),
                 total: None,
                 condition: Some(vec![1.0, 2.0, f64::INFINITY, 1.5]),
                 relative_resolution: Some(0.125),
@@ -220,7 +256,11 @@ pub(crate) mod tests {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("r.json");
         write_result(&path, Overwrite::Refuse, &result()).expect("sound");
-        std::fs::write(&path, edit(std::fs::read_to_string(&path).expect("written"))).expect("written");
+        std::fs::write(
+            &path,
+            edit(std::fs::read_to_string(&path).expect("written")),
+        )
+        .expect("written");
         read_result(&path)
     }
 
@@ -228,7 +268,9 @@ pub(crate) mod tests {
     fn a_result_comes_back_and_what_was_not_measured_is_absent() {
         let back = rewritten(|text| {
             assert!(
-                !text.contains("total") && text.contains("\"inf\"") && text.contains("\"shape\":[4,2,1]"),
+                !text.contains("total")
+                    && text.contains("\"inf\"")
+                    && text.contains("\"shape\":[4,2,1]"),
                 "{text}"
             );
             text
@@ -244,14 +286,24 @@ pub(crate) mod tests {
         for (from, to, told) in [
             ("\"shape\":[4,2,1]", "\"shape\":[4,1,1]", "response"),
             ("\"shape\":[4,2,1]", "\"shape\":[8]", "response"),
-            ("\"shape\":[4,2,1]", "\"shape\":[18446744073709551615,2,1]", "response"),
+            (
+                "\"shape\":[4,2,1]",
+                "\"shape\":[18446744073709551615,2,1]",
+                "response",
+            ),
             ("[\"torque\"]", "[]", "input_names"),
             ("\"version\":1", "\"version\":2", "version 2"),
             ("frfid-result", "other", "other version 1"),
-            ("\"frequency_hz\"", "\"frequency\"", "missing field `frequency_hz`"),
+            (
+                "\"frequency_hz\"",
+                "\"frequency\"",
+                "missing field `frequency_hz`",
+            ),
             ("0.30000000000000004", "\"x\"", "a number, null"),
         ] {
-            let error = rewritten(|text| text.replacen(from, to, 1)).expect_err(to).to_string();
+            let error = rewritten(|text| text.replacen(from, to, 1))
+                .expect_err(to)
+                .to_string();
             assert!(error.contains(told), "{error}");
         }
     }

@@ -1,5 +1,6 @@
-//! ROS 2 message definitions (`.msg` text, schema encoding `ros2msg`): what fields a message has, so that it can be decoded
-//! without knowing its type beforehand. <https://docs.ros.org/en/rolling/Concepts/Basic/About-Interfaces.html>
+//! ROS 2 message definitions (`.msg` text, schema encoding `ros2msg`): what fields a message has,
+//! so that it can be decoded without knowing its type beforehand.
+//! <https://docs.ros.org/en/rolling/Concepts/Basic/About-Interfaces.html>
 
 use std::collections::HashMap;
 
@@ -56,7 +57,8 @@ pub struct Field {
 /// A message type and every type it is made of.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Definition {
-    /// Fields of each type; the first is the message itself. A type without fields is sent as one octet.
+    /// Fields of each type; the first is the message itself. A type without fields is sent as one
+    /// octet.
     pub messages: Vec<Vec<Field>>,
 }
 
@@ -98,8 +100,8 @@ struct Written<'a> {
     name: &'a str,
 }
 
-/// Reads a definition with its dependencies, each introduced by a line of `=` and `MSG: package/Type` or
-/// `MSG: package/msg/Type`.
+/// Reads a definition with its dependencies, each introduced by a line of `=` and
+/// `MSG: package/Type` or `MSG: package/msg/Type`.
 ///
 /// # Errors
 /// [`DefinitionError`].
@@ -115,15 +117,30 @@ pub fn parse(text: &str) -> Result<Definition, DefinitionError> {
             names.push(short_name(name.trim()));
             written.push(Vec::new());
         } else if let Some(fields) = written.last_mut() {
-            let bad = || DefinitionError::Line { line: number + 1, text: line.into() };
+            let bad = || DefinitionError::Line {
+                line: number + 1,
+                text: line.into(),
+            };
             fields.extend(field(line).ok_or_else(bad)?);
         }
     }
-    let places: HashMap<_, _> = names.iter().enumerate().skip(1).map(|(k, name)| (name.as_str(), k)).collect();
+    let places: HashMap<_, _> = names
+        .iter()
+        .enumerate()
+        .skip(1)
+        .map(|(k, name)| (name.as_str(), k))
+        .collect();
     let look_up = |(fields, parent): (&Vec<Written>, &String)| {
-        fields.iter().map(|written| resolve(written, parent, &places)).collect::<Result<Vec<_>, _>>()
+        fields
+            .iter()
+            .map(|written| resolve(written, parent, &places))
+            .collect::<Result<Vec<_>, _>>()
     };
-    let messages = written.iter().zip(&names).map(look_up).collect::<Result<Vec<_>, _>>()?;
+    let messages = written
+        .iter()
+        .zip(&names)
+        .map(look_up)
+        .collect::<Result<Vec<_>, _>>()?;
     check_depth(&messages, &names, 0, 0, &mut Vec::new())?;
     Ok(Definition { messages })
 }
@@ -151,7 +168,9 @@ fn short_name(name: &str) -> String {
 fn field(line: &str) -> Option<Option<Written<'_>>> {
     let (kind, rest) = line.split_once(char::is_whitespace)?;
     let rest = rest.trim_start();
-    let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len());
+    let end = rest
+        .find(|c: char| !c.is_ascii_alphanumeric() && c != '_')
+        .unwrap_or(rest.len());
     let (name, rest) = rest.split_at(end);
     if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
         return None;
@@ -168,18 +187,29 @@ fn field(line: &str) -> Option<Option<Written<'_>>> {
         Some(Some((kind, ""))) => (kind, Arity::Many),
         Some(Some((kind, size))) => match size.strip_prefix("<=") {
             Some(most) => most.parse::<usize>().ok().map(|_| (kind, Arity::Many))?,
-            None => (kind, Arity::Exactly(size.parse().ok().filter(|&size| size > 0)?)),
+            None => (
+                kind,
+                Arity::Exactly(size.parse().ok().filter(|&size| size > 0)?),
+            ),
         },
     };
     Some(Some(Written { kind, arity, name }))
 }
 
-fn resolve(written: &Written, parent: &str, places: &HashMap<&str, usize>) -> Result<Field, DefinitionError> {
+fn resolve(
+    written: &Written,
+    parent: &str,
+    places: &HashMap<&str, usize>,
+) -> Result<Field, DefinitionError> {
     let element = match primitive(written.kind) {
         Some(primitive) => Element::Primitive(primitive),
         None => Element::Message(place(written.kind, parent, places)?),
     };
-    Ok(Field { name: written.name.into(), element, arity: written.arity })
+    Ok(Field {
+        name: written.name.into(),
+        element,
+        arity: written.arity,
+    })
 }
 
 fn primitive(kind: &str) -> Option<Primitive> {
@@ -202,17 +232,30 @@ fn primitive(kind: &str) -> Option<Primitive> {
     })
 }
 
-/// Where a message type is defined: by its full name, in the package of its parent, or by its last name where that is unique.
-fn place(kind: &str, parent: &str, places: &HashMap<&str, usize>) -> Result<usize, DefinitionError> {
+/// Where a message type is defined: by its full name, in the package of its parent, or by its last
+/// name where that is unique.
+fn place(
+    kind: &str,
+    parent: &str,
+    places: &HashMap<&str, usize>,
+) -> Result<usize, DefinitionError> {
     let name = short_name(kind);
-    let sibling = parent.split_once('/').map(|(package, _)| format!("{package}/{name}"));
+    let sibling = parent
+        .split_once('/')
+        .map(|(package, _)| format!("{package}/{name}"));
     let by_last_name = || {
-        let mut ends = places.iter().filter(|(full, _)| full.rsplit('/').next() == Some(name.as_str()));
-        ends.next().filter(|_| ends.next().is_none()).map(|(_, &place)| place)
+        let mut ends = places
+            .iter()
+            .filter(|(full, _)| full.rsplit('/').next() == Some(name.as_str()));
+        ends.next()
+            .filter(|_| ends.next().is_none())
+            .map(|(_, &place)| place)
     };
     let known = places.get(name.as_str()).copied();
     let known = known.or_else(|| sibling.and_then(|sibling| places.get(sibling.as_str()).copied()));
-    known.or_else(by_last_name).ok_or(DefinitionError::Unknown { name })
+    known
+        .or_else(by_last_name)
+        .ok_or(DefinitionError::Unknown { name })
 }
 
 /// Every type is looked into once, however often it is used; a cycle runs into the limit.
@@ -224,7 +267,10 @@ fn check_depth(
     sound: &mut Vec<usize>,
 ) -> Result<(), DefinitionError> {
     if depth > DEEPEST {
-        return Err(DefinitionError::Depth { name: names[at].clone(), limit: DEEPEST });
+        return Err(DefinitionError::Depth {
+            name: names[at].clone(),
+            limit: DEEPEST,
+        });
     }
     for field in &messages[at] {
         if let Element::Message(inner) = field.element
@@ -249,12 +295,19 @@ mod tests {
     fn fields_constants_defaults_and_comments() {
         let text = "# a comment\nuint8 DEBUG=10\nstring NAME = \"a # b\"\nfloat64[9] k # row major\nstring<=5[<=3] s [\"#\"]\n\
                     int32 x -7\nwstring[] w\n\n";
-        let found: Vec<_> = fields(text).into_iter().map(|field| (field.name, field.element, field.arity)).collect();
+        let found: Vec<_> = fields(text)
+            .into_iter()
+            .map(|field| (field.name, field.element, field.arity))
+            .collect();
         let primitive = Element::Primitive;
         assert_eq!(
             found,
             [
-                ("k".into(), primitive(Primitive::Float(8)), Arity::Exactly(9)),
+                (
+                    "k".into(),
+                    primitive(Primitive::Float(8)),
+                    Arity::Exactly(9)
+                ),
                 ("s".into(), primitive(Primitive::Text), Arity::Many),
                 ("x".into(), primitive(Primitive::Int(4)), Arity::One),
                 ("w".into(), primitive(Primitive::WideText), Arity::Many),
@@ -270,17 +323,45 @@ mod tests {
             ("std_msgs/msg/Header", "std_msgs/Header"),
             ("Header", "std_msgs/Header"),
         ] {
-            let text = format!("{used} header\n{}\nMSG: {defined}\nint32 sec", "=".repeat(80));
-            assert_eq!(fields(&text)[0].element, Element::Message(1), "{used} {defined}");
+            let text = format!(
+                "{used} header\n{}\nMSG: {defined}\nint32 sec",
+                "=".repeat(80)
+            );
+            assert_eq!(
+                fields(&text)[0].element,
+                Element::Message(1),
+                "{used} {defined}"
+            );
         }
     }
 
     #[test]
     fn nonsense_is_named() {
-        for text in ["float64", "float64[x] a", "float64[0] a", "float64] a", "float64 1a", "float64 a-b"] {
-            assert_eq!(parse(text), Err(DefinitionError::Line { line: 1, text: text.into() }));
+        for text in [
+            "float64",
+            "float64[x] a",
+            "float64[0] a",
+            "float64] a",
+            "float64 1a",
+            "float64 a-b",
+        ] {
+            assert_eq!(
+                parse(text),
+                Err(DefinitionError::Line {
+                    line: 1,
+                    text: text.into()
+                })
+            );
         }
-        assert_eq!(parse("p/Nowhere a"), Err(DefinitionError::Unknown { name: "p/Nowhere".into() }));
-        assert!(matches!(parse("p/A a\n===\nMSG: p/A\np/A a"), Err(DefinitionError::Depth { .. })));
+        assert_eq!(
+            parse("p/Nowhere a"),
+            Err(DefinitionError::Unknown {
+                name: "p/Nowhere".into()
+            })
+        );
+        assert!(matches!(
+            parse("p/A a\n===\nMSG: p/A\np/A a"),
+            Err(DefinitionError::Depth { .. })
+        ));
     }
 }

@@ -1,4 +1,5 @@
-//! A run as a file: one MCAP with the record of one run, its provenance and the experiment it belongs to.
+//! A run as a file: one MCAP with the record of one run, its provenance and the experiment it
+//! belongs to.
 //!
 //! | topic | content |
 //! |---|---|
@@ -7,8 +8,9 @@
 //! | `/frfid/excitation` | the reference `r`, in the field it acts on |
 //! | `/frfid/events` | events as JSON |
 //!
-//! Row k of every signal belongs to `joint_names[k]`; where a signal has fewer rows than there are joints, the rest is NaN, so
-//! that every array is as long as `name` or empty. Stamps and log times are the sample times, from a fixed start.
+//! Row k of every signal belongs to `joint_names[k]`; where a signal has fewer rows than there are
+//! joints, the rest is NaN, so that every array is as long as `name` or empty. Stamps and log times
+//! are the sample times, from a fixed start.
 
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -65,7 +67,8 @@ pub(crate) const VERSION: u32 = 1;
 /// Writes a run; the same content gives the same bytes.
 ///
 /// # Errors
-/// [`FileError::Shape`] if the record does not fit the joints, and those of writing (see [`Overwrite`]).
+/// [`FileError::Shape`] if the record does not fit the joints, and those of writing (see
+/// [`Overwrite`]).
 pub fn write_run(path: &Path, overwrite: Overwrite, run: &RunFile) -> Result<(), FileError> {
     check(run)?;
     write_file(path, overwrite, |file| Ok(write_to(file, run)?))
@@ -79,16 +82,32 @@ fn check(run: &RunFile) -> Result<(), FileError> {
     let rows = record.u.nrows().max(record.y.nrows());
     if rows != joints {
         let needed = format!("{joints}, one for each of the joint names");
-        return Err(FileError::Shape { what: "rows of u and y", found: rows.to_string(), needed });
+        return Err(FileError::Shape {
+            what: "rows of u and y",
+            found: rows.to_string(),
+            needed,
+        });
     }
     let pairs = [
-        ("shape of y", Some(&record.y), (record.y.nrows(), record.u.ncols())),
+        (
+            "shape of y",
+            Some(&record.y),
+            (record.y.nrows(), record.u.ncols()),
+        ),
         ("shape of r", record.r.as_ref(), record.u.dim()),
-        ("shape of position_rad", record.position_rad.as_ref(), record.y.dim()),
+        (
+            "shape of position_rad",
+            record.position_rad.as_ref(),
+            record.y.dim(),
+        ),
     ];
     for (what, signal, needed) in pairs {
         if let Some(signal) = signal.filter(|signal| signal.dim() != needed) {
-            return Err(FileError::Shape { what, found: format!("{:?}", signal.dim()), needed: format!("{needed:?}") });
+            return Err(FileError::Shape {
+                what,
+                found: format!("{:?}", signal.dim()),
+                needed: format!("{needed:?}"),
+            });
         }
     }
     Ok(())
@@ -117,10 +136,19 @@ pub(crate) fn write_to<W: Write>(file: W, run: &RunFile) -> McapResult<()> {
     let mut writer = RosWriter::new(file)?;
     writer.metadata("frfid", &run.metadata)?;
     writer.metadata(structure::RUN, &structure::to_texts(&structure_of(run)))?;
-    writer.attach(structure::EXPERIMENT, "application/toml", run.experiment_toml.as_bytes())?;
+    writer.attach(
+        structure::EXPERIMENT,
+        "application/toml",
+        run.experiment_toml.as_bytes(),
+    )?;
     let mut states = writer.joint_topic(topics::STATES)?;
     let mut commands = writer.joint_topic(topics::COMMANDS)?;
-    let mut excitation = run.record.r.as_ref().map(|_| writer.joint_topic(topics::EXCITATION)).transpose()?;
+    let mut excitation = run
+        .record
+        .r
+        .as_ref()
+        .map(|_| writer.joint_topic(topics::EXCITATION))
+        .transpose()?;
     let mut events = writer.text_topic(topics::EVENTS)?;
     let mut pending = run.record.events.iter().peekable();
     for sample in 0..run.record.n_samples() {
@@ -142,7 +170,11 @@ pub(crate) fn write_to<W: Write>(file: W, run: &RunFile) -> McapResult<()> {
 }
 
 /// A period that has ended is safe on the disk before the next one begins.
-fn write_event<W: Write>(writer: &mut RosWriter<W>, topic: &mut Topic, event: &Event) -> McapResult<()> {
+fn write_event<W: Write>(
+    writer: &mut RosWriter<W>,
+    topic: &mut Topic,
+    event: &Event,
+) -> McapResult<()> {
     if matches!(event.kind, EventKind::PeriodStart { .. }) {
         writer.flush()?;
     }
@@ -166,12 +198,18 @@ fn messages(run: &RunFile, sample: usize) -> [JointState; 3] {
         velocity: values(&record.y),
         effort: vec![],
     };
-    let mut command = JointState { stamp_ns, ..Default::default() };
+    let mut command = JointState {
+        stamp_ns,
+        ..Default::default()
+    };
     match record.input_kind {
         InputKind::Measured => state.effort = values(&record.u),
         InputKind::Commanded => command.effort = values(&record.u),
     }
-    let mut injected = JointState { stamp_ns, ..Default::default() };
+    let mut injected = JointState {
+        stamp_ns,
+        ..Default::default()
+    };
     match run.injection {
         Injection::Torque => injected.effort = reference(),
         Injection::Velocity => {

@@ -1,4 +1,5 @@
-//! The records with which a run or a plan describes itself: key and value texts, every value in JSON.
+//! The records with which a run or a plan describes itself: key and value texts, every value in
+//! JSON.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -13,7 +14,8 @@ pub(crate) const RUN: &str = "frfid.run";
 pub(crate) const PLAN: &str = "frfid.plan";
 /// Provenance, as the user's program gave it.
 pub(crate) const PROVENANCE: &str = "frfid";
-/// Attachment that describes the experiment. Names of attachments are compared, never used as paths.
+/// Attachment that describes the experiment. Names of attachments are compared, never used as
+/// paths.
 pub(crate) const EXPERIMENT: &str = "experiment.toml";
 
 /// No signal of a file may hold more values: 2 GiB of them.
@@ -24,8 +26,13 @@ const CHECKSUM: &str = "crc32";
 
 /// The fields of a struct as texts, and their checksum.
 pub(crate) fn to_texts<T: Serialize>(structure: &T) -> BTreeMap<String, String> {
-    let Value::Object(fields) = serde_json::json!(structure) else { return BTreeMap::new() };
-    let mut texts: BTreeMap<_, _> = fields.into_iter().map(|(key, value)| (key, value.to_string())).collect();
+    let Value::Object(fields) = serde_json::json!(structure) else {
+        return BTreeMap::new();
+    };
+    let mut texts: BTreeMap<_, _> = fields
+        .into_iter()
+        .map(|(key, value)| (key, value.to_string()))
+        .collect();
     texts.insert(CHECKSUM.into(), checksum(&texts));
     texts
 }
@@ -39,13 +46,16 @@ fn checksum(texts: &BTreeMap<String, String>) -> String {
 }
 
 /// The struct again, or what is wrong with the texts.
-pub(crate) fn from_texts<T: DeserializeOwned>(texts: &BTreeMap<String, String>) -> Result<T, String> {
+pub(crate) fn from_texts<T: DeserializeOwned>(
+    texts: &BTreeMap<String, String>,
+) -> Result<T, String> {
     if texts.get(CHECKSUM) != Some(&checksum(texts)) {
         return Err("a checksum that fails: the record is damaged".into());
     }
     let mut fields = serde_json::Map::new();
     for (key, text) in texts {
-        let value = serde_json::from_str(text).map_err(|error| format!("{key} = {text}: {error}"))?;
+        let value =
+            serde_json::from_str(text).map_err(|error| format!("{key} = {text}: {error}"))?;
         fields.insert(key.clone(), value);
     }
     serde_json::from_value(Value::Object(fields)).map_err(|error| error.to_string())
@@ -70,5 +80,9 @@ pub(crate) fn check_sample_time(sample_time_s: f64) -> Result<(), FileError> {
         return Ok(());
     }
     let needed = "between 1e-6 s and 1e6 s, for stamps in ns".into();
-    Err(FileError::Shape { what: "sample_time_s", found: sample_time_s.to_string(), needed })
+    Err(FileError::Shape {
+        what: "sample_time_s",
+        found: sample_time_s.to_string(),
+        needed,
+    })
 }

@@ -23,7 +23,10 @@ impl Value {
     #[must_use]
     pub fn field(&self, name: &str) -> Option<&Value> {
         match self {
-            Value::Message(fields) => fields.iter().find(|(field, _)| field == name).map(|(_, value)| value),
+            Value::Message(fields) => fields
+                .iter()
+                .find(|(field, _)| field == name)
+                .map(|(_, value)| value),
             _ => None,
         }
     }
@@ -49,16 +52,26 @@ pub fn decode(definition: &Definition, message: &[u8]) -> Result<Value, CdrError
     Ok(value)
 }
 
-fn read_message(definition: &Definition, place: usize, cdr: &mut CdrReader) -> Result<Value, CdrError> {
+fn read_message(
+    definition: &Definition,
+    place: usize,
+    cdr: &mut CdrReader,
+) -> Result<Value, CdrError> {
     let fields = &definition.messages[place];
     if fields.is_empty() {
         cdr.u8()?; // a type without fields is one octet on the wire
     }
-    let values = fields.iter().map(|field| Ok((field.name.clone(), read_field(definition, field, cdr)?)));
+    let values = fields
+        .iter()
+        .map(|field| Ok((field.name.clone(), read_field(definition, field, cdr)?)));
     values.collect::<Result<_, _>>().map(Value::Message)
 }
 
-fn read_field(definition: &Definition, field: &Field, cdr: &mut CdrReader) -> Result<Value, CdrError> {
+fn read_field(
+    definition: &Definition,
+    field: &Field,
+    cdr: &mut CdrReader,
+) -> Result<Value, CdrError> {
     cdr.enter(&field.name);
     let count = match field.arity {
         Arity::One => return read_element(definition, field.element, cdr),
@@ -66,16 +79,23 @@ fn read_field(definition: &Definition, field: &Field, cdr: &mut CdrReader) -> Re
         Arity::Many => cdr.count(least_size(field.element))?,
     };
     match field.element {
-        Element::Primitive(kind) if !matches!(kind, Primitive::Text | Primitive::WideText) => {
-            (0..count).map(|_| read_number(kind, cdr)).collect::<Result<_, _>>().map(Value::Numbers)
-        }
-        element => {
-            (0..count).map(|_| read_element(definition, element, cdr)).collect::<Result<_, _>>().map(Value::List)
-        }
+        Element::Primitive(kind) if !matches!(kind, Primitive::Text | Primitive::WideText) => (0
+            ..count)
+            .map(|_| read_number(kind, cdr))
+            .collect::<Result<_, _>>()
+            .map(Value::Numbers),
+        element => (0..count)
+            .map(|_| read_element(definition, element, cdr))
+            .collect::<Result<_, _>>()
+            .map(Value::List),
     }
 }
 
-fn read_element(definition: &Definition, element: Element, cdr: &mut CdrReader) -> Result<Value, CdrError> {
+fn read_element(
+    definition: &Definition,
+    element: Element,
+    cdr: &mut CdrReader,
+) -> Result<Value, CdrError> {
     match element {
         Element::Message(place) => read_message(definition, place, cdr),
         Element::Primitive(Primitive::Text) => Ok(Value::Text(cdr.text()?.into())),
@@ -103,7 +123,9 @@ fn read_number(kind: Primitive, cdr: &mut CdrReader) -> Result<f64, CdrError> {
 /// No element takes fewer bytes: a bound on counts before anything is allocated.
 fn least_size(element: Element) -> usize {
     match element {
-        Element::Primitive(Primitive::Int(size) | Primitive::Uint(size) | Primitive::Float(size)) => usize::from(size),
+        Element::Primitive(
+            Primitive::Int(size) | Primitive::Uint(size) | Primitive::Float(size),
+        ) => usize::from(size),
         Element::Primitive(Primitive::Text | Primitive::WideText) => 4,
         Element::Primitive(Primitive::Bool) | Element::Message(_) => 1,
     }
@@ -138,7 +160,14 @@ mod tests {
         let text = "int8 small\nuint16[2] pair\np/Inner[] inner\nstring[] texts\nuint64 wide\nfloat32 float\nint64 negative\n\
                     ===\nMSG: p/Inner\nbool flag\nfloat64 value";
         let definition = parse(text).expect("sound");
-        let inner = || (0..3).map(|k| Inner { flag: k == 1, value: 0.1 * f64::from(k) }).collect();
+        let inner = || {
+            (0..3)
+                .map(|k| Inner {
+                    flag: k == 1,
+                    value: 0.1 * f64::from(k),
+                })
+                .collect()
+        };
         let outer = Outer {
             small: -3,
             pair: [7, 65535],
@@ -153,11 +182,28 @@ mod tests {
         let value = decode(&definition, &little).expect("sound");
         assert_eq!(decode(&definition, &big), Ok(value.clone()));
         assert_eq!(value.field("small"), Some(&Value::Number(-3.0)));
-        assert_eq!(value.field("pair"), Some(&Value::Numbers(vec![7.0, 65535.0])));
-        let Some(Value::List(list)) = value.field("inner") else { panic!("a list") };
-        assert_eq!((list.len(), list[2].field("value")), (3, Some(&Value::Number(0.2))));
-        assert_eq!(value.field("texts"), Some(&Value::List(vec![Value::Text("a".into()), Value::Text(String::new())])));
-        assert_eq!(value.field("wide").and_then(Value::number), Some(1_099_511_627_776.0));
+        assert_eq!(
+            value.field("pair"),
+            Some(&Value::Numbers(vec![7.0, 65535.0]))
+        );
+        let Some(Value::List(list)) = value.field("inner") else {
+            panic!("a list")
+        };
+        assert_eq!(
+            (list.len(), list[2].field("value")),
+            (3, Some(&Value::Number(0.2)))
+        );
+        assert_eq!(
+            value.field("texts"),
+            Some(&Value::List(vec![
+                Value::Text("a".into()),
+                Value::Text(String::new())
+            ]))
+        );
+        assert_eq!(
+            value.field("wide").and_then(Value::number),
+            Some(1_099_511_627_776.0)
+        );
         assert_eq!(value.field("negative").and_then(Value::number), Some(-9.0));
         for length in 0..little.len() {
             assert!(decode(&definition, &little[..length]).is_err());
@@ -167,10 +213,24 @@ mod tests {
     #[test]
     fn hostile_counts_and_wide_texts_are_refused() {
         let hostile = [0, 1, 0, 0, 0xff, 0xff, 0xff, 0x7f];
-        for text in ["float64[] a", "string[] a", "float64[4000000000] a", "p/E[] a\n===\nMSG: p/E\n"] {
-            assert!(matches!(decode(&parse(text).expect("sound"), &hostile), Err(CdrError::Short { .. })), "{text}");
+        for text in [
+            "float64[] a",
+            "string[] a",
+            "float64[4000000000] a",
+            "p/E[] a\n===\nMSG: p/E\n",
+        ] {
+            assert!(
+                matches!(
+                    decode(&parse(text).expect("sound"), &hostile),
+                    Err(CdrError::Short { .. })
+                ),
+                "{text}"
+            );
         }
         let wide = parse("wstring a").expect("sound");
-        assert!(matches!(decode(&wide, &hostile), Err(CdrError::WideText { .. })));
+        assert!(matches!(
+            decode(&wide, &hostile),
+            Err(CdrError::WideText { .. })
+        ));
     }
 }

@@ -1,5 +1,6 @@
-//! A robot arm: rigid bodies in a chain, a flexible joint in front of each that moves. The description; what follows from it
-//! is in `chain.rs` (mass matrix, gravity, Coriolis) and `arm_robot.rs` (motion, linear truth).
+//! A robot arm: rigid bodies in a chain, a flexible joint in front of each that moves. The
+//! description; what follows from it is in `chain.rs` (mass matrix, gravity, Coriolis) and
+//! `arm_robot.rs` (motion, linear truth).
 
 use serde::{Deserialize, Serialize};
 
@@ -7,8 +8,9 @@ use crate::{Challenges, FlexibleJoint};
 
 /// A serial chain of rigid bodies on revolute joints, from the base to the tip.
 ///
-/// M(qo) qo'' + C(qo, qo') qo' + g(qo) = tau_s(dq) + d dq', J_m qm'' = u - tau_f(qm') - ripple(qm) - tau_s(dq) - d dq',
-/// dq = qm - qo: the rotors turn about their own axes only (Spong's reduced model, J. Dyn. Sys. Meas. Control 109 (1987) 310).
+/// M(qo) qo'' + C(qo, qo') qo' + g(qo) = tau_s(dq) + d dq', J_m qm'' = u - tau_f(qm') - ripple(qm)
+/// - tau_s(dq) - d dq', dq = qm - qo: the rotors turn about their own axes only (Spong's reduced
+/// model, J. Dyn. Sys. Meas. Control 109 (1987) 310).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Arm {
     /// The bodies, each hanging on the one before it, the first on the base.
@@ -23,15 +25,17 @@ pub struct Arm {
     pub challenges: Challenges,
 }
 
-/// A rigid body and the joint that carries it. The body's frame is the joint's, turned by the joint's position about its axis.
+/// A rigid body and the joint that carries it. The body's frame is the joint's, turned by the
+/// joint's position about its axis.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Body {
     /// Name, for messages.
     pub name: String,
     /// Origin of the joint in the parent's frame in m.
     pub offset_m: [f64; 3],
-    /// Orientation of the joint's frame in the parent's at position 0, row by row: a vector of this frame times the matrix
-    /// is the vector in the parent's. The identity in most descriptions, the matrix of `rpy` in URDF.
+    /// Orientation of the joint's frame in the parent's at position 0, row by row: a vector of this
+    /// frame times the matrix is the vector in the parent's. The identity in most descriptions, the
+    /// matrix of `rpy` in URDF.
     pub rotation: [[f64; 3]; 3],
     /// Axis of the joint in its own frame, of any length but 0.
     pub axis: [f64; 3],
@@ -41,7 +45,8 @@ pub struct Body {
     pub center_of_mass_m: [f64; 3],
     /// Inertia tensor in kg m^2 about the centre of mass in the body's frame, symmetric.
     pub inertia_kg_m2: [[f64; 3]; 3],
-    /// Moments of inertia that cannot move are left out: principal moments need not obey the triangle inequality.
+    /// Moments of inertia that cannot move are left out: principal moments need not obey the
+    /// triangle inequality.
     pub simplified: bool,
     /// Whether and how the joint moves.
     pub joint: BodyJoint,
@@ -66,7 +71,8 @@ pub struct Payload {
     pub mass_kg: f64,
     /// Centre of mass in m in the frame of the last body.
     pub center_of_mass_m: [f64; 3],
-    /// Inertia tensor in kg m^2 about the centre of mass in the frame of the last body; zeros for a point mass.
+    /// Inertia tensor in kg m^2 about the centre of mass in the frame of the last body; zeros for a
+    /// point mass.
     pub inertia_kg_m2: [[f64; 3]; 3],
 }
 

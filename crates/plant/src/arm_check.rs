@@ -7,16 +7,21 @@ use nalgebra::{Matrix3, Vector3};
 use crate::rigid::matrix;
 use crate::{Arm, Body, BodyJoint, Payload};
 
-/// How far a rotation matrix given in decimals may be from a rotation, and a tensor from symmetry, relatively.
+/// How far a rotation matrix given in decimals may be from a rotation, and a tensor from symmetry,
+/// relatively.
 const ROUNDING: f64 = 1e-6;
 
 impl Arm {
     /// Checks every parameter, and that the mass matrix is positive definite at the pose.
     ///
     /// # Errors
-    /// [`SignalError::In`] naming the body, or [`SignalError::Parameter`], [`SignalError::Shape`] of the arm itself.
+    /// [`SignalError::In`] naming the body, or [`SignalError::Parameter`], [`SignalError::Shape`]
+    /// of the arm itself.
     pub fn check(&self) -> Result<(), SignalError> {
-        let mut moments = self.mechanics()?.mass_matrix(&self.pose_rad).symmetric_eigenvalues();
+        let mut moments = self
+            .mechanics()?
+            .mass_matrix(&self.pose_rad)
+            .symmetric_eigenvalues();
         moments.as_mut_slice().sort_by(f64::total_cmp);
         let (smallest, largest) = (moments[0], moments[moments.len() - 1]);
         if smallest > f64::EPSILON * largest {
@@ -24,16 +29,24 @@ impl Arm {
         }
         let name = "the smallest eigenvalue in kg m^2 of the mass matrix at the pose";
         let needed = "above 0: every joint must move some inertia that cannot be moved without it";
-        Err(SignalError::Parameter { name, found: smallest, needed })
+        Err(SignalError::Parameter {
+            name,
+            found: smallest,
+            needed,
+        })
     }
 
-    /// What is possible but looks like a mistake: principal moments of inertia of which one exceeds the sum of the other two,
-    /// as no mass distribution can have them. Bodies marked as simplified may.
+    /// What is possible but looks like a mistake: principal moments of inertia of which one exceeds
+    /// the sum of the other two, as no mass distribution can have them. Bodies marked as simplified
+    /// may.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let bodies = self.bodies.iter().filter(|body| !body.simplified);
         let tensors = bodies.map(|body| (body.part(), &body.inertia_kg_m2, " or set simplified"));
-        let payload = self.payload.iter().map(|payload| (PAYLOAD.into(), &payload.inertia_kg_m2, ""));
+        let payload = self
+            .payload
+            .iter()
+            .map(|payload| (PAYLOAD.into(), &payload.inertia_kg_m2, ""));
         let warning = |(part, tensor, or): (String, _, _)| {
             let [a, b, c] = principal_moments(tensor);
             (c > (a + b) * (1.0 + ROUNDING)).then(|| {
@@ -51,12 +64,16 @@ impl Arm {
         if self.n_axes() == 0 {
             return Err(self.wrong_number_of_axes());
         }
-        self.gravity_m_s2.iter().try_for_each(|&value| finite("gravity_m_s2", value))?;
+        self.gravity_m_s2
+            .iter()
+            .try_for_each(|&value| finite("gravity_m_s2", value))?;
         for body in &self.bodies {
             body.check().map_err(|error| within(body.part(), error))?;
         }
         if let Some(payload) = &self.payload {
-            payload.check().map_err(|error| within(PAYLOAD.into(), error))?;
+            payload
+                .check()
+                .map_err(|error| within(PAYLOAD.into(), error))?;
         }
         self.check_axes("pose_rad", &self.pose_rad)
     }
@@ -68,14 +85,21 @@ impl Arm {
 
     pub(crate) fn wrong_number_of_axes(&self) -> SignalError {
         let found = self.n_axes() as f64;
-        SignalError::Parameter { name: "the number of moving joints", found, needed: "1 to 7; lock the others" }
+        SignalError::Parameter {
+            name: "the number of moving joints",
+            found,
+            needed: "1 to 7; lock the others",
+        }
     }
 }
 
 const PAYLOAD: &str = "payload";
 
 fn within(part: String, error: SignalError) -> SignalError {
-    SignalError::In { part, source: Box::new(error) }
+    SignalError::In {
+        part,
+        source: Box::new(error),
+    }
 }
 
 impl Body {
@@ -85,20 +109,34 @@ impl Body {
 
     fn check(&self) -> Result<(), SignalError> {
         check_vector("offset_m", &self.offset_m)?;
-        self.rotation.iter().try_for_each(|row| check_vector("rotation", row))?;
+        self.rotation
+            .iter()
+            .try_for_each(|row| check_vector("rotation", row))?;
         let rotation = matrix(&self.rotation);
         let error = (rotation * rotation.transpose() - Matrix3::identity()).amax();
         if error > ROUNDING {
             let name = "rotation times its transpose, less the identity,";
-            return Err(SignalError::Parameter { name, found: error, needed: "0, as of any rotation matrix" });
+            return Err(SignalError::Parameter {
+                name,
+                found: error,
+                needed: "0, as of any rotation matrix",
+            });
         }
         if rotation.determinant() < 0.0 {
-            return Err(SignalError::Parameter { name: "rotation's determinant", found: -1.0, needed: "1: no mirror" });
+            return Err(SignalError::Parameter {
+                name: "rotation's determinant",
+                found: -1.0,
+                needed: "1: no mirror",
+            });
         }
         check_vector("axis", &self.axis)?;
         let length = Vector3::from(self.axis).norm();
         if !length.is_normal() {
-            return Err(SignalError::Parameter { name: "axis' length", found: length, needed: "above 0" });
+            return Err(SignalError::Parameter {
+                name: "axis' length",
+                found: length,
+                needed: "above 0",
+            });
         }
         check_mass(self.mass_kg, &self.center_of_mass_m, &self.inertia_kg_m2)?;
         match &self.joint {
@@ -118,10 +156,16 @@ fn check_vector(name: &'static str, vector: &[f64; 3]) -> Result<(), SignalError
     vector.iter().try_for_each(|&value| finite(name, value))
 }
 
-fn check_mass(mass: f64, center_of_mass: &[f64; 3], inertia: &[[f64; 3]; 3]) -> Result<(), SignalError> {
+fn check_mass(
+    mass: f64,
+    center_of_mass: &[f64; 3],
+    inertia: &[[f64; 3]; 3],
+) -> Result<(), SignalError> {
     not_negative("mass_kg", mass)?;
     check_vector("center_of_mass_m", center_of_mass)?;
-    inertia.iter().try_for_each(|row| check_vector("inertia_kg_m2", row))?;
+    inertia
+        .iter()
+        .try_for_each(|row| check_vector("inertia_kg_m2", row))?;
     let tensor = matrix(inertia);
     let (skew, size) = ((tensor - tensor.transpose()).amax(), tensor.amax());
     if skew > ROUNDING * size {
@@ -135,7 +179,11 @@ fn check_mass(mass: f64, center_of_mass: &[f64; 3], inertia: &[[f64; 3]; 3]) -> 
     let smallest = principal_moments(inertia)[0];
     if smallest < -ROUNDING * size {
         let name = "inertia_kg_m2's smallest principal moment";
-        return Err(SignalError::Parameter { name, found: smallest, needed: "0 or above" });
+        return Err(SignalError::Parameter {
+            name,
+            found: smallest,
+            needed: "0 or above",
+        });
     }
     Ok(())
 }

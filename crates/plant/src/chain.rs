@@ -1,9 +1,11 @@
 //! An arm compiled to the numbers its motion depends on.
 //!
-//! Locked bodies and the payload become part of the moving body before them. Every link gets a frame whose z axis is its
-//! joint's axis and whose x axis is normal to the next one, so that two plane rotations lead from link to link: by a constant
-//! twist about x, by the joint's position about z. Mass on a joint's axis moves as if it sat on the body before it, and is put
-//! there; of each link seven numbers remain (the base parameters of Gautier and Khalil, IEEE Trans. Robot. Autom. 6 (1990) 368).
+//! Locked bodies and the payload become part of the moving body before them. Every link gets a
+//! frame whose z axis is its joint's axis and whose x axis is normal to the next one, so that two
+//! plane rotations lead from link to link: by a constant twist about x, by the joint's position
+//! about z. Mass on a joint's axis moves as if it sat on the body before it, and is put there; of
+//! each link seven numbers remain (the base parameters of Gautier and Khalil, IEEE Trans. Robot.
+//! Autom. 6 (1990) 368).
 
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
@@ -75,7 +77,11 @@ impl<const A: usize> Chain<A> {
         }
         links.reverse();
         let links = links.try_into().ok()?;
-        Some(Self { links, lift: lift.into(), biased: arm.challenges.gravity })
+        Some(Self {
+            links,
+            lift: lift.into(),
+            biased: arm.challenges.gravity,
+        })
     }
 }
 
@@ -87,12 +93,19 @@ impl Carried {
             twist: [self.rotation[(1, 1)], self.rotation[(2, 1)]],
             offset: self.offset.into(),
             first: [first.x, first.y],
-            second: [second[(0, 0)], second[(1, 1)], second[(0, 1)], second[(0, 2)], second[(1, 2)]],
+            second: [
+                second[(0, 0)],
+                second[(1, 1)],
+                second[(0, 1)],
+                second[(0, 2)],
+                second[(1, 2)],
+            ],
         }
     }
 }
 
-/// The moving joints with everything that is rigidly connected to each; what hangs rigidly on the base is left out.
+/// The moving joints with everything that is rigidly connected to each; what hangs rigidly on the
+/// base is left out.
 fn merged(arm: &Arm) -> Vec<Carried> {
     let mut carried: Vec<Carried> = Vec::new();
     // where the present body is in the frame of the last moving link
@@ -102,11 +115,18 @@ fn merged(arm: &Arm) -> Vec<Carried> {
         rotation *= matrix(&body.rotation);
         let axis = Unit::new_normalize(Vector3::from(body.axis));
         match body.joint {
-            BodyJoint::Locked { position_rad } => rotation *= Rotation3::from_axis_angle(&axis, position_rad),
+            BodyJoint::Locked { position_rad } => {
+                rotation *= Rotation3::from_axis_angle(&axis, position_rad)
+            }
             BodyJoint::Flexible(_) => {
                 let upright = upright(&axis);
                 let rigid = Rigid::zero();
-                carried.push(Carried { rotation: rotation * upright, offset: origin, rigid, zero_rad: 0.0 });
+                carried.push(Carried {
+                    rotation: rotation * upright,
+                    offset: origin,
+                    rigid,
+                    zero_rad: 0.0,
+                });
                 (rotation, origin) = (upright.transpose(), Vector3::zeros());
             }
         }
@@ -126,7 +146,11 @@ fn merged(arm: &Arm) -> Vec<Carried> {
 fn upright(axis: &Unit<Vector3<f64>>) -> Matrix3<f64> {
     let halfway = Vector3::z() * if axis.z < 0.0 { -1.0 } else { 1.0 } + axis.into_inner();
     let turn = 2.0 * halfway * halfway.transpose() / halfway.norm_squared() - Matrix3::identity();
-    if axis.z < 0.0 { turn * Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0)) } else { turn }
+    if axis.z < 0.0 {
+        turn * Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0))
+    } else {
+        turn
+    }
 }
 
 /// Angles (a, b, c) of a rotation Rz(a) Rx(b) Rz(c), b from 0 to pi.

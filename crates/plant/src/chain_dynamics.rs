@@ -1,9 +1,10 @@
 //! Mass matrix, Coriolis and gravity torques of a chain, link by link.
 //!
-//! The mass matrix follows from what each joint carries as one rigid body (composite rigid bodies), the torques at constant
-//! velocity from accelerations outwards and forces inwards (Newton, Euler): Featherstone, Rigid Body Dynamics Algorithms
-//! (2008), ch. 5 and 6. A point x of a link at angular velocity w accelerates by E x with E = [w'] + [w]^2 ([w] x = w cross x),
-//! so with the moments h = integral x dm and S = integral x x^T dm its force is E h and its moment the axial vector of E S.
+//! The mass matrix follows from what each joint carries as one rigid body (composite rigid bodies),
+//! the torques at constant velocity from accelerations outwards and forces inwards (Newton, Euler):
+//! Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 5 and 6. A point x of a link at angular
+//! velocity w accelerates by E x with E = [w'] + [w]^2 ([w] x = w cross x), so with the moments h =
+//! integral x dm and S = integral x x^T dm its force is E h and its moment the axial vector of E S.
 
 use std::array::from_fn;
 
@@ -22,7 +23,8 @@ struct Stance<L> {
     offset: [L; 3],
 }
 
-/// First moments h and second moments S of a link with all that it carries. (Its mass is put to the base's.)
+/// First moments h and second moments S of a link with all that it carries. (Its mass is put to the
+/// base's.)
 #[derive(Clone, Copy)]
 struct Composite<L> {
     first: [L; 3],
@@ -55,7 +57,11 @@ impl<L: Lane> Stance<L> {
     #[inline(always)]
     fn new(link: &Link, position: L) -> Self {
         let (sin, cos) = (position + L::splat(link.zero_rad)).sin_cos();
-        Self { twist: link.twist.map(L::splat), turn: [cos, sin], offset: link.offset.map(L::splat) }
+        Self {
+            twist: link.twist.map(L::splat),
+            turn: [cos, sin],
+            offset: link.offset.map(L::splat),
+        }
     }
 
     /// A vector of the parent's frame in the link's.
@@ -78,12 +84,26 @@ impl<L: Lane> Stance<L> {
     #[inline(always)]
     fn wrench(&self, wrench: Wrench<L>) -> Wrench<L> {
         let force = self.outwards(wrench.force);
-        Wrench { force, moment: add(self.outwards(wrench.moment), cross(self.offset, force)) }
+        Wrench {
+            force,
+            moment: add(self.outwards(wrench.moment), cross(self.offset, force)),
+        }
     }
 
     /// What the link carries as a part of what the parent carries.
     #[inline(always)]
-    fn carried(&self, Composite { first, xx, yy, zz, xy, xz, yz }: Composite<L>) -> Composite<L> {
+    fn carried(
+        &self,
+        Composite {
+            first,
+            xx,
+            yy,
+            zz,
+            xy,
+            xz,
+            yz,
+        }: Composite<L>,
+    ) -> Composite<L> {
         let ([c, s], [cos, sin]) = (self.twist, self.turn);
         // about z
         let (u, v) = (cos * xx - sin * xy, cos * xy - sin * yy);
@@ -112,9 +132,20 @@ impl<L: Lane> Stance<L> {
 impl<L: Lane> Composite<L> {
     #[inline(always)]
     fn own(link: &Link) -> Self {
-        let ([hx, hy], [xx, yy, xy, xz, yz], zero) =
-            (link.first.map(L::splat), link.second.map(L::splat), L::splat(0.0));
-        Self { first: [hx, hy, zero], xx, yy, zz: zero, xy, xz, yz }
+        let ([hx, hy], [xx, yy, xy, xz, yz], zero) = (
+            link.first.map(L::splat),
+            link.second.map(L::splat),
+            L::splat(0.0),
+        );
+        Self {
+            first: [hx, hy, zero],
+            xx,
+            yy,
+            zz: zero,
+            xy,
+            xz,
+            yz,
+        }
     }
 
     #[inline(always)]
@@ -134,7 +165,10 @@ impl<L: Lane> Composite<L> {
     #[inline(always)]
     fn wrench(&self) -> Wrench<L> {
         let ([hx, hy, _], zero) = (self.first, L::splat(0.0));
-        Wrench { force: [-hy, hx, zero], moment: [-self.xz, -self.yz, self.xx + self.yy] }
+        Wrench {
+            force: [-hy, hx, zero],
+            moment: [-self.xz, -self.yz, self.xx + self.yy],
+        }
     }
 }
 
@@ -142,14 +176,17 @@ impl Link {
     /// What it takes to accelerate the link's points x by a + E x.
     #[inline(always)]
     fn wrench<L: Lane>(&self, [ax, ay, az]: [L; 3], e: &[[L; 3]; 3]) -> Wrench<L> {
-        let ([hx, hy], [xx, yy, xy, xz, yz]) = (self.first.map(L::splat), self.second.map(L::splat));
+        let ([hx, hy], [xx, yy, xy, xz, yz]) =
+            (self.first.map(L::splat), self.second.map(L::splat));
         Wrench {
             force: from_fn(|k| e[k][0] * hx + e[k][1] * hy),
             moment: [
                 hy * az + (e[2][0] * xy + e[2][1] * yy + (e[2][2] - e[1][1]) * yz - e[1][0] * xz),
-                -(hx * az) + ((e[0][0] - e[2][2]) * xz + e[0][1] * yz - e[2][0] * xx - e[2][1] * xy),
+                -(hx * az)
+                    + ((e[0][0] - e[2][2]) * xz + e[0][1] * yz - e[2][0] * xx - e[2][1] * xy),
                 hx * ay - hy * ax
-                    + (e[1][0] * xx - e[0][1] * yy + (e[1][1] - e[0][0]) * xy + e[1][2] * xz - e[0][2] * yz),
+                    + (e[1][0] * xx - e[0][1] * yy + (e[1][1] - e[0][0]) * xy + e[1][2] * xz
+                        - e[0][2] * yz),
             ],
         }
     }
@@ -159,7 +196,11 @@ impl Link {
 #[inline(always)]
 fn spin<L: Lane>([x, y, z]: [L; 3], [dx, dy, dz]: [L; 3]) -> [[L; 3]; 3] {
     let (xx, yy, zz, xy, xz, yz) = (x * x, y * y, z * z, x * y, x * z, y * z);
-    [[-(yy + zz), xy - dz, xz + dy], [xy + dz, -(xx + zz), yz - dx], [xz - dy, yz + dx, -(xx + yy)]]
+    [
+        [-(yy + zz), xy - dz, xz + dy],
+        [xy + dz, -(xx + zz), yz - dx],
+        [xz - dy, yz + dx, -(xx + yy)],
+    ]
 }
 
 impl<const A: usize> Chain<A> {
@@ -203,7 +244,10 @@ impl<const A: usize> Chain<A> {
         }
         let (mut w, mut dw, mut a) = ([zero; 3], [zero; 3], self.lift.map(L::splat));
         let mut e = [[zero; 3]; 3];
-        let mut wrenches = [Wrench { force: [zero; 3], moment: [zero; 3] }; A];
+        let mut wrenches = [Wrench {
+            force: [zero; 3],
+            moment: [zero; 3],
+        }; A];
         for i in 0..A {
             if i > 0 {
                 let [ox, oy, oz] = stances[i].offset;
@@ -211,7 +255,11 @@ impl<const A: usize> Chain<A> {
                 (w, dw) = (stances[i].inwards(w), stances[i].inwards(dw));
             }
             a = stances[i].inwards(a);
-            dw = [dw[0] + w[1] * velocity[i], dw[1] - w[0] * velocity[i], dw[2]];
+            dw = [
+                dw[0] + w[1] * velocity[i],
+                dw[1] - w[0] * velocity[i],
+                dw[2],
+            ];
             w[2] = w[2] + velocity[i];
             e = spin(w, dw);
             wrenches[i] = self.links[i].wrench(a, &e);
@@ -219,14 +267,18 @@ impl<const A: usize> Chain<A> {
         for i in (1..A).rev() {
             let Wrench { force, moment } = stances[i].wrench(wrenches[i]);
             let own = wrenches[i - 1];
-            wrenches[i - 1] = Wrench { force: add(own.force, force), moment: add(own.moment, moment) };
+            wrenches[i - 1] = Wrench {
+                force: add(own.force, force),
+                moment: add(own.moment, moment),
+            };
         }
         wrenches.map(|wrench| wrench.moment[2])
     }
 }
 
 impl<const A: usize> Links<A> for Chain<A> {
-    /// Not inlined: it is long, is called from many places, and its call costs less than a hundredth of its time.
+    /// Not inlined: it is long, is called from many places, and its call costs less than a
+    /// hundredth of its time.
     #[inline(never)]
     fn acceleration<L: Lane>(&self, position: [L; A], velocity: [L; A], torque: [L; A]) -> [L; A] {
         let stances = self.stances(position);
@@ -243,8 +295,8 @@ impl<const A: usize> Links<A> for Chain<A> {
         from_fn(|i| from_fn(|j| lower[i.max(j)][i.min(j)]))
     }
 
-    /// Turning joint j turns the first moment h beyond it by z_j cross h, which changes the torque z_i (h cross a) of every
-    /// joint i before it.
+    /// Turning joint j turns the first moment h beyond it by z_j cross h, which changes the torque
+    /// z_i (h cross a) of every joint i before it.
     fn gravity_gradient(&self, position: [f64; A]) -> [[f64; A]; A] {
         let mut gradient = [[0.0; A]; A];
         if !self.biased {

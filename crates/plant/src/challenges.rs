@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Which of the challenges A to G a simulated robot poses; all by default. An [`Arm`](crate::Arm) applies B, C, D, E and G
-/// itself. A and F are not the arm's: whoever builds its testbed leaves out the torque limit (A), the increments, noise and
-/// quanta of the sensors (F).
+/// Which of the challenges A to G a simulated robot poses; all by default. An [`Arm`](crate::Arm)
+/// applies B, C, D, E and G itself. A and F are not the arm's: whoever builds its testbed leaves
+/// out the torque limit (A), the increments, noise and quanta of the sensors (F).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Challenges {
@@ -14,8 +14,8 @@ pub struct Challenges {
     pub coulomb_friction: bool,
     /// C: the gears grow stiffer beyond their knee.
     pub stiffening: bool,
-    /// D: mass matrix and gravity depend on the position. Off: the mass matrix stays that of the pose, there are no Coriolis
-    /// torques, gravity changes linearly about the pose.
+    /// D: mass matrix and gravity depend on the position. Off: the mass matrix stays that of the
+    /// pose, there are no Coriolis torques, gravity changes linearly about the pose.
     pub position_dependence: bool,
     /// E: torque ripple.
     pub torque_ripple: bool,

@@ -1,6 +1,7 @@
 //! The equations of motion of drives, gears and links, one formula within a mode.
 //!
-//! Always inlined: a call would send the state through memory, which costs a sixth of the time of a simulation with friction.
+//! Always inlined: a call would send the state through memory, which costs a sixth of the time of a
+//! simulation with friction.
 
 use std::array::from_fn;
 
@@ -21,18 +22,22 @@ pub struct Drive {
     pub ripple: Vec<Ripple>,
 }
 
-/// What the gears drive: given link positions, velocities and the torques that the gears transmit, the accelerations.
+/// What the gears drive: given link positions, velocities and the torques that the gears transmit,
+/// the accelerations.
 pub trait Links<const A: usize> {
-    /// Accelerations in rad/s^2 of the links at positions in rad and velocities in rad/s under torques in N m.
+    /// Accelerations in rad/s^2 of the links at positions in rad and velocities in rad/s under
+    /// torques in N m.
     fn acceleration<L: Lane>(&self, position: [L; A], velocity: [L; A], torque: [L; A]) -> [L; A];
 
-    /// Torques in N m that keep the links at constant velocities in rad/s when they pass positions in rad.
+    /// Torques in N m that keep the links at constant velocities in rad/s when they pass positions
+    /// in rad.
     fn holding(&self, position: [f64; A], velocity: [f64; A]) -> [f64; A];
 
     /// Mass matrix in kg m^2 at positions in rad.
     fn mass(&self, position: [f64; A]) -> [[f64; A]; A];
 
-    /// Derivative in N m/rad of the torques against gravity with respect to the positions, (torque, position).
+    /// Derivative in N m/rad of the torques against gravity with respect to the positions, (torque,
+    /// position).
     fn gravity_gradient(&self, position: [f64; A]) -> [[f64; A]; A];
 
     /// Potential energy in J in the field of gravity, but for a constant.
@@ -48,7 +53,12 @@ pub struct Inertia {
 
 impl Links<1> for Inertia {
     #[inline(always)]
-    fn acceleration<L: Lane>(&self, _position: [L; 1], _velocity: [L; 1], [torque]: [L; 1]) -> [L; 1] {
+    fn acceleration<L: Lane>(
+        &self,
+        _position: [L; 1],
+        _velocity: [L; 1],
+        [torque]: [L; 1],
+    ) -> [L; 1] {
         [torque * L::splat(self.mobility)]
     }
 
@@ -78,8 +88,8 @@ pub struct Machine<K, const A: usize> {
     pub links: K,
 }
 
-/// The state of a machine of `A` axes, or its derivative. The deflection is a state of its own, instead of the link
-/// position, so that it keeps its digits however far the machine has travelled.
+/// The state of a machine of `A` axes, or its derivative. The deflection is a state of its own,
+/// instead of the link position, so that it keeps its digits however far the machine has travelled.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct State<L, const A: usize> {
     /// Motor position qm in rad.
@@ -101,7 +111,8 @@ pub struct Mode {
     pub branch: Branch,
 }
 
-/// What a mode contributes to the right-hand side of an axis, as numbers, so that lanes in different modes run together.
+/// What a mode contributes to the right-hand side of an axis, as numbers, so that lanes in
+/// different modes run together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Regime<L> {
     /// 1/J_m in 1/(kg m^2) while the motor can move, 0 when it is stuck.
@@ -135,7 +146,11 @@ impl Drive {
     pub fn regime(&self, mode: Mode) -> Regime<f64> {
         let (slope_nm_per_rad, offset_nm) = self.spring.line(mode.branch);
         Regime {
-            mobility: if mode.slip == Slip::Stuck { 0.0 } else { 1.0 / self.motor_inertia_kg_m2 },
+            mobility: if mode.slip == Slip::Stuck {
+                0.0
+            } else {
+                1.0 / self.motor_inertia_kg_m2
+            },
             coulomb_nm: self.friction.coulomb(mode.slip),
             slope_nm_per_rad,
             offset_nm,
@@ -152,20 +167,38 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
         regime.slope_nm_per_rad * x.deflection[axis] + regime.offset_nm + damping * rate
     }
 
-    /// Torque in N m on an axis' motor besides its friction: u - ripple(qm) - tau_s(dq) - d dq'. What changes last within
-    /// a step is subtracted last: the steps wait for each other, and this shortens the wait.
+    /// Torque in N m on an axis' motor besides its friction: u - ripple(qm) - tau_s(dq) - d dq'.
+    /// What changes last within a step is subtracted last: the steps wait for each other, and this
+    /// shortens the wait.
     #[inline(always)]
-    pub fn net_torque<L: Lane>(&self, axis: usize, regime: &Regime<L>, torque: L, x: &State<L, A>) -> L {
+    pub fn net_torque<L: Lane>(
+        &self,
+        axis: usize,
+        regime: &Regime<L>,
+        torque: L,
+        x: &State<L, A>,
+    ) -> L {
         let drive = &self.drives[axis];
         let position = x.motor_position[axis];
         let rate = x.motor_velocity[axis] - x.link_velocity[axis];
-        let net = drive.ripple.iter().fold(torque - regime.offset_nm, |net, ripple| net - ripple.torque(position));
-        net - regime.slope_nm_per_rad * x.deflection[axis] - L::splat(drive.damping_nms_per_rad) * rate
+        let net = drive
+            .ripple
+            .iter()
+            .fold(torque - regime.offset_nm, |net, ripple| {
+                net - ripple.torque(position)
+            });
+        net - regime.slope_nm_per_rad * x.deflection[axis]
+            - L::splat(drive.damping_nms_per_rad) * rate
     }
 
     /// Time derivative of the state under motor torques in N m (SK15 eqs. (20)-(22)).
     #[inline(always)]
-    pub fn derivative<L: Lane>(&self, regimes: &[Regime<L>; A], torque: &[L; A], x: &State<L, A>) -> State<L, A> {
+    pub fn derivative<L: Lane>(
+        &self,
+        regimes: &[Regime<L>; A],
+        torque: &[L; A],
+        x: &State<L, A>,
+    ) -> State<L, A> {
         let deflection = from_fn(|axis| x.motor_velocity[axis] - x.link_velocity[axis]);
         let transmitted = from_fn(|axis| self.transmitted(axis, &regimes[axis], x));
         let link_position = from_fn(|axis| x.motor_position[axis] - x.deflection[axis]);
@@ -173,16 +206,24 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
             motor_position: x.motor_velocity,
             deflection,
             motor_velocity: from_fn(|axis| {
-                let viscous = L::splat(self.drives[axis].friction.viscous_nms_per_rad) * x.motor_velocity[axis];
-                let net = self.net_torque(axis, &regimes[axis], torque[axis] - regimes[axis].coulomb_nm, x);
+                let viscous = L::splat(self.drives[axis].friction.viscous_nms_per_rad)
+                    * x.motor_velocity[axis];
+                let net = self.net_torque(
+                    axis,
+                    &regimes[axis],
+                    torque[axis] - regimes[axis].coulomb_nm,
+                    x,
+                );
                 regimes[axis].mobility * (net - viscous)
             }),
-            link_velocity: self.links.acceleration(link_position, x.link_velocity, transmitted),
+            link_velocity: self
+                .links
+                .acceleration(link_position, x.link_velocity, transmitted),
         }
     }
 
-    /// One classical Runge-Kutta step of `step` s from `x`, whose derivative is `first`, under the torques in N m at the
-    /// step's middle and end.
+    /// One classical Runge-Kutta step of `step` s from `x`, whose derivative is `first`, under the
+    /// torques in N m at the step's middle and end.
     #[inline(always)]
     pub fn rk4<L: Lane>(
         &self,
@@ -197,6 +238,9 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
         let third = self.derivative(regimes, middle, &x.along(&second, half));
         let fourth = self.derivative(regimes, end, &x.along(&third, step));
         let (sixth, third_part) = (L::splat(1.0 / 6.0) * step, L::splat(1.0 / 3.0) * step);
-        x.along(first, sixth).along(&second, third_part).along(&third, third_part).along(&fourth, sixth)
+        x.along(first, sixth)
+            .along(&second, third_part)
+            .along(&third, third_part)
+            .along(&fourth, sixth)
     }
 }

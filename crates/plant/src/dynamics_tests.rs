@@ -59,8 +59,17 @@ impl Lane for Four {
 
 #[test]
 fn lanes_in_different_modes_step_together_as_they_would_alone() {
-    let ripple = vec![Ripple { cycles_per_turn: 12.0, amplitude_nm: 3.0, phase_rad: 0.1 }];
-    let joint = SingleJoint { coulomb_nm: 50.0, stiffness_beyond_nm_per_rad: 2.55e5, ripple, ..SingleJoint::default() };
+    let ripple = vec![Ripple {
+        cycles_per_turn: 12.0,
+        amplitude_nm: 3.0,
+        phase_rad: 0.1,
+    }];
+    let joint = SingleJoint {
+        coulomb_nm: 50.0,
+        stiffness_beyond_nm_per_rad: 2.55e5,
+        ripple,
+        ..SingleJoint::default()
+    };
     let machine = joint.machine();
     let modes = [
         (Slip::Stuck, Branch::Within),
@@ -79,7 +88,13 @@ fn lanes_in_different_modes_step_together_as_they_would_alone() {
     let (torques, steps) = ([10.0, 60.0, -70.0, 150.0], [1e-4, 3e-5, 0.0, 7e-5]);
     let alone: [State<f64, 1>; 4] = from_fn(|lane| {
         let (regime, torque, x) = ([regimes[lane]], [torques[lane]], &states[lane]);
-        machine.rk4(&regime, [&torque; 2], x, &machine.derivative(&regime, &torque, x), steps[lane])
+        machine.rk4(
+            &regime,
+            [&torque; 2],
+            x,
+            &machine.derivative(&regime, &torque, x),
+            steps[lane],
+        )
     });
     let four = |f: &dyn Fn(usize) -> f64| Four(from_fn(f));
     let regime = [Regime {
@@ -96,5 +111,8 @@ fn lanes_in_different_modes_step_together_as_they_would_alone() {
     };
     let (x, torque) = (side_by_side(&states), [Four(torques)]);
     let first = machine.derivative(&regime, &torque, &x);
-    assert_eq!(machine.rk4(&regime, [&torque; 2], &x, &first, Four(steps)), side_by_side(&alone));
+    assert_eq!(
+        machine.rk4(&regime, [&torque; 2], &x, &first, Four(steps)),
+        side_by_side(&alone)
+    );
 }

@@ -53,18 +53,31 @@ pub enum PlantError {
 }
 
 impl PlantError {
-    /// The same error as a testbed reports it, with the run in which it happened and the gains in N m s/rad of the axes'
-    /// controllers, if there are any.
+    /// The same error as a testbed reports it, with the run in which it happened and the gains in N
+    /// m s/rad of the axes' controllers, if there are any.
     #[must_use]
     pub fn in_run(self, run: RunId, gains: &[f64]) -> TestbedError {
         match self {
             Self::Signal(error) => TestbedError::Run(error),
-            Self::Diverged { quantity, channel, time_s } => {
+            Self::Diverged {
+                quantity,
+                channel,
+                time_s,
+            } => {
                 let gain_nms_per_rad = gains.get(channel).copied();
-                TestbedError::Diverged { run, quantity, channel, time_s, gain_nms_per_rad }
+                TestbedError::Diverged {
+                    run,
+                    quantity,
+                    channel,
+                    time_s,
+                    gain_nms_per_rad,
+                }
             }
             error @ (Self::NoHold | Self::Unstable { .. } | Self::Chatter { .. }) => {
-                TestbedError::Foreign { run, source: Box::new(error) }
+                TestbedError::Foreign {
+                    run,
+                    source: Box::new(error),
+                }
             }
         }
     }

@@ -1,9 +1,10 @@
 //! Where a mode ends: the instant within a step at which a signal leaves the interval of its mode.
 //!
-//! A motor slips forward (backward) while its velocity is above (below) 0, is stuck while its net torque is within
-//! +-F_c, and its gear is on a branch of the spring while the deflection is in that branch's interval. A trial step whose
-//! end lies outside an interval, or that has left it and come back (the signal's slopes at both ends tell), is taken
-//! again with a share theta of its length, and theta is found to rounding level.
+//! A motor slips forward (backward) while its velocity is above (below) 0, is stuck while its net
+//! torque is within +-F_c, and its gear is on a branch of the spring while the deflection is in
+//! that branch's interval. A trial step whose end lies outside an interval, or that has left it and
+//! come back (the signal's slopes at both ends tell), is taken again with a share theta of its
+//! length, and theta is found to rounding level.
 
 use crate::dynamics::{Links, State};
 use crate::root::root;
@@ -72,15 +73,26 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
     /// The state at a share of the trial: one RK4 step of that length.
     #[inline(always)]
     pub fn state(&self, theta: f64) -> State<f64, A> {
-        let torques = [&self.torque.at(self.share(0.5 * theta)), &self.torque.at(self.share(theta))];
+        let torques = [
+            &self.torque.at(self.share(0.5 * theta)),
+            &self.torque.at(self.share(theta)),
+        ];
         let motion = self.motion;
-        motion.machine.rk4(&motion.regimes, torques, &motion.state, self.derivative, theta * self.duration_s())
+        motion.machine.rk4(
+            &motion.regimes,
+            torques,
+            &motion.state,
+            self.derivative,
+            theta * self.duration_s(),
+        )
     }
 
     /// Time derivative of a state at a share of the trial.
     #[inline(always)]
     pub fn derivative(&self, theta: f64, x: &State<f64, A>) -> State<f64, A> {
-        self.motion.machine.derivative(&self.motion.regimes, &self.torque.at(self.share(theta)), x)
+        self.motion
+            .machine
+            .derivative(&self.motion.regimes, &self.torque.at(self.share(theta)), x)
     }
 
     /// The first end of a mode within the trial, whose end state and its derivative are given.
@@ -92,7 +104,12 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
                     && let Some(theta) = self.exit(bound, end, end_derivative)
                     && first.is_none_or(|first| theta < first.theta)
                 {
-                    first = Some(Exit { theta, axis, signal: bound.signal, upwards: bound.upwards });
+                    first = Some(Exit {
+                        theta,
+                        axis,
+                        signal: bound.signal,
+                        upwards: bound.upwards,
+                    });
                 }
             }
         }
@@ -102,9 +119,21 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
     /// The ends of the intervals in which an axis' mode holds, the infinite ones included.
     fn bounds(&self, axis: usize) -> [Bound; 4] {
         let (drive, mode) = (&self.motion.machine.drives[axis], self.motion.modes[axis]);
-        let signal = if mode.slip == Slip::Stuck { Signal::NetTorque } else { Signal::Velocity };
-        let (slip, branch) = (drive.friction.interval(mode.slip), drive.spring.interval(mode.branch));
-        let bound = |signal, value, upwards| Bound { axis, signal, value, upwards };
+        let signal = if mode.slip == Slip::Stuck {
+            Signal::NetTorque
+        } else {
+            Signal::Velocity
+        };
+        let (slip, branch) = (
+            drive.friction.interval(mode.slip),
+            drive.spring.interval(mode.branch),
+        );
+        let bound = |signal, value, upwards| Bound {
+            axis,
+            signal,
+            value,
+            upwards,
+        };
         [
             bound(signal, slip.0, false),
             bound(signal, slip.1, true),
@@ -114,21 +143,31 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
     }
 
     /// Where in the trial a signal first crosses a bound.
-    fn exit(&self, bound: Bound, end: &State<f64, A>, end_derivative: &State<f64, A>) -> Option<f64> {
+    fn exit(
+        &self,
+        bound: Bound,
+        end: &State<f64, A>,
+        end_derivative: &State<f64, A>,
+    ) -> Option<f64> {
         let margin = |theta| self.margin(bound, theta, &self.state(theta));
         let mut inside = (0.0, self.margin(bound, 0.0, &self.motion.state));
         let mut outside = (1.0, self.margin(bound, 1.0, end));
         if outside.1 >= 0.0 {
-            // Inside again: it can only have been outside if it turned back within the step. A mode that begins on its
-            // bound begins by moving inside; a slope that says otherwise is rounding.
+            // Inside again: it can only have been outside if it turned back within the step. A mode
+            // that begins on its bound begins by moving inside; a slope that says otherwise is
+            // rounding.
             if inside.1 <= 0.0 {
                 return None;
             }
-            let rates = (self.margin_rate(bound, 0.0, self.derivative), self.margin_rate(bound, 1.0, end_derivative));
+            let rates = (
+                self.margin_rate(bound, 0.0, self.derivative),
+                self.margin_rate(bound, 1.0, end_derivative),
+            );
             if !(rates.0 < 0.0 && rates.1 > 0.0) {
                 return None;
             }
-            let rate = |theta| self.margin_rate(bound, theta, &self.derivative(theta, &self.state(theta)));
+            let rate =
+                |theta| self.margin_rate(bound, theta, &self.derivative(theta, &self.state(theta)));
             let turn = root(rate, (0.0, rates.0), (1.0, rates.1));
             outside = (turn, margin(turn));
             if outside.1 >= 0.0 {
@@ -137,13 +176,18 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
         }
         let mut halvings = 0;
         while inside.1 <= 0.0 {
-            // the mode begins on its very bound: look for a point inside behind it; if there is none, it ends here
+            // the mode begins on its very bound: look for a point inside behind it; if there is
+            // none, it ends here
             if halvings == 50 {
                 return Some(0.0);
             }
             let theta = 0.5 * outside.0;
             let probe = (theta, margin(theta));
-            *(if probe.1 > 0.0 { &mut inside } else { &mut outside }) = probe;
+            *(if probe.1 > 0.0 {
+                &mut inside
+            } else {
+                &mut outside
+            }) = probe;
             halvings += 1;
         }
         Some(root(margin, inside, outside))
@@ -157,10 +201,16 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
             Signal::Deflection => x.deflection[axis],
             Signal::NetTorque => {
                 let torque = self.torque.at(self.share(theta))[axis];
-                self.motion.machine.net_torque(axis, &self.motion.regimes[axis], torque, x)
+                self.motion
+                    .machine
+                    .net_torque(axis, &self.motion.regimes[axis], torque, x)
             }
         };
-        if bound.upwards { bound.value - value } else { value - bound.value }
+        if bound.upwards {
+            bound.value - value
+        } else {
+            value - bound.value
+        }
     }
 
     /// Time derivative of the margin.
@@ -173,7 +223,8 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
                 // at rest the motor torque and the gear's change, the ripple does not
                 let stiffness = self.motion.regimes[axis].slope_nm_per_rad;
                 let damping = self.motion.machine.drives[axis].damping_nms_per_rad;
-                self.torque.slope(axis, self.share(theta)) / self.step_s - stiffness * derivative.deflection[axis]
+                self.torque.slope(axis, self.share(theta)) / self.step_s
+                    - stiffness * derivative.deflection[axis]
                     + damping * derivative.link_velocity[axis]
             }
         };

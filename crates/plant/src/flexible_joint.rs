@@ -1,4 +1,5 @@
-//! A motor and the elastic gear behind it: the part of a flexible joint that does not depend on what it drives.
+//! A motor and the elastic gear behind it: the part of a flexible joint that does not depend on
+//! what it drives.
 
 use frfid_signals::SignalError;
 use frfid_signals::range::{finite, not_negative, positive};
@@ -6,8 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Challenges, Drive, Friction, Ripple, Spring};
 
-/// Motor and gear of one axis; everything on the joint side of the gear (behind a ratio n: inertia, damping, stiffness and
-/// viscous friction of the motor side times n^2, torques times |n|).
+/// Motor and gear of one axis; everything on the joint side of the gear (behind a ratio n: inertia,
+/// damping, stiffness and viscous friction of the motor side times n^2, torques times |n|).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FlexibleJoint {
     /// Inertia J_m of the motor in kg m^2.
@@ -37,7 +38,10 @@ impl FlexibleJoint {
         positive("motor_inertia_kg_m2", self.motor_inertia_kg_m2)?;
         not_negative("damping_nms_per_rad", self.damping_nms_per_rad)?;
         positive("stiffness_nm_per_rad", self.stiffness_nm_per_rad)?;
-        positive("stiffness_beyond_nm_per_rad", self.stiffness_beyond_nm_per_rad)?;
+        positive(
+            "stiffness_beyond_nm_per_rad",
+            self.stiffness_beyond_nm_per_rad,
+        )?;
         positive("knee_rad", self.knee_rad)?;
         not_negative("coulomb_nm", self.coulomb_nm)?;
         not_negative("viscous_nms_per_rad", self.viscous_nms_per_rad)?;
@@ -61,7 +65,10 @@ impl FlexibleJoint {
     /// The motor's friction.
     #[must_use]
     pub fn friction(&self) -> Friction {
-        Friction { coulomb_nm: self.coulomb_nm, viscous_nms_per_rad: self.viscous_nms_per_rad }
+        Friction {
+            coulomb_nm: self.coulomb_nm,
+            viscous_nms_per_rad: self.viscous_nms_per_rad,
+        }
     }
 
     /// The joint as it takes part in the equations of motion.
@@ -76,7 +83,8 @@ impl FlexibleJoint {
         }
     }
 
-    /// The joint without the challenges that are switched off: friction (B), stiffening (C), ripple (E).
+    /// The joint without the challenges that are switched off: friction (B), stiffening (C), ripple
+    /// (E).
     #[must_use]
     pub fn with(&self, challenges: Challenges) -> Self {
         let mut joint = self.clone();

@@ -1,6 +1,7 @@
 //! Friction of the motor: Coulomb's set-valued law with a viscous term (SK15 eq. (1)).
 
-/// tau_f = F_c sgn(v) + F_v v while the motor moves; at rest any torque in [-F_c, F_c], whatever holds the motor.
+/// tau_f = F_c sgn(v) + F_v v while the motor moves; at rest any torque in [-F_c, F_c], whatever
+/// holds the motor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction {
     /// Coulomb torque F_c in N m.
@@ -61,7 +62,8 @@ impl Friction {
         }
     }
 
-    /// The interval in which a branch holds: of the velocity in rad/s while slipping, of the net torque in N m when stuck.
+    /// The interval in which a branch holds: of the velocity in rad/s while slipping, of the net
+    /// torque in N m when stuck.
     #[must_use]
     pub fn interval(&self, slip: Slip) -> (f64, f64) {
         match slip {
@@ -85,14 +87,29 @@ mod tests {
 
     #[test]
     fn at_rest_friction_holds_up_to_its_limit_and_no_further() {
-        let friction = Friction { coulomb_nm: 50.0, viscous_nms_per_rad: 2.0 };
-        assert_eq!([-50.0, 0.0, 50.0].map(|net| friction.at_rest(net)), [Slip::Stuck; 3]);
-        assert_eq!([50.1, -50.1].map(|net| friction.at_rest(net)), [Slip::Forward, Slip::Backward]);
+        let friction = Friction {
+            coulomb_nm: 50.0,
+            viscous_nms_per_rad: 2.0,
+        };
+        assert_eq!(
+            [-50.0, 0.0, 50.0].map(|net| friction.at_rest(net)),
+            [Slip::Stuck; 3]
+        );
+        assert_eq!(
+            [50.1, -50.1].map(|net| friction.at_rest(net)),
+            [Slip::Forward, Slip::Backward]
+        );
     }
 
     #[test]
     fn the_holding_torque_has_no_sign_at_rest() {
-        let friction = Friction { coulomb_nm: 50.0, viscous_nms_per_rad: 2.0 };
-        assert_eq!([0.0, -0.0, 0.5, -0.5].map(|v| friction.holding_nm(v)), [0.0, 0.0, 51.0, -51.0]);
+        let friction = Friction {
+            coulomb_nm: 50.0,
+            viscous_nms_per_rad: 2.0,
+        };
+        assert_eq!(
+            [0.0, -0.0, 0.5, -0.5].map(|v| friction.holding_nm(v)),
+            [0.0, 0.0, 51.0, -51.0]
+        );
     }
 }

@@ -4,8 +4,9 @@ use std::array::from_fn;
 
 use crate::{Lane, Links};
 
-/// Links with the mass matrix of a pose, no Coriolis torques and gravity that changes linearly about the pose: M(q0) qo'' +
-/// g(q0) + dg/dq (qo - q0) = torque. Whatever they travel, they obey the linear truth.
+/// Links with the mass matrix of a pose, no Coriolis torques and gravity that changes linearly
+/// about the pose: M(q0) qo'' + g(q0) + dg/dq (qo - q0) = torque. Whatever they travel, they obey
+/// the linear truth.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Frozen<const A: usize> {
     /// The pose q0 in rad.
@@ -45,7 +46,10 @@ fn product<L: Lane, const A: usize>(matrix: &[[f64; A]; A], x: &[L; A]) -> [L; A
 impl<const A: usize> Frozen<A> {
     #[inline(always)]
     fn gravity_nm<L: Lane>(&self, position: [L; A]) -> [L; A] {
-        let change = product(&self.gradient, &from_fn(|i| position[i] - L::splat(self.pose[i])));
+        let change = product(
+            &self.gradient,
+            &from_fn(|i| position[i] - L::splat(self.pose[i])),
+        );
         from_fn(|i| L::splat(self.gravity[i]) + change[i])
     }
 }
@@ -72,6 +76,8 @@ impl<const A: usize> Links<A> for Frozen<A> {
     fn potential_j(&self, position: [f64; A]) -> f64 {
         let travel = from_fn(|i| position[i] - self.pose[i]);
         let change = product(&self.gradient, &travel);
-        (0..A).map(|i| travel[i] * (self.gravity[i] + 0.5 * change[i])).sum()
+        (0..A)
+            .map(|i| travel[i] * (self.gravity[i] + 0.5 * change[i]))
+            .sum()
     }
 }

@@ -8,8 +8,8 @@ use frfid_signals::range::positive;
 
 /// One motor and one link with a gear between them; everything on the joint side of the gear.
 ///
-/// J_m qm'' = u - tau_f(qm') - ripple(qm) - tau_s(dq) - d dq', J_o qo'' = tau_s(dq) + d dq', dq = qm - qo
-/// (SK15 eqs. (20)-(22)); u is the motor torque, y = qm' the motor velocity.
+/// J_m qm'' = u - tau_f(qm') - ripple(qm) - tau_s(dq) - d dq', J_o qo'' = tau_s(dq) + d dq', dq =
+/// qm - qo (SK15 eqs. (20)-(22)); u is the motor torque, y = qm' the motor velocity.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct SingleJoint {
     /// Inertia J_m of the motor in kg m^2.
@@ -77,7 +77,12 @@ impl SingleJoint {
     /// The joint as a machine of one axis, ready to move.
     #[must_use]
     pub fn machine(&self) -> Machine<Inertia, 1> {
-        Machine { drives: [self.flexible_joint().drive()], links: Inertia { mobility: 1.0 / self.link_inertia_kg_m2 } }
+        Machine {
+            drives: [self.flexible_joint().drive()],
+            links: Inertia {
+                mobility: 1.0 / self.link_inertia_kg_m2,
+            },
+        }
     }
 
     /// The gear's spring.
@@ -98,33 +103,72 @@ mod tests {
     fn every_parameter_out_of_range_is_named() {
         assert_eq!(SingleJoint::default().check(), Ok(()));
         let positive: [(&str, Setter); 5] = [
-            ("motor_inertia_kg_m2", |joint, x| joint.motor_inertia_kg_m2 = x),
-            ("link_inertia_kg_m2", |joint, x| joint.link_inertia_kg_m2 = x),
-            ("stiffness_nm_per_rad", |joint, x| joint.stiffness_nm_per_rad = x),
-            ("stiffness_beyond_nm_per_rad", |joint, x| joint.stiffness_beyond_nm_per_rad = x),
+            ("motor_inertia_kg_m2", |joint, x| {
+                joint.motor_inertia_kg_m2 = x
+            }),
+            ("link_inertia_kg_m2", |joint, x| {
+                joint.link_inertia_kg_m2 = x
+            }),
+            ("stiffness_nm_per_rad", |joint, x| {
+                joint.stiffness_nm_per_rad = x
+            }),
+            ("stiffness_beyond_nm_per_rad", |joint, x| {
+                joint.stiffness_beyond_nm_per_rad = x
+            }),
             ("knee_rad", |joint, x| joint.knee_rad = x),
         ];
         let not_negative: [(&str, Setter); 5] = [
-            ("damping_nms_per_rad", |joint, x| joint.damping_nms_per_rad = x),
+            ("damping_nms_per_rad", |joint, x| {
+                joint.damping_nms_per_rad = x
+            }),
             ("coulomb_nm", |joint, x| joint.coulomb_nm = x),
-            ("viscous_nms_per_rad", |joint, x| joint.viscous_nms_per_rad = x),
-            ("cycles_per_turn", |joint, x| joint.ripple.push(Ripple { cycles_per_turn: x, ..RIPPLE })),
-            ("amplitude_nm", |joint, x| joint.ripple.push(Ripple { amplitude_nm: x, ..RIPPLE })),
+            ("viscous_nms_per_rad", |joint, x| {
+                joint.viscous_nms_per_rad = x
+            }),
+            ("cycles_per_turn", |joint, x| {
+                joint.ripple.push(Ripple {
+                    cycles_per_turn: x,
+                    ..RIPPLE
+                })
+            }),
+            ("amplitude_nm", |joint, x| {
+                joint.ripple.push(Ripple {
+                    amplitude_nm: x,
+                    ..RIPPLE
+                })
+            }),
         ];
-        let phase: [(&str, Setter); 1] =
-            [("phase_rad", |joint, x| joint.ripple.push(Ripple { phase_rad: x, ..RIPPLE }))];
+        let phase: [(&str, Setter); 1] = [("phase_rad", |joint, x| {
+            joint.ripple.push(Ripple {
+                phase_rad: x,
+                ..RIPPLE
+            })
+        })];
         let bad = [f64::NAN, f64::INFINITY, -1.0, 0.0];
-        for (fields, bad) in [(&positive[..], &bad[..]), (&not_negative, &bad[..3]), (&phase, &bad[..2])] {
+        for (fields, bad) in [
+            (&positive[..], &bad[..]),
+            (&not_negative, &bad[..3]),
+            (&phase, &bad[..2]),
+        ] {
             for (field, set) in fields {
                 for &value in bad {
                     let mut joint = SingleJoint::default();
                     set(&mut joint, value);
                     let error = joint.check().expect_err(field);
-                    assert!(error.to_string().starts_with(&format!("{field} is {value}")), "{error}");
+                    assert!(
+                        error
+                            .to_string()
+                            .starts_with(&format!("{field} is {value}")),
+                        "{error}"
+                    );
                 }
             }
         }
     }
 
-    const RIPPLE: Ripple = Ripple { cycles_per_turn: 1.0, amplitude_nm: 1.0, phase_rad: 0.0 };
+    const RIPPLE: Ripple = Ripple {
+        cycles_per_turn: 1.0,
+        amplitude_nm: 1.0,
+        phase_rad: 0.0,
+    };
 }

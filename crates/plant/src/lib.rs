@@ -1,7 +1,8 @@
 //! A flexible-joint robot in software: friction, spring, RK4, sensors, controller, testbeds.
 //!
-//! Everything on the joint side of the gear, SI units inside, Hz for public frequencies. The numeric core knows no files,
-//! no clock and no global random state. Equation numbers are those of Saupe and Knoblach, MSSP 52-53 (2015) 60-72 (SK15).
+//! Everything on the joint side of the gear, SI units inside, Hz for public frequencies. The
+//! numeric core knows no files, no clock and no global random state. Equation numbers are those of
+//! Saupe and Knoblach, MSSP 52-53 (2015) 60-72 (SK15).
 
 mod arm;
 mod arm_check;

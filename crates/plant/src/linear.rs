@@ -1,8 +1,9 @@
 //! The linear truth: state space models and their exact FRFs under every hold.
 //!
 //! x' = A x + B u, y = C x + D u. With a sample-and-hold in front the sampled response is that of
-//! `x[k+1] = Phi x[k] + Gamma_1 u[k] + Gamma_2 (u[k+1] - u[k])` (Gamma_2 = 0 for zoh), whose matrices are
-//! blocks of one matrix exponential (Van Loan, IEEE Trans. Autom. Control 23 (1978) 395).
+//! `x[k+1] = Phi x[k] + Gamma_1 u[k] + Gamma_2 (u[k+1] - u[k])` (Gamma_2 = 0 for zoh), whose
+//! matrices are blocks of one matrix exponential (Van Loan, IEEE Trans. Autom. Control 23 (1978)
+//! 395).
 
 use std::f64::consts::TAU;
 
@@ -41,12 +42,14 @@ pub struct StateSpace {
 }
 
 impl StateSpace {
-    /// The exact FRF at frequencies in Hz, seen through a hold of this sample time in s: C (p I - Phi)^-1 Gamma + D with
-    /// p = s, Phi = A, Gamma = B when continuous, p = e^{s T}, Gamma = Gamma_1 + (p - 1) Gamma_2 behind a hold.
+    /// The exact FRF at frequencies in Hz, seen through a hold of this sample time in s: C (p I -
+    /// Phi)^-1 Gamma + D with p = s, Phi = A, Gamma = B when continuous, p = e^{s T}, Gamma =
+    /// Gamma_1 + (p - 1) Gamma_2 behind a hold.
     ///
     /// # Errors
-    /// [`SignalError::Parameter`] for a frequency or sample time that is not finite and above 0, or a frequency at which
-    /// the model has a pole; [`SignalError::Shape`] if the matrices do not fit.
+    /// [`SignalError::Parameter`] for a frequency or sample time that is not finite and above 0, or
+    /// a frequency at which the model has a pole; [`SignalError::Shape`] if the matrices do not
+    /// fit.
     pub fn frf(&self, hz: &[f64], hold: Hold, sample_time_s: f64) -> Result<Frf, SignalError> {
         self.check()?;
         positive("sample_time_s", sample_time_s)?;
@@ -59,13 +62,24 @@ impl StateSpace {
         for (line, &f) in hz.iter().enumerate() {
             positive("hz", f)?;
             let s = Complex64::new(0.0, TAU * f);
-            let p = if hold == Hold::Continuous { s } else { (s * sample_time_s).exp() };
-            let pencil = DMatrix::from_diagonal_element(phi.nrows(), phi.nrows(), p) - phi.map(Complex64::from);
+            let p = if hold == Hold::Continuous {
+                s
+            } else {
+                (s * sample_time_s).exp()
+            };
+            let pencil = DMatrix::from_diagonal_element(phi.nrows(), phi.nrows(), p)
+                - phi.map(Complex64::from);
             let drive = gamma.zip_map(&lead, |gamma, lead| gamma + (p - 1.0) * lead);
             let needed = "a frequency at which the model has no pole";
-            let x = pencil.lu().solve(&drive).ok_or(SignalError::Parameter { name: "hz", found: f, needed })?;
+            let x = pencil.lu().solve(&drive).ok_or(SignalError::Parameter {
+                name: "hz",
+                found: f,
+                needed,
+            })?;
             let matrix = self.c.map(Complex64::from) * x + self.d.map(Complex64::from);
-            for ((output, input), value) in response.index_axis_mut(Axis(0), line).indexed_iter_mut() {
+            for ((output, input), value) in
+                response.index_axis_mut(Axis(0), line).indexed_iter_mut()
+            {
                 *value = matrix[(output, input)];
             }
         }
@@ -76,8 +90,12 @@ impl StateSpace {
     pub(crate) fn held(&self, hold: Hold, sample_time_s: f64) -> (DMatrix<f64>, [DMatrix<f64>; 2]) {
         let (n, m) = self.b.shape();
         let mut generator = DMatrix::zeros(n + 2 * m, n + 2 * m);
-        generator.view_mut((0, 0), (n, n)).copy_from(&(&self.a * sample_time_s));
-        generator.view_mut((0, n), (n, m)).copy_from(&(&self.b * sample_time_s));
+        generator
+            .view_mut((0, 0), (n, n))
+            .copy_from(&(&self.a * sample_time_s));
+        generator
+            .view_mut((0, n), (n, m))
+            .copy_from(&(&self.b * sample_time_s));
         if hold == Hold::Linear {
             generator.view_mut((n, n + m), (m, m)).fill_with_identity();
         }
@@ -88,13 +106,21 @@ impl StateSpace {
 
     fn check(&self) -> Result<(), SignalError> {
         let (n, (outputs, inputs)) = (self.a.nrows(), self.d.shape());
-        let needed = [("a", &self.a, (n, n)), ("b", &self.b, (n, inputs)), ("c", &self.c, (outputs, n))];
+        let needed = [
+            ("a", &self.a, (n, n)),
+            ("b", &self.b, (n, inputs)),
+            ("c", &self.c, (outputs, n)),
+        ];
         needed.into_iter().try_for_each(|(name, matrix, shape)| {
             if matrix.shape() == shape {
                 Ok(())
             } else {
                 let found = vec![matrix.nrows(), matrix.ncols()];
-                Err(SignalError::Shape { name, found, needed: format!("{shape:?}") })
+                Err(SignalError::Shape {
+                    name,
+                    found,
+                    needed: format!("{shape:?}"),
+                })
             }
         })
     }

@@ -1,4 +1,5 @@
-//! A robot in motion, whatever moves and on however many axes: what testbeds deal with, sample by sample.
+//! A robot in motion, whatever moves and on however many axes: what testbeds deal with, sample by
+//! sample.
 
 use std::array::from_fn;
 
@@ -17,16 +18,19 @@ pub enum Acting<'a> {
     Function(&'a dyn Fn(f64, usize) -> f64),
 }
 
-/// A robot in motion. Slices hold one value for each axis, positions and torques on the joint side of the gear.
+/// A robot in motion. Slices hold one value for each axis, positions and torques on the joint side
+/// of the gear.
 pub trait Moving {
-    /// Moves on by `n_steps` steps of `step_s` under motor torques that may jump before the first step but not between.
+    /// Moves on by `n_steps` steps of `step_s` under motor torques that may jump before the first
+    /// step but not between.
     ///
     /// # Errors
-    /// [`PlantError::Diverged`] if the state is no longer finite, [`PlantError::Chatter`], [`PlantError::Signal`] for torques of
-    /// another number of axes.
+    /// [`PlantError::Diverged`] if the state is no longer finite, [`PlantError::Chatter`],
+    /// [`PlantError::Signal`] for torques of another number of axes.
     fn advance(&mut self, n_steps: usize, step_s: f64, torque: Acting) -> Result<(), PlantError>;
 
-    /// Motor torques in N m that hold the present velocity against friction and against what the gears transmit.
+    /// Motor torques in N m that hold the present velocity against friction and against what the
+    /// gears transmit.
     fn holding_nm(&self) -> Vec<f64>;
 
     /// Motor positions in rad.
@@ -56,7 +60,8 @@ impl<K: Links<A>, const A: usize> Moving for Motion<K, A> {
                 self.steps(n_steps, step_s, |_| segment)
             }
             Acting::Line(from, to) => {
-                let [from, to]: [[f64; A]; 2] = [channels("torque", from)?, channels("torque", to)?];
+                let [from, to]: [[f64; A]; 2] =
+                    [channels("torque", from)?, channels("torque", to)?];
                 self.steps(n_steps, step_s, |step| {
                     let at = |share: f64| {
                         let share = (step as f64 + share) / n_steps as f64;

@@ -2,7 +2,8 @@
 
 use crate::Lane;
 
-/// Solves M x = b for a symmetric positive definite M, of which the lower triangle is read, by M = L D L^T.
+/// Solves M x = b for a symmetric positive definite M, of which the lower triangle is read, by M =
+/// L D L^T.
 #[inline(always)]
 pub(crate) fn solve<L: Lane, const A: usize>(mass: &[[L; A]; A], mut x: [L; A]) -> [L; A] {
     let (mut lower, mut scaled, mut inverse) = (*mass, *mass, [L::splat(0.0); A]); // scaled = L D

@@ -1,4 +1,5 @@
-//! How a run on a simulated robot goes, sample by sample: read the sensors, command the torque, watch, move on.
+//! How a run on a simulated robot goes, sample by sample: read the sensors, command the torque,
+//! watch, move on.
 
 use frfid_signals::{Record, Run};
 
@@ -8,11 +9,17 @@ use crate::{Acting, Clock, Moving, PlantError, Robot, Sensor, Trajectory, Watch}
 
 /// What makes motor torques of a reference.
 pub(crate) trait Command {
-    /// Motor torque in N m to act on an axis from this sample on, given the reference and the readings of position in rad and
-    /// velocity in rad/s; and the limit that it has just reached.
-    fn torque(&mut self, axis: usize, reference: f64, reading: (f64, f64)) -> (f64, Option<Reached>);
+    /// Motor torque in N m to act on an axis from this sample on, given the reference and the
+    /// readings of position in rad and velocity in rad/s; and the limit that it has just reached.
+    fn torque(
+        &mut self,
+        axis: usize,
+        reference: f64,
+        reading: (f64, f64),
+    ) -> (f64, Option<Reached>);
 
-    /// Motor torque in N m at the next sample, towards which it runs in a straight line; `None` if it is held until then.
+    /// Motor torque in N m at the next sample, towards which it runs in a straight line; `None` if
+    /// it is held until then.
     fn ahead(&self, _axis: usize, _next_reference: f64) -> Option<f64> {
         None
     }
@@ -30,7 +37,8 @@ pub(crate) struct Rig<'a> {
     pub max_step_s: Option<f64>,
     /// Seed of the sensors' noise.
     pub seed: u64,
-    /// Gains in N m s/rad of the axes' controllers, to be named when a run is stopped; empty in open loop.
+    /// Gains in N m s/rad of the axes' controllers, to be named when a run is stopped; empty in
+    /// open loop.
     pub gains: &'a [f64],
 }
 
@@ -48,7 +56,11 @@ impl Rig<'_> {
         check_run(n_axes, self.sensors, run)?;
         self.watch.map_or(Ok(()), |watch| watch.check(n_axes))?;
         let mut motion = self.robot.start(&run.start_rad, &run.velocity_rad_s)?;
-        let clock = Clock::new(run.sample_time_s, self.max_step_s.unwrap_or_else(|| self.robot.default_step_s()))?;
+        let clock = Clock::new(
+            run.sample_time_s,
+            self.max_step_s
+                .unwrap_or_else(|| self.robot.default_step_s()),
+        )?;
         let mut command = command(&*motion);
         let mut recorder = Recorder::new(self.sensors, self.seed, run, &*motion);
         let mut guard = Guard::new(self.watch, run);
@@ -67,7 +79,9 @@ impl Rig<'_> {
                 let reference = |axis: usize| guard.share(sample) * run.reference[[axis, sample]];
                 let ahead = |axis| Some(self.acting(axis, command.ahead(axis, reference(axis))?));
                 let to: Option<Vec<f64>> = (0..n_axes).map(ahead).collect();
-                let acting = to.as_ref().map_or(Acting::Held(&torque), |to| Acting::Line(&torque, to));
+                let acting = to
+                    .as_ref()
+                    .map_or(Acting::Held(&torque), |to| Acting::Line(&torque, to));
                 motion.advance(clock.n_steps, clock.step_s(), acting)?;
             }
         }
@@ -77,11 +91,14 @@ impl Rig<'_> {
             truth.truncate(n_samples);
             record.truncate(n_samples);
         }
-        record.events.extend(guard.stopped(n_samples.saturating_sub(1), self.gains));
+        record
+            .events
+            .extend(guard.stopped(n_samples.saturating_sub(1), self.gains));
         Ok((record, truth))
     }
 
-    /// Reads the sensors of all axes and sets the torques in N m that act from a sample on, given the references.
+    /// Reads the sensors of all axes and sets the torques in N m that act from a sample on, given
+    /// the references.
     fn sample(
         &self,
         command: &mut impl Command,

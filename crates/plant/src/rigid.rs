@@ -4,8 +4,8 @@ use std::ops::{AddAssign, SubAssign};
 
 use nalgebra::{Matrix3, Vector3};
 
-/// The moments of order 0, 1 and 2 of a mass distribution, about the origin of the frame they are given in. The inertia tensor
-/// about the origin is tr(second) 1 - second.
+/// The moments of order 0, 1 and 2 of a mass distribution, about the origin of the frame they are
+/// given in. The inertia tensor about the origin is tr(second) 1 - second.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Rigid {
     /// Mass in kg: the integral of dm.
@@ -19,18 +19,27 @@ pub(crate) struct Rigid {
 impl Rigid {
     /// Nothing.
     pub fn zero() -> Self {
-        Self { mass: 0.0, first: Vector3::zeros(), second: Matrix3::zeros() }
+        Self {
+            mass: 0.0,
+            first: Vector3::zeros(),
+            second: Matrix3::zeros(),
+        }
     }
 
     /// A body of a mass in kg, a centre of mass in m and an inertia tensor in kg m^2 about it.
     pub fn new(mass: f64, center_of_mass: &[f64; 3], inertia: &[[f64; 3]; 3]) -> Self {
         let inertia = matrix(inertia);
         let second = Matrix3::from_diagonal_element(0.5 * inertia.trace()) - inertia;
-        let about_itself = Self { mass, first: Vector3::zeros(), second };
+        let about_itself = Self {
+            mass,
+            first: Vector3::zeros(),
+            second,
+        };
         about_itself.seen(&Matrix3::identity(), &Vector3::from(*center_of_mass))
     }
 
-    /// The same seen from a frame in which this frame has an orientation R and an origin o: x becomes R x + o.
+    /// The same seen from a frame in which this frame has an orientation R and an origin o: x
+    /// becomes R x + o.
     pub fn seen(&self, rotation: &Matrix3<f64>, origin: &Vector3<f64>) -> Self {
         let turned = rotation * self.first;
         let mixed = turned * origin.transpose();
@@ -42,12 +51,16 @@ impl Rigid {
         }
     }
 
-    /// The part that lies on the z axis as far as the motion of a body on that axis can tell: mass, first moment along it and
-    /// second moment along it.
+    /// The part that lies on the z axis as far as the motion of a body on that axis can tell: mass,
+    /// first moment along it and second moment along it.
     pub fn on_axis(&self) -> Self {
         let mut second = Matrix3::zeros();
         second[(2, 2)] = self.second[(2, 2)];
-        Self { mass: self.mass, first: Vector3::new(0.0, 0.0, self.first.z), second }
+        Self {
+            mass: self.mass,
+            first: Vector3::new(0.0, 0.0, self.first.z),
+            second,
+        }
     }
 }
 

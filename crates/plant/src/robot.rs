@@ -1,4 +1,5 @@
-//! What every simulated robot can tell of itself: the seam between descriptions, testbeds and the linear truth.
+//! What every simulated robot can tell of itself: the seam between descriptions, testbeds and the
+//! linear truth.
 
 use std::fmt::Debug;
 
@@ -21,38 +22,70 @@ pub trait Robot: Debug + Send + Sync {
     /// A step of the integrator in s that keeps its error far below that of any measurement.
     fn default_step_s(&self) -> f64;
 
-    /// Sets the robot in motion: links at `start_rad` from the pose, motors and links at `velocity_rad_s`, gears deflected by
-    /// the torques that hold them there. One value for each axis.
+    /// Sets the robot in motion: links at `start_rad` from the pose, motors and links at
+    /// `velocity_rad_s`, gears deflected by the torques that hold them there. One value for each
+    /// axis.
     ///
     /// # Errors
     /// [`PlantError`] for a parameter out of range or another number of axes.
-    fn start(&self, start_rad: &[f64], velocity_rad_s: &[f64]) -> Result<Box<dyn Moving>, PlantError>;
+    fn start(
+        &self,
+        start_rad: &[f64],
+        velocity_rad_s: &[f64],
+    ) -> Result<Box<dyn Moving>, PlantError>;
 
-    /// The linear model at the pose from motor torques to motor velocities and motor positions, outputs in this order. Gear
-    /// damping, viscous friction and the gradient of gravity are in it; Coulomb friction, ripple and the stiffness beyond the
-    /// knee are not.
+    /// The linear model at the pose from motor torques to motor velocities and motor positions,
+    /// outputs in this order. Gear damping, viscous friction and the gradient of gravity are in it;
+    /// Coulomb friction, ripple and the stiffness beyond the knee are not.
     fn state_space(&self) -> StateSpace;
 
-    /// The exact FRF in rad/s per N m from motor torques to the velocity readings at the pose, `(frequency, output, input)`,
-    /// through a hold of `sample_time_s`; every axis read alike and without a filter.
+    /// The exact FRF in rad/s per N m from motor torques to the velocity readings at the pose,
+    /// `(frequency, output, input)`, through a hold of `sample_time_s`; every axis read alike and
+    /// without a filter.
     ///
     /// # Errors
-    /// [`SignalError::Parameter`] for a parameter of the robot, a frequency or a sample time out of range.
-    fn frf(&self, hz: &[f64], hold: Hold, sample_time_s: f64, velocity: Velocity) -> Result<Frf, SignalError> {
-        self.frf_seen(hz, hold, sample_time_s, &vec![Sensor { velocity, ..Sensor::default() }; self.n_axes()])
+    /// [`SignalError::Parameter`] for a parameter of the robot, a frequency or a sample time out of
+    /// range.
+    fn frf(
+        &self,
+        hz: &[f64],
+        hold: Hold,
+        sample_time_s: f64,
+        velocity: Velocity,
+    ) -> Result<Frf, SignalError> {
+        self.frf_seen(
+            hz,
+            hold,
+            sample_time_s,
+            &vec![
+                Sensor {
+                    velocity,
+                    ..Sensor::default()
+                };
+                self.n_axes()
+            ],
+        )
     }
 
     /// [`Robot::frf`] as each axis' own sensor sees it, filter included.
     ///
-    /// A sensor sees samples, so the FRF of the velocity, or the position where it is differenced, times
-    /// [`Sensor::response`] is exact under every hold.
+    /// A sensor sees samples, so the FRF of the velocity, or the position where it is differenced,
+    /// times [`Sensor::response`] is exact under every hold.
     ///
     /// # Errors
     /// As [`Robot::frf`]; [`SignalError::Shape`] unless there is a sensor for each axis.
-    fn frf_seen(&self, hz: &[f64], hold: Hold, sample_time_s: f64, sensors: &[Sensor]) -> Result<Frf, SignalError> {
+    fn frf_seen(
+        &self,
+        hz: &[f64],
+        hold: Hold,
+        sample_time_s: f64,
+        sensors: &[Sensor],
+    ) -> Result<Frf, SignalError> {
         self.check()?;
         let n_axes = self.n_axes();
-        of_axes("sensors", sensors, n_axes)?.iter().try_for_each(Sensor::check)?;
+        of_axes("sensors", sensors, n_axes)?
+            .iter()
+            .try_for_each(Sensor::check)?;
         let StateSpace { a, b, c, d } = self.state_space();
         let rows: Vec<usize> = sensors
             .iter()
@@ -62,8 +95,13 @@ pub trait Robot: Debug + Send + Sync {
                 Velocity::Differenced => n_axes + axis,
             })
             .collect();
-        let mut frf =
-            StateSpace { a, b, c: c.select_rows(&rows), d: d.select_rows(&rows) }.frf(hz, hold, sample_time_s)?;
+        let mut frf = StateSpace {
+            a,
+            b,
+            c: c.select_rows(&rows),
+            d: d.select_rows(&rows),
+        }
+        .frf(hz, hold, sample_time_s)?;
         for ((line, axis, _), value) in frf.response.indexed_iter_mut() {
             *value *= sensors[axis].response(hz[line], sample_time_s);
         }

@@ -1,9 +1,14 @@
 //! A root of a scalar function between two points of opposite sign.
 
-/// Finds a root of `f` between `a` and `b`, where `f(a) = fa` and `f(b) = fb` have opposite signs, to rounding level:
-/// inverse quadratic steps where three points promise a good one, else bisection (Chandrupatla, Adv. Eng. Softw. 28 (1997)
-/// 145). At most about 100 evaluations, usually 6 to 10. Returns the point with the smaller |f| of the last bracket.
-pub fn root(mut f: impl FnMut(f64) -> f64, (mut a, mut fa): (f64, f64), (mut b, mut fb): (f64, f64)) -> f64 {
+/// Finds a root of `f` between `a` and `b`, where `f(a) = fa` and `f(b) = fb` have opposite signs,
+/// to rounding level: inverse quadratic steps where three points promise a good one, else bisection
+/// (Chandrupatla, Adv. Eng. Softw. 28 (1997) 145). At most about 100 evaluations, usually 6 to 10.
+/// Returns the point with the smaller |f| of the last bracket.
+pub fn root(
+    mut f: impl FnMut(f64) -> f64,
+    (mut a, mut fa): (f64, f64),
+    (mut b, mut fb): (f64, f64),
+) -> f64 {
     let mut share = 0.5; // where in the bracket, from a, to look next
     for _ in 0..100 {
         let x = a + share * (b - a);
@@ -17,7 +22,11 @@ pub fn root(mut f: impl FnMut(f64) -> f64, (mut a, mut fa): (f64, f64), (mut b, 
             (b, fb) = (a, fa);
         }
         (a, fa) = (x, fx);
-        let (best, f_best) = if fa.abs() < fb.abs() { (a, fa) } else { (b, fb) };
+        let (best, f_best) = if fa.abs() < fb.abs() {
+            (a, fa)
+        } else {
+            (b, fb)
+        };
         let tolerance = 2.0 * f64::EPSILON * best.abs() + f64::MIN_POSITIVE;
         let smallest_share = tolerance / (b - a).abs();
         if f_best == 0.0 || smallest_share > 0.5 {
@@ -61,8 +70,15 @@ mod tests {
         ];
         for (f, truth) in cases {
             let (found, calls) = count(f, 0.0, 1.0);
-            let tolerance = if truth == 0.7 { 1e-5 } else { 4.0 * f64::EPSILON * truth }; // a triple root is flat
-            assert!((found - truth).abs() <= tolerance && calls < 60, "{found} for {truth} in {calls} calls");
+            let tolerance = if truth == 0.7 {
+                1e-5
+            } else {
+                4.0 * f64::EPSILON * truth
+            }; // a triple root is flat
+            assert!(
+                (found - truth).abs() <= tolerance && calls < 60,
+                "{found} for {truth} in {calls} calls"
+            );
         }
     }
 

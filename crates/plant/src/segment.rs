@@ -2,9 +2,10 @@
 
 use std::array::from_fn;
 
-/// Torques of `A` motors in N m over one step, each a parabola of the share theta in [0, 1] of the step: exact for zoh and
-/// linear hold, and for any other function through its values at start, middle and end, the only ones RK4 looks at. A
-/// step that an event cuts in two sees the same parabola, so fourth order is kept.
+/// Torques of `A` motors in N m over one step, each a parabola of the share theta in [0, 1] of the
+/// step: exact for zoh and linear hold, and for any other function through its values at start,
+/// middle and end, the only ones RK4 looks at. A step that an event cuts in two sees the same
+/// parabola, so fourth order is kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment<const A: usize> {
     /// Torque at the start of the step.
@@ -19,7 +20,11 @@ impl<const A: usize> Segment<A> {
     /// The same torque over the whole step.
     #[must_use]
     pub fn constant(torque: [f64; A]) -> Self {
-        Self { start: torque, linear: [0.0; A], square: [0.0; A] }
+        Self {
+            start: torque,
+            linear: [0.0; A],
+            square: [0.0; A],
+        }
     }
 
     /// The parabola through the torques at start, middle and end of the step.
@@ -53,7 +58,10 @@ mod tests {
     #[test]
     fn the_parabola_passes_through_its_three_points() {
         let segment = Segment::through([1.0], [4.0], [-2.0]);
-        assert_eq!([0.0, 0.5, 1.0].map(|theta| segment.at(theta)[0]), [1.0, 4.0, -2.0]);
+        assert_eq!(
+            [0.0, 0.5, 1.0].map(|theta| segment.at(theta)[0]),
+            [1.0, 4.0, -2.0]
+        );
         let secant = (segment.at(0.3 + 1e-6)[0] - segment.at(0.3 - 1e-6)[0]) / 2e-6;
         assert!((segment.slope(0, 0.3) - secant).abs() < 1e-8);
     }

@@ -9,7 +9,8 @@ use frfid_signals::range::{finite, positive};
 /// A motor torque over time.
 #[derive(Clone, Copy)]
 pub enum Torque<'a> {
-    /// Held between samples: `u[k]` in N m acts on `[t_k, t_k + sample_time_s)`; `(channel, sample)`.
+    /// Held between samples: `u[k]` in N m acts on `[t_k, t_k + sample_time_s)`;
+    /// `(channel, sample)`.
     Zoh(ArrayView2<'a, f64>),
     /// A straight line from sample to sample, in N m; `(channel, sample)`.
     Linear(ArrayView2<'a, f64>),
@@ -45,10 +46,17 @@ impl Clock {
         let n_steps = (sample_time_s / max_step_s - 1e-9).ceil().max(1.0);
         if n_steps > MAX_STEPS {
             let needed = "a step of at least a millionth of the sample time (a plant that needs less is too stiff)";
-            return Err(SignalError::Parameter { name: "max_step_s", found: max_step_s, needed });
+            return Err(SignalError::Parameter {
+                name: "max_step_s",
+                found: max_step_s,
+                needed,
+            });
         }
         let n_steps = n_steps as usize;
-        Ok(Self { sample_time_s, n_steps })
+        Ok(Self {
+            sample_time_s,
+            n_steps,
+        })
     }
 
     /// Length of a step in s.
@@ -58,13 +66,14 @@ impl Clock {
     }
 }
 
-/// Simulates a robot from its pose, motors and links moving at `velocity_rad_s` (the same for every axis), under motor
-/// torques, with steps of at most `max_step_s` ([`Robot::default_step_s`] if `None`). As many samples as the torque has;
-/// sample `k` is the state at `t_k`, just before `u[k]` acts.
+/// Simulates a robot from its pose, motors and links moving at `velocity_rad_s` (the same for every
+/// axis), under motor torques, with steps of at most `max_step_s` ([`Robot::default_step_s`] if
+/// `None`). As many samples as the torque has; sample `k` is the state at `t_k`, just before `u[k]`
+/// acts.
 ///
 /// # Errors
-/// [`PlantError::Signal`] for a parameter out of range or a torque that is not `(axis, sample)` and finite,
-/// [`PlantError::Diverged`], [`PlantError::Chatter`].
+/// [`PlantError::Signal`] for a parameter out of range or a torque that is not `(axis, sample)` and
+/// finite, [`PlantError::Diverged`], [`PlantError::Chatter`].
 pub fn simulate(
     robot: &dyn Robot,
     torque: Torque,
@@ -73,8 +82,14 @@ pub fn simulate(
     max_step_s: Option<f64>,
 ) -> Result<Trajectory, PlantError> {
     finite("velocity_rad_s", velocity_rad_s)?;
-    let mut motion = robot.start(&vec![0.0; robot.n_axes()], &vec![velocity_rad_s; robot.n_axes()])?;
-    let clock = Clock::new(sample_time_s, max_step_s.unwrap_or_else(|| robot.default_step_s()))?;
+    let mut motion = robot.start(
+        &vec![0.0; robot.n_axes()],
+        &vec![velocity_rad_s; robot.n_axes()],
+    )?;
+    let clock = Clock::new(
+        sample_time_s,
+        max_step_s.unwrap_or_else(|| robot.default_step_s()),
+    )?;
     trajectory(&mut *motion, torque, clock)
 }
 
@@ -82,7 +97,11 @@ pub fn simulate(
 ///
 /// # Errors
 /// As [`simulate`].
-fn trajectory(motion: &mut dyn Moving, torque: Torque, clock: Clock) -> Result<Trajectory, PlantError> {
+fn trajectory(
+    motion: &mut dyn Moving,
+    torque: Torque,
+    clock: Clock,
+) -> Result<Trajectory, PlantError> {
     let n_axes = motion.motor_position_rad().len();
     let n_samples = torque.n_samples(n_axes)?;
     let mut trajectory = Trajectory::zeros(clock.sample_time_s, n_axes, n_samples);
@@ -105,7 +124,11 @@ impl Torque<'_> {
         };
         if samples.nrows() != n_axes {
             let needed = format!("({n_axes}, sample)");
-            return Err(SignalError::Shape { name: "torque", found: samples.shape().to_vec(), needed });
+            return Err(SignalError::Shape {
+                name: "torque",
+                found: samples.shape().to_vec(),
+                needed,
+            });
         }
         check_finite("torque", *samples)?;
         Ok(samples.ncols())
@@ -116,14 +139,18 @@ impl Torque<'_> {
         let (n_steps, step_s) = (clock.n_steps, clock.step_s());
         let start_s = sample as f64 * clock.sample_time_s;
         match self {
-            Self::Zoh(u) => motion.advance(n_steps, step_s, Acting::Held(&u.column(sample).to_vec())),
+            Self::Zoh(u) => {
+                motion.advance(n_steps, step_s, Acting::Held(&u.column(sample).to_vec()))
+            }
             Self::Linear(u) => {
                 let [from, to] = [sample, sample + 1].map(|sample| u.column(sample).to_vec());
                 motion.advance(n_steps, step_s, Acting::Line(&from, &to))
             }
-            Self::Analytic { torque, .. } => {
-                motion.advance(n_steps, step_s, Acting::Function(&|time_s, axis| torque(start_s + time_s, axis)))
-            }
+            Self::Analytic { torque, .. } => motion.advance(
+                n_steps,
+                step_s,
+                Acting::Function(&|time_s, axis| torque(start_s + time_s, axis)),
+            ),
         }
     }
 }
@@ -142,31 +169,54 @@ mod tests {
 
     /// Two periods of a multisine with lines up to 60 Hz at 1 ms, phases of Schroeder's kind.
     fn torque(lines: &[usize]) -> Array2<f64> {
-        let sine =
-            |n: usize, line: usize| (TAU * (n * line % PERIOD) as f64 / PERIOD as f64 + (line * line) as f64).sin();
-        Array2::from_shape_fn((1, 2 * PERIOD), |(_, n)| lines.iter().map(|&line| sine(n, line)).sum())
+        let sine = |n: usize, line: usize| {
+            (TAU * (n * line % PERIOD) as f64 / PERIOD as f64 + (line * line) as f64).sin()
+        };
+        Array2::from_shape_fn((1, 2 * PERIOD), |(_, n)| {
+            lines.iter().map(|&line| sine(n, line)).sum()
+        })
     }
 
     /// DFT of the second period of channel 0 at one line.
     fn dft(x: &Array2<f64>, line: usize) -> Complex64 {
         let turn = |n: usize| Complex64::cis(-TAU * (n * line % PERIOD) as f64 / PERIOD as f64);
-        x.slice(s![0, PERIOD..]).iter().enumerate().map(|(n, &value)| value * turn(n)).sum()
+        x.slice(s![0, PERIOD..])
+            .iter()
+            .enumerate()
+            .map(|(n, &value)| value * turn(n))
+            .sum()
     }
 
     #[test]
     fn the_frf_of_a_steady_period_is_the_truth_under_either_hold() {
-        let joint = SingleJoint { damping_nms_per_rad: 800.0, viscous_nms_per_rad: 3000.0, ..SingleJoint::default() };
+        let joint = SingleJoint {
+            damping_nms_per_rad: 800.0,
+            viscous_nms_per_rad: 3000.0,
+            ..SingleJoint::default()
+        };
         let lines: Vec<usize> = (2..120).step_by(3).collect();
         let u = torque(&lines);
         for hold in [Hold::Zoh, Hold::Linear] {
-            let torque = if hold == Hold::Zoh { Torque::Zoh(u.view()) } else { Torque::Linear(u.view()) };
+            let torque = if hold == Hold::Zoh {
+                Torque::Zoh(u.view())
+            } else {
+                Torque::Linear(u.view())
+            };
             let x = simulate(&joint, torque, 1e-3, 0.0, None).expect("sound");
             let q = &x.motor_position_rad;
-            let differenced = Array2::from_shape_fn(u.dim(), |(_, n)| (q[[0, n]] - q[[0, n.saturating_sub(1)]]) / 1e-3);
-            for (velocity, y) in [(Velocity::True, x.motor_velocity_rad_s), (Velocity::Differenced, differenced)] {
+            let differenced = Array2::from_shape_fn(u.dim(), |(_, n)| {
+                (q[[0, n]] - q[[0, n.saturating_sub(1)]]) / 1e-3
+            });
+            for (velocity, y) in [
+                (Velocity::True, x.motor_velocity_rad_s),
+                (Velocity::Differenced, differenced),
+            ] {
                 for &line in &lines {
                     let hz = line as f64 / (PERIOD as f64 * 1e-3);
-                    let truth = joint.frf(&[hz], hold, 1e-3, velocity).expect("sound").response[[0, 0, 0]];
+                    let truth = joint
+                        .frf(&[hz], hold, 1e-3, velocity)
+                        .expect("sound")
+                        .response[[0, 0, 0]];
                     let error = (dft(&y, line) / dft(&u, line) / truth - 1.0).norm();
                     assert!(error < 1e-9, "{hold:?}, {velocity:?}, {hz} Hz: {error}");
                 }

@@ -35,7 +35,8 @@ impl Spring {
         }
     }
 
-    /// Slope in N m/rad and torque at zero deflection in N m of the straight line that a branch lies on.
+    /// Slope in N m/rad and torque at zero deflection in N m of the straight line that a branch
+    /// lies on.
     #[must_use]
     pub fn line(&self, branch: Branch) -> (f64, f64) {
         let offset = (self.stiffness_nm_per_rad - self.stiffness_beyond_nm_per_rad) * self.knee_rad;
@@ -60,9 +61,12 @@ impl Spring {
     /// The deflection in rad under a torque in N m.
     #[must_use]
     pub fn deflection_rad(&self, torque_nm: f64) -> f64 {
-        let within_nm = torque_nm.abs().min(self.stiffness_nm_per_rad * self.knee_rad);
+        let within_nm = torque_nm
+            .abs()
+            .min(self.stiffness_nm_per_rad * self.knee_rad);
         let beyond_nm = torque_nm.abs() - within_nm;
-        let size = within_nm / self.stiffness_nm_per_rad + beyond_nm / self.stiffness_beyond_nm_per_rad;
+        let size =
+            within_nm / self.stiffness_nm_per_rad + beyond_nm / self.stiffness_beyond_nm_per_rad;
         size.copysign(torque_nm)
     }
 
@@ -86,7 +90,11 @@ impl Spring {
 mod tests {
     use super::*;
 
-    const SPRING: Spring = Spring { stiffness_nm_per_rad: 1.5e5, stiffness_beyond_nm_per_rad: 2.55e5, knee_rad: 1e-3 };
+    const SPRING: Spring = Spring {
+        stiffness_nm_per_rad: 1.5e5,
+        stiffness_beyond_nm_per_rad: 2.55e5,
+        knee_rad: 1e-3,
+    };
 
     fn torque(deflection: f64) -> f64 {
         let (slope, offset) = SPRING.line(SPRING.branch(deflection));
@@ -112,7 +120,9 @@ mod tests {
     fn the_energy_is_the_integral_of_the_torque() {
         let steps = 100_000;
         let width = -3e-3 / f64::from(steps);
-        let integral: f64 = (0..steps).map(|k| torque((f64::from(k) + 0.5) * width) * width).sum();
+        let integral: f64 = (0..steps)
+            .map(|k| torque((f64::from(k) + 0.5) * width) * width)
+            .sum();
         assert!((integral - SPRING.energy_j(-3e-3)).abs() < 1e-9 * integral);
     }
 }

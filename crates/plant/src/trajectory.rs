@@ -39,12 +39,19 @@ impl Trajectory {
     pub(crate) fn set(&mut self, sample: usize, motion: &dyn Moving) {
         let signals = [
             (&mut self.motor_position_rad, motion.motor_position_rad()),
-            (&mut self.motor_velocity_rad_s, motion.motor_velocity_rad_s()),
+            (
+                &mut self.motor_velocity_rad_s,
+                motion.motor_velocity_rad_s(),
+            ),
             (&mut self.deflection_rad, motion.deflection_rad()),
             (&mut self.link_velocity_rad_s, motion.link_velocity_rad_s()),
         ];
         for (signal, values) in signals {
-            signal.column_mut(sample).iter_mut().zip(values).for_each(|(x, value)| *x = *value);
+            signal
+                .column_mut(sample)
+                .iter_mut()
+                .zip(values)
+                .for_each(|(x, value)| *x = *value);
         }
     }
 
@@ -64,7 +71,11 @@ impl Trajectory {
     pub(crate) fn set_stuck(&mut self, motion: &dyn Moving) {
         let duration_s = motion.time_s();
         for (share, stuck_s) in self.stuck_share.iter_mut().zip(motion.stuck_s()) {
-            *share = if duration_s > 0.0 { stuck_s / duration_s } else { 0.0 };
+            *share = if duration_s > 0.0 {
+                stuck_s / duration_s
+            } else {
+                0.0
+            };
         }
     }
 }

@@ -1,4 +1,5 @@
-//! What is known of the arm without simulating it: the numbers of the Manutec r3, and those of an independent multibody code.
+//! What is known of the arm without simulating it: the numbers of the Manutec r3, and those of an
+//! independent multibody code.
 
 use frfid_plant::{Arm, Body, BodyJoint, Challenges, Payload, Robot as _, SingleJoint};
 use nalgebra::DVector;
@@ -11,12 +12,16 @@ use manutec_r3::{IDENTITY, each_joint, manutec_r3};
 fn difference<'a>(found: impl IntoIterator<Item = &'a f64>, printed: &[f64]) -> f64 {
     let found: Vec<f64> = found.into_iter().copied().collect();
     assert_eq!(found.len(), printed.len());
-    found.iter().zip(printed).map(|(found, printed)| (found - printed).abs()).fold(0.0, f64::max)
+    found
+        .iter()
+        .zip(printed)
+        .map(|(found, printed)| (found - printed).abs())
+        .fold(0.0, f64::max)
 }
 
-/// The printed numbers were made by a code that replaces the inertia tensor of b1, which no solid body can have, by a third of
-/// its trace for each principal moment, and gives point masses a small tensor (MuJoCo: `balanceinertia`, `boundinertia`). With
-/// these every printed digit must come out.
+/// The printed numbers were made by a code that replaces the inertia tensor of b1, which no solid
+/// body can have, by a third of its trace for each principal moment, and gives point masses a small
+/// tensor (MuJoCo: `balanceinertia`, `boundinertia`). With these every printed digit must come out.
 #[test]
 fn the_r3_has_the_mass_matrix_gravity_and_modes_of_the_tables() {
     let mut arm = manutec_r3();
@@ -25,27 +30,47 @@ fn the_r3_has_the_mass_matrix_gravity_and_modes_of_the_tables() {
     arm.bodies[5].inertia_kg_m2 = IDENTITY.map(|row| row.map(|value| 1e-5 * value));
     arm.payload.as_mut().expect("the load").inertia_kg_m2 = arm.bodies[5].inertia_kg_m2;
     let mass = arm.mass_matrix(&arm.pose_rad).expect("sound");
-    let printed = [77.155, -4.740, -0.472, -4.740, 74.855, 29.070, -0.472, 29.070, 20.264];
+    let printed = [
+        77.155, -4.740, -0.472, -4.740, 74.855, 29.070, -0.472, 29.070, 20.264,
+    ];
     assert!(difference(&mass, &printed) < 0.5e-3, "{mass}");
     let gravity = arm.gravity_torque_nm(&arm.pose_rad).expect("sound");
-    assert!(difference(&gravity, &[0.0, -460.57, -256.40]) < 0.5e-2, "{gravity:?}");
+    assert!(
+        difference(&gravity, &[0.0, -460.57, -256.40]) < 0.5e-2,
+        "{gravity:?}"
+    );
     let modes = arm.modes_hz().expect("sound");
-    assert!(difference(&modes, &[19.003, 31.533, 42.276]) < 0.5e-3, "{modes:?}");
+    assert!(
+        difference(&modes, &[19.003, 31.533, 42.276]) < 0.5e-3,
+        "{modes:?}"
+    );
     let locked = arm.locked_motor_hz().expect("sound");
-    assert!(difference(&locked, &[9.559, 12.508, 27.768]) < 0.5e-3, "{locked:?}");
+    assert!(
+        difference(&locked, &[9.559, 12.508, 27.768]) < 0.5e-3,
+        "{locked:?}"
+    );
 }
 
 #[test]
 fn the_r3_with_its_own_b1_differs_in_the_inertia_about_the_first_axis() {
     let arm = manutec_r3();
     let mass = arm.mass_matrix(&arm.pose_rad).expect("sound");
-    assert!((mass[(0, 0)] - (77.155 + 1.16 * 2.0 / 3.0)).abs() < 0.5e-3, "{mass}");
-    println!("modes {:?}, with locked motors {:?} Hz", arm.modes_hz(), arm.locked_motor_hz());
+    assert!(
+        (mass[(0, 0)] - (77.155 + 1.16 * 2.0 / 3.0)).abs() < 0.5e-3,
+        "{mass}"
+    );
+    println!(
+        "modes {:?}, with locked motors {:?} Hz",
+        arm.modes_hz(),
+        arm.locked_motor_hz()
+    );
 }
 
 fn numbers(value: &Value) -> Vec<f64> {
     let values = value.as_array().expect("an array").iter();
-    values.map(|number| number.as_f64().expect("a number")).collect()
+    values
+        .map(|number| number.as_f64().expect("a number"))
+        .collect()
 }
 
 fn vector(value: &Value) -> [f64; 3] {
@@ -67,10 +92,15 @@ fn mass(value: &Value) -> Payload {
 /// The arm that was drawn at random, with the joints of a single joint wherever it moves.
 fn drawn_arm(golden: &Value) -> Arm {
     let body = |value: &Value| {
-        let Payload { mass_kg, center_of_mass_m, inertia_kg_m2 } = mass(value);
+        let Payload {
+            mass_kg,
+            center_of_mass_m,
+            inertia_kg_m2,
+        } = mass(value);
         let moving = || BodyJoint::Flexible(SingleJoint::default().flexible_joint());
-        let joint =
-            value["position_rad"].as_f64().map_or_else(moving, |position_rad| BodyJoint::Locked { position_rad });
+        let joint = value["position_rad"]
+            .as_f64()
+            .map_or_else(moving, |position_rad| BodyJoint::Locked { position_rad });
         Body {
             name: value["name"].to_string(),
             offset_m: vector(&value["offset_m"]),
@@ -84,7 +114,12 @@ fn drawn_arm(golden: &Value) -> Arm {
         }
     };
     Arm {
-        bodies: golden["bodies"].as_array().expect("an array").iter().map(body).collect(),
+        bodies: golden["bodies"]
+            .as_array()
+            .expect("an array")
+            .iter()
+            .map(body)
+            .collect(),
         payload: Some(mass(&golden["payload"])),
         gravity_m_s2: vector(&golden["gravity_m_s2"]),
         pose_rad: vec![0.1; 6],
@@ -95,31 +130,47 @@ fn drawn_arm(golden: &Value) -> Arm {
 /// Largest difference relative to the largest number.
 fn relative<'a>(found: impl IntoIterator<Item = &'a f64>, golden: &Value) -> f64 {
     let golden = numbers(golden);
-    difference(found, &golden) / golden.iter().fold(0.0, |peak: f64, value| peak.max(value.abs()))
+    difference(found, &golden)
+        / golden
+            .iter()
+            .fold(0.0, |peak: f64, value| peak.max(value.abs()))
 }
 
 #[test]
 fn mass_matrix_bias_gravity_and_accelerations_are_those_of_an_independent_code() {
-    let golden: Value = serde_json::from_str(include_str!("golden/arm_reference.json")).expect("JSON");
-    for (mut arm, states) in
-        [(manutec_r3(), &golden["manutec_r3"]), (drawn_arm(&golden["six"]), &golden["six"]["states"])]
-    {
+    let golden: Value =
+        serde_json::from_str(include_str!("golden/arm_reference.json")).expect("JSON");
+    for (mut arm, states) in [
+        (manutec_r3(), &golden["manutec_r3"]),
+        (drawn_arm(&golden["six"]), &golden["six"]["states"]),
+    ] {
         assert_eq!(arm.warnings(), Vec::<String>::new());
         for state in states.as_array().expect("an array") {
-            let [q, qd, torque] = ["position_rad", "velocity_rad_s", "torque_nm"].map(|name| numbers(&state[name]));
+            let [q, qd, torque] =
+                ["position_rad", "velocity_rad_s", "torque_nm"].map(|name| numbers(&state[name]));
             let errors = [
                 relative(&arm.mass_matrix(&q).expect("sound"), &state["mass_kg_m2"]),
-                relative(&arm.gravity_torque_nm(&q).expect("sound"), &state["gravity_nm"]),
+                relative(
+                    &arm.gravity_torque_nm(&q).expect("sound"),
+                    &state["gravity_nm"],
+                ),
                 relative(&arm.bias_nm(&q, &qd).expect("sound"), &state["bias_nm"]),
-                relative(&arm.link_acceleration(&q, &qd, &torque).expect("sound"), &state["acceleration_rad_s2"]),
-                relative(&gravity_gradient(&mut arm, &q), &state["gravity_gradient_nm_per_rad"]),
+                relative(
+                    &arm.link_acceleration(&q, &qd, &torque).expect("sound"),
+                    &state["acceleration_rad_s2"],
+                ),
+                relative(
+                    &gravity_gradient(&mut arm, &q),
+                    &state["gravity_gradient_nm_per_rad"],
+                ),
             ];
             assert!(errors.iter().all(|&error| error < 1e-12), "{errors:?}");
         }
     }
 }
 
-/// The gradient of gravity, from the linear model: M qo'' = ... - G (qm - dq) with a gear that holds nothing else.
+/// The gradient of gravity, from the linear model: M qo'' = ... - G (qm - dq) with a gear that
+/// holds nothing else.
 fn gravity_gradient(arm: &mut Arm, q: &[f64]) -> Vec<f64> {
     arm.pose_rad = q.to_vec();
     let n = q.len();
@@ -132,10 +183,15 @@ fn gravity_gradient(arm: &mut Arm, q: &[f64]) -> Vec<f64> {
 #[test]
 fn coriolis_torques_do_the_work_that_the_mass_matrix_asks_for() {
     // qd (dM/dt - 2 C) qd = 0: dM/dt by differences of fourth order along the motion
-    let golden: Value = serde_json::from_str(include_str!("golden/arm_reference.json")).expect("JSON");
+    let golden: Value =
+        serde_json::from_str(include_str!("golden/arm_reference.json")).expect("JSON");
     for arm in [manutec_r3(), drawn_arm(&golden["six"])] {
-        let q: Vec<f64> = (0..arm.n_axes()).map(|axis| 0.3 + 0.7 * axis as f64).collect();
-        let qd: Vec<f64> = (0..arm.n_axes()).map(|axis| 1.0 - 0.6 * axis as f64).collect();
+        let q: Vec<f64> = (0..arm.n_axes())
+            .map(|axis| 0.3 + 0.7 * axis as f64)
+            .collect();
+        let qd: Vec<f64> = (0..arm.n_axes())
+            .map(|axis| 1.0 - 0.6 * axis as f64)
+            .collect();
         let velocity = DVector::from_row_slice(&qd);
         let twice_kinetic = |time: f64| {
             let at: Vec<f64> = q.iter().zip(&qd).map(|(q, qd)| q + time * qd).collect();
@@ -148,7 +204,10 @@ fn coriolis_torques_do_the_work_that_the_mass_matrix_asks_for() {
         let bias = DVector::from(arm.bias_nm(&q, &qd).expect("sound"));
         let gravity = DVector::from(arm.gravity_torque_nm(&q).expect("sound"));
         let power = 2.0 * velocity.dot(&(bias - gravity));
-        assert!((power - rate).abs() < 1e-9 * twice_kinetic(0.0), "{power} {rate}");
+        assert!(
+            (power - rate).abs() < 1e-9 * twice_kinetic(0.0),
+            "{power} {rate}"
+        );
     }
 }
 
@@ -159,8 +218,14 @@ fn without_gravity_there_is_no_bias_and_without_position_dependence_one_mass_mat
     arm.challenges.gravity = false;
     assert_eq!(arm.bias_nm(&there, &fast), Ok(vec![0.0; 3]));
     assert_ne!(arm.mass_matrix(&there), arm.mass_matrix(&arm.pose_rad));
-    arm.challenges = Challenges { position_dependence: false, ..Challenges::default() };
-    assert_eq!(arm.mass_matrix(&there), manutec_r3().mass_matrix(&arm.pose_rad));
+    arm.challenges = Challenges {
+        position_dependence: false,
+        ..Challenges::default()
+    };
+    assert_eq!(
+        arm.mass_matrix(&there),
+        manutec_r3().mass_matrix(&arm.pose_rad)
+    );
     assert_eq!(arm.bias_nm(&there, &fast), arm.gravity_torque_nm(&there));
     assert_eq!(arm.modes_hz(), manutec_r3().modes_hz());
 }
@@ -176,19 +241,52 @@ fn what_cannot_be_is_refused_by_name_and_value() {
     };
     let expect = |spoil: &dyn Fn(&mut Arm), parts: &[&str]| {
         let message = refused(spoil);
-        assert!(parts.iter().all(|part| message.contains(part)), "{message} lacks some of {parts:?}");
+        assert!(
+            parts.iter().all(|part| message.contains(part)),
+            "{message} lacks some of {parts:?}"
+        );
     };
-    expect(&|arm| arm.bodies[3].inertia_kg_m2[2][2] = -2.0, &["body b4", "principal moment is -2,"]);
-    expect(&|arm| arm.bodies[1].inertia_kg_m2[0][1] = 5.0, &["body b2", "transpose is 5.46"]);
-    expect(&|arm| arm.bodies[3].mass_kg = -1.0, &["body b4: mass_kg is -1"]);
-    expect(&|arm| arm.bodies[3].center_of_mass_m[1] = 1e200, &["mass matrix at the pose is NaN"]);
-    expect(&|arm| arm.bodies[3].offset_m[1] = f64::NAN, &["body b4: offset_m is NaN"]);
-    expect(&|arm| arm.bodies[2].axis = [0.0; 3], &["body b3: ", "axis", "is 0"]);
-    expect(&|arm| arm.bodies[2].rotation[0][0] = 1.1, &["body b3: rotation", "rotation matrix"]);
-    expect(&|arm| arm.bodies[2].rotation[0][0] = -1.0, &["body b3: rotation's determinant is -1"]);
-    expect(&|arm| arm.pose_rad = vec![0.0; 2], &["pose_rad has shape [2], needed (3)"]);
+    expect(
+        &|arm| arm.bodies[3].inertia_kg_m2[2][2] = -2.0,
+        &["body b4", "principal moment is -2,"],
+    );
+    expect(
+        &|arm| arm.bodies[1].inertia_kg_m2[0][1] = 5.0,
+        &["body b2", "transpose is 5.46"],
+    );
+    expect(
+        &|arm| arm.bodies[3].mass_kg = -1.0,
+        &["body b4: mass_kg is -1"],
+    );
+    expect(
+        &|arm| arm.bodies[3].center_of_mass_m[1] = 1e200,
+        &["mass matrix at the pose is NaN"],
+    );
+    expect(
+        &|arm| arm.bodies[3].offset_m[1] = f64::NAN,
+        &["body b4: offset_m is NaN"],
+    );
+    expect(
+        &|arm| arm.bodies[2].axis = [0.0; 3],
+        &["body b3: ", "axis", "is 0"],
+    );
+    expect(
+        &|arm| arm.bodies[2].rotation[0][0] = 1.1,
+        &["body b3: rotation", "rotation matrix"],
+    );
+    expect(
+        &|arm| arm.bodies[2].rotation[0][0] = -1.0,
+        &["body b3: rotation's determinant is -1"],
+    );
+    expect(
+        &|arm| arm.pose_rad = vec![0.0; 2],
+        &["pose_rad has shape [2], needed (3)"],
+    );
     expect(&|arm| arm.pose_rad[1] = f64::INFINITY, &["pose_rad is inf"]);
-    expect(&|arm| arm.gravity_m_s2[1] = f64::NAN, &["gravity_m_s2 is NaN"]);
+    expect(
+        &|arm| arm.gravity_m_s2[1] = f64::NAN,
+        &["gravity_m_s2 is NaN"],
+    );
     expect(
         &|arm| {
             each_joint(arm, |axis, joint| {
@@ -199,7 +297,10 @@ fn what_cannot_be_is_refused_by_name_and_value() {
         },
         &["body b2: stiffness_nm_per_rad is 0"],
     );
-    expect(&|arm| arm.payload.as_mut().expect("the load").mass_kg = f64::NAN, &["payload: mass_kg is NaN"]);
+    expect(
+        &|arm| arm.payload.as_mut().expect("the load").mass_kg = f64::NAN,
+        &["payload: mass_kg is NaN"],
+    );
     expect(&|arm| arm.bodies.clear(), &["moving joints is 0", "1 to 7"]);
     let eight = |arm: &mut Arm| {
         arm.bodies.extend(vec![arm.bodies[1].clone(); 5]);

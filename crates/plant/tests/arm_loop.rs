@@ -5,7 +5,9 @@ use std::sync::Arc;
 
 mod manutec_r3;
 
-use frfid_plant::{Challenges, ClosedLoop, LoopFrf, PiController, PlantError, Sensor, check_stability};
+use frfid_plant::{
+    Challenges, ClosedLoop, LoopFrf, PiController, PlantError, Sensor, check_stability,
+};
 use frfid_signals::{Record, Run, RunId, RunKind, Testbed as _};
 use manutec_r3::manutec_r3;
 use ndarray::Array2;
@@ -27,20 +29,40 @@ fn controller() -> PiController {
 }
 
 fn run(reference: Array2<f64>) -> Run {
-    let id = RunId { kind: RunKind::Excitation, realization: 0, experiment: 0, repetition: 0 };
-    Run { id, sample_time_s: T, reference, velocity_rad_s: vec![0.0; 3], start_rad: vec![0.0; 3] }
+    let id = RunId {
+        kind: RunKind::Excitation,
+        realization: 0,
+        experiment: 0,
+        repetition: 0,
+    };
+    Run {
+        id,
+        sample_time_s: T,
+        reference,
+        velocity_rad_s: vec![0.0; 3],
+        start_rad: vec![0.0; 3],
+    }
 }
 
 #[test]
 fn at_rest_the_controller_holds_the_arm_against_gravity_from_the_first_sample() {
     for coulomb_friction in [true, false] {
         let mut arm = manutec_r3();
-        arm.challenges = Challenges { coulomb_friction, ..arm.challenges };
+        arm.challenges = Challenges {
+            coulomb_friction,
+            ..arm.challenges
+        };
         let gravity = arm.gravity_torque_nm(&arm.pose_rad).expect("sound");
         assert!(gravity[1].abs() > 400.0);
-        let record = ClosedLoop::new(Arc::new(arm), controller()).run(&run(Array2::zeros((3, 500)))).expect("sound");
+        let record = ClosedLoop::new(Arc::new(arm), controller())
+            .run(&run(Array2::zeros((3, 500))))
+            .expect("sound");
         for ((axis, _), u) in record.u.indexed_iter() {
-            assert!((u - gravity[axis]).abs() < 1e-6, "{u} for {}", gravity[axis]);
+            assert!(
+                (u - gravity[axis]).abs() < 1e-6,
+                "{u} for {}",
+                gravity[axis]
+            );
         }
         assert!(record.y.iter().all(|y| y.abs() < 1e-9));
     }
@@ -49,29 +71,51 @@ fn at_rest_the_controller_holds_the_arm_against_gravity_from_the_first_sample() 
 #[test]
 fn a_small_motion_of_one_axis_moves_all_torques_and_axes_as_the_linear_loop_says() {
     let mut arm = manutec_r3();
-    arm.challenges = Challenges { coulomb_friction: false, ..arm.challenges };
+    arm.challenges = Challenges {
+        coulomb_friction: false,
+        ..arm.challenges
+    };
     let lines = [1, 4, 7, 12, 15, 21, 29]; // of 2 Hz
-    let sine = |n: usize, line: usize| (TAU * (n * line % PERIOD) as f64 / PERIOD as f64 + (line * line) as f64).sin();
+    let sine = |n: usize, line: usize| {
+        (TAU * (n * line % PERIOD) as f64 / PERIOD as f64 + (line * line) as f64).sin()
+    };
     let moved = |n: usize| lines.iter().map(|&line| 1e-6 * sine(n, line)).sum();
-    let reference =
-        Array2::from_shape_fn((3, 16 * PERIOD), |(axis, n): (usize, usize)| if axis == 1 { moved(n) } else { 0.0 });
-    let hz: Vec<f64> = lines.iter().map(|&line| line as f64 / (T * PERIOD as f64)).collect();
+    let reference = Array2::from_shape_fn(
+        (3, 16 * PERIOD),
+        |(axis, n): (usize, usize)| if axis == 1 { moved(n) } else { 0.0 },
+    );
+    let hz: Vec<f64> = lines
+        .iter()
+        .map(|&line| line as f64 / (T * PERIOD as f64))
+        .collect();
     let truth = LoopFrf::new(&arm, &controller(), &[Sensor::default(); 3], &hz).expect("sound");
-    let Record { u, y, .. } = ClosedLoop::new(Arc::new(arm), controller()).run(&run(reference.clone())).expect("sound");
+    let Record { u, y, .. } = ClosedLoop::new(Arc::new(arm), controller())
+        .run(&run(reference.clone()))
+        .expect("sound");
     let dft = |x: &Array2<f64>, axis: usize, line: usize| -> Complex64 {
         let turn = |n: usize| Complex64::cis(-TAU * (n * line % PERIOD) as f64 / PERIOD as f64);
         let last = x.ncols() - PERIOD;
         let mean = x.row(axis).iter().skip(last).sum::<f64>() / PERIOD as f64;
-        (0..PERIOD).map(|n| (x[[axis, last + n]] - mean) * turn(n)).sum()
+        (0..PERIOD)
+            .map(|n| (x[[axis, last + n]] - mean) * turn(n))
+            .sum()
     };
-    for (what, signal, frf) in [("u", &u, &truth.reference_to_torque), ("y", &y, &truth.reference_to_velocity)] {
+    for (what, signal, frf) in [
+        ("u", &u, &truth.reference_to_torque),
+        ("y", &y, &truth.reference_to_velocity),
+    ] {
         for (k, &line) in lines.iter().enumerate() {
             let input = dft(&reference, 1, line);
             let column = frf.response.slice(ndarray::s![k, .., 1]);
             let size = column.iter().map(|value| value.norm()).fold(0.0, f64::max);
             for axis in 0..3 {
                 let error = (dft(signal, axis, line) / input - column[axis]).norm() / size;
-                assert!(error < 1e-5, "{what} of axis {} at {} Hz: {error:e}", axis + 1, hz[k]);
+                assert!(
+                    error < 1e-5,
+                    "{what} of axis {} at {} Hz: {error:e}",
+                    axis + 1,
+                    hz[k]
+                );
             }
         }
     }
@@ -86,13 +130,28 @@ fn unstable_gains_are_named_with_their_axis() {
         let mut wild = controller();
         wild.gain[axis] = 1e6;
         let error = check_stability(&arm, &wild, &sensors).expect_err("unstable");
-        assert!(matches!(error, PlantError::Unstable { channel, .. } if channel == axis), "{error}");
         assert!(
-            error.to_string().contains(&format!("lower the gain of axis {} (1000000 N m s/rad)", axis + 1)),
+            matches!(error, PlantError::Unstable { channel, .. } if channel == axis),
+            "{error}"
+        );
+        assert!(
+            error.to_string().contains(&format!(
+                "lower the gain of axis {} (1000000 N m s/rad)",
+                axis + 1
+            )),
             "{error}"
         );
     }
-    let limp = PiController { gain: vec![10.0; 3], integral_gain: vec![0.0; 3], ..controller() };
+    let limp = PiController {
+        gain: vec![10.0; 3],
+        integral_gain: vec![0.0; 3],
+        ..controller()
+    };
     let error = check_stability(&arm, &limp, &sensors).expect_err("gravity pulls it down");
-    assert!(error.to_string().contains("at 0.000 Hz; it drifts away: raise the integral"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("at 0.000 Hz; it drifts away: raise the integral"),
+        "{error}"
+    );
 }

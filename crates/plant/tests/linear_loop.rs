@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use frfid_plant::{
-    ClosedLoop, Hold, LoopFrf, PiController, PlantError, Robot, Sensor, SingleJoint, Velocity, check_stability,
-    loop_poles,
+    ClosedLoop, Hold, LoopFrf, PiController, PlantError, Robot, Sensor, SingleJoint, Velocity,
+    check_stability, loop_poles,
 };
 use frfid_signals::{Run, RunId, RunKind, Testbed};
 use ndarray::Array2;
@@ -29,12 +29,27 @@ fn controller() -> PiController {
 }
 
 fn joint() -> SingleJoint {
-    SingleJoint { damping_nms_per_rad: 800.0, viscous_nms_per_rad: 30.0, ..SingleJoint::default() }
+    SingleJoint {
+        damping_nms_per_rad: 800.0,
+        viscous_nms_per_rad: 30.0,
+        ..SingleJoint::default()
+    }
 }
 
 fn run(reference: Array2<f64>) -> Run {
-    let id = RunId { kind: RunKind::Excitation, realization: 0, experiment: 0, repetition: 0 };
-    Run { id, sample_time_s: T, reference, velocity_rad_s: vec![0.0], start_rad: vec![0.0] }
+    let id = RunId {
+        kind: RunKind::Excitation,
+        realization: 0,
+        experiment: 0,
+        repetition: 0,
+    };
+    Run {
+        id,
+        sample_time_s: T,
+        reference,
+        velocity_rad_s: vec![0.0],
+        start_rad: vec![0.0],
+    }
 }
 
 /// DFT of the last period at one line.
@@ -48,7 +63,9 @@ fn dft(x: &Array2<f64>, line: usize) -> Complex64 {
 fn a_steady_period_of_the_loop_has_its_analytic_frfs() {
     let lines: Vec<usize> = (1..120).step_by(7).chain([251, 409]).collect();
     let hz: Vec<f64> = lines.iter().map(|&line| line as f64).collect();
-    let sine = |n: usize, line: usize| (TAU * (n * line % PERIOD) as f64 / PERIOD as f64 + (line * line) as f64).sin();
+    let sine = |n: usize, line: usize| {
+        (TAU * (n * line % PERIOD) as f64 / PERIOD as f64 + (line * line) as f64).sin()
+    };
     let multisine = |n: usize| 0.01 * lines.iter().map(|&line| sine(n, line)).sum::<f64>();
     let reference = Array2::from_shape_fn((1, N_PERIODS * PERIOD), |(_, n)| multisine(n));
     for case in 0..24 {
@@ -65,18 +82,31 @@ fn a_steady_period_of_the_loop_has_its_analytic_frfs() {
         let truth = LoopFrf::new(&joint(), &controller, &[sensor], &hz).expect("sound");
         check_stability(&joint(), &controller, &[sensor]).expect("stable");
         let described = format!("{controller:?}, {sensor:?}");
-        // half the usual step: differences at 409 Hz are small, and RK4 errs by 1.3e-9 of them with the usual one
+        // half the usual step: differences at 409 Hz are small, and RK4 errs by 1.3e-9 of them with
+        // the usual one
         let (sensors, max_step_s) = (vec![sensor], Some(5e-5));
-        let testbed = ClosedLoop { sensors, max_step_s, ..ClosedLoop::new(Arc::new(joint()), controller) };
+        let testbed = ClosedLoop {
+            sensors,
+            max_step_s,
+            ..ClosedLoop::new(Arc::new(joint()), controller)
+        };
         let record = testbed.run(&run(reference.clone())).expect("sound");
         for (what, output, input, truth) in [
             ("r to u", &record.u, &reference, &truth.reference_to_torque),
-            ("r to y", &record.y, &reference, &truth.reference_to_velocity),
+            (
+                "r to y",
+                &record.y,
+                &reference,
+                &truth.reference_to_velocity,
+            ),
             ("u to y", &record.y, &record.u, &truth.plant),
         ] {
             for (&line, truth) in lines.iter().zip(&truth.response) {
                 let error = (dft(output, line) / dft(input, line) / truth - 1.0).norm();
-                assert!(error < 1e-9, "{what} at {line} Hz: {error:e} with {described}");
+                assert!(
+                    error < 1e-9,
+                    "{what} at {line} Hz: {error:e} with {described}"
+                );
             }
         }
     }
@@ -85,67 +115,136 @@ fn a_steady_period_of_the_loop_has_its_analytic_frfs() {
 #[test]
 fn without_a_position_loop_the_sensitivity_is_what_is_left_of_the_reference() {
     let hz = [0.5, 3.0, 11.0, 60.0];
-    let LoopFrf { sensitivity, reference_to_velocity, plant, .. } =
-        LoopFrf::new(&joint(), &controller(), &[Sensor::default()], &hz).expect("sound");
+    let LoopFrf {
+        sensitivity,
+        reference_to_velocity,
+        plant,
+        ..
+    } = LoopFrf::new(&joint(), &controller(), &[Sensor::default()], &hz).expect("sound");
     for line in 0..hz.len() {
         let left = 1.0 - reference_to_velocity.response[[line, 0, 0]];
         assert!((sensitivity.response[[line, 0, 0]] - left).norm() < 1e-12);
     }
-    assert_eq!(plant, joint().frf(&hz, Hold::Zoh, T, Velocity::True).expect("sound"));
+    assert_eq!(
+        plant,
+        joint()
+            .frf(&hz, Hold::Zoh, T, Velocity::True)
+            .expect("sound")
+    );
 }
 
 /// Growth per sample of the loop's motion, measured over the samples from `from` on.
 fn growth(controller: &PiController, sensors: &[Sensor], [from, to]: [usize; 2]) -> f64 {
     let kick = Array2::from_shape_fn((1, to + 200), |(_, n)| f64::from(u8::from(n < 5)));
-    let testbed = ClosedLoop { sensors: sensors.to_vec(), ..ClosedLoop::new(Arc::new(joint()), controller.clone()) };
+    let testbed = ClosedLoop {
+        sensors: sensors.to_vec(),
+        ..ClosedLoop::new(Arc::new(joint()), controller.clone())
+    };
     let y = testbed.run(&run(kick)).expect("numbers").y;
-    let peak = |from: usize| (from..from + 200).map(|n| y[[0, n]].abs()).fold(0.0, f64::max);
+    let peak = |from: usize| {
+        (from..from + 200)
+            .map(|n| y[[0, n]].abs())
+            .fold(0.0, f64::max)
+    };
     (peak(to) / peak(from)).powf(1.0 / (to - from) as f64)
 }
 
 #[test]
 fn a_loop_grows_in_simulation_as_its_poles_say() {
-    let sensors = [Sensor { velocity: Velocity::Differenced, velocity_filter_hz: Some(200.0), ..Sensor::default() }];
+    let sensors = [Sensor {
+        velocity: Velocity::Differenced,
+        velocity_filter_hz: Some(200.0),
+        ..Sensor::default()
+    }];
     let mut verdicts = Vec::new();
     for gain in [5000.0, 10_000.0, 15_000.0, 20_000.0] {
-        let controller =
-            PiController { gain: vec![gain], delay_samples: 2, position_gain: Some(vec![5.0]), ..controller() };
+        let controller = PiController {
+            gain: vec![gain],
+            delay_samples: 2,
+            position_gain: Some(vec![5.0]),
+            ..controller()
+        };
         let radius = loop_poles(&joint(), &controller, &sensors).expect("sound")[0].norm();
         let verdict = check_stability(&joint(), &controller, &sensors);
         verdicts.push(verdict.is_ok());
         assert_eq!(verdict.is_ok(), radius < 1.0);
         if let Err(error) = verdict {
-            let PlantError::Unstable { spectral_radius, hz, channel, gain_nms_per_rad } = error else {
+            let PlantError::Unstable {
+                spectral_radius,
+                hz,
+                channel,
+                gain_nms_per_rad,
+            } = error
+            else {
                 panic!("{error}")
             };
-            assert_eq!((spectral_radius, channel, gain_nms_per_rad), (radius, 0, gain));
+            assert_eq!(
+                (spectral_radius, channel, gain_nms_per_rad),
+                (radius, 0, gain)
+            );
             assert!((10.0..250.0).contains(&hz), "{hz}");
         }
         let grown = growth(&controller, &sensors, [2000, 6000]);
-        assert!((grown - radius).abs() < 1e-3, "gain {gain}: {grown} in simulation, {radius} by the poles");
+        assert!(
+            (grown - radius).abs() < 1e-3,
+            "gain {gain}: {grown} in simulation, {radius} by the poles"
+        );
     }
-    assert!(verdicts.contains(&true) && verdicts.contains(&false), "{verdicts:?}");
+    assert!(
+        verdicts.contains(&true) && verdicts.contains(&false),
+        "{verdicts:?}"
+    );
 }
 
 #[test]
 fn velocity_control_leaves_the_position_free_and_is_stable() {
-    for sensors in [[Sensor::default()], [Sensor { velocity: Velocity::Differenced, ..Sensor::default() }]] {
+    for sensors in [
+        [Sensor::default()],
+        [Sensor {
+            velocity: Velocity::Differenced,
+            ..Sensor::default()
+        }],
+    ] {
         let poles = loop_poles(&joint(), &controller(), &sensors).expect("sound");
-        assert!((poles[0] - 1.0).norm() < 1e-9 && poles[1].norm() < 1.0 - 1e-4, "{poles:?}");
+        assert!(
+            (poles[0] - 1.0).norm() < 1e-9 && poles[1].norm() < 1.0 - 1e-4,
+            "{poles:?}"
+        );
         check_stability(&joint(), &controller(), &sensors).expect("stable");
     }
 }
 
 #[test]
 fn what_does_not_fit_is_refused() {
-    let frf = |controller: &PiController, sensors: &[Sensor], hz| LoopFrf::new(&joint(), controller, sensors, &[hz]);
+    let frf = |controller: &PiController, sensors: &[Sensor], hz| {
+        LoopFrf::new(&joint(), controller, sensors, &[hz])
+    };
     let sensors = [Sensor::default()];
     for hz in [0.0, -1.0, 500.0, 1000.0, f64::NAN] {
-        assert!(frf(&controller(), &sensors, hz).expect_err("out of range").to_string().starts_with("hz is"));
+        assert!(
+            frf(&controller(), &sensors, hz)
+                .expect_err("out of range")
+                .to_string()
+                .starts_with("hz is")
+        );
     }
-    assert!(frf(&controller(), &[], 1.0).expect_err("no sensor").to_string().starts_with("sensors has shape"));
-    let two = PiController { gain: vec![1.0; 2], ..controller() };
+    assert!(
+        frf(&controller(), &[], 1.0)
+            .expect_err("no sensor")
+            .to_string()
+            .starts_with("sensors has shape")
+    );
+    let two = PiController {
+        gain: vec![1.0; 2],
+        ..controller()
+    };
     assert!(frf(&two, &sensors, 1.0).is_err() && loop_poles(&joint(), &two, &sensors).is_err());
-    let huge = PiController { gain: vec![f64::MAX], ..controller() };
-    assert!(loop_poles(&joint(), &huge, &sensors).is_err() || check_stability(&joint(), &huge, &sensors).is_err());
+    let huge = PiController {
+        gain: vec![f64::MAX],
+        ..controller()
+    };
+    assert!(
+        loop_poles(&joint(), &huge, &sensors).is_err()
+            || check_stability(&joint(), &huge, &sensors).is_err()
+    );
 }

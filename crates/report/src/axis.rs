@@ -1,7 +1,8 @@
 //! Axes: ranges that end on round numbers, and ticks that have room.
 
-/// Least distance in pixels of labelled ticks: on logarithmic and linear horizontal axes, on vertical axes of values and of
-/// degrees, and of the ends of a frequency axis from the other labels.
+/// Least distance in pixels of labelled ticks: on logarithmic and linear horizontal axes, on
+/// vertical axes of values and of degrees, and of the ends of a frequency axis from the other
+/// labels.
 const ROOM_LOG: f64 = 30.0;
 const ROOM_X: f64 = 45.0;
 const ROOM_VALUE: f64 = 20.0;
@@ -24,8 +25,8 @@ pub(crate) struct Axis {
 }
 
 impl Axis {
-    /// A horizontal logarithmic axis over positive values, `length` pixels long: from and to round numbers, labelled at
-    /// 1-2-5 or at decades, whatever has room.
+    /// A horizontal logarithmic axis over positive values, `length` pixels long: from and to round
+    /// numbers, labelled at 1-2-5 or at decades, whatever has room.
     pub fn frequency(values: impl Iterator<Item = f64>, length: f64) -> Self {
         Self::logarithmic(values, length, ROOM_LOG)
     }
@@ -36,26 +37,46 @@ impl Axis {
     }
 
     fn logarithmic(values: impl Iterator<Item = f64>, length: f64, room: f64) -> Self {
-        let (low, high) = round_outward(extent(values.filter(|&hz| hz > 1.0 / ABSURD)).unwrap_or((1.0, 10.0)));
+        let (low, high) =
+            round_outward(extent(values.filter(|&hz| hz > 1.0 / ABSURD)).unwrap_or((1.0, 10.0)));
         let fine = digits(low, high, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
         let per_decade = length / (high / low).log10();
         let mut labelled = labelled_frequencies((low, high), per_decade, room, &fine);
         if labelled.len() < 3 && high / low < 10.0 {
-            return Self { log: true, ..Self::linear_within(low, high, length, 1.5 * room) };
+            return Self {
+                log: true,
+                ..Self::linear_within(low, high, length, 1.5 * room)
+            };
         }
-        let keeps_off =
-            |end: &f64| labelled.iter().all(|hz| (hz / end).log10().abs() * per_decade > room.min(ROOM_END));
+        let keeps_off = |end: &f64| {
+            labelled
+                .iter()
+                .all(|hz| (hz / end).log10().abs() * per_decade > room.min(ROOM_END))
+        };
         let ends: Vec<f64> = [low, high].into_iter().filter(keeps_off).collect();
         labelled.extend(ends);
-        let ticks = labelled.into_iter().map(|hz| (hz, label(hz, digits_of(hz)))).collect();
-        Self { low, high, log: true, ticks, minor: fine }
+        let ticks = labelled
+            .into_iter()
+            .map(|hz| (hz, label(hz, digits_of(hz))))
+            .collect();
+        Self {
+            low,
+            high,
+            log: true,
+            ticks,
+            minor: fine,
+        }
     }
 
     /// A linear axis that covers the values and ends on ticks, `length` pixels high.
     pub fn linear(values: impl Iterator<Item = f64>, length: f64) -> Self {
         let (low, high) = widened(extent(values).unwrap_or((0.0, 1.0)));
         let step = round_step((high - low) * ROOM_VALUE / length);
-        Self::ending_on(((low / step).floor() * step, (high / step).ceil() * step), step, step / 2.0)
+        Self::ending_on(
+            ((low / step).floor() * step, (high / step).ceil() * step),
+            step,
+            step / 2.0,
+        )
     }
 
     /// A linear axis with a little room above and below the values, `length` pixels high.
@@ -71,21 +92,35 @@ impl Axis {
         Self::linear_within(low, high, length, ROOM_X)
     }
 
-    /// An axis of whole numbers from `first` to `last` with a little room at both ends, `length` pixels long.
+    /// An axis of whole numbers from `first` to `last` with a little room at both ends, `length`
+    /// pixels long.
     pub fn counts(first: usize, last: usize, length: f64) -> Self {
         let (low, high) = (first as f64 - 0.4, last.max(first) as f64 + 0.4);
         let step = round_step(((high - low) * ROOM_COUNT / length).max(1.0));
         let within = ((low / step).ceil() * step, (high / step).floor() * step);
         let ticks = Self::ending_on(within, step, step).ticks;
-        Self { low, high, log: false, ticks, minor: Vec::new() }
+        Self {
+            low,
+            high,
+            log: false,
+            ticks,
+            minor: Vec::new(),
+        }
     }
 
-    /// A phase axis in degrees, `length` pixels high: labelled at multiples of 45 or 90, at most from -180 to 180.
+    /// A phase axis in degrees, `length` pixels high: labelled at multiples of 45 or 90, at most
+    /// from -180 to 180.
     pub fn degrees(values: impl Iterator<Item = f64>, length: f64) -> Self {
         let (least, most) = extent(values).unwrap_or((-180.0, 180.0));
-        let ends = |step: f64| (((least - 3.0) / step).floor() * step, ((most + 3.0) / step).ceil() * step);
+        let ends = |step: f64| {
+            (
+                ((least - 3.0) / step).floor() * step,
+                ((most + 3.0) / step).ceil() * step,
+            )
+        };
         let within = |(low, high): (f64, f64)| (low.max(-180.0), high.min(180.0));
-        let fits = |(low, high): (f64, f64), step: f64| (high - low) / step * ROOM_DEGREES <= length;
+        let fits =
+            |(low, high): (f64, f64), step: f64| (high - low) / step * ROOM_DEGREES <= length;
         let fine = within(ends(45.0));
         if fine.1 - fine.0 <= 270.0 && fits(fine, 45.0) {
             return Self::ending_on(fine, 45.0, 15.0);
@@ -98,7 +133,11 @@ impl Axis {
     /// An axis that ends where it is told, with ticks inside that are `room` pixels apart or more.
     fn linear_within(low: f64, high: f64, length: f64, room: f64) -> Self {
         let step = round_step((high - low) * room / length);
-        let mut axis = Self::ending_on(((low / step).ceil() * step, (high / step).floor() * step), step, step / 2.0);
+        let mut axis = Self::ending_on(
+            ((low / step).ceil() * step, (high / step).floor() * step),
+            step,
+            step / 2.0,
+        );
         (axis.low, axis.high) = (low, high);
         axis
     }
@@ -109,8 +148,16 @@ impl Axis {
             let (first, last) = ((low / step).round() as i64, (high / step).round() as i64);
             (first..=last).map(move |k| k as f64 * step)
         };
-        let ticks = multiples(step).map(|value| (value, label(value, digits_of(step)))).collect();
-        Self { low, high, log: false, ticks, minor: multiples(fine).collect() }
+        let ticks = multiples(step)
+            .map(|value| (value, label(value, digits_of(step))))
+            .collect();
+        Self {
+            low,
+            high,
+            log: false,
+            ticks,
+            minor: multiples(fine).collect(),
+        }
     }
 
     /// Where a value lies on the axis: 0 at its low end, 1 at its high end.
@@ -124,7 +171,11 @@ impl Axis {
 
     /// The value at a share of the axis, the inverse of [`Axis::share`].
     pub fn value(&self, share: f64) -> f64 {
-        if self.log { self.low * (self.high / self.low).powf(share) } else { self.low + share * (self.high - self.low) }
+        if self.log {
+            self.low * (self.high / self.low).powf(share)
+        } else {
+            self.low + share * (self.high - self.low)
+        }
     }
 
     /// Whether a value lies on the axis.
@@ -133,15 +184,18 @@ impl Axis {
     }
 }
 
-/// Sizes beyond which (or, for frequencies and ranges, below whose inverse) a value cannot be meant.
+/// Sizes beyond which (or, for frequencies and ranges, below whose inverse) a value cannot be
+/// meant.
 const ABSURD: f64 = 1e100;
 
 /// Smallest and largest of the values that are finite and not absurd.
 fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
-    values.filter(|value| value.abs() < ABSURD).fold(None, |range, value| match range {
-        None => Some((value, value)),
-        Some((low, high)) => Some((f64::min(low, value), f64::max(high, value))),
-    })
+    values
+        .filter(|value| value.abs() < ABSURD)
+        .fold(None, |range, value| match range {
+            None => Some((value, value)),
+            Some((low, high)) => Some((f64::min(low, value), f64::max(high, value))),
+        })
 }
 
 /// A range that is not a point.
@@ -156,13 +210,21 @@ fn widened((low, high): (f64, f64)) -> (f64, f64) {
     }
 }
 
-/// The range with both ends rounded outward to as few digits as widen it by at most a tenth of its decades.
+/// The range with both ends rounded outward to as few digits as widen it by at most a tenth of its
+/// decades.
 fn round_outward((low, high): (f64, f64)) -> (f64, f64) {
-    let (low, high) = if high / low < 1.02 { (low / 1.1, high * 1.1) } else { (low, high) };
+    let (low, high) = if high / low < 1.02 {
+        (low / 1.1, high * 1.1)
+    } else {
+        (low, high)
+    };
     let span = (high / low).ln();
     for digits in 0..4 {
         let unit = |value: f64| 10f64.powi(value.log10().floor() as i32 - digits);
-        let (down, up) = ((low / unit(low) + 1e-9).floor() * unit(low), (high / unit(high) - 1e-9).ceil() * unit(high));
+        let (down, up) = (
+            (low / unit(low) + 1e-9).floor() * unit(low),
+            (high / unit(high) - 1e-9).ceil() * unit(high),
+        );
         if (up / down).ln() <= 1.1 * span {
             return (down, up);
         }
@@ -182,9 +244,14 @@ fn digits(low: f64, high: f64, set: &[f64]) -> Vec<f64> {
     all.filter(|value| within.contains(value)).collect()
 }
 
-/// What is labelled on a logarithmic axis with `per_decade` pixels per decade: all digits, 1-2-5, or every n-th decade, the
-/// first of these that has room.
-fn labelled_frequencies((low, high): (f64, f64), per_decade: f64, room: f64, fine: &[f64]) -> Vec<f64> {
+/// What is labelled on a logarithmic axis with `per_decade` pixels per decade: all digits, 1-2-5,
+/// or every n-th decade, the first of these that has room.
+fn labelled_frequencies(
+    (low, high): (f64, f64),
+    per_decade: f64,
+    room: f64,
+    fine: &[f64],
+) -> Vec<f64> {
     let fits = |ratio: f64| per_decade * ratio.log10() > room;
     if fits(10.0 / 9.0) {
         fine.to_vec()
@@ -193,20 +260,30 @@ fn labelled_frequencies((low, high): (f64, f64), per_decade: f64, room: f64, fin
     } else {
         let every = (room / per_decade).ceil() as i32;
         let power = |ten: &f64| ten.log10().round() as i32;
-        digits(low, high, &[1.0]).into_iter().filter(|ten| power(ten).rem_euclid(every) == 0).collect()
+        digits(low, high, &[1.0])
+            .into_iter()
+            .filter(|ten| power(ten).rem_euclid(every) == 0)
+            .collect()
     }
 }
 
 /// The next step of 1, 2, 5, 10, ... at or above a length.
 fn round_step(least: f64) -> f64 {
     let ten = 10f64.powi(least.log10().floor() as i32);
-    [1.0, 2.0, 5.0].into_iter().map(|m| m * ten).find(|step| *step >= least * (1.0 - 1e-9)).unwrap_or(10.0 * ten)
+    [1.0, 2.0, 5.0]
+        .into_iter()
+        .map(|m| m * ten)
+        .find(|step| *step >= least * (1.0 - 1e-9))
+        .unwrap_or(10.0 * ten)
 }
 
 /// Decimals needed to print multiples of a step.
 fn digits_of(step: f64) -> usize {
-    (0..12).find(|&digits| (step * 10f64.powi(digits) - (step * 10f64.powi(digits)).round()).abs() < 1e-6).unwrap_or(12)
-        as usize
+    (0..12)
+        .find(|&digits| {
+            (step * 10f64.powi(digits) - (step * 10f64.powi(digits)).round()).abs() < 1e-6
+        })
+        .unwrap_or(12) as usize
 }
 
 /// A tick label with a true minus sign; powers of ten where there would be many zeros.
@@ -216,7 +293,11 @@ fn label(value: f64, decimals: usize) -> String {
     } else {
         format!("{value:.decimals$}")
     };
-    let text = if text.trim_start_matches('-').trim_matches(['0', '.']).is_empty() {
+    let text = if text
+        .trim_start_matches('-')
+        .trim_matches(['0', '.'])
+        .is_empty()
+    {
         text.trim_start_matches('-').to_owned()
     } else {
         text
@@ -246,35 +327,70 @@ mod tests {
             labels(&Axis::frequency([0.01, 1000.0].into_iter(), 300.0)),
             ["0.01", "0.1", "1", "10", "100", "1000"]
         );
-        assert_eq!(labels(&Axis::frequency([48.2, 52.9].into_iter(), 300.0)), ["48", "49", "50", "51", "52", "53"]);
+        assert_eq!(
+            labels(&Axis::frequency([48.2, 52.9].into_iter(), 300.0)),
+            ["48", "49", "50", "51", "52", "53"]
+        );
     }
 
     #[test]
     fn degrees_end_on_45_and_never_pass_180() {
-        assert_eq!(labels(&Axis::degrees([-90.0, 73.0].into_iter(), 160.0)), ["−135", "−90", "−45", "0", "45", "90"]);
-        assert_eq!(labels(&Axis::degrees([-179.0, 178.0].into_iter(), 160.0)), ["−180", "−90", "0", "90", "180"]);
-        assert_eq!(labels(&Axis::degrees([-179.0, 178.0].into_iter(), 80.0)), ["−180", "0", "180"]);
+        assert_eq!(
+            labels(&Axis::degrees([-90.0, 73.0].into_iter(), 160.0)),
+            ["−135", "−90", "−45", "0", "45", "90"]
+        );
+        assert_eq!(
+            labels(&Axis::degrees([-179.0, 178.0].into_iter(), 160.0)),
+            ["−180", "−90", "0", "90", "180"]
+        );
+        assert_eq!(
+            labels(&Axis::degrees([-179.0, 178.0].into_iter(), 80.0)),
+            ["−180", "0", "180"]
+        );
     }
 
     #[test]
     fn linear_axes_survive_constants_and_nothing() {
-        assert_eq!(labels(&Axis::linear([0.0, 0.0].into_iter(), 60.0)), ["−1", "0", "1"]);
+        assert_eq!(
+            labels(&Axis::linear([0.0, 0.0].into_iter(), 60.0)),
+            ["−1", "0", "1"]
+        );
         assert_eq!(
             labels(&Axis::linear([0.006, -0.006].into_iter(), 100.0)),
             ["−0.010", "−0.005", "0.000", "0.005", "0.010"]
         );
-        assert!(!Axis::linear(std::iter::once(f64::NAN), 100.0).ticks.is_empty());
+        assert!(
+            !Axis::linear(std::iter::once(f64::NAN), 100.0)
+                .ticks
+                .is_empty()
+        );
     }
 
     #[test]
     fn extreme_values_neither_hang_nor_fill_the_axis() {
-        let extremes = [-f64::MAX, -1e300, -1.0, -1e-300, 0.0, 5e-324, 1e-300, 1.0, 1.0 + 1e-15, 1e17, f64::MAX];
+        let extremes = [
+            -f64::MAX,
+            -1e300,
+            -1.0,
+            -1e-300,
+            0.0,
+            5e-324,
+            1e-300,
+            1.0,
+            1.0 + 1e-15,
+            1e17,
+            f64::MAX,
+        ];
         for low in extremes {
             for high in extremes {
                 let values = || [low, high].into_iter();
-                let axes = [Axis::linear, Axis::padded, Axis::exact, Axis::frequency].map(|axis| axis(values(), 300.0));
+                let axes = [Axis::linear, Axis::padded, Axis::exact, Axis::frequency]
+                    .map(|axis| axis(values(), 300.0));
                 for axis in axes {
-                    assert!(axis.ticks.len() < 50 && axis.minor.len() < 10_000, "{low} {high} {axis:?}");
+                    assert!(
+                        axis.ticks.len() < 50 && axis.minor.len() < 10_000,
+                        "{low} {high} {axis:?}"
+                    );
                 }
             }
         }

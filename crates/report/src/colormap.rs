@@ -1,8 +1,10 @@
-//! A colour map whose lightness rises evenly, so that equal steps look equal, also in grey and to the colour-blind.
+//! A colour map whose lightness rises evenly, so that equal steps look equal, also in grey and to
+//! the colour-blind.
 
 use crate::image::Rgb;
 
-/// Nine evenly spaced colours of the map viridis (S. van der Walt, N. Smith, 2015, public domain); between them we interpolate.
+/// Nine evenly spaced colours of the map viridis (S. van der Walt, N. Smith, 2015, public domain);
+/// between them we interpolate.
 const ANCHORS: [Rgb; 9] = [
     [0x44, 0x01, 0x54],
     [0x47, 0x2d, 0x7b],
@@ -22,7 +24,9 @@ pub(crate) fn color(share: f64) -> Rgb {
     if share.is_nan() {
         return [0xff; 3];
     }
-    let step = (share.clamp(0.0, 1.0) * STEPS as f64).floor().min((STEPS - 1) as f64);
+    let step = (share.clamp(0.0, 1.0) * STEPS as f64)
+        .floor()
+        .min((STEPS - 1) as f64);
     let place = step / (STEPS - 1) as f64 * (ANCHORS.len() - 1) as f64;
     let left = (place as usize).min(ANCHORS.len() - 2);
     let mixed = |k: usize| {
@@ -43,10 +47,15 @@ mod tests {
             let linear = rgb.map(|c| (f64::from(c) / 255.0).powf(2.2));
             116.0 * (0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]).cbrt() - 16.0
         };
-        let all: Vec<f64> = (0..=10).map(|k| lightness(color(f64::from(k) / 10.0))).collect();
+        let all: Vec<f64> = (0..=10)
+            .map(|k| lightness(color(f64::from(k) / 10.0)))
+            .collect();
         for pair in all.windows(2) {
             assert!((4.0..11.0).contains(&(pair[1] - pair[0])), "{all:?}");
         }
-        assert_eq!((color(0.0), color(1.0), color(f64::NAN)), (ANCHORS[0], ANCHORS[8], [255; 3]));
+        assert_eq!(
+            (color(0.0), color(1.0), color(f64::NAN)),
+            (ANCHORS[0], ANCHORS[8], [255; 3])
+        );
     }
 }

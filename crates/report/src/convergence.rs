@@ -1,4 +1,5 @@
-//! How an iterative procedure converges: error and stuck share over the iterations, one column per axis.
+//! How an iterative procedure converges: error and stuck share over the iterations, one column per
+//! axis.
 
 use ndarray::Array2;
 
@@ -17,7 +18,11 @@ const ACROSS: f64 = 780.0;
 const COLUMN: (f64, f64) = (150.0, 260.0);
 /// Shares below this are drawn at it: a logarithmic axis has no zero.
 const LEAST: f64 = 1e-4;
-const LIMIT: Pen = Pen { color: "#666666", width: 1.2, dash: "8 4" };
+const LIMIT: Pen = Pen {
+    color: "#666666",
+    width: 1.2,
+    dash: "8 4",
+};
 
 /// What one procedure reached at each of its iterations.
 #[derive(Debug, Clone)]
@@ -30,9 +35,11 @@ pub struct Procedure {
     pub stuck: Option<Array2<f64>>,
 }
 
-/// Error in % on a logarithmic axis over the iterations, and below it the share of stuck time, one column per axis.
+/// Error in % on a logarithmic axis over the iterations, and below it the share of stuck time, one
+/// column per axis.
 ///
-/// Iterations count from 1, the one with the initial reference. `error_limits` and `stuck_limit` are shares, drawn as dashed lines.
+/// Iterations count from 1, the one with the initial reference. `error_limits` and `stuck_limit`
+/// are shares, drawn as dashed lines.
 ///
 /// # Errors
 /// [`ReportError`] if there are no procedures, or they differ in their number of axes from `axes`.
@@ -43,16 +50,38 @@ pub fn convergence(
     stuck_limit: Option<f64>,
 ) -> Result<Figure, ReportError> {
     if procedures.is_empty() || axes.is_empty() {
-        let missing = if axes.is_empty() { "axes" } else { "procedures" };
-        return Err(ReportError::Empty { figure: "a figure of convergence", missing });
+        let missing = if axes.is_empty() {
+            "axes"
+        } else {
+            "procedures"
+        };
+        return Err(ReportError::Empty {
+            figure: "a figure of convergence",
+            missing,
+        });
     }
-    for Procedure { label, error, stuck } in procedures {
+    for Procedure {
+        label,
+        error,
+        stuck,
+    } in procedures
+    {
         check::length(&format!("axes of \"{label}\""), error.ncols(), axes.len())?;
         if let Some(stuck) = stuck {
-            check::length(&format!("axes of the stuck share of \"{label}\""), stuck.ncols(), axes.len())?;
+            check::length(
+                &format!("axes of the stuck share of \"{label}\""),
+                stuck.ncols(),
+                axes.len(),
+            )?;
         }
     }
-    Ok(Sheet { procedures, axes, error_limits, stuck_limit }.draw())
+    Ok(Sheet {
+        procedures,
+        axes,
+        error_limits,
+        stuck_limit,
+    }
+    .draw())
 }
 
 struct Sheet<'a> {
@@ -65,25 +94,65 @@ struct Sheet<'a> {
 impl Sheet<'_> {
     fn draw(&self) -> Figure {
         let inks = marked_inks(self.procedures.len());
-        let limit = Ink { pen: Some(LIMIT), marker: None, color: LIMIT.color };
+        let limit = Ink {
+            pen: Some(LIMIT),
+            marker: None,
+            color: LIMIT.color,
+        };
         let width = (ACROSS / self.axes.len() as f64).clamp(COLUMN.0, COLUMN.1);
         let across = self.axes.len() as f64 * (width + GAP) - GAP;
-        let names = self.procedures.iter().map(|procedure| procedure.label.as_str()).zip(&inks);
+        let names = self
+            .procedures
+            .iter()
+            .map(|procedure| procedure.label.as_str())
+            .zip(&inks);
         let legend = Legend::new(names.chain([("limit", &limit)]), across);
         let top = 8.0 + legend.height() + TITLE;
-        let stuck = self.procedures.iter().any(|procedure| procedure.stuck.is_some());
+        let stuck = self
+            .procedures
+            .iter()
+            .any(|procedure| procedure.stuck.is_some());
         let below = if stuck { GAP + STUCK } else { 0.0 };
         let mut figure = Figure::new(LEFT + across + RIGHT, top + ERROR + below + BELOW);
         legend.draw(&mut figure, LEFT, 8.0);
         for (axis, name) in self.axes.iter().enumerate() {
             let left = LEFT + axis as f64 * (width + GAP);
-            figure.text((left + width / 2.0, top - 7.0), name, LABEL_SIZE, Align::Center);
-            let error = self.panel(Rect { x: left, y: top, width, height: ERROR }, self.error_axis());
-            self.curves(&mut figure, &error, &inks, self.error_limits, |p, k| p.error.get((k, axis)).copied());
-            let share = self.panel(Rect { x: left, y: top + ERROR + GAP, width, height: STUCK }, self.stuck_axis());
+            figure.text(
+                (left + width / 2.0, top - 7.0),
+                name,
+                LABEL_SIZE,
+                Align::Center,
+            );
+            let error = self.panel(
+                Rect {
+                    x: left,
+                    y: top,
+                    width,
+                    height: ERROR,
+                },
+                self.error_axis(),
+            );
+            self.curves(&mut figure, &error, &inks, self.error_limits, |p, k| {
+                p.error.get((k, axis)).copied()
+            });
+            let share = self.panel(
+                Rect {
+                    x: left,
+                    y: top + ERROR + GAP,
+                    width,
+                    height: STUCK,
+                },
+                self.stuck_axis(),
+            );
             if stuck {
                 let known = |p: &Procedure, k: usize| p.stuck.as_ref()?.get((k, axis)).copied();
-                self.curves(&mut figure, &share, &inks, self.stuck_limit.as_slice(), known);
+                self.curves(
+                    &mut figure,
+                    &share,
+                    &inks,
+                    self.stuck_limit.as_slice(),
+                    known,
+                );
             }
             if axis == 0 {
                 error.label_y(&mut figure, "Error in %");
@@ -97,21 +166,45 @@ impl Sheet<'_> {
     }
 
     fn panel(&self, rect: Rect, y: Axis) -> Panel {
-        let iterations = self.procedures.iter().map(|procedure| procedure.error.nrows()).max().unwrap_or(1);
-        Panel { rect, x: Axis::counts(1, iterations, rect.width), y }
+        let iterations = self
+            .procedures
+            .iter()
+            .map(|procedure| procedure.error.nrows())
+            .max()
+            .unwrap_or(1);
+        Panel {
+            rect,
+            x: Axis::counts(1, iterations, rect.width),
+            y,
+        }
     }
 
     /// One axis for the errors of all columns, in %.
     fn error_axis(&self) -> Axis {
-        let errors = self.procedures.iter().flat_map(|procedure| procedure.error.iter());
-        let all = errors.chain(self.error_limits).filter(|share| share.is_finite());
+        let errors = self
+            .procedures
+            .iter()
+            .flat_map(|procedure| procedure.error.iter());
+        let all = errors
+            .chain(self.error_limits)
+            .filter(|share| share.is_finite());
         Axis::upright_log(all.map(|share| 100.0 * share.max(LEAST)), ERROR)
     }
 
     /// One axis for the stuck shares of all columns, in %, from 0.
     fn stuck_axis(&self) -> Axis {
-        let shares = self.procedures.iter().filter_map(|procedure| procedure.stuck.as_ref()).flatten();
-        Axis::linear(shares.chain(&self.stuck_limit).chain(&[0.0]).map(|share| 100.0 * share), STUCK)
+        let shares = self
+            .procedures
+            .iter()
+            .filter_map(|procedure| procedure.stuck.as_ref())
+            .flatten();
+        Axis::linear(
+            shares
+                .chain(&self.stuck_limit)
+                .chain(&[0.0])
+                .map(|share| 100.0 * share),
+            STUCK,
+        )
     }
 
     /// One value of every procedure over the iterations, above its limits.
@@ -127,13 +220,28 @@ impl Sheet<'_> {
         panel.draw(figure, |figure| {
             for &limit in limits {
                 let (left, right) = (panel.x.value(0.0), panel.x.value(1.0));
-                let ink = Ink { pen: Some(LIMIT), marker: None, color: LIMIT.color };
-                panel.curve(figure, &[(left, percent(limit)), (right, percent(limit))], &ink);
+                let ink = Ink {
+                    pen: Some(LIMIT),
+                    marker: None,
+                    color: LIMIT.color,
+                };
+                panel.curve(
+                    figure,
+                    &[(left, percent(limit)), (right, percent(limit))],
+                    &ink,
+                );
             }
             for (procedure, ink) in self.procedures.iter().zip(inks) {
                 let values = (0..procedure.error.nrows()).map(|k| {
                     let value = share(procedure, k).unwrap_or(f64::NAN);
-                    ((k + 1) as f64, if value.is_finite() { percent(value) } else { f64::NAN })
+                    (
+                        (k + 1) as f64,
+                        if value.is_finite() {
+                            percent(value)
+                        } else {
+                            f64::NAN
+                        },
+                    )
                 });
                 panel.curve(figure, &values.collect::<Vec<_>>(), ink);
             }
@@ -145,5 +253,12 @@ impl Sheet<'_> {
 fn marked_inks(count: usize) -> Vec<Ink> {
     let markers = [Marker::Dot, Marker::Diamond, Marker::Square, Marker::Ring];
     let lines = inks(std::iter::repeat_n(Style::Line, count));
-    lines.into_iter().enumerate().map(|(k, ink)| Ink { marker: Some(markers[k % markers.len()]), ..ink }).collect()
+    lines
+        .into_iter()
+        .enumerate()
+        .map(|(k, ink)| Ink {
+            marker: Some(markers[k % markers.len()]),
+            ..ink
+        })
+        .collect()
 }

@@ -39,7 +39,8 @@ pub struct Curve<'a> {
     pub style: Style,
     /// What is shaded around it; nothing where that variance was not measured.
     pub band: Band,
-    /// Lines not to be trusted, one value per frequency: they are drawn as crosses. `None` where all are sound.
+    /// Lines not to be trusted, one value per frequency: they are drawn as crosses. `None` where
+    /// all are sound.
     pub flagged: Option<Vec<bool>>,
 }
 
@@ -67,13 +68,23 @@ impl Labels {
     pub fn torque_to_velocity(n_outputs: usize, n_inputs: usize) -> Self {
         let inputs = (1..=n_inputs).map(|k| format!("τ{k}")).collect();
         let outputs = (1..=n_outputs).map(|k| format!("dq{k}/dt")).collect();
-        Self { inputs, outputs, gain_unit: "rad/s per N m".to_owned() }
+        Self {
+            inputs,
+            outputs,
+            gain_unit: "rad/s per N m".to_owned(),
+        }
     }
 
     /// Title of one entry: `τ1 → dq2/dt`.
     pub(crate) fn entry(&self, output: usize, input: usize) -> String {
-        let name = |names: &[String], k: usize| names.get(k).cloned().unwrap_or_else(|| (k + 1).to_string());
-        format!("{} → {}", name(&self.inputs, input), name(&self.outputs, output))
+        let name = |names: &[String], k: usize| {
+            names.get(k).cloned().unwrap_or_else(|| (k + 1).to_string())
+        };
+        format!(
+            "{} → {}",
+            name(&self.inputs, input),
+            name(&self.outputs, output)
+        )
     }
 }
 
@@ -86,7 +97,8 @@ pub enum MarkShape {
     Cross,
 }
 
-/// A point of a matrix of Bode diagrams that is pointed out, in the colour of a curve: a peak, or where another entry has its.
+/// A point of a matrix of Bode diagrams that is pointed out, in the colour of a curve: a peak, or
+/// where another entry has its.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mark {
     /// Name in the legend; marks of one name share one entry, an empty name has none.
@@ -112,11 +124,16 @@ impl Mark {
             MarkShape::Circle => Marker::Circle,
             MarkShape::Cross => Marker::Cross,
         };
-        Ink { pen: None, marker: Some(marker), color: curves[self.curve].color }
+        Ink {
+            pen: None,
+            marker: Some(marker),
+            color: curves[self.curve].color,
+        }
     }
 }
 
-/// The ink of one curve, told apart by colour, dash and marker so that it survives a black-and-white printer.
+/// The ink of one curve, told apart by colour, dash and marker so that it survives a
+/// black-and-white printer.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Ink {
     pub pen: Option<Pen>,
@@ -129,57 +146,120 @@ pub(crate) const COLORS: [&str; 5] = ["#d55e00", "#0072b2", "#009e73", "#aa3377"
 const DASHES: [&str; 4] = ["", "7 3", "7 2 2 2", "2 2"];
 const MARKERS: [Marker; 4] = [Marker::Dot, Marker::Diamond, Marker::Square, Marker::Ring];
 
-/// One ink per style: each colour once, each dash once among the lines and each marker once among the markers, as far as
-/// they reach.
+/// One ink per style: each colour once, each dash once among the lines and each marker once among
+/// the markers, as far as they reach.
 pub(crate) fn inks(styles: impl Iterator<Item = Style>) -> Vec<Ink> {
     let (mut lines, mut markers) = (0, 0);
     let mut ink = |style| {
         let color = COLORS[(lines + markers) % COLORS.len()];
         match style {
-            Style::Reference => {
-                Ink { pen: Some(Pen { color: "#000000", width: 1.0, dash: "" }), marker: None, color: "#000000" }
-            }
+            Style::Reference => Ink {
+                pen: Some(Pen {
+                    color: "#000000",
+                    width: 1.0,
+                    dash: "",
+                }),
+                marker: None,
+                color: "#000000",
+            },
             Style::Line => {
                 lines += 1;
                 Ink {
-                    pen: Some(Pen { color, width: 1.8, dash: DASHES[(lines - 1) % DASHES.len()] }),
+                    pen: Some(Pen {
+                        color,
+                        width: 1.8,
+                        dash: DASHES[(lines - 1) % DASHES.len()],
+                    }),
                     marker: None,
                     color,
                 }
             }
             Style::Markers => {
                 markers += 1;
-                Ink { pen: None, marker: Some(MARKERS[(markers - 1) % MARKERS.len()]), color }
+                Ink {
+                    pen: None,
+                    marker: Some(MARKERS[(markers - 1) % MARKERS.len()]),
+                    color,
+                }
             }
         }
     };
     styles.map(&mut ink).collect()
 }
 
-/// Refuses no curves, curves of different sizes, labels that do not fit them, and frequencies a logarithmic axis cannot
-/// hold. Returns the number of outputs and inputs.
-pub(crate) fn check(figure: &'static str, curves: &[Curve], labels: &Labels) -> Result<(usize, usize), ReportError> {
-    let first = curves.first().ok_or(ReportError::Empty { figure, missing: "curves" })?.frf;
+/// Refuses no curves, curves of different sizes, labels that do not fit them, and frequencies a
+/// logarithmic axis cannot hold. Returns the number of outputs and inputs.
+pub(crate) fn check(
+    figure: &'static str,
+    curves: &[Curve],
+    labels: &Labels,
+) -> Result<(usize, usize), ReportError> {
+    let first = curves
+        .first()
+        .ok_or(ReportError::Empty {
+            figure,
+            missing: "curves",
+        })?
+        .frf;
     let (outputs, inputs) = (first.n_outputs(), first.n_inputs());
     let size = |what: String, found_outputs, found_inputs| {
         let fits = (found_outputs, found_inputs) == (outputs, inputs);
-        if fits { Ok(()) } else { Err(ReportError::Size { what, found_outputs, found_inputs, outputs, inputs }) }
+        if fits {
+            Ok(())
+        } else {
+            Err(ReportError::Size {
+                what,
+                found_outputs,
+                found_inputs,
+                outputs,
+                inputs,
+            })
+        }
     };
-    for Curve { label, frf, flagged, .. } in curves {
-        size(format!("curve \"{label}\""), frf.n_outputs(), frf.n_inputs())?;
+    for Curve {
+        label,
+        frf,
+        flagged,
+        ..
+    } in curves
+    {
+        size(
+            format!("curve \"{label}\""),
+            frf.n_outputs(),
+            frf.n_inputs(),
+        )?;
         frf.check()?;
         if let Some(flagged) = flagged {
-            check::length(&format!("flagged of curve \"{label}\""), flagged.len(), frf.n_frequencies())?;
+            check::length(
+                &format!("flagged of curve \"{label}\""),
+                flagged.len(),
+                frf.n_frequencies(),
+            )?;
         }
-        if let Some(&found) = frf.frequency_hz.iter().find(|hz| !(hz.is_finite() && **hz > 0.0)) {
+        if let Some(&found) = frf
+            .frequency_hz
+            .iter()
+            .find(|hz| !(hz.is_finite() && **hz > 0.0))
+        {
             let needed = "finite and above 0 (the frequency axis is logarithmic)";
-            return Err(ReportError::Value { what: format!("a frequency_hz of curve \"{label}\""), found, needed });
+            return Err(ReportError::Value {
+                what: format!("a frequency_hz of curve \"{label}\""),
+                found,
+                needed,
+            });
         }
     }
     if curves.iter().all(|curve| curve.frf.frequency_hz.is_empty()) {
-        return Err(ReportError::Empty { figure, missing: "frequencies" });
+        return Err(ReportError::Empty {
+            figure,
+            missing: "frequencies",
+        });
     }
-    size("the list of channel names".to_owned(), labels.outputs.len(), labels.inputs.len())?;
+    size(
+        "the list of channel names".to_owned(),
+        labels.outputs.len(),
+        labels.inputs.len(),
+    )?;
     Ok((outputs, inputs))
 }
 
@@ -189,23 +269,42 @@ pub(crate) fn check_marks(
     curves: &[Curve],
     (outputs, inputs): (usize, usize),
 ) -> Result<(), ReportError> {
-    for &Mark { curve, output, input, .. } in marks {
+    for &Mark {
+        curve,
+        output,
+        input,
+        ..
+    } in marks
+    {
         let found = curve as f64;
-        check::value("the curve of a mark", found, "the number of a curve, from 0", |_| curve < curves.len())?;
+        check::value(
+            "the curve of a mark",
+            found,
+            "the number of a curve, from 0",
+            |_| curve < curves.len(),
+        )?;
         if output >= outputs || input >= inputs {
             let curve = curves[curve].label.clone();
-            return Err(ReportError::NoSuchEntry { curve, outputs, inputs, output, input });
+            return Err(ReportError::NoSuchEntry {
+                curve,
+                outputs,
+                inputs,
+                output,
+                input,
+            });
         }
     }
     Ok(())
 }
 
-/// Radius of the 95 % region of an entry over the square root of its variance; `None` without degrees of freedom.
+/// Radius of the 95 % region of an entry over the square root of its variance; `None` without
+/// degrees of freedom.
 pub(crate) fn confidence_radius(known: &Uncertainty) -> Option<f64> {
     Some(known.confidence_factor_95().sqrt()).filter(|radius| radius.is_finite())
 }
 
-/// Radius of the 95 % region of one entry over frequency, for the band asked for; `None` where it was not measured.
+/// Radius of the 95 % region of one entry over frequency, for the band asked for; `None` where it
+/// was not measured.
 pub(crate) fn region(curve: &Curve, output: usize, input: usize) -> Option<Vec<f64>> {
     let (known, variance) = match curve.band {
         Band::None => return None,
@@ -213,7 +312,11 @@ pub(crate) fn region(curve: &Curve, output: usize, input: usize) -> Option<Vec<f
         Band::Total => (curve.frf.total.as_ref()?, curve.frf.total_variance()?),
     };
     let factor = confidence_radius(known)?;
-    Some((0..curve.frf.n_frequencies()).map(|k| factor * variance[[k, output, input]].max(0.0).sqrt()).collect())
+    Some(
+        (0..curve.frf.n_frequencies())
+            .map(|k| factor * variance[[k, output, input]].max(0.0).sqrt())
+            .collect(),
+    )
 }
 
 #[cfg(test)]
@@ -222,7 +325,16 @@ mod tests {
 
     #[test]
     fn inks_differ_in_colour_and_in_dash_or_marker() {
-        let inks = inks([Style::Reference, Style::Markers, Style::Line, Style::Markers, Style::Line].into_iter());
+        let inks = inks(
+            [
+                Style::Reference,
+                Style::Markers,
+                Style::Line,
+                Style::Markers,
+                Style::Line,
+            ]
+            .into_iter(),
+        );
         for (k, a) in inks.iter().enumerate() {
             for b in &inks[..k] {
                 let dash = |ink: &Ink| ink.pen.map(|pen| (pen.dash, pen.width.to_bits()));

@@ -2,12 +2,17 @@
 
 use crate::figure::Point;
 
-/// Cuts a polyline into its strokes. `pattern` holds the lengths of strokes and gaps in turn, in pixels, as in SVG
-/// ("6 3"); a pattern without positive lengths leaves the line whole.
+/// Cuts a polyline into its strokes. `pattern` holds the lengths of strokes and gaps in turn, in
+/// pixels, as in SVG ("6 3"); a pattern without positive lengths leaves the line whole.
 pub(crate) fn cut(points: &[Point], pattern: &str) -> Vec<Vec<Point>> {
-    let lengths: Vec<f64> =
-        pattern.split_whitespace().filter_map(|word| word.parse().ok()).filter(|&length| length > 0.0).collect();
-    let (Some(&first), Some(&start)) = (lengths.first(), points.first()) else { return vec![points.to_vec()] };
+    let lengths: Vec<f64> = pattern
+        .split_whitespace()
+        .filter_map(|word| word.parse().ok())
+        .filter(|&length| length > 0.0)
+        .collect();
+    let (Some(&first), Some(&start)) = (lengths.first(), points.first()) else {
+        return vec![points.to_vec()];
+    };
     let (mut strokes, mut stroke) = (Vec::new(), vec![start]);
     let (mut turn, mut left) = (0, first);
     for pair in points.windows(2) {
@@ -15,7 +20,10 @@ pub(crate) fn cut(points: &[Point], pattern: &str) -> Vec<Vec<Point>> {
         let mut rest = (to.0 - from.0).hypot(to.1 - from.1);
         while rest > left {
             let share = left / rest;
-            from = (from.0 + share * (to.0 - from.0), from.1 + share * (to.1 - from.1));
+            from = (
+                from.0 + share * (to.0 - from.0),
+                from.1 + share * (to.1 - from.1),
+            );
             rest -= left;
             if turn % 2 == 0 {
                 stroke.push(from);

@@ -32,7 +32,9 @@ pub enum ReportError {
         input: usize,
     },
     /// Curves or labels of different sizes in one figure.
-    #[error("{what} is {found_outputs} x {found_inputs} (outputs x inputs), the figure needs {outputs} x {inputs}")]
+    #[error(
+        "{what} is {found_outputs} x {found_inputs} (outputs x inputs), the figure needs {outputs} x {inputs}"
+    )]
     Size {
         /// What does not fit.
         what: String,

@@ -1,8 +1,10 @@
-//! A finished picture, as SVG or PNG. Only this module and `image` know the plotting library (kuva).
+//! A finished picture, as SVG or PNG. Only this module and `image` know the plotting library
+//! (kuva).
 //!
-//! We draw axes, curves and legends ourselves and use kuva as paper: its primitives, its SVG writer and its rasteriser with
-//! the DejaVu font built in, so that both outputs come from one list of shapes and no system font is needed. Its ready-made
-//! plots do not offer what a Bode diagram needs (an axis that ends at the band, 45 degree ticks, panels that share axes).
+//! We draw axes, curves and legends ourselves and use kuva as paper: its primitives, its SVG writer
+//! and its rasteriser with the DejaVu font built in, so that both outputs come from one list of
+//! shapes and no system font is needed. Its ready-made plots do not offer what a Bode diagram needs
+//! (an axis that ends at the band, 45 degree ticks, panels that share axes).
 
 use kuva::backend::raster::RasterBackend;
 use kuva::backend::svg::SvgBackend;
@@ -30,7 +32,8 @@ pub(crate) struct Rect {
     pub height: f64,
 }
 
-/// How a line is stroked: `dash` holds the lengths of strokes and gaps in pixels ("6 3"), empty for a solid line.
+/// How a line is stroked: `dash` holds the lengths of strokes and gaps in pixels ("6 3"), empty for
+/// a solid line.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Pen {
     pub color: &'static str,
@@ -59,7 +62,8 @@ pub(crate) enum Align {
 
 /// A picture: vector graphics in memory, written by [`Figure::svg`] and [`Figure::png`].
 ///
-/// The same inputs give the same bytes. The background is white, so the picture also reads on a dark page.
+/// The same inputs give the same bytes. The background is white, so the picture also reads on a
+/// dark page.
 #[derive(Debug, Clone)]
 pub struct Figure {
     width: f64,
@@ -78,7 +82,12 @@ enum Shape {
 impl Figure {
     /// A white sheet, in CSS pixels.
     pub(crate) fn new(width: f64, height: f64) -> Self {
-        Self { width, height, shapes: Vec::new(), clip_rects: Vec::new() }
+        Self {
+            width,
+            height,
+            shapes: Vec::new(),
+            clip_rects: Vec::new(),
+        }
     }
 
     /// Height in CSS pixels.
@@ -102,33 +111,49 @@ impl Figure {
         }
         let svg = SvgBackend::new().render_scene(&self.scene(shapes, patterns));
         // Without a viewBox an SVG does not scale with the page it is put on.
-        svg.replacen("<svg ", &format!("<svg viewBox=\"0 0 {} {}\" ", self.width, self.height), 1)
+        svg.replacen(
+            "<svg ",
+            &format!("<svg viewBox=\"0 0 {} {}\" ", self.width, self.height),
+            1,
+        )
     }
 
-    /// The picture as a PNG file, `scale` pixels per CSS pixel (2 is right for screens, 4 for print).
+    /// The picture as a PNG file, `scale` pixels per CSS pixel (2 is right for screens, 4 for
+    /// print).
     ///
     /// # Errors
-    /// [`ReportError::Value`] if `scale` is not above zero or gives more than 128 million pixels, [`ReportError::Png`].
+    /// [`ReportError::Value`] if `scale` is not above zero or gives more than 128 million pixels,
+    /// [`ReportError::Png`].
     pub fn png(&self, scale: f64) -> Result<Vec<u8>, ReportError> {
         let pixels = self.width * self.height * scale * scale;
         if !(scale > 0.0 && pixels <= MOST_PIXELS) {
             let needed = "above 0 and at most 128 million pixels in the picture";
-            return Err(ReportError::Value { what: "PNG scale".to_owned(), found: scale, needed });
+            return Err(ReportError::Value {
+                what: "PNG scale".to_owned(),
+                found: scale,
+                needed,
+            });
         }
-        // kuva's rasteriser begins the dash pattern anew at every point, so dense dashed curves would come out solid.
+        // kuva's rasteriser begins the dash pattern anew at every point, so dense dashed curves
+        // would come out solid.
         let plain = |shape: &Shape| match shape {
             Shape::Plain(primitive) => cut_dashes(primitive),
             Shape::Image(image) => vec![image.cells()],
         };
         let scene = self.scene(self.shapes.iter().flat_map(plain).collect(), Vec::new());
-        RasterBackend::new().with_scale(scale as f32).render_scene(&scene).map_err(ReportError::Png)
+        RasterBackend::new()
+            .with_scale(scale as f32)
+            .render_scene(&scene)
+            .map_err(ReportError::Png)
     }
 
     fn scene(&self, shapes: Vec<Primitive>, patterns: Vec<String>) -> Scene {
         let mut scene = Scene::new(self.width, self.height);
         scene.font_family = Some("Arial, Helvetica, DejaVu Sans, sans-serif".to_owned());
         let clips = self.clip_rects.iter().enumerate();
-        scene.defs = clips.map(|(k, rect)| format!("<clipPath id=\"clip{k}\">{rect}</clipPath>")).collect();
+        scene.defs = clips
+            .map(|(k, rect)| format!("<clipPath id=\"clip{k}\">{rect}</clipPath>"))
+            .collect();
         scene.defs.extend(patterns);
         scene.elements = shapes;
         scene
@@ -139,14 +164,24 @@ impl Figure {
         if points.len() > 1 {
             let stroke_dasharray = (!pen.dash.is_empty()).then(|| pen.dash.to_owned());
             let stroke = Color::from(pen.color);
-            self.push(Primitive::PolyLine { points, stroke, stroke_width: pen.width, stroke_dasharray });
+            self.push(Primitive::PolyLine {
+                points,
+                stroke,
+                stroke_width: pen.width,
+                stroke_dasharray,
+            });
         }
     }
 
     /// A filled area without an outline.
     pub(crate) fn area(&mut self, outline: &[Point], color: &str, opacity: f64) {
         if outline.len() > 2 {
-            self.push(path(outline, Some(Color::from(color)), Color::None, Some(opacity)));
+            self.push(path(
+                outline,
+                Some(Color::from(color)),
+                Color::None,
+                Some(opacity),
+            ));
         }
     }
 
@@ -169,17 +204,32 @@ impl Figure {
             Marker::Circle => self.push(circle(Color::None, Some(ink))),
             Marker::Square => {
                 let r = 0.85 * radius;
-                let corners = [(x - r, y - r), (x + r, y - r), (x + r, y + r), (x - r, y + r)];
+                let corners = [
+                    (x - r, y - r),
+                    (x + r, y - r),
+                    (x + r, y + r),
+                    (x - r, y + r),
+                ];
                 self.push(path(&corners, Some(ink), Color::None, None));
             }
             Marker::Diamond => {
                 let r = 1.2 * radius;
-                self.push(path(&[(x - r, y), (x, y - r), (x + r, y), (x, y + r)], Some(white()), ink, None));
+                self.push(path(
+                    &[(x - r, y), (x, y - r), (x + r, y), (x, y + r)],
+                    Some(white()),
+                    ink,
+                    None,
+                ));
             }
             Marker::Cross => {
                 for (dx, dy) in [(radius, radius), (radius, -radius)] {
                     let (points, stroke) = (vec![(x - dx, y - dy), (x + dx, y + dy)], ink.clone());
-                    self.push(Primitive::PolyLine { points, stroke, stroke_width: OUTLINE, stroke_dasharray: None });
+                    self.push(Primitive::PolyLine {
+                        points,
+                        stroke,
+                        stroke_width: OUTLINE,
+                        stroke_dasharray: None,
+                    });
                 }
             }
         }
@@ -195,7 +245,8 @@ impl Figure {
         size: (usize, usize),
         color: impl Fn(usize, usize) -> Rgb,
     ) -> Result<(), ReportError> {
-        self.shapes.push(Shape::Image(Image::new(rect, size, color)?));
+        self.shapes
+            .push(Shape::Image(Image::new(rect, size, color)?));
         Ok(())
     }
 
@@ -209,14 +260,30 @@ impl Figure {
         self.push_text(at, text, size, Align::Center, Some(-90.0));
     }
 
-    fn push_text(&mut self, (x, y): Point, text: &str, size: u32, align: Align, rotate: Option<f64>) {
+    fn push_text(
+        &mut self,
+        (x, y): Point,
+        text: &str,
+        size: u32,
+        align: Align,
+        rotate: Option<f64>,
+    ) {
         let anchor = match align {
             Align::Left => TextAnchor::Start,
             Align::Center => TextAnchor::Middle,
             Align::Right => TextAnchor::End,
         };
         let color = Some(Color::from("#000000"));
-        self.push(Primitive::Text { x, y, content: printable(text), size, anchor, rotate, bold: false, color });
+        self.push(Primitive::Text {
+            x,
+            y,
+            content: printable(text),
+            size,
+            anchor,
+            rotate,
+            bold: false,
+            color,
+        });
     }
 
     fn push(&mut self, shape: Primitive) {
@@ -225,14 +292,31 @@ impl Figure {
 
     /// Draws `content` clipped to the rectangle.
     pub(crate) fn clipped(&mut self, rect: Rect, content: impl FnOnce(&mut Self)) {
-        let Rect { x, y, width, height } = rect;
-        let shape = format!("<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\"/>");
-        let number = self.clip_rects.iter().position(|known| *known == shape).unwrap_or_else(|| {
-            self.clip_rects.push(shape);
-            self.clip_rects.len() - 1
-        });
+        let Rect {
+            x,
+            y,
+            width,
+            height,
+        } = rect;
+        let shape = format!(
+            "<rect x=\"{x:.2}\" y=\"{y:.2}\" width=\"{width:.2}\" height=\"{height:.2}\"/>"
+        );
+        let number = self
+            .clip_rects
+            .iter()
+            .position(|known| *known == shape)
+            .unwrap_or_else(|| {
+                self.clip_rects.push(shape);
+                self.clip_rects.len() - 1
+            });
         let id = format!("clip{number}");
-        self.push(Primitive::ClipStart { x, y, width, height, id });
+        self.push(Primitive::ClipStart {
+            x,
+            y,
+            width,
+            height,
+            id,
+        });
         content(self);
         self.push(Primitive::ClipEnd);
     }
@@ -242,34 +326,54 @@ impl Figure {
 fn path(outline: &[Point], fill: Option<Color>, stroke: Color, opacity: Option<f64>) -> Primitive {
     let mut d = String::new();
     for (k, (x, y)) in outline.iter().enumerate() {
-        d.push_str(&format!("{} {x:.2} {y:.2} ", if k == 0 { 'M' } else { 'L' }));
+        d.push_str(&format!(
+            "{} {x:.2} {y:.2} ",
+            if k == 0 { 'M' } else { 'L' }
+        ));
     }
     d.push('Z');
-    let stroke_width = if matches!(stroke, Color::None) { 0.0 } else { OUTLINE };
-    Primitive::Path(Box::new(PathData { d, fill, stroke, stroke_width, opacity, stroke_dasharray: None }))
+    let stroke_width = if matches!(stroke, Color::None) {
+        0.0
+    } else {
+        OUTLINE
+    };
+    Primitive::Path(Box::new(PathData {
+        d,
+        fill,
+        stroke,
+        stroke_width,
+        opacity,
+        stroke_dasharray: None,
+    }))
 }
 
-/// Text as XML can hold it, taken literally: control characters are replaced, and dollars escaped, which kuva would read as
-/// mathematics.
+/// Text as XML can hold it, taken literally: control characters are replaced, and dollars escaped,
+/// which kuva would read as mathematics.
 fn printable(text: &str) -> String {
     let legal = |c: char| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}');
-    text.chars().map(|c| if legal(c) { c } else { '\u{fffd}' }).collect::<String>().replace('$', "\\$")
+    text.chars()
+        .map(|c| if legal(c) { c } else { '\u{fffd}' })
+        .collect::<String>()
+        .replace('$', "\\$")
 }
 
 /// A dashed line as its strokes, anything else as it is.
 fn cut_dashes(shape: &Primitive) -> Vec<Primitive> {
     match shape {
-        Primitive::PolyLine { points, stroke, stroke_width, stroke_dasharray: Some(pattern) } => {
-            dash::cut(points, pattern)
-                .into_iter()
-                .map(|points| Primitive::PolyLine {
-                    points,
-                    stroke: stroke.clone(),
-                    stroke_width: *stroke_width,
-                    stroke_dasharray: None,
-                })
-                .collect()
-        }
+        Primitive::PolyLine {
+            points,
+            stroke,
+            stroke_width,
+            stroke_dasharray: Some(pattern),
+        } => dash::cut(points, pattern)
+            .into_iter()
+            .map(|points| Primitive::PolyLine {
+                points,
+                stroke: stroke.clone(),
+                stroke_width: *stroke_width,
+                stroke_dasharray: None,
+            })
+            .collect(),
         other => vec![other.clone()],
     }
 }

@@ -3,7 +3,11 @@
 /// A section, or nothing where there is nothing to show. `title` is plain text.
 pub(crate) fn section(title: &str, content: &str) -> String {
     let title = escaped(title);
-    if content.is_empty() { String::new() } else { format!("<section>\n<h2>{title}</h2>\n{content}</section>\n") }
+    if content.is_empty() {
+        String::new()
+    } else {
+        format!("<section>\n<h2>{title}</h2>\n{content}</section>\n")
+    }
 }
 
 /// A table, or nothing without rows. Columns are plain text; rows come from [`table_row`].
@@ -12,20 +16,34 @@ pub(crate) fn table(columns: &[&str], rows: impl Iterator<Item = String>) -> Str
     if rows.is_empty() {
         return String::new();
     }
-    let head: String = columns.iter().map(|name| format!("<th scope=\"col\">{}</th>", escaped(name))).collect();
-    let head = if head.is_empty() { head } else { format!("<thead><tr>{head}</tr></thead>\n") };
+    let head: String = columns
+        .iter()
+        .map(|name| format!("<th scope=\"col\">{}</th>", escaped(name)))
+        .collect();
+    let head = if head.is_empty() {
+        head
+    } else {
+        format!("<thead><tr>{head}</tr></thead>\n")
+    };
     format!("<div class=\"scroll\"><table>\n{head}<tbody>\n{rows}</tbody></table></div>\n")
 }
 
 /// A row of a table: its name as plain text, its cells as HTML.
 pub(crate) fn table_row(name: &str, cells: &[String]) -> String {
-    let cells: String = cells.iter().map(|cell| format!("<td>{cell}</td>")).collect();
+    let cells: String = cells
+        .iter()
+        .map(|cell| format!("<td>{cell}</td>"))
+        .collect();
     format!("<tr><th scope=\"row\">{}</th>{cells}</tr>\n", escaped(name))
 }
 
 /// Good or bad news in a word, told apart by sign as well as colour.
 pub(crate) fn badge(good: bool, yes: &str, no: &str) -> String {
-    let (class, sign, word) = if good { ("good", '✓', yes) } else { ("bad", '✗', no) };
+    let (class, sign, word) = if good {
+        ("good", '✓', yes)
+    } else {
+        ("bad", '✗', no)
+    };
     format!("<span class=\"{class}\">{sign} {word}</span>")
 }
 
@@ -46,7 +64,8 @@ pub(crate) fn escaped(text: &str) -> String {
     safe
 }
 
-/// Puts values into the `{{places}}` of a template, in one pass: braces in the values stay as they are.
+/// Puts values into the `{{places}}` of a template, in one pass: braces in the values stay as they
+/// are.
 pub(crate) fn filled(template: &str, value: impl Fn(&str) -> String) -> String {
     let mut pieces = template.split("{{");
     let mut text = pieces.next().unwrap_or_default().to_owned();

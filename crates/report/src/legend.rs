@@ -19,8 +19,15 @@ impl<'a> Legend<'a> {
     /// Puts the entries into as many columns as `width` pixels hold.
     pub fn new(entries: impl Iterator<Item = (&'a str, &'a Ink)>, width: f64) -> Self {
         let entries: Vec<_> = entries.filter(|(label, _)| !label.is_empty()).collect();
-        let column = entries.iter().map(|(label, _)| entry_width(label)).fold(1.0, f64::max);
-        Self { entries, column, columns: ((width + GAP) / column).floor().max(1.0) as usize }
+        let column = entries
+            .iter()
+            .map(|(label, _)| entry_width(label))
+            .fold(1.0, f64::max);
+        Self {
+            entries,
+            column,
+            columns: ((width + GAP) / column).floor().max(1.0) as usize,
+        }
     }
 
     /// Height of all rows in pixels.

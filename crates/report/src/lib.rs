@@ -1,7 +1,7 @@
 //! Figures and the HTML report.
 //!
-//! Plain structs go in, pictures ([`Figure`]: SVG and PNG) and one self-contained HTML page come out. Nothing here reads or
-//! writes files; the same inputs give the same bytes.
+//! Plain structs go in, pictures ([`Figure`]: SVG and PNG) and one self-contained HTML page come
+//! out. Nothing here reads or writes files; the same inputs give the same bytes.
 
 mod axis;
 mod bode;

@@ -15,9 +15,21 @@ pub(crate) const LABEL_SIZE: u32 = 13;
 /// Length of a tick in pixels.
 pub(crate) const TICK: f64 = 3.0;
 
-const GRID: Pen = Pen { color: "#c8c8c8", width: 0.8, dash: "" };
-const FINE_GRID: Pen = Pen { color: "#e8e8e8", width: 0.6, dash: "" };
-pub(crate) const FRAME: Pen = Pen { color: "#000000", width: 1.0, dash: "" };
+const GRID: Pen = Pen {
+    color: "#c8c8c8",
+    width: 0.8,
+    dash: "",
+};
+const FINE_GRID: Pen = Pen {
+    color: "#e8e8e8",
+    width: 0.6,
+    dash: "",
+};
+pub(crate) const FRAME: Pen = Pen {
+    color: "#000000",
+    width: 1.0,
+    dash: "",
+};
 
 /// A rectangle of the picture with a horizontal and a vertical axis.
 pub(crate) struct Panel {
@@ -27,24 +39,47 @@ pub(crate) struct Panel {
 }
 
 impl Panel {
-    /// Draws grid, curves and frame, in this order: markers may reach over the frame, lines are clipped.
+    /// Draws grid, curves and frame, in this order: markers may reach over the frame, lines are
+    /// clipped.
     pub fn draw(&self, figure: &mut Figure, curves: impl FnOnce(&mut Figure)) {
         self.grid(figure, self.x.minor.iter(), self.y.minor.iter(), FINE_GRID);
-        self.grid(figure, self.x.ticks.iter().map(|(x, _)| x), self.y.ticks.iter().map(|(y, _)| y), GRID);
+        self.grid(
+            figure,
+            self.x.ticks.iter().map(|(x, _)| x),
+            self.y.ticks.iter().map(|(y, _)| y),
+            GRID,
+        );
         curves(figure);
         self.frame(figure);
     }
 
     /// Draws the frame.
     pub fn frame(&self, figure: &mut Figure) {
-        let Rect { x, y, width, height } = self.rect;
-        let corners = vec![(x, y), (x + width, y), (x + width, y + height), (x, y + height), (x, y)];
+        let Rect {
+            x,
+            y,
+            width,
+            height,
+        } = self.rect;
+        let corners = vec![
+            (x, y),
+            (x + width, y),
+            (x + width, y + height),
+            (x, y + height),
+            (x, y),
+        ];
         figure.line(corners, FRAME);
     }
 
-    /// Draws short strokes outside the frame at the labelled values, for panels that hide their grid.
+    /// Draws short strokes outside the frame at the labelled values, for panels that hide their
+    /// grid.
     pub fn ticks(&self, figure: &mut Figure) {
-        let Rect { x: left, y: top, width, height } = self.rect;
+        let Rect {
+            x: left,
+            y: top,
+            width,
+            height,
+        } = self.rect;
         for (value, _) in &self.x.ticks {
             let x = left + width * self.x.share(*value);
             figure.line(vec![(x, top + height), (x, top + height + TICK)], FRAME);
@@ -59,9 +94,19 @@ impl Panel {
     pub fn label_x(&self, figure: &mut Figure, label: &str) {
         let below = self.rect.y + self.rect.height;
         for (value, text) in &self.x.ticks {
-            figure.text((self.at(*value, 0.0).0, below + 16.0), text, TICK_SIZE, Align::Center);
+            figure.text(
+                (self.at(*value, 0.0).0, below + 16.0),
+                text,
+                TICK_SIZE,
+                Align::Center,
+            );
         }
-        figure.text((self.rect.x + self.rect.width / 2.0, below + 36.0), label, LABEL_SIZE, Align::Center);
+        figure.text(
+            (self.rect.x + self.rect.width / 2.0, below + 36.0),
+            label,
+            LABEL_SIZE,
+            Align::Center,
+        );
     }
 
     /// Writes the tick labels and the label to the left of the panel.
@@ -70,7 +115,11 @@ impl Panel {
             let y = self.rect.y + self.rect.height * (1.0 - self.y.share(*value));
             figure.text((self.rect.x - 6.0, y + 4.0), text, TICK_SIZE, Align::Right);
         }
-        figure.upward_text((self.rect.x - 54.0, self.rect.y + self.rect.height / 2.0), label, LABEL_SIZE);
+        figure.upward_text(
+            (self.rect.x - 54.0, self.rect.y + self.rect.height / 2.0),
+            label,
+            LABEL_SIZE,
+        );
     }
 
     /// Draws a curve through finite values, with line, markers or both.
@@ -83,7 +132,9 @@ impl Panel {
             });
         }
         let radius = (0.5 * self.rect.width / values.len().max(1) as f64).clamp(1.3, 2.6);
-        values.iter().for_each(|&point| self.mark(figure, point, ink, radius));
+        values
+            .iter()
+            .for_each(|&point| self.mark(figure, point, ink, radius));
     }
 
     /// Draws one marker of the given radius, if the panel holds the point.
@@ -104,10 +155,19 @@ impl Panel {
         figure.clipped(self.rect, |figure| figure.area(&outline, color, 0.22));
     }
 
-    /// Where a pair of values lies in the picture; far outside the panel it is brought near its edge.
+    /// Where a pair of values lies in the picture; far outside the panel it is brought near its
+    /// edge.
     pub fn at(&self, x: f64, y: f64) -> Point {
-        let Rect { x: left, y: top, width, height } = self.rect;
-        (left + width * self.x.share(x).clamp(-2.0, 3.0), top + height * (1.0 - self.y.share(y).clamp(-2.0, 3.0)))
+        let Rect {
+            x: left,
+            y: top,
+            width,
+            height,
+        } = self.rect;
+        (
+            left + width * self.x.share(x).clamp(-2.0, 3.0),
+            top + height * (1.0 - self.y.share(y).clamp(-2.0, 3.0)),
+        )
     }
 
     fn grid<'a>(
@@ -117,7 +177,12 @@ impl Panel {
         ys: impl Iterator<Item = &'a f64>,
         pen: Pen,
     ) {
-        let Rect { x: left, y: top, width, height } = self.rect;
+        let Rect {
+            x: left,
+            y: top,
+            width,
+            height,
+        } = self.rect;
         for &value in xs {
             let x = left + width * self.x.share(value);
             figure.line(vec![(x, top), (x, top + height)], pen);
@@ -129,13 +194,17 @@ impl Panel {
     }
 }
 
-/// A polyline that runs to the right, without the points nobody sees: of all points within half a pixel the first, lowest,
-/// highest and last are kept, and of these the ones more than a tenth of a pixel off the line between their neighbours.
+/// A polyline that runs to the right, without the points nobody sees: of all points within half a
+/// pixel the first, lowest, highest and last are kept, and of these the ones more than a tenth of a
+/// pixel off the line between their neighbours.
 fn thinned(points: impl Iterator<Item = Point>) -> Vec<Point> {
     let mut kept: Vec<Point> = Vec::new();
     let mut column: Vec<Point> = Vec::new();
     for point in points {
-        if column.first().is_some_and(|first| (point.0 - first.0).abs() >= 0.5) {
+        if column
+            .first()
+            .is_some_and(|first| (point.0 - first.0).abs() >= 0.5)
+        {
             kept.append(&mut outline(&column));
             column.clear();
         }
@@ -145,9 +214,12 @@ fn thinned(points: impl Iterator<Item = Point>) -> Vec<Point> {
     straightened(&kept)
 }
 
-/// Drops points while one straight line passes within a tenth of a pixel, measured vertically, of all that were dropped.
+/// Drops points while one straight line passes within a tenth of a pixel, measured vertically, of
+/// all that were dropped.
 fn straightened(points: &[Point]) -> Vec<Point> {
-    let Some((&first, rest)) = points.split_first() else { return Vec::new() };
+    let Some((&first, rest)) = points.split_first() else {
+        return Vec::new();
+    };
     let (mut kept, mut anchor, mut last) = (vec![first], first, first);
     let (mut least, mut most) = (f64::NEG_INFINITY, f64::INFINITY);
     for &point in rest {
@@ -159,7 +231,11 @@ fn straightened(points: &[Point]) -> Vec<Point> {
         (least, most) = (least.max(slope(anchor, -0.1)), most.min(slope(anchor, 0.1)));
         last = point;
     }
-    if rest.is_empty() { kept } else { [kept, vec![last]].concat() }
+    if rest.is_empty() {
+        kept
+    } else {
+        [kept, vec![last]].concat()
+    }
 }
 
 /// First, lowest, highest and last of the points of a column, in their order.
@@ -190,7 +266,10 @@ mod tests {
 
     #[test]
     fn what_is_dropped_lies_within_a_tenth_of_a_pixel() {
-        let curve: Vec<Point> = (0..500).map(f64::from).map(|x| (x, 100.0 * (x / 40.0).sin())).collect();
+        let curve: Vec<Point> = (0..500)
+            .map(f64::from)
+            .map(|x| (x, 100.0 * (x / 40.0).sin()))
+            .collect();
         let kept = thinned(curve.iter().copied());
         assert!(kept.len() < 250, "{}", kept.len());
         for &(x, y) in &curve {

@@ -31,6 +31,9 @@ pub fn paper_report(parts: Vec<Part<'_>>, claims: Vec<Claim>) -> Report<'_> {
         claims,
         checks: Vec::new(),
         parts,
-        provenance: vec![("frfid".into(), env!("CARGO_PKG_VERSION").into()), ("source".into(), source.into())],
+        provenance: vec![
+            ("frfid".into(), env!("CARGO_PKG_VERSION").into()),
+            ("source".into(), source.into()),
+        ],
     }
 }

@@ -36,29 +36,55 @@ pub struct Part<'a> {
 impl Part<'_> {
     /// The part as HTML.
     pub(crate) fn html(&self) -> String {
-        let notes: String = self.notes.iter().map(|note| format!("<p>{}</p>\n", escaped(note))).collect();
+        let notes: String = self
+            .notes
+            .iter()
+            .map(|note| format!("<p>{}</p>\n", escaped(note)))
+            .collect();
         let tables: String = self.tables.iter().map(table_html).collect();
-        let responses = self.responses.as_ref().map(responses_html).unwrap_or_default();
-        let figures: String = self.figures.iter().map(|(caption, figure)| figure_html(caption, figure)).collect();
+        let responses = self
+            .responses
+            .as_ref()
+            .map(responses_html)
+            .unwrap_or_default();
+        let figures: String = self
+            .figures
+            .iter()
+            .map(|(caption, figure)| figure_html(caption, figure))
+            .collect();
         section(&self.title, &[notes, tables, responses, figures].concat())
     }
 }
 
 fn table_html(content: &Table) -> String {
     let columns: Vec<&str> = content.columns.iter().map(String::as_str).collect();
-    let rows = content
-        .rows
-        .iter()
-        .map(|(name, cells)| table_row(name, &cells.iter().map(|cell| escaped(cell)).collect::<Vec<_>>()));
-    format!("<h3>{}</h3>\n{}", escaped(&content.title), table(&columns, rows))
+    let rows = content.rows.iter().map(|(name, cells)| {
+        table_row(
+            name,
+            &cells.iter().map(|cell| escaped(cell)).collect::<Vec<_>>(),
+        )
+    });
+    format!(
+        "<h3>{}</h3>\n{}",
+        escaped(&content.title),
+        table(&columns, rows)
+    )
 }
 
 fn responses_html(responses: &Responses) -> String {
-    let (title, unit) = (escaped(&responses.title), escaped(&responses.labels.gain_unit));
-    format!(include_str!("page/responses.html"), title = title, unit = unit)
+    let (title, unit) = (
+        escaped(&responses.title),
+        escaped(&responses.labels.gain_unit),
+    );
+    format!(
+        include_str!("page/responses.html"),
+        title = title,
+        unit = unit
+    )
 }
 
-/// A picture as an image: it cannot run scripts, and the ids inside one cannot meet those of another.
+/// A picture as an image: it cannot run scripts, and the ids inside one cannot meet those of
+/// another.
 fn figure_html(caption: &str, figure: &Figure) -> String {
     let (image, caption) = (STANDARD.encode(figure.svg()), escaped(caption));
     format!(

@@ -1,4 +1,5 @@
-//! The numbers of a report as its script reads them: JSON, arrays as base64 of little-endian float32.
+//! The numbers of a report as its script reads them: JSON, arrays as base64 of little-endian
+//! float32.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
@@ -16,7 +17,8 @@ struct Payload<'a> {
     curves: Vec<CurveData<'a>>,
 }
 
-/// One FRF; arrays are `(frequency, output, input)` in C order, absent where a variance was not measured.
+/// One FRF; arrays are `(frequency, output, input)` in C order, absent where a variance was not
+/// measured.
 #[derive(Serialize)]
 struct CurveData<'a> {
     label: &'a str,
@@ -32,16 +34,23 @@ struct CurveData<'a> {
     flagged: Option<&'a [bool]>,
 }
 
-/// The data block of a page, a list with one part per diagram, safe inside `<script type="application/json">`.
+/// The data block of a page, a list with one part per diagram, safe inside
+/// `<script type="application/json">`.
 pub(crate) fn json(all: &[&Responses]) -> String {
     let payloads: Vec<Payload> = all.iter().map(|responses| payload(responses)).collect();
-    let text = serde_json::to_string(&payloads).expect("strings and finite numbers always make JSON");
-    // A script block ends at "</script" and may be misread at "<!--", wherever they stand: no "<" is let through.
+    let text =
+        serde_json::to_string(&payloads).expect("strings and finite numbers always make JSON");
+    // A script block ends at "</script" and may be misread at "<!--", wherever they stand: no "<"
+    // is let through.
     text.replace('<', "\\u003c")
 }
 
 fn payload<'a>(Responses { curves, labels, .. }: &'a Responses) -> Payload<'a> {
-    Payload { inputs: &labels.inputs, outputs: &labels.outputs, curves: curves.iter().map(curve_data).collect() }
+    Payload {
+        inputs: &labels.inputs,
+        outputs: &labels.outputs,
+        curves: curves.iter().map(curve_data).collect(),
+    }
 }
 
 fn curve_data<'a>(curve: &'a Curve) -> CurveData<'a> {
@@ -71,5 +80,9 @@ fn deviation(variance: Array3<f64>) -> String {
 }
 
 fn float32(values: impl Iterator<Item = f64>) -> String {
-    STANDARD.encode(values.flat_map(|value| (value as f32).to_le_bytes()).collect::<Vec<u8>>())
+    STANDARD.encode(
+        values
+            .flat_map(|value| (value as f32).to_le_bytes())
+            .collect::<Vec<u8>>(),
+    )
 }

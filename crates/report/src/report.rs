@@ -40,13 +40,18 @@ pub struct Report<'a> {
 impl<'a> Report<'a> {
     /// The report as a self-contained HTML page.
     ///
-    /// The page loads nothing and, by its content security policy, could not; its tables and figures also work without
-    /// scripts. Every string is shown as text, whatever it holds.
+    /// The page loads nothing and, by its content security policy, could not; its tables and
+    /// figures also work without scripts. Every string is shown as text, whatever it holds.
     ///
     /// # Errors
-    /// [`ReportError`] if the curves of a part differ in size, their labels do not fit, or a frequency is not above zero.
+    /// [`ReportError`] if the curves of a part differ in size, their labels do not fit, or a
+    /// frequency is not above zero.
     pub fn html(&self) -> Result<String, ReportError> {
-        let responses: Vec<&Responses<'a>> = self.parts.iter().filter_map(|part| part.responses.as_ref()).collect();
+        let responses: Vec<&Responses<'a>> = self
+            .parts
+            .iter()
+            .filter_map(|part| part.responses.as_ref())
+            .collect();
         for Responses { curves, labels, .. } in &responses {
             curve::check("the report", curves, labels)?;
         }
@@ -74,20 +79,38 @@ impl<'a> Report<'a> {
         let mut count = |all: usize, good: usize, what: &str| {
             if all > 0 {
                 let class = if all == good { "good" } else { "bad" };
-                text.push_str(&format!("<p><span class=\"{class}\">{good} of {all}</span> {what}</p>\n"));
+                text.push_str(&format!(
+                    "<p><span class=\"{class}\">{good} of {all}</span> {what}</p>\n"
+                ));
             }
         };
-        count(self.claims.len(), self.claims.iter().filter(|row| row.holds).count(), "claims of the paper hold");
-        count(self.checks.len(), self.checks.iter().filter(|row| row.passed).count(), "checks passed");
+        count(
+            self.claims.len(),
+            self.claims.iter().filter(|row| row.holds).count(),
+            "claims of the paper hold",
+        );
+        count(
+            self.checks.len(),
+            self.checks.iter().filter(|row| row.passed).count(),
+            "checks passed",
+        );
         text
     }
 
     fn claims(&self) -> String {
         let rows = self.claims.iter().map(|row| {
             let verdict = badge(row.holds, "holds", "does not hold");
-            table_row(&format!("{} {}", row.id, row.statement), &[escaped(row.expected), escaped(&row.found), verdict])
+            table_row(
+                &format!("{} {}", row.id, row.statement),
+                &[escaped(row.expected), escaped(&row.found), verdict],
+            )
         });
-        let columns = ["Claim", "Expected (the paper in quotation marks)", "Found", "Verdict"];
+        let columns = [
+            "Claim",
+            "Expected (the paper in quotation marks)",
+            "Found",
+            "Verdict",
+        ];
         section("Claims", &table(&columns, rows))
     }
 
@@ -95,13 +118,27 @@ impl<'a> Report<'a> {
         let rows = self.checks.iter().map(|row| {
             let verdict = badge(row.passed, "passed", "failed");
             let advice = if row.passed { "" } else { &row.advice };
-            table_row(&row.name, &[verdict, escaped(&row.found), escaped(&row.needed), escaped(advice)])
+            table_row(
+                &row.name,
+                &[
+                    verdict,
+                    escaped(&row.found),
+                    escaped(&row.needed),
+                    escaped(advice),
+                ],
+            )
         });
-        section("Checks", &table(&["Check", "Verdict", "Found", "Needed", "Advice"], rows))
+        section(
+            "Checks",
+            &table(&["Check", "Verdict", "Found", "Needed", "Advice"], rows),
+        )
     }
 
     fn provenance(&self) -> String {
-        let rows = self.provenance.iter().map(|(name, value)| table_row(name, &[escaped(value)]));
+        let rows = self
+            .provenance
+            .iter()
+            .map(|(name, value)| table_row(name, &[escaped(value)]));
         section("Provenance", &table(&[], rows))
     }
 }

@@ -10,7 +10,13 @@ use crate::{Band, Curve, Labels, Part, ReportError, Responses, Style, bode};
 /// # Errors
 /// [`ReportError`] would be a fault of this library.
 pub fn section6_figures(section6: &Section6) -> Result<Vec<Named>, ReportError> {
-    let Section6 { linear, friction, gliding, stiffening, .. } = section6;
+    let Section6 {
+        linear,
+        friction,
+        gliding,
+        stiffening,
+        ..
+    } = section6;
     let labels = Labels::torque_to_velocity(1, 1);
     let figure = |curves: &[Curve]| bode(curves, 0, 0, &labels);
     let truth = || curve("linear joint, exact", &section6.truth, Style::Reference);
@@ -52,10 +58,22 @@ pub fn section6_figures(section6: &Section6) -> Result<Vec<Named>, ReportError> 
 pub fn section6_part<'a>(section6: &'a Section6, figures: &[Named]) -> Part<'a> {
     let curves = vec![
         curve("linear joint, exact", &section6.truth, Style::Reference),
-        estimate("multisine, 50 N m", &section6.friction.multisine, Style::Markers),
+        estimate(
+            "multisine, 50 N m",
+            &section6.friction.multisine,
+            Style::Markers,
+        ),
         estimate("chirp, 50 N m", &section6.friction.chirp, Style::Line),
-        estimate("multisine, k2 = 1.7 k1", &section6.stiffening.multisine, Style::Markers),
-        estimate("chirp, k2 = 1.7 k1", &section6.stiffening.chirp, Style::Line),
+        estimate(
+            "multisine, k2 = 1.7 k1",
+            &section6.stiffening.multisine,
+            Style::Markers,
+        ),
+        estimate(
+            "chirp, k2 = 1.7 k1",
+            &section6.stiffening.chirp,
+            Style::Line,
+        ),
     ];
     Part {
         title: "Section 6: an academic example".into(),
@@ -72,9 +90,18 @@ pub fn section6_part<'a>(section6: &'a Section6, figures: &[Named]) -> Part<'a> 
 }
 
 fn curve<'a>(label: &str, frf: &'a frfid_signals::Frf, style: Style) -> Curve<'a> {
-    Curve { label: label.into(), frf, style, band: Band::None, flagged: None }
+    Curve {
+        label: label.into(),
+        frf,
+        style,
+        band: Band::None,
+        flagged: None,
+    }
 }
 
 fn estimate<'a>(label: &str, measured: &'a Measured, style: Style) -> Curve<'a> {
-    Curve { band: Band::Total, ..curve(label, &measured.frf, style) }
+    Curve {
+        band: Band::Total,
+        ..curve(label, &measured.frf, style)
+    }
 }

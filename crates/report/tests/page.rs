@@ -1,4 +1,5 @@
-//! The report in a real browser: its script runs under its content security policy, and injected strings stay text.
+//! The report in a real browser: its script runs under its content security policy, and injected
+//! strings stay text.
 #![allow(missing_docs)]
 
 use std::fs::{self, File};
@@ -10,7 +11,9 @@ use std::time::{Duration, Instant};
 
 use frfid_experiment::Claim;
 use frfid_files::Check;
-use frfid_report::{Band, Curve, Figure, Labels, Part, Report, ReportError, Responses, Style, Table, bode};
+use frfid_report::{
+    Band, Curve, Figure, Labels, Part, Report, ReportError, Responses, Style, Table, bode,
+};
 use frfid_signals::{Frf, Uncertainty};
 use ndarray::Array3;
 use num_complex::Complex64;
@@ -26,10 +29,23 @@ const HOSTILE: [&str; 5] = [
 /// A 2 x 2 FRF of a first-order plant with both variances.
 fn frf() -> Frf {
     let hz: Vec<f64> = (1..=40).map(f64::from).collect();
-    let response = Array3::from_shape_fn((40, 2, 2), |(k, o, i)| Complex64::new(1.0 + o as f64, (k + i) as f64).inv());
-    let covariance = Array3::from_shape_fn((40, 4, 4), |(_, a, b)| Complex64::from(if a == b { 1e-6 } else { 0.0 }));
-    let known = |degrees_of_freedom| Some(Uncertainty { covariance: covariance.clone(), degrees_of_freedom });
-    Frf { noise: known(40), total: known(9), ..Frf::new(hz, response).expect("shapes agree") }
+    let response = Array3::from_shape_fn((40, 2, 2), |(k, o, i)| {
+        Complex64::new(1.0 + o as f64, (k + i) as f64).inv()
+    });
+    let covariance = Array3::from_shape_fn((40, 4, 4), |(_, a, b)| {
+        Complex64::from(if a == b { 1e-6 } else { 0.0 })
+    });
+    let known = |degrees_of_freedom| {
+        Some(Uncertainty {
+            covariance: covariance.clone(),
+            degrees_of_freedom,
+        })
+    };
+    Frf {
+        noise: known(40),
+        total: known(9),
+        ..Frf::new(hz, response).expect("shapes agree")
+    }
 }
 
 fn hostile_page() -> String {
@@ -42,8 +58,11 @@ fn hostile_page() -> String {
         band: Band::Total,
         flagged: (style == Style::Markers).then(|| flagged.clone()),
     };
-    let curves =
-        vec![curve(HOSTILE[0], Style::Reference), curve(HOSTILE[1], Style::Line), curve(HOSTILE[3], Style::Markers)];
+    let curves = vec![
+        curve(HOSTILE[0], Style::Reference),
+        curve(HOSTILE[1], Style::Line),
+        curve(HOSTILE[3], Style::Markers),
+    ];
     let labels = Labels {
         inputs: vec![HOSTILE[0].to_owned(), HOSTILE[1].to_owned()],
         outputs: vec![HOSTILE[2].to_owned(), HOSTILE[3].to_owned()],
@@ -51,14 +70,34 @@ fn hostile_page() -> String {
     };
     let figure: Figure = bode(&curves, 1, 1, &labels).expect("the curves are sound");
     let text = |k: usize| HOSTILE[k].to_owned();
-    let check = Check { name: text(0), passed: false, found: text(1), needed: text(2), advice: text(3) };
-    let claim = Claim { id: "9", statement: text(4).leak(), expected: text(0).leak(), found: text(1), holds: true };
-    let table = Table { title: text(0), columns: vec![text(1), text(2)], rows: vec![(text(3), vec![text(4)])] };
+    let check = Check {
+        name: text(0),
+        passed: false,
+        found: text(1),
+        needed: text(2),
+        advice: text(3),
+    };
+    let claim = Claim {
+        id: "9",
+        statement: text(4).leak(),
+        expected: text(0).leak(),
+        found: text(1),
+        holds: true,
+    };
+    let table = Table {
+        title: text(0),
+        columns: vec![text(1), text(2)],
+        rows: vec![(text(3), vec![text(4)])],
+    };
     let part = Part {
         title: text(0),
         notes: HOSTILE.map(str::to_owned).to_vec(),
         tables: vec![table],
-        responses: Some(Responses { title: text(4), curves, labels }),
+        responses: Some(Responses {
+            title: text(4),
+            curves,
+            labels,
+        }),
         figures: vec![(text(0), figure)],
     };
     Report {
@@ -92,7 +131,12 @@ fn in_chromium(html: &str) -> Option<(String, String)> {
     let (dom, log) = (folder.path().join("dom"), folder.path().join("log"));
     let create = |path: &Path| File::create(path).expect("the folder is ours");
     let mut command = Command::new("chromium");
-    command.args(switches).arg(profile(folder.path())).arg(&page).stdout(create(&dom)).stderr(create(&log));
+    command
+        .args(switches)
+        .arg(profile(folder.path()))
+        .arg(&page)
+        .stdout(create(&dom))
+        .stderr(create(&log));
     match command.spawn() {
         Ok(browser) => wait(browser),
         Err(error) if error.kind() == ErrorKind::NotFound => {
@@ -101,14 +145,20 @@ fn in_chromium(html: &str) -> Option<(String, String)> {
         }
         Err(error) => panic!("chromium did not start: {error}"),
     }
-    let read = |path: &Path| String::from_utf8_lossy(&fs::read(path).expect("chromium wrote it")).into_owned();
+    let read = |path: &Path| {
+        String::from_utf8_lossy(&fs::read(path).expect("chromium wrote it")).into_owned()
+    };
     Some((read(&dom), read(&log)))
 }
 
 /// Waits a minute at most: a browser that hangs must fail the test, not stop it.
 fn wait(mut browser: Child) {
     let start = Instant::now();
-    while browser.try_wait().expect("the browser is our child").is_none() {
+    while browser
+        .try_wait()
+        .expect("the browser is our child")
+        .is_none()
+    {
         if start.elapsed() > Duration::from_secs(60) {
             browser.kill().expect("the browser is our child");
             panic!("chromium did not finish within a minute");
@@ -123,15 +173,32 @@ fn profile(folder: &Path) -> String {
 
 #[test]
 fn the_page_runs_and_hostile_strings_stay_text() {
-    let Some((dom, log)) = in_chromium(&hostile_page()) else { return };
+    let Some((dom, log)) = in_chromium(&hostile_page()) else {
+        return;
+    };
     let drawn = dom.matches("data-drawn=\"8\"").count();
-    assert_eq!(drawn, 2, "two diagrams, each of 4 entries in 8 panels; the browser said:\n{log}");
-    assert!(!log.contains("CONSOLE"), "the console must stay empty:\n{log}");
-    assert_eq!(dom.matches("<span>× flagged line</span>").count(), 2, "each diagram explains its crosses");
-    // The head comes first: the title element holds the hostile title as text, unchanged by any script.
-    assert!(dom.contains("<title>&lt;/title&gt;&lt;svg onload=document.title='broken in'&gt;</title>"));
+    assert_eq!(
+        drawn, 2,
+        "two diagrams, each of 4 entries in 8 panels; the browser said:\n{log}"
+    );
+    assert!(
+        !log.contains("CONSOLE"),
+        "the console must stay empty:\n{log}"
+    );
+    assert_eq!(
+        dom.matches("<span>× flagged line</span>").count(),
+        2,
+        "each diagram explains its crosses"
+    );
+    // The head comes first: the title element holds the hostile title as text, unchanged by any
+    // script.
+    assert!(
+        dom.contains("<title>&lt;/title&gt;&lt;svg onload=document.title='broken in'&gt;</title>")
+    );
     // What a browser writes back is escaped exactly when it was text.
-    let (body, data) = dom.split_once("<script type=\"application/json\"").expect("the data block is there");
+    let (body, data) = dom
+        .split_once("<script type=\"application/json\"")
+        .expect("the data block is there");
     assert!(!body.contains("<img src=\"x\"") && !body.contains("<svg onload"));
     assert!(body.matches("&lt;img src=x onerror=").count() >= 6);
     let data = data.split("</script>").next().unwrap_or_default();
@@ -140,8 +207,13 @@ fn the_page_runs_and_hostile_strings_stay_text() {
 
 #[test]
 fn a_script_that_was_tampered_with_does_not_run() {
-    let tampered = hostile_page().replace("\"use strict\";", "\"use strict\"; document.title = 'broken in';");
-    let Some((dom, log)) = in_chromium(&tampered) else { return };
+    let tampered = hostile_page().replace(
+        "\"use strict\";",
+        "\"use strict\"; document.title = 'broken in';",
+    );
+    let Some((dom, log)) = in_chromium(&tampered) else {
+        return;
+    };
     assert!(!dom.contains("data-drawn") && !dom.contains("<title>broken in"));
     assert!(log.contains("Content Security Policy"), "{log}");
 }
@@ -150,8 +222,15 @@ fn a_script_that_was_tampered_with_does_not_run() {
 fn the_page_is_deterministic_and_loads_nothing() {
     let page = hostile_page();
     assert_eq!(page, hostile_page());
-    for hostile in ["<img src=x", "</script><script>", "<svg onload", "<!--<script>", "src=\"http", "href=", "@import"]
-    {
+    for hostile in [
+        "<img src=x",
+        "</script><script>",
+        "<svg onload",
+        "<!--<script>",
+        "src=\"http",
+        "href=",
+        "@import",
+    ] {
         assert!(!page.contains(hostile), "{hostile}");
     }
 }
@@ -159,11 +238,46 @@ fn the_page_is_deterministic_and_loads_nothing() {
 #[test]
 fn an_empty_report_is_a_page_and_unfit_labels_are_refused() {
     let labels = Labels::torque_to_velocity(0, 0);
-    let empty = Report { title: "Nothing yet".to_owned(), ..Report::default() };
-    assert!(!empty.html().expect("nothing can be wrong").contains("<section>"));
+    let empty = Report {
+        title: "Nothing yet".to_owned(),
+        ..Report::default()
+    };
+    assert!(
+        !empty
+            .html()
+            .expect("nothing can be wrong")
+            .contains("<section>")
+    );
     let frf = frf();
-    let curve = Curve { label: String::new(), frf: &frf, style: Style::Line, band: Band::None, flagged: None };
-    let responses = Some(Responses { title: String::new(), curves: vec![curve], labels });
-    let refused = Report { parts: vec![Part { responses, ..Part::default() }], ..empty }.html();
-    assert!(matches!(refused, Err(ReportError::Size { outputs: 2, inputs: 2, .. })), "{refused:?}");
+    let curve = Curve {
+        label: String::new(),
+        frf: &frf,
+        style: Style::Line,
+        band: Band::None,
+        flagged: None,
+    };
+    let responses = Some(Responses {
+        title: String::new(),
+        curves: vec![curve],
+        labels,
+    });
+    let refused = Report {
+        parts: vec![Part {
+            responses,
+            ..Part::default()
+        }],
+        ..empty
+    }
+    .html();
+    assert!(
+        matches!(
+            refused,
+            Err(ReportError::Size {
+                outputs: 2,
+                inputs: 2,
+                ..
+            })
+        ),
+        "{refused:?}"
+    );
 }

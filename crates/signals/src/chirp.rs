@@ -8,8 +8,9 @@ use serde::{Deserialize, Serialize};
 use crate::range::{LONGEST_SIGNAL, not_negative, positive};
 use crate::{Phasing, Profile, SignalError};
 
-/// A sine whose frequency runs exponentially from `low_hz` to `high_hz`: `r(t) = A(f(t)) sin(phi(t) + phase)` with
-/// `f(t) = low_hz e^{a t}`, `a = ln(high_hz/low_hz)/duration_s`, `phi(t) = 2 pi (f(t) - low_hz)/a`.
+/// A sine whose frequency runs exponentially from `low_hz` to `high_hz`:
+/// `r(t) = A(f(t)) sin(phi(t) + phase)` with `f(t) = low_hz e^{a t}`,
+/// `a = ln(high_hz/low_hz)/duration_s`, `phi(t) = 2 pi (f(t) - low_hz)/a`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Chirp {
     /// Frequency at the start in Hz.
@@ -18,7 +19,8 @@ pub struct Chirp {
     pub high_hz: f64,
     /// Length of the sweep in s, without the tail.
     pub duration_s: f64,
-    /// Amplitude over frequency: one profile for every channel, or one for each, in the unit of the reference.
+    /// Amplitude over frequency: one profile for every channel, or one for each, in the unit of the
+    /// reference.
     pub amplitude: Vec<Profile>,
     /// Length of the half-cosine fades at both ends of the sweep in s; 0 for none.
     pub fade_s: f64,
@@ -97,20 +99,34 @@ impl Chirp {
         if (1.0..=LONGEST_SIGNAL).contains(&found) {
             Ok(found as usize)
         } else {
-            Err(SignalError::Parameter { name: "number of samples of the chirp", found, needed: "between 1 and 2^26" })
+            Err(SignalError::Parameter {
+                name: "number of samples of the chirp",
+                found,
+                needed: "between 1 and 2^26",
+            })
         }
     }
 
     /// The chirp of every experiment and channel, `(experiment, input, sample)`, tail included.
     ///
     /// # Errors
-    /// A parameter out of range, a band that reaches Nyquist, or neither one profile nor `n_inputs` of them.
-    pub fn sample(&self, sample_time_s: f64, n_inputs: usize, phasing: Phasing) -> Result<Array3<f64>, SignalError> {
+    /// A parameter out of range, a band that reaches Nyquist, or neither one profile nor `n_inputs`
+    /// of them.
+    pub fn sample(
+        &self,
+        sample_time_s: f64,
+        n_inputs: usize,
+        phasing: Phasing,
+    ) -> Result<Array3<f64>, SignalError> {
         self.check()?;
         positive("sample_time_s", sample_time_s)?;
         let nyquist_hz = 0.5 / sample_time_s;
         if self.high_hz >= nyquist_hz {
-            return Err(SignalError::AboveNyquist { high_hz: self.high_hz, nyquist_hz, sample_time_s });
+            return Err(SignalError::AboveNyquist {
+                high_hz: self.high_hz,
+                nyquist_hz,
+                sample_time_s,
+            });
         }
         if phasing == Phasing::Independent {
             return Err(SignalError::Parameter {
@@ -120,19 +136,30 @@ impl Chirp {
             });
         }
         if n_inputs == 0 || (self.amplitude.len() != 1 && self.amplitude.len() != n_inputs) {
-            let needed = format!("one profile for all, or one for each of the {n_inputs} inputs (at least one)");
-            return Err(SignalError::Shape { name: "amplitude", found: vec![self.amplitude.len()], needed });
+            let needed = format!(
+                "one profile for all, or one for each of the {n_inputs} inputs (at least one)"
+            );
+            return Err(SignalError::Shape {
+                name: "amplitude",
+                found: vec![self.amplitude.len()],
+                needed,
+            });
         }
         let turn = |channel, experiment| phasing.phase_rad(channel, experiment, n_inputs);
         let mut signal = Array3::zeros((n_inputs, n_inputs, self.n_samples(sample_time_s)?));
         for (k, mut now) in signal.axis_iter_mut(Axis(2)).enumerate() {
             let time_s = k as f64 * sample_time_s;
-            let (fade, hz, phase) = (self.fade_at(time_s), self.frequency_at(time_s), self.phase_at(time_s));
+            let (fade, hz, phase) = (
+                self.fade_at(time_s),
+                self.frequency_at(time_s),
+                self.phase_at(time_s),
+            );
             if fade > 0.0 {
                 for channel in 0..n_inputs {
                     let amplitude = fade * self.amplitude[channel % self.amplitude.len()].at(hz);
                     for experiment in 0..n_inputs {
-                        now[[experiment, channel]] = amplitude * (phase + turn(channel, experiment)).sin();
+                        now[[experiment, channel]] =
+                            amplitude * (phase + turn(channel, experiment)).sin();
                     }
                 }
             }
@@ -163,41 +190,82 @@ mod tests {
         }
         assert!((chirp().instant_of(60.0) - 20.0).abs() < 1e-12);
         let (time_s, step_s) = (11.0, 1e-4);
-        let slope = (chirp().phase_at(time_s + step_s) - chirp().phase_at(time_s - step_s)) / (2.0 * step_s) / TAU;
+        let slope = (chirp().phase_at(time_s + step_s) - chirp().phase_at(time_s - step_s))
+            / (2.0 * step_s)
+            / TAU;
         assert!((slope - chirp().frequency_at(time_s)).abs() < 1e-6);
     }
 
     #[test]
     fn fades_and_tail_start_and_end_at_rest() {
-        let soft = Chirp { fade_s: 0.1, tail_s: 1.0, ..chirp() };
+        let soft = Chirp {
+            fade_s: 0.1,
+            tail_s: 1.0,
+            ..chirp()
+        };
         let signal = soft.sample(1e-3, 2, Phasing::Orthogonal).expect("sound");
         assert_eq!(signal.shape(), [2, 2, 21_000]);
         assert_eq!(signal[[0, 0, 0]], 0.0);
         assert!(signal[[0, 0, 19_999]].abs() < 0.1 && signal[[0, 0, 20_500]] == 0.0);
-        assert!((signal[[1, 1, 10_000]] + signal[[0, 1, 10_000]]).abs() < 1e-9, "phase pi flips the sign");
+        assert!(
+            (signal[[1, 1, 10_000]] + signal[[0, 1, 10_000]]).abs() < 1e-9,
+            "phase pi flips the sign"
+        );
     }
 
     #[test]
     fn each_channel_follows_its_own_profile() {
-        let table = [(100.0, 50.0), (150.0, 75.0), (120.0, 60.0)]
-            .map(|(low, high)| Profile { points: vec![(36.0, low), (44.0, high)] });
-        let signal = Chirp { amplitude: table.to_vec(), ..chirp() }.sample(1e-3, 3, Phasing::SignFlip).expect("sound");
+        let table = [(100.0, 50.0), (150.0, 75.0), (120.0, 60.0)].map(|(low, high)| Profile {
+            points: vec![(36.0, low), (44.0, high)],
+        });
+        let signal = Chirp {
+            amplitude: table.to_vec(),
+            ..chirp()
+        }
+        .sample(1e-3, 3, Phasing::SignFlip)
+        .expect("sound");
         let peak = |channel: usize, from: usize, to: usize| {
-            (from..to).map(|k| signal[[0, channel, k]].abs()).fold(0.0, f64::max)
+            (from..to)
+                .map(|k| signal[[0, channel, k]].abs())
+                .fold(0.0, f64::max)
         };
-        assert!((peak(1, 0, 15_000) - 150.0).abs() < 0.1 && (peak(2, 19_500, 20_000) - 60.0).abs() < 1.0);
+        assert!(
+            (peak(1, 0, 15_000) - 150.0).abs() < 0.1
+                && (peak(2, 19_500, 20_000) - 60.0).abs() < 1.0
+        );
     }
 
     #[test]
     fn bad_chirps_are_refused() {
         for bad in [
-            Chirp { low_hz: f64::NAN, ..chirp() },
-            Chirp { high_hz: 1.0, ..chirp() },
-            Chirp { duration_s: -1.0, ..chirp() },
-            Chirp { fade_s: 11.0, ..chirp() },
-            Chirp { high_hz: 500.0, ..chirp() },
-            Chirp { amplitude: vec![], ..chirp() },
-            Chirp { amplitude: vec![Profile::constant(-1.0)], ..chirp() },
+            Chirp {
+                low_hz: f64::NAN,
+                ..chirp()
+            },
+            Chirp {
+                high_hz: 1.0,
+                ..chirp()
+            },
+            Chirp {
+                duration_s: -1.0,
+                ..chirp()
+            },
+            Chirp {
+                fade_s: 11.0,
+                ..chirp()
+            },
+            Chirp {
+                high_hz: 500.0,
+                ..chirp()
+            },
+            Chirp {
+                amplitude: vec![],
+                ..chirp()
+            },
+            Chirp {
+                amplitude: vec![Profile::constant(-1.0)],
+                ..chirp()
+            },
         ] {
             assert!(bad.sample(1e-3, 1, Phasing::Orthogonal).is_err(), "{bad:?}");
         }

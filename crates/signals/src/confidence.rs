@@ -2,8 +2,8 @@
 
 use crate::Uncertainty;
 
-/// Quantile of the F distribution with 2 numerator and `denominator` degrees of freedom, in closed form:
-/// `F_p(2, m) = m/2 ((1 - p)^(-2/m) - 1)`.
+/// Quantile of the F distribution with 2 numerator and `denominator` degrees of freedom, in closed
+/// form: `F_p(2, m) = m/2 ((1 - p)^(-2/m) - 1)`.
 #[must_use]
 pub fn f_quantile(probability: f64, denominator: f64) -> f64 {
     // expm1 keeps the digits for large m, where the quantile tends to -ln(1 - p)
@@ -11,8 +11,9 @@ pub fn f_quantile(probability: f64, denominator: f64) -> f64 {
 }
 
 impl Uncertainty {
-    /// Factor from a variance to the squared radius of the 95 % region of an entry, `|dG|^2 <= variance F_95(2, 2 dof)`;
-    /// infinite without degrees of freedom. They are complex, hence two real ones each.
+    /// Factor from a variance to the squared radius of the 95 % region of an entry,
+    /// `|dG|^2 <= variance F_95(2, 2 dof)`; infinite without degrees of freedom. They are complex,
+    /// hence two real ones each.
     #[must_use]
     pub fn confidence_factor_95(&self) -> f64 {
         match self.degrees_of_freedom {

@@ -1,4 +1,5 @@
-//! What can be wrong with an excitation, a record or an FRF: found and needed values in every message.
+//! What can be wrong with an excitation, a record or an FRF: found and needed values in every
+//! message.
 
 use thiserror::Error;
 
@@ -51,7 +52,9 @@ pub enum SignalError {
         fundamental_hz: f64,
     },
     /// A line is not one of the period's DFT bins below Nyquist.
-    #[error("line {line} is not between 1 and {highest}, the lines of a period of {n_samples} samples below Nyquist")]
+    #[error(
+        "line {line} is not between 1 and {highest}, the lines of a period of {n_samples} samples below Nyquist"
+    )]
     LineOffGrid {
         /// The line asked for.
         line: usize,

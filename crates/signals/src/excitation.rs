@@ -21,7 +21,8 @@ pub enum Excitation {
 }
 
 impl Excitation {
-    /// Largest value per channel, in the unit of the injected quantity; for a chirp with one profile for all that of any.
+    /// Largest value per channel, in the unit of the injected quantity; for a chirp with one
+    /// profile for all that of any.
     #[must_use]
     pub fn peaks(&self) -> Vec<f64> {
         match self {

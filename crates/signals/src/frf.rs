@@ -5,19 +5,23 @@ use num_complex::Complex64;
 
 use crate::SignalError;
 
-/// How well the entries of an FRF are known: variances *of the averaged FRF*, with the degrees of freedom behind them.
+/// How well the entries of an FRF are known: variances *of the averaged FRF*, with the degrees of
+/// freedom behind them.
 ///
-/// The covariance is that of vec(G), the columns of G stacked: row and column `input * n_outputs + output`, so that its
-/// diagonal holds the variances. E|dG|^2 is meant: real and imaginary part together.
+/// The covariance is that of vec(G), the columns of G stacked: row and column
+/// `input * n_outputs + output`, so that its diagonal holds the variances. E|dG|^2 is meant: real
+/// and imaginary part together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Uncertainty {
-    /// Covariance of vec(G), `(frequency, n_outputs n_inputs, n_outputs n_inputs)`, squared units of G.
+    /// Covariance of vec(G), `(frequency, n_outputs n_inputs, n_outputs n_inputs)`, squared units
+    /// of G.
     pub covariance: Array3<Complex64>,
     /// Complex degrees of freedom of the estimate: n_p (n_q - 1) for noise, n_p - 1 for the total.
     pub degrees_of_freedom: usize,
 }
 
-/// A frequency response matrix, `(frequency, output, input)`, with what is known about its uncertainty.
+/// A frequency response matrix, `(frequency, output, input)`, with what is known about its
+/// uncertainty.
 ///
 /// A variance that was not measured is `None`, never zero.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,10 +34,12 @@ pub struct Frf {
     pub noise: Option<Uncertainty>,
     /// Measurement noise and nonlinear distortion of the averaged FRF; `None` with one realization.
     pub total: Option<Uncertainty>,
-    /// 2-norm condition number of U per frequency; `None` where no U was inverted (an analytic FRF).
+    /// 2-norm condition number of U per frequency; `None` where no U was inverted (an analytic
+    /// FRF).
     pub condition: Option<Vec<f64>>,
-    /// Half width, relative to the frequency, of the band over which each value blurs the response: 1/(2n) for excerpts of n
-    /// periods of a chirp. `None` for lines of a period, which blur nothing.
+    /// Half width, relative to the frequency, of the band over which each value blurs the response:
+    /// 1/(2n) for excerpts of n periods of a chirp. `None` for lines of a period, which blur
+    /// nothing.
     pub relative_resolution: Option<f64>,
 }
 
@@ -43,7 +49,14 @@ impl Frf {
     /// # Errors
     /// [`SignalError::Shape`] if the response has not one matrix per frequency.
     pub fn new(frequency_hz: Vec<f64>, response: Array3<Complex64>) -> Result<Self, SignalError> {
-        let frf = Self { frequency_hz, response, noise: None, total: None, condition: None, relative_resolution: None };
+        let frf = Self {
+            frequency_hz,
+            response,
+            noise: None,
+            total: None,
+            condition: None,
+            relative_resolution: None,
+        };
         frf.check()?;
         Ok(frf)
     }
@@ -54,7 +67,13 @@ impl Frf {
     /// [`SignalError::Shape`].
     pub fn check(&self) -> Result<(), SignalError> {
         let (lines, entries) = (self.frequency_hz.len(), self.n_outputs() * self.n_inputs());
-        let shape = |name, found: &[usize], needed| Err(SignalError::Shape { name, found: found.to_vec(), needed });
+        let shape = |name, found: &[usize], needed| {
+            Err(SignalError::Shape {
+                name,
+                found: found.to_vec(),
+                needed,
+            })
+        };
         if self.response.len_of(Axis(0)) != lines || entries == 0 {
             return shape(
                 "response",
@@ -62,15 +81,24 @@ impl Frf {
                 format!("({lines}, outputs, inputs), one matrix per frequency"),
             );
         }
-        for (name, known) in [("noise covariance", &self.noise), ("total covariance", &self.total)] {
+        for (name, known) in [
+            ("noise covariance", &self.noise),
+            ("total covariance", &self.total),
+        ] {
             if let Some(known) = known
                 && known.covariance.shape() != [lines, entries, entries]
             {
-                return shape(name, known.covariance.shape(), format!("({lines}, {entries}, {entries})"));
+                return shape(
+                    name,
+                    known.covariance.shape(),
+                    format!("({lines}, {entries}, {entries})"),
+                );
             }
         }
         match &self.condition {
-            Some(condition) if condition.len() != lines => shape("condition", &[condition.len()], format!("({lines})")),
+            Some(condition) if condition.len() != lines => {
+                shape("condition", &[condition.len()], format!("({lines})"))
+            }
             _ => Ok(()),
         }
     }
@@ -93,20 +121,23 @@ impl Frf {
         self.response.len_of(Axis(2))
     }
 
-    /// Noise variance of every entry of the averaged FRF, `(frequency, output, input)`; `None` if it was not measured.
+    /// Noise variance of every entry of the averaged FRF, `(frequency, output, input)`; `None` if
+    /// it was not measured.
     #[must_use]
     pub fn noise_variance(&self) -> Option<Array3<f64>> {
         self.noise.as_ref().map(|noise| self.entries_of(noise))
     }
 
-    /// Total variance of every entry of the averaged FRF, `(frequency, output, input)`; `None` if it was not measured.
+    /// Total variance of every entry of the averaged FRF, `(frequency, output, input)`; `None` if
+    /// it was not measured.
     #[must_use]
     pub fn total_variance(&self) -> Option<Array3<f64>> {
         self.total.as_ref().map(|total| self.entries_of(total))
     }
 
-    /// Level of the stochastic nonlinear distortion of one realization, `n_p (total - noise)` per entry, floored at 0
-    /// (the noise alone may exceed the total by chance), `(frequency, output, input)`; `None` unless both are known.
+    /// Level of the stochastic nonlinear distortion of one realization, `n_p (total - noise)` per
+    /// entry, floored at 0 (the noise alone may exceed the total by chance),
+    /// `(frequency, output, input)`; `None` unless both are known.
     #[must_use]
     pub fn nonlinear_variance(&self) -> Option<Array3<f64>> {
         let realizations = (self.total.as_ref()?.degrees_of_freedom + 1) as f64;
@@ -117,13 +148,17 @@ impl Frf {
     /// Magnitude of one entry in dB over frequency.
     #[must_use]
     pub fn magnitude_db(&self, output: usize, input: usize) -> Vec<f64> {
-        (0..self.n_frequencies()).map(|k| 20.0 * self.response[[k, output, input]].norm().log10()).collect()
+        (0..self.n_frequencies())
+            .map(|k| 20.0 * self.response[[k, output, input]].norm().log10())
+            .collect()
     }
 
     /// Phase of one entry in degrees over frequency, in (-180, 180].
     #[must_use]
     pub fn phase_deg(&self, output: usize, input: usize) -> Vec<f64> {
-        (0..self.n_frequencies()).map(|k| self.response[[k, output, input]].arg().to_degrees()).collect()
+        (0..self.n_frequencies())
+            .map(|k| self.response[[k, output, input]].arg().to_degrees())
+            .collect()
     }
 
     /// The matrix at one frequency, `(output, input)`.
@@ -147,7 +182,8 @@ mod tests {
     use super::*;
 
     fn frf() -> Frf {
-        let response = Array3::from_shape_fn((2, 2, 1), |(k, o, _)| Complex64::new(k as f64, o as f64));
+        let response =
+            Array3::from_shape_fn((2, 2, 1), |(k, o, _)| Complex64::new(k as f64, o as f64));
         Frf::new(vec![1.0, 2.0], response).expect("shapes agree")
     }
 
@@ -160,8 +196,15 @@ mod tests {
 
     #[test]
     fn the_diagonal_of_the_covariance_lands_on_its_entry() {
-        let covariance = Array3::from_shape_fn((2, 2, 2), |(_, i, j)| Complex64::from((10 * i + j) as f64));
-        let known = Frf { noise: Some(Uncertainty { covariance, degrees_of_freedom: 3 }), ..frf() };
+        let covariance =
+            Array3::from_shape_fn((2, 2, 2), |(_, i, j)| Complex64::from((10 * i + j) as f64));
+        let known = Frf {
+            noise: Some(Uncertainty {
+                covariance,
+                degrees_of_freedom: 3,
+            }),
+            ..frf()
+        };
         let variance = known.noise_variance().expect("was given");
         assert_eq!((variance[[0, 0, 0]], variance[[1, 1, 0]]), (0.0, 11.0));
     }

@@ -16,7 +16,8 @@ pub enum GridKind {
     Odd,
     /// Every multiple of f0.
     Full,
-    /// Odd multiples, of four consecutive ones one left out at random as detection line for odd nonlinearities.
+    /// Odd multiples, of four consecutive ones one left out at random as detection line for odd
+    /// nonlinearities.
     OddRandom,
 }
 
@@ -31,7 +32,8 @@ pub struct GridDesign {
     pub sample_time_s: f64,
     /// Largest spacing of lines, f0, in Hz; the period becomes at least its inverse.
     pub resolution_hz: f64,
-    /// Number of logarithmically spaced frequencies before those that fall on the same line merge; `None` for every line.
+    /// Number of logarithmically spaced frequencies before those that fall on the same line merge;
+    /// `None` for every line.
     pub n_lines: Option<usize>,
     /// Which lines may be excited.
     pub kind: GridKind,
@@ -55,9 +57,10 @@ pub struct LineGrid {
 impl GridDesign {
     /// Designs the grid: SK15 (10) to (12) and footnote 3.
     ///
-    /// The sample time of the analysis is `T_s = 1/(5 high_hz)` rounded down to a multiple of `sample_time_s` ((10) as
-    /// printed, 5/high, would put Nyquist below the band), the number of its samples the next power of two above
-    /// `1/(resolution_hz T_s)`; f0 is the inverse of their product, which is the period.
+    /// The sample time of the analysis is `T_s = 1/(5 high_hz)` rounded down to a multiple of
+    /// `sample_time_s` ((10) as printed, 5/high, would put Nyquist below the band), the number of
+    /// its samples the next power of two above `1/(resolution_hz T_s)`; f0 is the inverse of their
+    /// product, which is the period.
     ///
     /// # Errors
     /// [`SignalError::Parameter`], [`SignalError::AboveNyquist`] or [`SignalError::EmptyBand`].
@@ -71,11 +74,29 @@ impl GridDesign {
         excited.retain(|&line| line > 0 && 2 * line < n_samples);
         excited.dedup();
         if excited.is_empty() {
-            let grid = if self.kind == GridKind::Full { "" } else { "odd" };
-            return Err(SignalError::EmptyBand { grid, low_hz: self.low_hz, high_hz: self.high_hz, fundamental_hz });
+            let grid = if self.kind == GridKind::Full {
+                ""
+            } else {
+                "odd"
+            };
+            return Err(SignalError::EmptyBand {
+                grid,
+                low_hz: self.low_hz,
+                high_hz: self.high_hz,
+                fundamental_hz,
+            });
         }
-        let detection = if self.kind == GridKind::OddRandom { leave_out(&mut excited, self.seed) } else { Vec::new() };
-        Ok(LineGrid { sample_time_s: self.sample_time_s, n_samples, excited, detection })
+        let detection = if self.kind == GridKind::OddRandom {
+            leave_out(&mut excited, self.seed)
+        } else {
+            Vec::new()
+        };
+        Ok(LineGrid {
+            sample_time_s: self.sample_time_s,
+            n_samples,
+            excited,
+            detection,
+        })
     }
 
     fn period_samples(&self) -> Result<usize, SignalError> {
@@ -99,8 +120,11 @@ impl GridDesign {
             });
         }
         const ROUNDING: f64 = 1e-9; // keeps quotients that are whole numbers whole
-        let multiple = (1.0 / (5.0 * self.high_hz * self.sample_time_s) + ROUNDING).floor().max(1.0);
-        let needed = (1.0 / (self.resolution_hz * multiple * self.sample_time_s) * (1.0 - ROUNDING)).ceil();
+        let multiple = (1.0 / (5.0 * self.high_hz * self.sample_time_s) + ROUNDING)
+            .floor()
+            .max(1.0);
+        let needed =
+            (1.0 / (self.resolution_hz * multiple * self.sample_time_s) * (1.0 - ROUNDING)).ceil();
         if needed * multiple > LONGEST_SIGNAL {
             return Err(SignalError::Parameter {
                 name: "resolution_hz",
@@ -113,11 +137,19 @@ impl GridDesign {
 
     fn nearest_lines(&self, count: usize, fundamental_hz: f64) -> Result<Vec<usize>, SignalError> {
         if count == 0 {
-            return Err(SignalError::Parameter { name: "n_lines", found: 0.0, needed: "at least 1" });
+            return Err(SignalError::Parameter {
+                name: "n_lines",
+                found: 0.0,
+                needed: "at least 1",
+            });
         }
         let ratio = self.high_hz / self.low_hz;
         let lines = (0..count).map(|index| {
-            let share = if count == 1 { 0.0 } else { index as f64 / (count - 1) as f64 };
+            let share = if count == 1 {
+                0.0
+            } else {
+                index as f64 / (count - 1) as f64
+            };
             let multiple = self.low_hz * ratio.powf(share) / fundamental_hz;
             if self.kind == GridKind::Full {
                 multiple.round() as usize
@@ -131,21 +163,25 @@ impl GridDesign {
     fn every_line(&self, fundamental_hz: f64) -> Vec<usize> {
         let band: RangeInclusive<usize> = (self.low_hz / fundamental_hz - 1e-9).ceil() as usize
             ..=(self.high_hz / fundamental_hz + 1e-9).floor() as usize;
-        band.filter(|line| self.kind == GridKind::Full || line % 2 == 1).collect()
+        band.filter(|line| self.kind == GridKind::Full || line % 2 == 1)
+            .collect()
     }
 }
 
 /// Takes one line at random out of each four consecutive ones and returns those taken.
 fn leave_out(excited: &mut Vec<usize>, seed: u64) -> Vec<usize> {
     let mut rng = random::stream(seed, "detection lines", &[]);
-    let detection: Vec<usize> =
-        excited.chunks_exact(4).map(|group| group[(4.0 * random::uniform(&mut rng)) as usize]).collect();
+    let detection: Vec<usize> = excited
+        .chunks_exact(4)
+        .map(|group| group[(4.0 * random::uniform(&mut rng)) as usize])
+        .collect();
     excited.retain(|line| detection.binary_search(line).is_err());
     detection
 }
 
 impl LineGrid {
-    /// Checks that the excited lines rise strictly and lie between 1 and the last line below Nyquist.
+    /// Checks that the excited lines rise strictly and lie between 1 and the last line below
+    /// Nyquist.
     ///
     /// # Errors
     /// [`SignalError::LineOffGrid`] or [`SignalError::Parameter`].
@@ -155,12 +191,20 @@ impl LineGrid {
         let mut last = 0;
         for &line in &self.excited {
             if line <= last || line > highest {
-                return Err(SignalError::LineOffGrid { line, highest, n_samples: self.n_samples });
+                return Err(SignalError::LineOffGrid {
+                    line,
+                    highest,
+                    n_samples: self.n_samples,
+                });
             }
             last = line;
         }
         if last == 0 {
-            return Err(SignalError::Parameter { name: "number of excited lines", found: 0.0, needed: "at least 1" });
+            return Err(SignalError::Parameter {
+                name: "number of excited lines",
+                found: 0.0,
+                needed: "at least 1",
+            });
         }
         Ok(())
     }
@@ -180,7 +224,10 @@ impl LineGrid {
     /// Frequencies of the excited lines in Hz.
     #[must_use]
     pub fn lines_hz(&self) -> Vec<f64> {
-        self.excited.iter().map(|&line| line as f64 / self.period_s()).collect()
+        self.excited
+            .iter()
+            .map(|&line| line as f64 / self.period_s())
+            .collect()
     }
 }
 
@@ -202,51 +249,131 @@ mod tests {
 
     #[test]
     fn section_7_has_76_lines_from_2_0345_hz() {
-        let grid = GridDesign { low_hz: 2.0, ..paper() }.design().expect("a sound design");
+        let grid = GridDesign {
+            low_hz: 2.0,
+            ..paper()
+        }
+        .design()
+        .expect("a sound design");
         assert_eq!(grid.excited.len(), 76);
         assert!((grid.lines_hz()[0] - 2.0345).abs() < 5e-5);
     }
 
     #[test]
     fn full_and_complete_grids_hold_every_line_of_the_band() {
-        let all = GridDesign { kind: GridKind::Full, n_lines: None, ..paper() }.design().expect("sound");
-        assert_eq!((all.excited[0], *all.excited.last().expect("lines")), (13, 737));
+        let all = GridDesign {
+            kind: GridKind::Full,
+            n_lines: None,
+            ..paper()
+        }
+        .design()
+        .expect("sound");
+        assert_eq!(
+            (all.excited[0], *all.excited.last().expect("lines")),
+            (13, 737)
+        );
         assert_eq!(all.excited.len(), 725);
-        let odd = GridDesign { n_lines: None, ..paper() }.design().expect("sound");
+        let odd = GridDesign {
+            n_lines: None,
+            ..paper()
+        }
+        .design()
+        .expect("sound");
         assert!(odd.excited.iter().all(|line| line % 2 == 1) && odd.excited.len() == 363);
         assert_eq!((all.check(), odd.check()), (Ok(()), Ok(())));
     }
 
     #[test]
     fn one_of_four_odd_lines_is_left_out() {
-        let grid = GridDesign { kind: GridKind::OddRandom, n_lines: None, ..paper() }.design().expect("sound");
-        assert_eq!((grid.detection.len(), grid.excited.len()), (363 / 4, 363 - 363 / 4));
-        assert!(grid.detection.iter().all(|line| !grid.excited.contains(line)));
-        let other =
-            GridDesign { kind: GridKind::OddRandom, n_lines: None, seed: 1, ..paper() }.design().expect("sound");
+        let grid = GridDesign {
+            kind: GridKind::OddRandom,
+            n_lines: None,
+            ..paper()
+        }
+        .design()
+        .expect("sound");
+        assert_eq!(
+            (grid.detection.len(), grid.excited.len()),
+            (363 / 4, 363 - 363 / 4)
+        );
+        assert!(
+            grid.detection
+                .iter()
+                .all(|line| !grid.excited.contains(line))
+        );
+        let other = GridDesign {
+            kind: GridKind::OddRandom,
+            n_lines: None,
+            seed: 1,
+            ..paper()
+        }
+        .design()
+        .expect("sound");
         assert_ne!(grid.detection, other.detection);
     }
 
     #[test]
     fn whole_quotients_stay_whole() {
-        let bench = GridDesign { low_hz: 11.0, high_hz: 250.0, sample_time_s: 4e-4, resolution_hz: 1.0, ..paper() };
+        let bench = GridDesign {
+            low_hz: 11.0,
+            high_hz: 250.0,
+            sample_time_s: 4e-4,
+            resolution_hz: 1.0,
+            ..paper()
+        };
         assert_eq!(bench.design().expect("sound").n_samples, 2 * 2048);
     }
 
     #[test]
     fn bad_designs_are_refused_by_name() {
-        assert!(matches!(GridDesign { high_hz: 500.0, ..paper() }.design(), Err(SignalError::AboveNyquist { .. })));
-        let narrow = GridDesign { low_hz: 10.0, high_hz: 10.01, n_lines: None, ..paper() };
-        assert!(matches!(narrow.design(), Err(SignalError::EmptyBand { .. })));
+        assert!(matches!(
+            GridDesign {
+                high_hz: 500.0,
+                ..paper()
+            }
+            .design(),
+            Err(SignalError::AboveNyquist { .. })
+        ));
+        let narrow = GridDesign {
+            low_hz: 10.0,
+            high_hz: 10.01,
+            n_lines: None,
+            ..paper()
+        };
+        assert!(matches!(
+            narrow.design(),
+            Err(SignalError::EmptyBand { .. })
+        ));
         for bad in [
-            GridDesign { low_hz: f64::NAN, ..paper() },
-            GridDesign { low_hz: -1.0, ..paper() },
-            GridDesign { high_hz: 0.5, ..paper() },
-            GridDesign { resolution_hz: 1e-12, ..paper() },
-            GridDesign { sample_time_s: 0.0, ..paper() },
-            GridDesign { n_lines: Some(0), ..paper() },
+            GridDesign {
+                low_hz: f64::NAN,
+                ..paper()
+            },
+            GridDesign {
+                low_hz: -1.0,
+                ..paper()
+            },
+            GridDesign {
+                high_hz: 0.5,
+                ..paper()
+            },
+            GridDesign {
+                resolution_hz: 1e-12,
+                ..paper()
+            },
+            GridDesign {
+                sample_time_s: 0.0,
+                ..paper()
+            },
+            GridDesign {
+                n_lines: Some(0),
+                ..paper()
+            },
         ] {
-            assert!(matches!(bad.design(), Err(SignalError::Parameter { .. })), "{bad:?}");
+            assert!(
+                matches!(bad.design(), Err(SignalError::Parameter { .. })),
+                "{bad:?}"
+            );
         }
     }
 }

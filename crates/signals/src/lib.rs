@@ -1,9 +1,12 @@
-//! What one commands and what one measures: line grids, excitations, experiment plans, records and the FRF type.
+//! What one commands and what one measures: line grids, excitations, experiment plans, records and
+//! the FRF type.
 //!
-//! The leaf of the house: no files, no clock, no global random state. Frequencies are in Hz, everything else in SI units,
-//! the unit ends the name. Time series are `(channel, sample)`, campaigns `(realization, experiment, period, channel,
-//! sample)`, FRFs `(frequency, output, input)`. The DFT has no factor forward and 1/N back, so the physical single-sided
-//! amplitude of a line is 2|X|/N. Equation numbers are those of Saupe and Knoblach, MSSP 52-53 (2015) 60-72, cited SK15.
+//! The leaf of the house: no files, no clock, no global random state. Frequencies are in Hz,
+//! everything else in SI units, the unit ends the name. Time series are `(channel, sample)`,
+//! campaigns `(realization, experiment, period, channel, sample)`, FRFs
+//! `(frequency, output, input)`. The DFT has no factor forward and 1/N back, so the physical
+//! single-sided amplitude of a line is 2|X|/N. Equation numbers are those of Saupe and Knoblach,
+//! MSSP 52-53 (2015) 60-72, cited SK15.
 
 mod chirp;
 mod confidence;

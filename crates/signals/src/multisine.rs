@@ -1,4 +1,5 @@
-//! Random-phase multisines, SK15 (8) and (9): a grid of lines, an amplitude over frequency, and their realizations.
+//! Random-phase multisines, SK15 (8) and (9): a grid of lines, an amplitude over frequency, and
+//! their realizations.
 
 use std::f64::consts::PI;
 
@@ -15,10 +16,12 @@ use crate::{LineGrid, Phasing, Profile, SignalError, random, range::positive};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Phases {
-    /// Uniform on the circle, a new draw for each realization: what the best linear approximation needs.
+    /// Uniform on the circle, a new draw for each realization: what the best linear approximation
+    /// needs.
     #[default]
     Random,
-    /// Chosen for a low crest factor, the same in each realization; for designs that do not average over realizations.
+    /// Chosen for a low crest factor, the same in each realization; for designs that do not average
+    /// over realizations.
     LowCrest,
 }
 
@@ -27,7 +30,8 @@ pub enum Phases {
 pub struct Multisine {
     /// Period and lines.
     pub grid: LineGrid,
-    /// Shape of the amplitude over frequency; only ratios count, the peak is set by the realization.
+    /// Shape of the amplitude over frequency; only ratios count, the peak is set by the
+    /// realization.
     pub shape: Profile,
     /// Choice of phases.
     pub phases: Phases,
@@ -58,8 +62,9 @@ pub struct Realization {
 }
 
 impl Multisine {
-    /// One period of every experiment and channel: SK15 (9), with ONE factor over all channels and experiments, the largest
-    /// for which no channel exceeds its peak. A factor for each channel would spoil the orthogonality.
+    /// One period of every experiment and channel: SK15 (9), with ONE factor over all channels and
+    /// experiments, the largest for which no channel exceeds its peak. A factor for each channel
+    /// would spoil the orthogonality.
     ///
     /// # Errors
     /// A grid, shape or peak that is out of range.
@@ -67,25 +72,39 @@ impl Multisine {
         let amplitudes = self.line_amplitudes(draw)?;
         let n_inputs = draw.peak.len();
         let mut planner = RealFftPlanner::new();
-        let sums = amplitudes.iter().map(|amplitudes| HarmonicSum { lines: &self.grid.excited, amplitudes });
-        let drawn: Vec<TurnedSum> = sums.map(|sum| TurnedSum::new(sum, self.grid.n_samples, &mut planner)).collect();
+        let sums = amplitudes.iter().map(|amplitudes| HarmonicSum {
+            lines: &self.grid.excited,
+            amplitudes,
+        });
+        let drawn: Vec<TurnedSum> = sums
+            .map(|sum| TurnedSum::new(sum, self.grid.n_samples, &mut planner))
+            .collect();
         let true_peaks = true_peaks(&drawn, draw.phasing, n_inputs);
         let factor = 1.0 / true_peaks.iter().flatten().copied().fold(0.0, f64::max);
         let mut signal = Array3::zeros((n_inputs, n_inputs, self.grid.n_samples));
-        for ((experiment, channel), row) in indices((n_inputs, n_inputs)).into_iter().zip(signal.rows_mut()) {
+        for ((experiment, channel), row) in indices((n_inputs, n_inputs))
+            .into_iter()
+            .zip(signal.rows_mut())
+        {
             let phase_rad = draw.phasing.phase_rad(channel, experiment, n_inputs);
             let turn = Complex64::from_polar(factor * draw.peak[channel], phase_rad);
-            row.into_iter().zip(drawn[channel % drawn.len()].samples(turn)).for_each(|(sample, value)| *sample = value);
+            row.into_iter()
+                .zip(drawn[channel % drawn.len()].samples(turn))
+                .for_each(|(sample, value)| *sample = value);
         }
         let peak = true_peaks
             .iter()
             .zip(draw.peak)
             .map(|(peaks, limit)| factor * limit * peaks.iter().copied().fold(0.0, f64::max));
-        Ok(Realization { signal, factor, peak: peak.collect() })
+        Ok(Realization {
+            signal,
+            factor,
+            peak: peak.collect(),
+        })
     }
 
-    /// Complex amplitudes of the lines before the phases between channels and experiments: drawn once for all channels, or for
-    /// each by itself.
+    /// Complex amplitudes of the lines before the phases between channels and experiments: drawn
+    /// once for all channels, or for each by itself.
     fn line_amplitudes(&self, draw: &Draw) -> Result<Vec<Vec<Complex64>>, SignalError> {
         self.grid.check()?;
         self.shape.check()?;
@@ -99,7 +118,12 @@ impl Multisine {
                 needed: "one for each input, at least one",
             });
         }
-        let magnitudes: Vec<f64> = self.grid.lines_hz().iter().map(|&hz| self.shape.at(hz)).collect();
+        let magnitudes: Vec<f64> = self
+            .grid
+            .lines_hz()
+            .iter()
+            .map(|&hz| self.shape.at(hz))
+            .collect();
         if magnitudes.iter().all(|&magnitude| magnitude == 0.0) {
             return Err(SignalError::Parameter {
                 name: "amplitude shape",
@@ -107,9 +131,15 @@ impl Multisine {
                 needed: "above 0 on at least one line",
             });
         }
-        let draws = if draw.phasing == Phasing::Independent { draw.peak.len() } else { 1 };
+        let draws = if draw.phasing == Phasing::Independent {
+            draw.peak.len()
+        } else {
+            1
+        };
         let channels = 0..draws as u64;
-        Ok(channels.map(|channel| self.draw_phases(&magnitudes, draw, channel)).collect())
+        Ok(channels
+            .map(|channel| self.draw_phases(&magnitudes, draw, channel))
+            .collect())
     }
 
     fn draw_phases(&self, magnitudes: &[f64], draw: &Draw, channel: u64) -> Vec<Complex64> {
@@ -118,23 +148,35 @@ impl Multisine {
             (Phases::LowCrest, _) => low_crest_phases(&self.grid.excited, magnitudes),
             (Phases::Random, phasing) => {
                 let mut rng = match phasing {
-                    Phasing::Independent => random::stream(draw.seed, "phases", &[realization, channel]),
-                    Phasing::Orthogonal | Phasing::SignFlip => random::stream(draw.seed, "phases", &[realization]),
+                    Phasing::Independent => {
+                        random::stream(draw.seed, "phases", &[realization, channel])
+                    }
+                    Phasing::Orthogonal | Phasing::SignFlip => {
+                        random::stream(draw.seed, "phases", &[realization])
+                    }
                 };
                 magnitudes.iter().map(|_| random::phase(&mut rng)).collect()
             }
         };
-        magnitudes.iter().zip(phases).map(|(&magnitude, phase)| Complex64::from_polar(magnitude, phase)).collect()
+        magnitudes
+            .iter()
+            .zip(phases)
+            .map(|(&magnitude, phase)| Complex64::from_polar(magnitude, phase))
+            .collect()
     }
 }
 
-/// True peak per channel and experiment; a phase that came before, or its opposite, is not searched again.
+/// True peak per channel and experiment; a phase that came before, or its opposite, is not searched
+/// again.
 fn true_peaks(drawn: &[TurnedSum], phasing: Phasing, n_inputs: usize) -> Vec<Vec<f64>> {
     let mut known: Vec<(usize, f64, f64)> = Vec::new();
     let mut peak_of = |channel: usize, experiment: usize| {
-        let half_turn = phasing.phase_rad(channel, experiment, n_inputs).rem_euclid(PI);
+        let half_turn = phasing
+            .phase_rad(channel, experiment, n_inputs)
+            .rem_euclid(PI);
         let draw = channel % drawn.len();
-        let same = |&&(d, turn, _): &&(usize, f64, f64)| d == draw && (turn - half_turn).abs() < 1e-12;
+        let same =
+            |&&(d, turn, _): &&(usize, f64, f64)| d == draw && (turn - half_turn).abs() < 1e-12;
         if let Some(&(_, _, peak)) = known.iter().find(same) {
             return peak;
         }
@@ -142,7 +184,13 @@ fn true_peaks(drawn: &[TurnedSum], phasing: Phasing, n_inputs: usize) -> Vec<Vec
         known.push((draw, half_turn, peak));
         peak
     };
-    (0..n_inputs).map(|channel| (0..n_inputs).map(|experiment| peak_of(channel, experiment)).collect()).collect()
+    (0..n_inputs)
+        .map(|channel| {
+            (0..n_inputs)
+                .map(|experiment| peak_of(channel, experiment))
+                .collect()
+        })
+        .collect()
 }
 
 #[cfg(test)]
@@ -164,26 +212,51 @@ mod tests {
             kind: GridKind::Odd,
             seed: 0,
         };
-        Multisine { grid: grid.design().expect("sound"), shape: Profile::constant(1.0), phases: Phases::Random }
+        Multisine {
+            grid: grid.design().expect("sound"),
+            shape: Profile::constant(1.0),
+            phases: Phases::Random,
+        }
     }
 
     fn draw(peak: &[f64]) -> Draw<'_> {
-        Draw { seed: 1, realization: 0, phasing: Phasing::Orthogonal, peak }
+        Draw {
+            seed: 1,
+            realization: 0,
+            phasing: Phasing::Orthogonal,
+            peak,
+        }
     }
 
     #[test]
     fn one_factor_serves_all_and_no_channel_exceeds_its_peak() {
         let peaks = [150.0, 100.0, 50.0];
         for phasing in [Phasing::Orthogonal, Phasing::SignFlip, Phasing::Independent] {
-            let realization = multisine().realize(&Draw { phasing, ..draw(&peaks) }).expect("sound");
-            let reached =
-                realization.peak.iter().zip(peaks).map(|(reached, limit)| reached / limit).fold(0.0, f64::max);
-            assert!((reached - 1.0).abs() < 1e-12, "the largest channel touches its peak: {reached}");
+            let realization = multisine()
+                .realize(&Draw {
+                    phasing,
+                    ..draw(&peaks)
+                })
+                .expect("sound");
+            let reached = realization
+                .peak
+                .iter()
+                .zip(peaks)
+                .map(|(reached, limit)| reached / limit)
+                .fold(0.0, f64::max);
+            assert!(
+                (reached - 1.0).abs() < 1e-12,
+                "the largest channel touches its peak: {reached}"
+            );
             for (channel, &peak) in realization.peak.iter().enumerate() {
                 for experiment in 0..3 {
                     assert!(
-                        sample_peak(&realization.signal.slice(s![experiment, channel, ..]).to_vec())
-                            <= peak * (1.0 + 1e-12)
+                        sample_peak(
+                            &realization
+                                .signal
+                                .slice(s![experiment, channel, ..])
+                                .to_vec()
+                        ) <= peak * (1.0 + 1e-12)
                     );
                 }
             }
@@ -192,7 +265,10 @@ mod tests {
 
     #[test]
     fn only_the_excited_lines_carry_power_and_channels_differ_by_the_phasing() {
-        let signal = multisine().realize(&draw(&[1.0, 1.0, 1.0])).expect("sound").signal;
+        let signal = multisine()
+            .realize(&draw(&[1.0, 1.0, 1.0]))
+            .expect("sound")
+            .signal;
         let n = signal.len_of(ndarray::Axis(2));
         let line = |experiment: usize, channel: usize, k: usize| {
             let row = signal.slice(s![experiment, channel, ..]);
@@ -204,14 +280,21 @@ mod tests {
                 / n as f64
         };
         let amplitude = line(0, 0, 13).norm();
-        assert!(line(0, 0, 14).norm() < 1e-13 && (line(2, 1, 737).norm() - amplitude).abs() < 1e-13);
+        assert!(
+            line(0, 0, 14).norm() < 1e-13 && (line(2, 1, 737).norm() - amplitude).abs() < 1e-13
+        );
         let turn = line(2, 1, 13) / line(0, 0, 13);
         assert!((turn - Complex64::cis(Phasing::Orthogonal.phase_rad(1, 2, 3))).norm() < 1e-10);
     }
 
     #[test]
     fn the_shape_sets_the_ratios_of_the_lines() {
-        let shaped = Multisine { shape: Profile { points: vec![(30.0, 2.0), (40.0, 1.0)] }, ..multisine() };
+        let shaped = Multisine {
+            shape: Profile {
+                points: vec![(30.0, 2.0), (40.0, 1.0)],
+            },
+            ..multisine()
+        };
         let signal = shaped.realize(&draw(&[1.0])).expect("sound").signal;
         let row: Vec<f64> = signal.iter().copied().collect();
         let n = row.len();
@@ -230,7 +313,10 @@ mod tests {
         for peak in [vec![], vec![0.0], vec![f64::NAN], vec![1.0, -1.0]] {
             assert!(multisine().realize(&draw(&peak)).is_err());
         }
-        let silent = Multisine { shape: Profile::constant(0.0), ..multisine() };
+        let silent = Multisine {
+            shape: Profile::constant(0.0),
+            ..multisine()
+        };
         assert!(silent.realize(&draw(&[1.0])).is_err());
     }
 }

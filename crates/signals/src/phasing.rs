@@ -11,11 +11,13 @@ pub enum Phasing {
     /// `phi = 2 pi (l-1)(m-1) / n_u`, SK15 (9): condition number 1 for equal amplitudes.
     #[default]
     Orthogonal,
-    /// Experiment 1 all in phase, then channel k turned by pi in experiment k, SK15 (26) with "and" read as "or": the
-    /// better choice for chirps; condition number 1, 2, 3.73, 9.90 for 2, 3, 4, 6 inputs.
+    /// Experiment 1 all in phase, then channel k turned by pi in experiment k, SK15 (26) with "and"
+    /// read as "or": the better choice for chirps; condition number 1, 2, 3.73, 9.90 for 2, 3, 4, 6
+    /// inputs.
     SignFlip,
-    /// [`Phasing::Orthogonal`] on top of random phases drawn for each channel by itself, so that the channels' common
-    /// nonlinear distortion averages out too (Dobrowiecki, Schoukens, Automatica 43 (2007) 1593). Multisines only.
+    /// [`Phasing::Orthogonal`] on top of random phases drawn for each channel by itself, so that
+    /// the channels' common nonlinear distortion averages out too (Dobrowiecki, Schoukens,
+    /// Automatica 43 (2007) 1593). Multisines only.
     Independent,
 }
 
@@ -25,7 +27,9 @@ impl Phasing {
     pub fn phase_rad(self, channel: usize, experiment: usize, n_inputs: usize) -> f64 {
         match self {
             // the product is reduced before the division, so that whole turns are exactly zero
-            Self::Orthogonal | Self::Independent => TAU * ((channel * experiment) % n_inputs) as f64 / n_inputs as f64,
+            Self::Orthogonal | Self::Independent => {
+                TAU * ((channel * experiment) % n_inputs) as f64 / n_inputs as f64
+            }
             Self::SignFlip if channel == experiment && channel > 0 => PI,
             Self::SignFlip => 0.0,
         }

@@ -9,10 +9,11 @@ use crate::{Draw, Excitation, Injection, Phasing, Run, RunId, RunKind, SignalErr
 /// Most runs that a plan may have: a year of them would take 30 s each.
 const MOST_RUNS: f64 = 1e6;
 
-/// A campaign: realizations x experiments x repetitions, each run a lead-in and one or more periods back to back.
+/// A campaign: realizations x experiments x repetitions, each run a lead-in and one or more periods
+/// back to back.
 ///
-/// The plan is a description: [`Plan::run`] makes the signals from the seed when they are needed, so a campaign of any
-/// length costs the memory of one realization.
+/// The plan is a description: [`Plan::run`] makes the signals from the seed when they are needed,
+/// so a campaign of any length costs the memory of one realization.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
     /// Seed of the random phases.
@@ -31,9 +32,11 @@ pub struct Plan {
     pub n_realizations: usize,
     /// Separate runs of the same reference.
     pub n_repetitions: usize,
-    /// Measured periods back to back in each run; 1 for a chirp. The estimator's n_q is `n_repetitions n_periods`.
+    /// Measured periods back to back in each run; 1 for a chirp. The estimator's n_q is
+    /// `n_repetitions n_periods`.
     pub n_periods: usize,
-    /// Samples before the first measured period: the multisine's own continuation backwards, rest before a chirp.
+    /// Samples before the first measured period: the multisine's own continuation backwards, rest
+    /// before a chirp.
     pub lead_in_samples: usize,
     /// Constant velocity in rad/s on which every run rides, per channel; zeros for none.
     pub velocity_rad_s: Vec<f64>,
@@ -57,26 +60,54 @@ impl Plan {
         for (name, count) in counts {
             positive(name, count as f64)?;
         }
-        let runs = self.n_realizations as f64 * self.n_inputs as f64 * self.n_repetitions as f64 + self.n_glides as f64;
-        at_most("number of runs", runs, MOST_RUNS, "at most 10^6: fewer realizations or repetitions")?;
-        if self.velocity_rad_s.len() != self.n_inputs || self.velocity_rad_s.iter().any(|v| !v.is_finite()) {
-            let needed = format!("one finite velocity for each of the {} inputs", self.n_inputs);
-            return Err(SignalError::Shape { name: "velocity_rad_s", found: vec![self.velocity_rad_s.len()], needed });
+        let runs = self.n_realizations as f64 * self.n_inputs as f64 * self.n_repetitions as f64
+            + self.n_glides as f64;
+        at_most(
+            "number of runs",
+            runs,
+            MOST_RUNS,
+            "at most 10^6: fewer realizations or repetitions",
+        )?;
+        if self.velocity_rad_s.len() != self.n_inputs
+            || self.velocity_rad_s.iter().any(|v| !v.is_finite())
+        {
+            let needed = format!(
+                "one finite velocity for each of the {} inputs",
+                self.n_inputs
+            );
+            return Err(SignalError::Shape {
+                name: "velocity_rad_s",
+                found: vec![self.velocity_rad_s.len()],
+                needed,
+            });
         }
         self.check_excitation()?;
-        let samples = self.lead_in_samples as f64 + self.n_periods as f64 * self.period_samples()? as f64;
-        at_most("samples of a run", samples, LONGEST_SIGNAL, "at most 2^26: fewer periods or a shorter lead-in")
+        let samples =
+            self.lead_in_samples as f64 + self.n_periods as f64 * self.period_samples()? as f64;
+        at_most(
+            "samples of a run",
+            samples,
+            LONGEST_SIGNAL,
+            "at most 2^26: fewer periods or a shorter lead-in",
+        )
     }
 
     fn check_excitation(&self) -> Result<(), SignalError> {
         match &self.excitation {
             Excitation::Multisine { peak, .. } if peak.len() != self.n_inputs => {
                 let needed = format!("one peak for each of the {} inputs", self.n_inputs);
-                Err(SignalError::Shape { name: "peak", found: vec![peak.len()], needed })
+                Err(SignalError::Shape {
+                    name: "peak",
+                    found: vec![peak.len()],
+                    needed,
+                })
             }
             Excitation::Multisine { signal, .. } => signal.grid.check(),
             Excitation::Chirp(chirp) => {
-                for (name, count) in [("realizations", self.n_realizations), ("periods", self.n_periods)] {
+                for (name, count) in [
+                    ("realizations", self.n_realizations),
+                    ("periods", self.n_periods),
+                ] {
                     if count != 1 {
                         return Err(SignalError::Parameter {
                             name,
@@ -151,7 +182,8 @@ impl Plan {
         Ok(self.n_runs() as f64 * self.run_samples()? as f64 * self.sample_time_s)
     }
 
-    /// One period of every experiment of a realization, `(experiment, input, sample)`, without the constant velocity.
+    /// One period of every experiment of a realization, `(experiment, input, sample)`, without the
+    /// constant velocity.
     ///
     /// # Errors
     /// [`SignalError`] if the plan's numbers do not fit together.
@@ -159,10 +191,17 @@ impl Plan {
         self.check()?;
         match &self.excitation {
             Excitation::Multisine { signal, peak } => {
-                let draw = Draw { seed: self.seed, realization, phasing: self.phasing, peak };
+                let draw = Draw {
+                    seed: self.seed,
+                    realization,
+                    phasing: self.phasing,
+                    peak,
+                };
                 Ok(signal.realize(&draw)?.signal)
             }
-            Excitation::Chirp(chirp) => chirp.sample(self.sample_time_s, self.n_inputs, self.phasing),
+            Excitation::Chirp(chirp) => {
+                chirp.sample(self.sample_time_s, self.n_inputs, self.phasing)
+            }
         }
     }
 
@@ -172,14 +211,22 @@ impl Plan {
     /// [`SignalError::NoSuchRun`], or [`SignalError`] if the plan's numbers do not fit together.
     pub fn run(&self, id: RunId) -> Result<Run, SignalError> {
         let count = match id.kind {
-            RunKind::Excitation => [self.n_realizations, self.n_experiments(), self.n_repetitions],
+            RunKind::Excitation => [
+                self.n_realizations,
+                self.n_experiments(),
+                self.n_repetitions,
+            ],
             RunKind::Glide => [1, 1, self.n_glides],
         };
         if id.realization >= count[0] || id.experiment >= count[1] || id.repetition >= count[2] {
             return Err(self.no_such_run(id));
         }
         let reference = match id.kind {
-            RunKind::Excitation => self.extended(&self.period(id.realization)?.index_axis_move(Axis(0), id.experiment)),
+            RunKind::Excitation => self.extended(
+                &self
+                    .period(id.realization)?
+                    .index_axis_move(Axis(0), id.experiment),
+            ),
             RunKind::Glide => Array2::zeros((self.n_inputs, self.run_samples()?)),
         };
         Ok(self.riding(id, reference))
@@ -191,9 +238,16 @@ impl Plan {
     /// As [`Plan::run`].
     pub fn realization_runs(&self, realization: usize) -> Result<Vec<Run>, SignalError> {
         let period = self.period(realization)?;
-        let ids = self.run_ids().filter(|id| id.kind == RunKind::Excitation && id.realization == realization);
+        let ids = self
+            .run_ids()
+            .filter(|id| id.kind == RunKind::Excitation && id.realization == realization);
         Ok(ids
-            .map(|id| self.riding(id, self.extended(&period.index_axis(Axis(0), id.experiment).to_owned())))
+            .map(|id| {
+                self.riding(
+                    id,
+                    self.extended(&period.index_axis(Axis(0), id.experiment).to_owned()),
+                )
+            })
             .collect())
     }
 
@@ -205,7 +259,8 @@ impl Plan {
         let periodic = matches!(self.excitation, Excitation::Multisine { .. });
         for (k, mut column) in reference.axis_iter_mut(Axis(1)).enumerate() {
             if periodic || k >= lead_in {
-                // backwards from the first measured period: sample lead_in is sample 0 of the period
+                // backwards from the first measured period: sample lead_in is sample 0 of the
+                // period
                 column.assign(&period.slice(s![.., (k + n - lead_in % n) % n]));
             }
         }
@@ -220,7 +275,13 @@ impl Plan {
         }
         let start_rad = self.start_before(reference.ncols());
         let velocity_rad_s = self.velocity_rad_s.clone();
-        Run { id, sample_time_s: self.sample_time_s, reference, velocity_rad_s, start_rad }
+        Run {
+            id,
+            sample_time_s: self.sample_time_s,
+            reference,
+            velocity_rad_s,
+            start_rad,
+        }
     }
 
     /// Where every run starts, in rad from the pose, one for each channel.
@@ -231,10 +292,14 @@ impl Plan {
         Ok(self.start_before(self.run_samples()?))
     }
 
-    /// The way of a run lies symmetrically about the pose, so that it stays as near to it as it can.
+    /// The way of a run lies symmetrically about the pose, so that it stays as near to it as it
+    /// can.
     fn start_before(&self, run_samples: usize) -> Vec<f64> {
         let half_way_s = 0.5 * run_samples as f64 * self.sample_time_s;
-        self.velocity_rad_s.iter().map(|velocity| 0.0 - velocity * half_way_s).collect()
+        self.velocity_rad_s
+            .iter()
+            .map(|velocity| 0.0 - velocity * half_way_s)
+            .collect()
     }
 
     fn no_such_run(&self, id: RunId) -> SignalError {
@@ -243,7 +308,11 @@ impl Plan {
             n_realizations: self.n_realizations,
             n_experiments: self.n_experiments(),
             n_repetitions: self.n_repetitions,
-            glides: if self.n_glides > 0 { " and glides" } else { ", no glides" },
+            glides: if self.n_glides > 0 {
+                " and glides"
+            } else {
+                ", no glides"
+            },
         }
     }
 }

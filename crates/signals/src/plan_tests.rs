@@ -3,8 +3,8 @@
 use ndarray::{Axis, s};
 
 use crate::{
-    Chirp, Excitation, GridDesign, GridKind, Injection, Multisine, Phases, Phasing, Plan, Profile, RunId, RunKind,
-    SignalError,
+    Chirp, Excitation, GridDesign, GridKind, Injection, Multisine, Phases, Phasing, Plan, Profile,
+    RunId, RunKind, SignalError,
 };
 
 fn plan() -> Plan {
@@ -18,12 +18,19 @@ fn plan() -> Plan {
         seed: 0,
     };
     let grid = design.design().expect("sound");
-    let signal = Multisine { grid, shape: Profile::constant(1.0), phases: Phases::Random };
+    let signal = Multisine {
+        grid,
+        shape: Profile::constant(1.0),
+        phases: Phases::Random,
+    };
     Plan {
         seed: 3,
         sample_time_s: 1e-3,
         n_inputs: 2,
-        excitation: Excitation::Multisine { signal, peak: vec![1.0, 2.0] },
+        excitation: Excitation::Multisine {
+            signal,
+            peak: vec![1.0, 2.0],
+        },
         phasing: Phasing::Orthogonal,
         injection: Injection::Torque,
         n_realizations: 3,
@@ -38,8 +45,16 @@ fn plan() -> Plan {
 #[test]
 fn a_run_is_its_period_continued_both_ways() {
     let (plan, n) = (plan(), plan().period_samples().expect("sound"));
-    let id = RunId { kind: RunKind::Excitation, realization: 1, experiment: 1, repetition: 0 };
-    let (run, period) = (plan.run(id).expect("in the plan"), plan.period(1).expect("sound"));
+    let id = RunId {
+        kind: RunKind::Excitation,
+        realization: 1,
+        experiment: 1,
+        repetition: 0,
+    };
+    let (run, period) = (
+        plan.run(id).expect("in the plan"),
+        plan.period(1).expect("sound"),
+    );
     assert_eq!(run.reference.ncols(), 100 + 2 * n);
     for (k, column) in run.reference.axis_iter(Axis(1)).enumerate() {
         assert_eq!(column, period.slice(s![1, .., (k + n - 100) % n]));
@@ -68,27 +83,64 @@ fn a_chirp_rests_before_its_start_and_rides_on_the_velocity() {
         ..plan()
     };
     let run = plan
-        .run(RunId { kind: RunKind::Excitation, realization: 0, experiment: 0, repetition: 0 })
+        .run(RunId {
+            kind: RunKind::Excitation,
+            realization: 0,
+            experiment: 0,
+            repetition: 0,
+        })
         .expect("in the plan");
     assert_eq!(run.reference.ncols(), 2600);
     assert!(run.reference.slice(s![0, ..101]).iter().all(|&r| r == 0.25));
     assert_eq!(run.reference[[1, 2599]], 0.0);
-    let glide =
-        plan.run(RunId { kind: RunKind::Glide, realization: 0, experiment: 0, repetition: 0 }).expect("in the plan");
+    let glide = plan
+        .run(RunId {
+            kind: RunKind::Glide,
+            realization: 0,
+            experiment: 0,
+            repetition: 0,
+        })
+        .expect("in the plan");
     assert!(glide.reference.row(0).iter().all(|&r| r == 0.25));
 }
 
 #[test]
 fn runs_and_numbers_that_do_not_fit_are_refused() {
-    let missing = RunId { kind: RunKind::Excitation, realization: 3, experiment: 0, repetition: 0 };
-    assert!(matches!(plan().run(missing), Err(SignalError::NoSuchRun { .. })));
+    let missing = RunId {
+        kind: RunKind::Excitation,
+        realization: 3,
+        experiment: 0,
+        repetition: 0,
+    };
+    assert!(matches!(
+        plan().run(missing),
+        Err(SignalError::NoSuchRun { .. })
+    ));
     for bad in [
-        Plan { n_inputs: 1, ..plan() },
-        Plan { n_realizations: 0, ..plan() },
-        Plan { n_realizations: usize::MAX, ..plan() },
-        Plan { n_periods: usize::MAX, ..plan() },
-        Plan { lead_in_samples: usize::MAX, ..plan() },
-        Plan { velocity_rad_s: vec![f64::NAN, 0.0], ..plan() },
+        Plan {
+            n_inputs: 1,
+            ..plan()
+        },
+        Plan {
+            n_realizations: 0,
+            ..plan()
+        },
+        Plan {
+            n_realizations: usize::MAX,
+            ..plan()
+        },
+        Plan {
+            n_periods: usize::MAX,
+            ..plan()
+        },
+        Plan {
+            lead_in_samples: usize::MAX,
+            ..plan()
+        },
+        Plan {
+            velocity_rad_s: vec![f64::NAN, 0.0],
+            ..plan()
+        },
     ] {
         assert!(bad.check().is_err());
     }

@@ -1,24 +1,29 @@
-//! Chance comes in by the door: named ChaCha8 streams, so that the same seed gives the same numbers in whatever order, and
-//! on however many threads, they are drawn.
+//! Chance comes in by the door: named ChaCha8 streams, so that the same seed gives the same numbers
+//! in whatever order, and on however many threads, they are drawn.
 
 use std::f64::consts::TAU;
 
 use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
 
-/// The stream of random numbers of this `name` and these `indices` (realization, experiment, channel, ...) under `seed`.
+/// The stream of random numbers of this `name` and these `indices` (realization, experiment,
+/// channel, ...) under `seed`.
 ///
-/// Streams of different names or indices are independent: the seed makes the key, a 64-bit FNV-1a hash of name, number of
-/// indices and indices makes the stream number.
+/// Streams of different names or indices are independent: the seed makes the key, a 64-bit FNV-1a
+/// hash of name, number of indices and indices makes the stream number.
 #[must_use]
 pub fn stream(seed: u64, name: &str, indices: &[u64]) -> ChaCha8Rng {
     let mut rng = ChaCha8Rng::seed_from_u64(seed);
     let count = indices.len() as u64;
-    let words = std::iter::once(count).chain(indices.iter().copied()).flat_map(u64::to_le_bytes);
+    let words = std::iter::once(count)
+        .chain(indices.iter().copied())
+        .flat_map(u64::to_le_bytes);
     rng.set_stream(
         name.bytes()
             .chain(words)
-            .fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)),
+            .fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+                (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3)
+            }),
     );
     rng
 }
@@ -45,10 +50,18 @@ mod tests {
 
     #[test]
     fn the_generator_is_the_published_one() {
-        // rand 0.10, ChaCha8Rng::seed_from_u64(42), stream 0: guards against a value-breaking release.
+        // rand 0.10, ChaCha8Rng::seed_from_u64(42), stream 0: guards against a value-breaking
+        // release.
         let mut rng = ChaCha8Rng::seed_from_u64(42);
         let words: Vec<u64> = (0..3).map(|_| rng.next_u64()).collect();
-        assert_eq!(words, [12_578_764_544_318_200_737, 17_529_487_244_874_322_312, 7_886_285_670_807_131_020]);
+        assert_eq!(
+            words,
+            [
+                12_578_764_544_318_200_737,
+                17_529_487_244_874_322_312,
+                7_886_285_670_807_131_020
+            ]
+        );
     }
 
     #[test]
@@ -71,7 +84,8 @@ mod tests {
         let mut rng = stream(7, "moments", &[]);
         let draws: Vec<f64> = (0..200_000).map(|_| normal(&mut rng)).collect();
         let moment = |power| draws.iter().map(|x| x.powi(power)).sum::<f64>() / draws.len() as f64;
-        // standard errors of the moments: 0.0022, 0.0032, 0.0087 and 0.022; four of them are allowed
+        // standard errors of the moments: 0.0022, 0.0032, 0.0087 and 0.022; four of them are
+        // allowed
         assert!(
             moment(1).abs() < 0.009
                 && (moment(2) - 1.0).abs() < 0.013

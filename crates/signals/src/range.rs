@@ -2,7 +2,8 @@
 
 use crate::SignalError;
 
-/// Longest signal in samples that a design may ask for: 2^26 doubles are half a gigabyte per channel.
+/// Longest signal in samples that a design may ask for: 2^26 doubles are half a gigabyte per
+/// channel.
 pub(crate) const LONGEST_SIGNAL: f64 = (1u64 << 26) as f64;
 
 /// A parameter that must be a finite number above zero.
@@ -29,10 +30,12 @@ pub fn finite(name: &'static str, found: f64) -> Result<(), SignalError> {
     require(name, found, true, "a finite number")
 }
 
-/// Parameters of which there must be one for each axis, every one in a range; nothing to check where there are none.
+/// Parameters of which there must be one for each axis, every one in a range; nothing to check
+/// where there are none.
 ///
 /// # Errors
-/// [`SignalError::Shape`] for another number of axes; that of `check`, e.g. [`positive`], for the first one out of range.
+/// [`SignalError::Shape`] for another number of axes; that of `check`, e.g. [`positive`], for the
+/// first one out of range.
 pub fn one_per_axis(
     name: &'static str,
     values: Option<&[f64]>,
@@ -41,16 +44,38 @@ pub fn one_per_axis(
 ) -> Result<(), SignalError> {
     let Some(values) = values else { return Ok(()) };
     if values.len() != n_axes {
-        return Err(SignalError::Shape { name, found: vec![values.len()], needed: format!("({n_axes})") });
+        return Err(SignalError::Shape {
+            name,
+            found: vec![values.len()],
+            needed: format!("({n_axes})"),
+        });
     }
     values.iter().try_for_each(|&value| check(name, value))
 }
 
 /// A count, or a product of counts, that must not exceed `most`.
-pub(crate) fn at_most(name: &'static str, found: f64, most: f64, needed: &'static str) -> Result<(), SignalError> {
+pub(crate) fn at_most(
+    name: &'static str,
+    found: f64,
+    most: f64,
+    needed: &'static str,
+) -> Result<(), SignalError> {
     require(name, found, found <= most, needed)
 }
 
-fn require(name: &'static str, found: f64, fits: bool, needed: &'static str) -> Result<(), SignalError> {
-    if fits && found.is_finite() { Ok(()) } else { Err(SignalError::Parameter { name, found, needed }) }
+fn require(
+    name: &'static str,
+    found: f64,
+    fits: bool,
+    needed: &'static str,
+) -> Result<(), SignalError> {
+    if fits && found.is_finite() {
+        Ok(())
+    } else {
+        Err(SignalError::Parameter {
+            name,
+            found,
+            needed,
+        })
+    }
 }

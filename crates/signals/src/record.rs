@@ -50,8 +50,8 @@ pub enum EventKind {
     Stopped {
         /// Why.
         reason: String,
-        /// Time in s after the first sample from which on it was no longer the run that was asked for, but on its way to rest;
-        /// `None` if it broke off at once.
+        /// Time in s after the first sample from which on it was no longer the run that was asked
+        /// for, but on its way to rest; `None` if it broke off at once.
         #[serde(default, skip_serializing_if = "Option::is_none")]
         since_s: Option<f64>,
     },
@@ -59,8 +59,9 @@ pub enum EventKind {
 
 /// What one run measured: `(channel, sample)` arrays on a common clock.
 ///
-/// Sampling convention: `y[k]` is what the sensor says at `t_k = k sample_time_s`, just before `u[k]` acts; `u[k]` is
-/// applied on `[t_k, t_k + sample_time_s)`. A shift by one sample is a phase error of `360 f sample_time_s` degrees.
+/// Sampling convention: `y[k]` is what the sensor says at `t_k = k sample_time_s`, just before
+/// `u[k]` acts; `u[k]` is applied on `[t_k, t_k + sample_time_s)`. A shift by one sample is a phase
+/// error of `360 f sample_time_s` degrees.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Record {
     /// Sample time in s.
@@ -83,7 +84,8 @@ impl Record {
     /// Checks shapes, the sample time and that every sample is finite.
     ///
     /// # Errors
-    /// [`SignalError::Parameter`], [`SignalError::Shape`] or [`SignalError::NotFinite`], naming the signal.
+    /// [`SignalError::Parameter`], [`SignalError::Shape`] or [`SignalError::NotFinite`], naming the
+    /// signal.
     pub fn check(&self) -> Result<(), SignalError> {
         positive("sample_time_s", self.sample_time_s)?;
         let samples = self.u.ncols();
@@ -96,8 +98,13 @@ impl Record {
         for (name, signal) in signals {
             let Some(signal) = signal else { continue };
             if signal.nrows() == 0 || signal.ncols() != samples {
-                let needed = format!("(channel, {samples}) with at least one channel, as many samples as u");
-                return Err(SignalError::Shape { name, found: signal.shape().to_vec(), needed });
+                let needed =
+                    format!("(channel, {samples}) with at least one channel, as many samples as u");
+                return Err(SignalError::Shape {
+                    name,
+                    found: signal.shape().to_vec(),
+                    needed,
+                });
             }
             check_finite(name, signal.view())?;
         }
@@ -117,8 +124,9 @@ impl Record {
         self.events.iter().find(stopped).map(|event| event.time_s)
     }
 
-    /// How many samples, from the first on, belong to the run that was asked for: all of them, or in a stopped run those
-    /// before the instant that led to the stop. A period that reaches beyond them is not steady.
+    /// How many samples, from the first on, belong to the run that was asked for: all of them, or
+    /// in a stopped run those before the instant that led to the stop. A period that reaches beyond
+    /// them is not steady.
     #[must_use]
     pub fn n_steady_samples(&self) -> usize {
         let from_s = |event: &Event| match event.kind {
@@ -129,13 +137,20 @@ impl Record {
         self.events
             .iter()
             .find_map(from_s)
-            .map_or(self.n_samples(), |time_s| samples_until(time_s).min(self.n_samples()))
+            .map_or(self.n_samples(), |time_s| {
+                samples_until(time_s).min(self.n_samples())
+            })
     }
 
     /// Keeps the first samples of every signal, as many as are asked for. Events stay.
     pub fn truncate(&mut self, n_samples: usize) {
         let n_samples = n_samples.min(self.n_samples());
-        let signals = [Some(&mut self.u), Some(&mut self.y), self.r.as_mut(), self.position_rad.as_mut()];
+        let signals = [
+            Some(&mut self.u),
+            Some(&mut self.y),
+            self.r.as_mut(),
+            self.position_rad.as_mut(),
+        ];
         for signal in signals.into_iter().flatten() {
             *signal = signal.slice(s![.., ..n_samples]).to_owned();
         }
@@ -150,10 +165,17 @@ pub fn check_finite(name: &'static str, signal: ArrayView2<f64>) -> Result<(), S
     if signal.sum().is_finite() {
         return Ok(()); // one bad sample is enough to spoil the sum
     }
-    let mut bad = signal.indexed_iter().filter(|(_, value)| !value.is_finite());
+    let mut bad = signal
+        .indexed_iter()
+        .filter(|(_, value)| !value.is_finite());
     match bad.next() {
         None => Ok(()),
-        Some(((channel, sample), _)) => Err(SignalError::NotFinite { name, count: 1 + bad.count(), channel, sample }),
+        Some(((channel, sample), _)) => Err(SignalError::NotFinite {
+            name,
+            count: 1 + bad.count(),
+            channel,
+            sample,
+        }),
     }
 }
 
@@ -177,32 +199,72 @@ mod tests {
     #[test]
     fn a_sound_record_passes_and_flaws_are_named() {
         assert_eq!(record().check(), Ok(()));
-        let short = Record { y: array![[1.0, 2.0]], ..record() };
-        assert!(matches!(short.check(), Err(SignalError::Shape { name: "y", .. })));
+        let short = Record {
+            y: array![[1.0, 2.0]],
+            ..record()
+        };
+        assert!(matches!(
+            short.check(),
+            Err(SignalError::Shape { name: "y", .. })
+        ));
         let mut holed = record();
         holed.y[[1, 2]] = f64::NAN;
         holed.y[[1, 1]] = f64::INFINITY;
-        assert_eq!(holed.check(), Err(SignalError::NotFinite { name: "y", count: 2, channel: 1, sample: 1 }));
+        assert_eq!(
+            holed.check(),
+            Err(SignalError::NotFinite {
+                name: "y",
+                count: 2,
+                channel: 1,
+                sample: 1
+            })
+        );
     }
 
     #[test]
     fn a_stopped_run_is_steady_until_the_instant_that_led_to_the_stop() {
-        let limit = EventKind::Limit { channel: 0, quantity: "effort_nm".into(), value: 2.0, limit: 1.0 };
-        let stopped = |since_s| {
-            let stop = EventKind::Stopped { reason: "axis 1 ...".into(), since_s };
-            let events = [(1e-3, limit.clone()), (3e-3, stop)];
-            Record { events: events.map(|(time_s, kind)| Event { time_s, kind }).to_vec(), ..record() }
+        let limit = EventKind::Limit {
+            channel: 0,
+            quantity: "effort_nm".into(),
+            value: 2.0,
+            limit: 1.0,
         };
-        assert_eq!((record().stopped_at_s(), record().n_steady_samples()), (None, 3));
-        assert_eq!((stopped(Some(1e-3)).stopped_at_s(), stopped(Some(1e-3)).n_steady_samples()), (Some(3e-3), 1));
+        let stopped = |since_s| {
+            let stop = EventKind::Stopped {
+                reason: "axis 1 ...".into(),
+                since_s,
+            };
+            let events = [(1e-3, limit.clone()), (3e-3, stop)];
+            Record {
+                events: events.map(|(time_s, kind)| Event { time_s, kind }).to_vec(),
+                ..record()
+            }
+        };
+        assert_eq!(
+            (record().stopped_at_s(), record().n_steady_samples()),
+            (None, 3)
+        );
+        assert_eq!(
+            (
+                stopped(Some(1e-3)).stopped_at_s(),
+                stopped(Some(1e-3)).n_steady_samples()
+            ),
+            (Some(3e-3), 1)
+        );
         assert_eq!(stopped(None).n_steady_samples(), 3);
         assert_eq!(stopped(Some(f64::NAN)).n_steady_samples(), 0); // from a file: no sample is known to be steady
     }
 
     #[test]
     fn a_truncated_record_is_sound() {
-        let mut short = Record { r: Some(array![[1.0, 2.0, 3.0]]), ..record() };
+        let mut short = Record {
+            r: Some(array![[1.0, 2.0, 3.0]]),
+            ..record()
+        };
         short.truncate(2);
-        assert_eq!((short.check(), short.n_samples(), short.y), (Ok(()), 2, array![[1.0, 2.0], [4.0, 5.0]]));
+        assert_eq!(
+            (short.check(), short.n_samples(), short.y),
+            (Ok(()), 2, array![[1.0, 2.0], [4.0, 5.0]])
+        );
     }
 }

@@ -35,7 +35,11 @@ pub struct RunId {
 impl fmt::Display for RunId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.kind {
-            RunKind::Excitation => write!(f, "p{:03}-m{}-q{}", self.realization, self.experiment, self.repetition),
+            RunKind::Excitation => write!(
+                f,
+                "p{:03}-m{}-q{}",
+                self.realization, self.experiment, self.repetition
+            ),
             RunKind::Glide => write!(f, "glide-q{}", self.repetition),
         }
     }
@@ -48,25 +52,27 @@ pub struct Run {
     pub id: RunId,
     /// Sample time in s.
     pub sample_time_s: f64,
-    /// What is injected, `(channel, sample)`: motor torques in N m in open loop, reference velocities in rad/s in closed
-    /// loop (the constant velocity then included).
+    /// What is injected, `(channel, sample)`: motor torques in N m in open loop, reference
+    /// velocities in rad/s in closed loop (the constant velocity then included).
     pub reference: Array2<f64>,
-    /// Constant velocity in rad/s on which the run rides, per channel; zeros where there is none. The testbed starts at
-    /// this velocity; in open loop it adds the torque that holds it.
+    /// Constant velocity in rad/s on which the run rides, per channel; zeros where there is none.
+    /// The testbed starts at this velocity; in open loop it adds the torque that holds it.
     pub velocity_rad_s: Vec<f64>,
     /// Where the run starts, in rad from the pose, per channel.
     pub start_rad: Vec<f64>,
 }
 
-/// A machine on which runs can be done: the simulator, a folder of recordings, or a robot behind somebody's own code.
+/// A machine on which runs can be done: the simulator, a folder of recordings, or a robot behind
+/// somebody's own code.
 ///
-/// `run` may be called from several threads at once; a testbed that can do one run at a time must see to that itself.
+/// `run` may be called from several threads at once; a testbed that can do one run at a time must
+/// see to that itself.
 pub trait Testbed: Sync {
     /// Number of inputs (channels of the reference).
     fn n_inputs(&self) -> usize;
 
-    /// Does one run and returns what was measured: as many samples as the reference, or fewer if the run was stopped
-    /// (then the record's last event says why).
+    /// Does one run and returns what was measured: as many samples as the reference, or fewer if
+    /// the run was stopped (then the record's last event says why).
     ///
     /// # Errors
     /// [`TestbedError`].

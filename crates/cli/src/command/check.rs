@@ -23,7 +23,11 @@ pub(crate) struct Arguments {
     experiment: PathBuf,
 }
 
-pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
+pub(crate) fn run(
+    arguments: &Arguments,
+    options: &Options,
+    console: &mut Console,
+) -> Result<Exit, Failure> {
     let experiment = Experiment::load(&arguments.experiment)?;
     let is_shaped = experiment.config.shape.is_some();
     if is_shaped {
@@ -33,7 +37,11 @@ pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Consol
     if options.json {
         console.json(&plan_as_json(&experiment.plan)?)?;
     } else {
-        console.data(&format!("{} is sound\n{}", experiment.source.name, plan_as_text(&experiment.plan)?))?;
+        console.data(&format!(
+            "{} is sound\n{}",
+            experiment.source.name,
+            plan_as_text(&experiment.plan)?
+        ))?;
         let path = arguments.experiment.display();
         console.hint(if is_shaped {
             format!("frfid shape {path} -o shaped")

@@ -3,7 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use frfid_estimate::{Change, CompareOptions, Comparison, EntryComparison, Feature, FeatureKind, Side, compare};
+use frfid_estimate::{
+    Change, CompareOptions, Comparison, EntryComparison, Feature, FeatureKind, Side, compare,
+};
 use frfid_files::{ResultFile, read_result};
 use serde_json::{Value, json};
 
@@ -12,7 +14,8 @@ use crate::exit::{Exit, Failure};
 use crate::options::{Options, existing_path};
 use crate::table::{significant, table};
 
-/// Compare two FRFs: shifts of resonances and antiresonances, damping, and what it says about stiffness and friction
+/// Compare two FRFs: shifts of resonances and antiresonances, damping, and what it says about
+/// stiffness and friction
 #[derive(Debug, Args)]
 #[command(before_help = "\
 Examples:
@@ -25,8 +28,8 @@ pub(crate) struct Arguments {
     /// Another one
     #[arg(value_name = "B.json", value_parser = existing_path())]
     b: PathBuf,
-    /// Which was measured with the stronger excitation: tells stiffness that grows from one that falls; without this, the
-    /// one with the larger torques, where both results know theirs
+    /// Which was measured with the stronger excitation: tells stiffness that grows from one that
+    /// falls; without this, the one with the larger torques, where both results know theirs
     #[arg(long, value_enum, value_name = "WHICH")]
     stronger: Option<Stronger>,
     /// Least height of a resonance, or depth of an antiresonance, in dB
@@ -40,22 +43,38 @@ enum Stronger {
     B,
 }
 
-pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
+pub(crate) fn run(
+    arguments: &Arguments,
+    options: &Options,
+    console: &mut Console,
+) -> Result<Exit, Failure> {
     let (a, b) = (read_result(&arguments.a)?, read_result(&arguments.b)?);
     let stronger = match arguments.stronger {
         Some(Stronger::A) => Some(Side::A),
         Some(Stronger::B) => Some(Side::B),
         None => stronger(&a, &b),
     };
-    let settings = CompareOptions { stronger, prominence_db: arguments.prominence_db, ..CompareOptions::default() };
-    let comparison = compare(&a.frf, &b.frf, &settings).map_err(|error| Failure::of(Exit::Failed, &error))?;
+    let settings = CompareOptions {
+        stronger,
+        prominence_db: arguments.prominence_db,
+        ..CompareOptions::default()
+    };
+    let comparison =
+        compare(&a.frf, &b.frf, &settings).map_err(|error| Failure::of(Exit::Failed, &error))?;
     if options.json {
         console.json(&as_json(&comparison))?;
         return Ok(Exit::Done);
     }
     let (low, high) = comparison.band_hz;
-    let mark = |side| if stronger == Some(side) { "   stronger excitation" } else { "" };
-    let name = |letter, path: &PathBuf, side| format!("{letter} {}{}\n", path.display(), mark(side));
+    let mark = |side| {
+        if stronger == Some(side) {
+            "   stronger excitation"
+        } else {
+            ""
+        }
+    };
+    let name =
+        |letter, path: &PathBuf, side| format!("{letter} {}{}\n", path.display(), mark(side));
     console.data(&format!(
         "{}{}band {} to {} Hz\n",
         name("A", &arguments.a, Side::A),
@@ -70,14 +89,16 @@ pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Consol
     Ok(Exit::Done)
 }
 
-/// The result with the larger rms torques on every axis, by a tenth at least; `None` where that is not known.
+/// The result with the larger rms torques on every axis, by a tenth at least; `None` where that is
+/// not known.
 fn stronger(a: &ResultFile, b: &ResultFile) -> Option<Side> {
     const CLEARLY: f64 = 1.1;
     let rms = |result: &ResultFile| -> Option<Vec<f64>> {
         serde_json::from_str(result.provenance.get("effort_rms_nm")?).ok()
     };
     let (a, b) = (rms(a)?, rms(b)?);
-    let larger = |x: &[f64], y: &[f64]| x.len() == y.len() && x.iter().zip(y).all(|(x, y)| *x > CLEARLY * y);
+    let larger =
+        |x: &[f64], y: &[f64]| x.len() == y.len() && x.iter().zip(y).all(|(x, y)| *x > CLEARLY * y);
     match (larger(&a, &b), larger(&b, &a)) {
         (true, false) => Some(Side::A),
         (false, true) => Some(Side::B),
@@ -87,19 +108,30 @@ fn stronger(a: &ResultFile, b: &ResultFile) -> Option<Side> {
 
 /// The table of features, what differs elsewhere, and the verdicts.
 fn as_text(entry: &EntryComparison) -> String {
-    let mut rows = vec![["", "A", "B", "shift", "damping A", "damping B", "level B/A"].map(str::to_owned).to_vec()];
+    let mut rows = vec![
+        ["", "A", "B", "shift", "damping A", "damping B", "level B/A"]
+            .map(str::to_owned)
+            .to_vec(),
+    ];
     let number = |value: Option<f64>, unit: &str| {
-        value.map_or_else(|| "-".to_owned(), |value| format!("{}{unit}", significant(value, 4)))
+        value.map_or_else(
+            || "-".to_owned(),
+            |value| format!("{}{unit}", significant(value, 4)),
+        )
     };
     for change in &entry.changes {
         rows.push(vec![
             kind(&change.a).to_owned(),
             number(Some(change.a.frequency_hz), " Hz"),
             number(change.b.map(|b| b.frequency_hz), " Hz"),
-            change.shift_percent().map_or_else(|| "-".into(), |percent| format!("{percent:+.1} %")),
+            change
+                .shift_percent()
+                .map_or_else(|| "-".into(), |percent| format!("{percent:+.1} %")),
             number(change.a.damping, ""),
             number(change.b.and_then(|b| b.damping), ""),
-            change.level_db.map_or_else(|| "-".into(), |level| format!("{level:+.1} dB")),
+            change
+                .level_db
+                .map_or_else(|| "-".into(), |level| format!("{level:+.1} dB")),
         ]);
     }
     for feature in &entry.only_in_b {
@@ -118,7 +150,9 @@ fn as_text(entry: &EntryComparison) -> String {
     if entry.verdicts.is_empty() {
         text += "  verdict: nothing stands out\n";
     }
-    entry.verdicts.iter().fold(text, |text, verdict| format!("{text}  verdict: {verdict}\n"))
+    entry.verdicts.iter().fold(text, |text, verdict| {
+        format!("{text}  verdict: {verdict}\n")
+    })
 }
 
 fn kind(feature: &Feature) -> &'static str {

@@ -26,7 +26,12 @@ pub(crate) struct Arguments {
     #[arg(value_name = "X.toml")]
     experiment: PathBuf,
     /// The plan to write
-    #[arg(long, short, value_name = "PLAN.mcap", required_unless_present = "dry_run")]
+    #[arg(
+        long,
+        short,
+        value_name = "PLAN.mcap",
+        required_unless_present = "dry_run"
+    )]
     output: Option<PathBuf>,
     /// Another seed than that of the description
     #[arg(long)]
@@ -39,18 +44,26 @@ pub(crate) struct Arguments {
     jobs: usize,
 }
 
-pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
+pub(crate) fn run(
+    arguments: &Arguments,
+    options: &Options,
+    console: &mut Console,
+) -> Result<Exit, Failure> {
     let experiment = with_seed(Experiment::load(&arguments.experiment)?, arguments.seed)?;
     warn(&experiment, console);
     let output = arguments.output.as_ref().filter(|_| !arguments.dry_run);
     output.map_or(Ok(()), |path| options.check_free(path))?;
-    let prediction = watched(console, "predicting", "runs", |progress| predict(&experiment, arguments.jobs, progress))?;
+    let prediction = watched(console, "predicting", "runs", |progress| {
+        predict(&experiment, arguments.jobs, progress)
+    })?;
     tell(&experiment, &prediction, options, console)?;
     if let Some(error) = outside(&experiment, &prediction) {
         return Err(error.into());
     }
     if let Some(path) = output {
-        watched(console, "writing", "runs", |progress| experiment.write_plan(path, options.overwrite(), progress))?;
+        watched(console, "writing", "runs", |progress| {
+            experiment.write_plan(path, options.overwrite(), progress)
+        })?;
         console.note(format_args!("wrote {}", path.display()));
         console.hint(format_args!("frfid run {} -o logs", path.display()));
     }
@@ -58,10 +71,15 @@ pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Consol
 }
 
 /// The experiment with another seed, where one is given.
-pub(crate) fn with_seed(experiment: Experiment, seed: Option<u64>) -> Result<Experiment, ConfigError> {
+pub(crate) fn with_seed(
+    experiment: Experiment,
+    seed: Option<u64>,
+) -> Result<Experiment, ConfigError> {
     match seed {
         Some(seed) if seed != experiment.config.seed => {
-            let Experiment { source, mut config, .. } = experiment;
+            let Experiment {
+                source, mut config, ..
+            } = experiment;
             config.seed = seed;
             Experiment::of(config, source)
         }
@@ -85,10 +103,21 @@ pub(crate) fn tell(
 ) -> Result<(), Failure> {
     if options.json {
         let plan = plan_as_json(&experiment.plan)?;
-        return console.json(&json!({ "plan": plan, "prediction": prediction, "limits": experiment.limits() }));
+        return console.json(
+            &json!({ "plan": plan, "prediction": prediction, "limits": experiment.limits() }),
+        );
     }
-    let crest = prediction.crest_factor.iter().map(|crest| significant(*crest, 4)).collect();
-    let peaks = peaks_as_text("predicted", &prediction.peaks, &experiment.limits(), &[("torque, crest factor", crest)]);
+    let crest = prediction
+        .crest_factor
+        .iter()
+        .map(|crest| significant(*crest, 4))
+        .collect();
+    let peaks = peaks_as_text(
+        "predicted",
+        &prediction.peaks,
+        &experiment.limits(),
+        &[("torque, crest factor", crest)],
+    );
     console.data(&format!("{}\n{peaks}", plan_as_text(&experiment.plan)?))
 }
 
@@ -96,21 +125,41 @@ pub(crate) fn tell(
 fn outside(experiment: &Experiment, prediction: &Prediction) -> Option<ConfigError> {
     let worst = prediction.binding()?;
     let (found, allowed) = (significant(worst.found, 4), significant(worst.allowed, 4));
-    let (axis, whose, advice) = (worst.axis + 1, experiment.whose(worst), advice(experiment, prediction, worst));
+    let (axis, whose, advice) = (
+        worst.axis + 1,
+        experiment.whose(worst),
+        advice(experiment, prediction, worst),
+    );
     let unit = LimitsTable::unit(worst.limit);
-    let message = format!("axis {axis} would reach {found} {unit}, {whose} is {allowed} {unit}; {advice}");
-    Some(experiment.source.error(&experiment.place_of(worst), message))
+    let message =
+        format!("axis {axis} would reach {found} {unit}, {whose} is {allowed} {unit}; {advice}");
+    Some(
+        experiment
+            .source
+            .error(&experiment.place_of(worst), message),
+    )
 }
 
 /// What to do about the limit that binds most.
 fn advice(experiment: &Experiment, prediction: &Prediction, worst: &Excess) -> String {
-    let glides = experiment.plan.velocity_rad_s.iter().any(|velocity| *velocity != 0.0);
+    let glides = experiment
+        .plan
+        .velocity_rad_s
+        .iter()
+        .any(|velocity| *velocity != 0.0);
     // rounded down, so that the advice is inside the limit
     let factor = (prediction.feasible_factor().unwrap_or(1.0) * 1000.0).floor() / 1000.0;
     if factor > 0.0 {
         let peaks = experiment.plan.excitation.peaks();
-        let best: Vec<String> = peaks.iter().map(|peak| significant(factor * peak, 3)).collect();
-        let unit = if experiment.config.controller.is_some() { "rad/s" } else { "N m" };
+        let best: Vec<String> = peaks
+            .iter()
+            .map(|peak| significant(factor * peak, 3))
+            .collect();
+        let unit = if experiment.config.controller.is_some() {
+            "rad/s"
+        } else {
+            "N m"
+        };
         let factor = significant(factor, 3);
         return format!(
             "multiply the amplitudes by {factor} or less (to {} {unit}), or raise the limit",
@@ -118,7 +167,12 @@ fn advice(experiment: &Experiment, prediction: &Prediction, worst: &Excess) -> S
         );
     }
     let without = significant(prediction.without_excitation(worst), 4);
-    let slower =
-        if glides { "lower the constant velocity, shorten lead-in or periods, " } else { "choose another pose, " };
-    format!("no amplitude is left: without any excitation it is {without} already; {slower}or raise the limit")
+    let slower = if glides {
+        "lower the constant velocity, shorten lead-in or periods, "
+    } else {
+        "choose another pose, "
+    };
+    format!(
+        "no amplitude is left: without any excitation it is {without} already; {slower}or raise the limit"
+    )
 }

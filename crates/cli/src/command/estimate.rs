@@ -86,25 +86,50 @@ impl EstimatorOptions {
     }
 }
 
-pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
-    for output in [Some(&arguments.output), arguments.report.as_ref()].into_iter().flatten() {
+pub(crate) fn run(
+    arguments: &Arguments,
+    options: &Options,
+    console: &mut Console,
+) -> Result<Exit, Failure> {
+    for output in [Some(&arguments.output), arguments.report.as_ref()]
+        .into_iter()
+        .flatten()
+    {
         options.check_free(output)?;
     }
-    let settings =
-        EstimateOptions { estimate: arguments.estimator.table(), map: arguments.map.log_map()?, jobs: arguments.jobs };
-    let estimate = watched(console, "reading", "logs", |progress| estimate_logs(&arguments.logs, &settings, progress))?;
+    let settings = EstimateOptions {
+        estimate: arguments.estimator.table(),
+        map: arguments.map.log_map()?,
+        jobs: arguments.jobs,
+    };
+    let estimate = watched(console, "reading", "logs", |progress| {
+        estimate_logs(&arguments.logs, &settings, progress)
+    })?;
     write_result(&arguments.output, options.overwrite(), &estimate.result)?;
     if let Some(path) = &arguments.report {
-        let title = arguments.output.file_stem().unwrap_or_default().to_string_lossy();
+        let title = arguments
+            .output
+            .file_stem()
+            .unwrap_or_default()
+            .to_string_lossy();
         let page = report::html(&title, &estimate.result, estimate.warnings.clone())?;
         write_bytes(path, options.overwrite(), page.as_bytes())?;
     }
     tell(arguments, &estimate, options, console)?;
     let passed = estimate.result.checks.iter().all(|check| check.passed);
-    Ok(if estimate.is_lossy || !passed { Exit::Flawed } else { Exit::Done })
+    Ok(if estimate.is_lossy || !passed {
+        Exit::Flawed
+    } else {
+        Exit::Done
+    })
 }
 
-fn tell(arguments: &Arguments, estimate: &Estimate, options: &Options, console: &mut Console) -> Result<(), Failure> {
+fn tell(
+    arguments: &Arguments,
+    estimate: &Estimate,
+    options: &Options,
+    console: &mut Console,
+) -> Result<(), Failure> {
     for warning in &estimate.warnings {
         console.warning(warning);
     }
@@ -115,29 +140,57 @@ fn tell(arguments: &Arguments, estimate: &Estimate, options: &Options, console: 
     }
     let strength = strength_as_text(estimate.strength.as_ref());
     let checks = checks_as_text(&estimate.result.checks);
-    console.data(&format!("{output}\n{}{strength}\n{checks}", summary(&estimate.result)))?;
+    console.data(&format!(
+        "{output}\n{}{strength}\n{checks}",
+        summary(&estimate.result)
+    ))?;
     if let Some(report) = &arguments.report {
         console.note(format_args!("report in {}", report.display()));
     }
-    console.hint(format_args!("frfid export {output} --to csv -o frf.csv, or frfid compare {output} OTHER.json"));
+    console.hint(format_args!(
+        "frfid export {output} --to csv -o frf.csv, or frfid compare {output} OTHER.json"
+    ));
     Ok(())
 }
 
 fn summary(result: &ResultFile) -> String {
     let frf = &result.frf;
     let named = |names: &[String], units: &[String]| {
-        names.iter().zip(units).map(|(name, unit)| format!("{name} ({unit})")).collect::<Vec<_>>().join(", ")
+        names
+            .iter()
+            .zip(units)
+            .map(|(name, unit)| format!("{name} ({unit})"))
+            .collect::<Vec<_>>()
+            .join(", ")
     };
     let band = match (frf.frequency_hz.first(), frf.frequency_hz.last()) {
-        (Some(low), Some(high)) => format!(", {} to {} Hz", significant(*low, 5), significant(*high, 5)),
+        (Some(low), Some(high)) => {
+            format!(", {} to {} Hz", significant(*low, 5), significant(*high, 5))
+        }
         _ => String::new(),
     };
     list(&[
         ("inputs", named(&result.input_names, &result.input_units)),
         ("outputs", named(&result.output_names, &result.output_units)),
         ("frequencies", format!("{}{band}", frf.n_frequencies())),
-        ("noise", known(result, frf.noise.as_ref(), frf.noise_variance(), "two periods")),
-        ("noise and nonlinear", known(result, frf.total.as_ref(), frf.total_variance(), "two realizations")),
+        (
+            "noise",
+            known(
+                result,
+                frf.noise.as_ref(),
+                frf.noise_variance(),
+                "two periods",
+            ),
+        ),
+        (
+            "noise and nonlinear",
+            known(
+                result,
+                frf.total.as_ref(),
+                frf.total_variance(),
+                "two realizations",
+            ),
+        ),
     ])
 }
 
@@ -154,7 +207,10 @@ fn known(
     let degrees = uncertainty.degrees_of_freedom;
     match relative_deviation(result, &variance) {
         Some(deviation) => {
-            format!("{} % of |G| (median), {degrees} degrees of freedom", significant(100.0 * deviation, 2))
+            format!(
+                "{} % of |G| (median), {degrees} degrees of freedom",
+                significant(100.0 * deviation, 2)
+            )
         }
         None => format!("not a number, {degrees} degrees of freedom"),
     }
@@ -163,7 +219,10 @@ fn known(
 /// Median of standard deviation over magnitude, over all entries and frequencies.
 fn relative_deviation(result: &ResultFile, variance: &Array3<f64>) -> Option<f64> {
     let both = variance.iter().zip(&result.frf.response);
-    let mut ratios: Vec<f64> = both.map(|(variance, g)| variance.sqrt() / g.norm()).filter(|x| x.is_finite()).collect();
+    let mut ratios: Vec<f64> = both
+        .map(|(variance, g)| variance.sqrt() / g.norm())
+        .filter(|x| x.is_finite())
+        .collect();
     ratios.sort_by(f64::total_cmp);
     ratios.get(ratios.len() / 2).copied()
 }

@@ -36,7 +36,11 @@ enum Format {
     Npz,
 }
 
-pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
+pub(crate) fn run(
+    arguments: &Arguments,
+    options: &Options,
+    console: &mut Console,
+) -> Result<Exit, Failure> {
     let (result, output) = (read_result(&arguments.result)?, &arguments.output);
     match arguments.to {
         Format::Csv => write_frf_csv(output, options.overwrite(), &result)?,

@@ -28,10 +28,15 @@ pub(crate) struct Arguments {
 
 fn kinds() -> impl TypedValueParser<Value = &'static Template> {
     let kinds = TEMPLATES.map(|template| PossibleValue::new(template.kind).help(template.purpose));
-    PossibleValuesParser::new(kinds).try_map(|kind| Template::named(&kind).ok_or("there is no such template"))
+    PossibleValuesParser::new(kinds)
+        .try_map(|kind| Template::named(&kind).ok_or("there is no such template"))
 }
 
-pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
+pub(crate) fn run(
+    arguments: &Arguments,
+    options: &Options,
+    console: &mut Console,
+) -> Result<Exit, Failure> {
     let text = arguments.kind.text();
     match &arguments.output {
         None => console.data(&text)?,

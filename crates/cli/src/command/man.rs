@@ -28,8 +28,14 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console) -> Result<Exit, 
         Some(name) => match frfid.find_subcommand(name) {
             Some(command) => page(command.clone()),
             None => {
-                let names: Vec<_> = frfid.get_subcommands().map(clap::Command::get_name).collect();
-                return Err(Failure::usage(format!("no command is called `{name}`; there are {}", names.join(", "))));
+                let names: Vec<_> = frfid
+                    .get_subcommands()
+                    .map(clap::Command::get_name)
+                    .collect();
+                return Err(Failure::usage(format!(
+                    "no command is called `{name}`; there are {}",
+                    names.join(", ")
+                )));
             }
         },
     };
@@ -38,9 +44,13 @@ pub(crate) fn run(arguments: &Arguments, console: &mut Console) -> Result<Exit, 
     Ok(Exit::Done)
 }
 
-/// The page: examples, which the help begins with, follow the description here, as manual pages have it.
+/// The page: examples, which the help begins with, follow the description here, as manual pages
+/// have it.
 fn page(command: clap::Command) -> io::Result<Vec<u8>> {
-    let examples = command.get_before_help().map(ToString::to_string).unwrap_or_default();
+    let examples = command
+        .get_before_help()
+        .map(ToString::to_string)
+        .unwrap_or_default();
     let is_frfid = command.has_subcommands();
     let (man, mut page) = (Man::new(command), Vec::new());
     man.render_title(&mut page)?;
@@ -58,6 +68,9 @@ fn page(command: clap::Command) -> io::Result<Vec<u8>> {
 
 /// The lines of examples without their heading, roff's own characters escaped.
 fn verbatim(examples: &str) -> String {
-    let lines = examples.lines().skip(1).map(|line| line.trim_start().replace('\\', "\\e").replace('-', "\\-"));
+    let lines = examples
+        .lines()
+        .skip(1)
+        .map(|line| line.trim_start().replace('\\', "\\e").replace('-', "\\-"));
     lines.collect::<Vec<_>>().join("\n")
 }

@@ -26,8 +26,15 @@ pub(crate) struct Arguments {
     output: Option<PathBuf>,
 }
 
-pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
-    let output = arguments.output.clone().unwrap_or_else(|| beside(&arguments.input));
+pub(crate) fn run(
+    arguments: &Arguments,
+    options: &Options,
+    console: &mut Console,
+) -> Result<Exit, Failure> {
+    let output = arguments
+        .output
+        .clone()
+        .unwrap_or_else(|| beside(&arguments.input));
     let recovered = recover(&arguments.input, &output, options.overwrite())?;
     for loss in &recovered.losses {
         console.warning(format_args!("lost: {loss}"));
@@ -41,10 +48,17 @@ pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Consol
             "losses": recovered.losses.iter().map(ToString::to_string).collect::<Vec<_>>(),
         }))?;
     } else {
-        let messages = count(usize::try_from(recovered.n_messages).unwrap_or(usize::MAX), "message");
+        let messages = count(
+            usize::try_from(recovered.n_messages).unwrap_or(usize::MAX),
+            "message",
+        );
         console.data(&format!("{}: {messages} salvaged\n", output.display()))?;
     }
-    Ok(if recovered.losses.is_empty() { Exit::Done } else { Exit::Flawed })
+    Ok(if recovered.losses.is_empty() {
+        Exit::Done
+    } else {
+        Exit::Flawed
+    })
 }
 
 /// `logs/a.recovered.mcap` for `logs/a.mcap.part`.

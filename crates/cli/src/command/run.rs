@@ -3,7 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use frfid_experiment::{Experiment, Order, RunOptions, RunSummary, Strength, predict, run_to_folder};
+use frfid_experiment::{
+    Experiment, Order, RunOptions, RunSummary, Strength, predict, run_to_folder,
+};
 use frfid_signals::{Event, EventKind};
 use serde_json::json;
 
@@ -15,7 +17,8 @@ use crate::progress::watched;
 use crate::summary::{excess_in_words, peaks_as_text, strength_rows};
 use crate::table::{count, significant};
 
-/// Do the runs of a description or a plan in simulation, one MCAP each; runs that are there already are skipped
+/// Do the runs of a description or a plan in simulation, one MCAP each; runs that are there already
+/// are skipped
 #[derive(Debug, Args)]
 #[command(before_help = "\
 Examples:
@@ -44,23 +47,37 @@ pub(crate) struct Arguments {
     dry_run: bool,
 }
 
-pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
+pub(crate) fn run(
+    arguments: &Arguments,
+    options: &Options,
+    console: &mut Console,
+) -> Result<Exit, Failure> {
     let order = order(&arguments.order, arguments.seed)?;
     warn(&order.experiment, console);
     let n_runs = order.run_ids().len();
     if let Some(index) = arguments.index.filter(|&index| index >= n_runs) {
-        let message = format!("--index is {index}, needed: 0 to {}, one of {}", n_runs - 1, count(n_runs, "run"));
+        let message = format!(
+            "--index is {index}, needed: 0 to {}, one of {}",
+            n_runs - 1,
+            count(n_runs, "run")
+        );
         return Err(Failure::usage(message));
     }
     let Some(folder) = arguments.output.as_ref().filter(|_| !arguments.dry_run) else {
-        let prediction =
-            watched(console, "predicting", "runs", |progress| predict(&order.experiment, arguments.jobs, progress))?;
+        let prediction = watched(console, "predicting", "runs", |progress| {
+            predict(&order.experiment, arguments.jobs, progress)
+        })?;
         tell(&order.experiment, &prediction, options, console)?;
         return Ok(Exit::Done);
     };
-    let settings = RunOptions { jobs: arguments.jobs, index: arguments.index, overwrite: options.overwrite() };
-    let summary =
-        watched(console, "simulating", "runs", |progress| run_to_folder(&order, None, folder, &settings, progress))?;
+    let settings = RunOptions {
+        jobs: arguments.jobs,
+        index: arguments.index,
+        overwrite: options.overwrite(),
+    };
+    let summary = watched(console, "simulating", "runs", |progress| {
+        run_to_folder(&order, None, folder, &settings, progress)
+    })?;
     report(&order.experiment, &summary, folder, options, console)
 }
 
@@ -68,7 +85,11 @@ pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Consol
 fn order(path: &Path, seed: Option<u64>) -> Result<Order, Failure> {
     match seed {
         None => Ok(Order::load(path)?),
-        Some(_) if path.extension().is_some_and(|extension| extension == "toml") => {
+        Some(_)
+            if path
+                .extension()
+                .is_some_and(|extension| extension == "toml") =>
+        {
             Ok(Order::of(with_seed(Experiment::load(path)?, seed)?))
         }
         Some(_) => Err(Failure::usage(format!(
@@ -78,7 +99,8 @@ fn order(path: &Path, seed: Option<u64>) -> Result<Order, Failure> {
     }
 }
 
-/// Tells what the runs asked of the robot; a limit that was reached or a run that was stopped makes them flawed.
+/// Tells what the runs asked of the robot; a limit that was reached or a run that was stopped makes
+/// them flawed.
 fn report(
     experiment: &Experiment,
     summary: &RunSummary,
@@ -87,49 +109,101 @@ fn report(
     console: &mut Console,
 ) -> Result<Exit, Failure> {
     let limits = &experiment.limits();
-    let peaks = summary.written.iter().map(|run| run.peaks.clone()).reduce(|a, b| a.max(&b));
-    let events = summary
+    let peaks = summary
         .written
         .iter()
-        .flat_map(|run| run.events.iter().map(|event| format!("{}: {}", run.path.display(), told(event))));
+        .map(|run| run.peaks.clone())
+        .reduce(|a, b| a.max(&b));
+    let events = summary.written.iter().flat_map(|run| {
+        run.events
+            .iter()
+            .map(|event| format!("{}: {}", run.path.display(), told(event)))
+    });
     let excesses = peaks.iter().flat_map(|peaks| peaks.excesses(limits));
     let beyond = excesses.map(|excess| excess_in_words(&excess));
-    let before = summary
-        .stopped_before
-        .iter()
-        .map(|path| format!("{}: was stopped before its end when it was done; --force does it again", path.display()));
+    let before = summary.stopped_before.iter().map(|path| {
+        format!(
+            "{}: was stopped before its end when it was done; --force does it again",
+            path.display()
+        )
+    });
     let flaws: Vec<String> = events.chain(beyond).chain(before).collect();
-    for warning in flaws.iter().chain(summary.strength.iter().flat_map(|strength| &strength.warnings)) {
+    for warning in flaws.iter().chain(
+        summary
+            .strength
+            .iter()
+            .flat_map(|strength| &strength.warnings),
+    ) {
         console.warning(warning);
     }
     if options.json {
         console.json(&json!(summary))?;
     } else {
         let (written, skipped) = (summary.written.len(), summary.n_skipped);
-        console.data(&format!("{}: {} written, {skipped} there already\n", folder.display(), count(written, "run")))?;
+        console.data(&format!(
+            "{}: {} written, {skipped} there already\n",
+            folder.display(),
+            count(written, "run")
+        ))?;
         if let Some(peaks) = &peaks {
-            let others = [vec![("standing still", standing_still(summary))], strength_rows(summary.strength.as_ref())];
+            let others = [
+                vec![("standing still", standing_still(summary))],
+                strength_rows(summary.strength.as_ref()),
+            ];
             console.data(&peaks_as_text("reached", peaks, limits, &others.concat()))?;
         }
-        console.hint(format_args!("frfid estimate {} -o frf.json --report frf.html", folder.display()));
+        console.hint(format_args!(
+            "frfid estimate {} -o frf.json --report frf.html",
+            folder.display()
+        ));
     }
-    let crosses_zero = summary.strength.as_ref().is_some_and(Strength::crosses_zero);
-    Ok(if flaws.is_empty() && !crosses_zero { Exit::Done } else { Exit::Flawed })
+    let crosses_zero = summary
+        .strength
+        .as_ref()
+        .is_some_and(Strength::crosses_zero);
+    Ok(if flaws.is_empty() && !crosses_zero {
+        Exit::Done
+    } else {
+        Exit::Flawed
+    })
 }
 
 /// Share of the time in which friction held the joint, the largest of all runs, one for each axis.
 fn standing_still(summary: &RunSummary) -> Vec<String> {
-    let axes = summary.written.first().map_or(0, |run| run.standing_share.len());
-    let of_axis = |axis: usize| summary.written.iter().filter_map(move |run| run.standing_share.get(axis));
-    (0..axes).map(|axis| format!("{:.1} %", 100.0 * of_axis(axis).fold(0.0, |a: f64, b| a.max(*b)))).collect()
+    let axes = summary
+        .written
+        .first()
+        .map_or(0, |run| run.standing_share.len());
+    let of_axis = |axis: usize| {
+        summary
+            .written
+            .iter()
+            .filter_map(move |run| run.standing_share.get(axis))
+    };
+    (0..axes)
+        .map(|axis| {
+            format!(
+                "{:.1} %",
+                100.0 * of_axis(axis).fold(0.0, |a: f64, b| a.max(*b))
+            )
+        })
+        .collect()
 }
 
 fn told(event: &Event) -> String {
     let what = match &event.kind {
         EventKind::PeriodStart { period } => format!("period {period} begins"),
-        EventKind::Limit { channel, quantity, value, limit } => {
+        EventKind::Limit {
+            channel,
+            quantity,
+            value,
+            limit,
+        } => {
             let [value, limit] = [value, limit].map(|number| significant(*number, 4));
-            format!("axis {} reached its limit: {quantity} {value}, allowed {limit}", channel + 1)
+            format!(
+                "axis {} reached its limit: {quantity} {value}, allowed {limit}",
+                channel + 1
+            )
         }
         EventKind::Stopped { reason, .. } => format!("stopped: {reason}"),
     };

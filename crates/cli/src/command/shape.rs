@@ -1,9 +1,12 @@
-//! `frfid shape`: the reference of a chirp in closed loop, shaped until the motor torque follows what is desired.
+//! `frfid shape`: the reference of a chirp in closed loop, shaped until the motor torque follows
+//! what is desired.
 
 use std::path::PathBuf;
 
 use clap::Args;
-use frfid_experiment::{Experiment, IterationReport, ShapeFolderOptions, ShapeReport, shape_to_folder};
+use frfid_experiment::{
+    Experiment, IterationReport, ShapeFolderOptions, ShapeReport, shape_to_folder,
+};
 use serde_json::json;
 
 use crate::command::design::{warn, with_seed};
@@ -14,7 +17,8 @@ use crate::progress::watched;
 use crate::summary::{checks_as_text, warn_of_failed};
 use crate::table::{significant, table};
 
-/// Shape the reference of a chirp in closed loop until the motor torque is as desired, with an audit trail
+/// Shape the reference of a chirp in closed loop until the motor torque is as desired, with an
+/// audit trail
 #[derive(Debug, Args)]
 #[command(before_help = "\
 Examples:
@@ -36,18 +40,34 @@ pub(crate) struct Arguments {
     seed: Option<u64>,
 }
 
-pub(crate) fn run(arguments: &Arguments, options: &Options, console: &mut Console) -> Result<Exit, Failure> {
+pub(crate) fn run(
+    arguments: &Arguments,
+    options: &Options,
+    console: &mut Console,
+) -> Result<Exit, Failure> {
     let experiment = with_seed(Experiment::load(&arguments.experiment)?, arguments.seed)?;
     warn(&experiment, console);
-    let settings = ShapeFolderOptions { jobs: arguments.jobs, overwrite: options.overwrite() };
+    let settings = ShapeFolderOptions {
+        jobs: arguments.jobs,
+        overwrite: options.overwrite(),
+    };
     let report = watched(console, "shaping", "runs", |progress| {
         shape_to_folder(&experiment, None, &arguments.output, &settings, progress)
     })?;
     tell(arguments, &report, options, console)?;
-    Ok(if report.is_good() { Exit::Done } else { Exit::Flawed })
+    Ok(if report.is_good() {
+        Exit::Done
+    } else {
+        Exit::Flawed
+    })
 }
 
-fn tell(arguments: &Arguments, report: &ShapeReport, options: &Options, console: &mut Console) -> Result<(), Failure> {
+fn tell(
+    arguments: &Arguments,
+    report: &ShapeReport,
+    options: &Options,
+    console: &mut Console,
+) -> Result<(), Failure> {
     for sticking in &report.sticking {
         console.warning(sticking);
     }
@@ -60,7 +80,12 @@ fn tell(arguments: &Arguments, report: &ShapeReport, options: &Options, console:
         (Some(best), Some(reason)) => format!("  the best is iteration {best}; {reason}\n"),
         _ => String::new(),
     };
-    let text = format!("{folder}\n{}{}{end}{}", iterations(report), notes(report), checks_as_text(&report.checks));
+    let text = format!(
+        "{folder}\n{}{}{end}{}",
+        iterations(report),
+        notes(report),
+        checks_as_text(&report.checks)
+    );
     console.data(&text)?;
     console.hint(format_args!(
         "frfid export {folder}/frf.json --to csv -o frf.csv, or frfid compare {folder}/frf.json OTHER.json"
@@ -74,24 +99,44 @@ fn iterations(report: &ShapeReport) -> String {
     let row = |iteration: &IterationReport| {
         vec![
             iteration.number.to_string(),
-            iteration.axis_error.as_deref().map_or_else(|| "stopped".into(), percent),
+            iteration
+                .axis_error
+                .as_deref()
+                .map_or_else(|| "stopped".into(), percent),
             percent(&iteration.stuck_share),
             per_axis(iteration.peaks.torque_nm.iter().copied(), 3),
-            iteration.damping.map_or_else(|| "-".into(), |damping| significant(damping, 3)),
+            iteration
+                .damping
+                .map_or_else(|| "-".into(), |damping| significant(damping, 3)),
         ]
     };
-    let title = ["iteration", "error in %", "stuck in %", "peak torque in N m", "damping"].map(str::to_owned).to_vec();
+    let title = [
+        "iteration",
+        "error in %",
+        "stuck in %",
+        "peak torque in N m",
+        "damping",
+    ]
+    .map(str::to_owned)
+    .to_vec();
     table(&[vec![title], report.iterations.iter().map(row).collect()].concat())
 }
 
 fn per_axis(values: impl Iterator<Item = f64>, digits: usize) -> String {
-    values.map(|value| significant(value, digits)).collect::<Vec<_>>().join(" | ")
+    values
+        .map(|value| significant(value, digits))
+        .collect::<Vec<_>>()
+        .join(" | ")
 }
 
 fn notes(report: &ShapeReport) -> String {
     let of_iteration = |iteration: &IterationReport| {
         let number = iteration.number;
-        iteration.notes.iter().map(move |note| format!("  iteration {number}: {note}\n")).collect::<String>()
+        iteration
+            .notes
+            .iter()
+            .map(move |note| format!("  iteration {number}: {note}\n"))
+            .collect::<String>()
     };
     report.iterations.iter().map(of_iteration).collect()
 }

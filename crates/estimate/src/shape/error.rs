@@ -10,7 +10,8 @@ use crate::{EstimateError, Quantity};
 /// Errors of iterative shaping. Channels and experiments count from 0, iterations from 1.
 #[derive(Debug, Error)]
 pub enum ShapeError {
-    /// Options, signals or records that are wrong in themselves, or a response that cannot be inverted.
+    /// Options, signals or records that are wrong in themselves, or a response that cannot be
+    /// inverted.
     #[error(transparent)]
     Estimate(#[from] EstimateError),
     /// A run could not be done.
@@ -32,7 +33,9 @@ pub enum ShapeError {
         limit: f64,
     },
     /// The first iteration exceeded a limit or was stopped: there is nothing to go back to.
-    #[error("the initial reference was too much for the machine: {reason}; start with a smaller amplitude")]
+    #[error(
+        "the initial reference was too much for the machine: {reason}; start with a smaller amplitude"
+    )]
     FirstTooMuch {
         /// What happened first.
         reason: String,

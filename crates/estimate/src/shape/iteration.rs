@@ -16,7 +16,8 @@ pub struct Iteration {
     pub reference: Array3<f64>,
     /// What was measured, one record per experiment.
     pub records: Vec<Record>,
-    /// Damping of the step that led here, mean over lines and channels; `None` for the first reference.
+    /// Damping of the step that led here, mean over lines and channels; `None` for the first
+    /// reference.
     pub damping: Option<f64>,
     /// Responses and errors; `None` if a run was stopped before its end.
     pub estimate: Option<Estimate>,
@@ -49,8 +50,8 @@ pub struct Estimate {
     pub channel_error: Vec<f64>,
     /// Rms of it over band and channels.
     pub error: f64,
-    /// Condition number of U per frequency, its channels scaled to equal size: 1 if the experiments are orthogonal, 2 for the
-    /// sign flip on three axes.
+    /// Condition number of U per frequency, its channels scaled to equal size: 1 if the experiments
+    /// are orthogonal, 2 for the sign flip on three axes.
     pub condition: Vec<f64>,
 }
 
@@ -97,7 +98,8 @@ pub enum Note {
         /// That of the best iteration.
         best: f64,
     },
-    /// The next reference of an axis grows by the largest allowed factor, less than its step asked for.
+    /// The next reference of an axis grows by the largest allowed factor, less than its step asked
+    /// for.
     ChangeLimited {
         /// Axis, from 0.
         axis: usize,
@@ -122,7 +124,8 @@ pub enum Note {
 pub enum Stop {
     /// The error is small enough on every channel and no axis sticks for too long.
     GoodEnough,
-    /// The desired signal is reached and an axis sticks all the same: it is too weak for the friction.
+    /// The desired signal is reached and an axis sticks all the same: it is too weak for the
+    /// friction.
     Sticking,
     /// Two iterations in a row brought no smaller error.
     RoseTwice,
@@ -158,7 +161,8 @@ pub struct Summary {
 /// The result of shaping.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Shaped {
-    /// The iteration with the smallest error that kept all limits: its reference is the excitation to use.
+    /// The iteration with the smallest error that kept all limits: its reference is the excitation
+    /// to use.
     pub best: Iteration,
     /// Every iteration in order.
     pub iterations: Vec<Summary>,
@@ -181,7 +185,10 @@ impl Iteration {
         Summary {
             number: self.number,
             error: self.error(),
-            channel_error: self.estimate.as_ref().map(|estimate| estimate.channel_error.clone()),
+            channel_error: self
+                .estimate
+                .as_ref()
+                .map(|estimate| estimate.channel_error.clone()),
             stuck_share: self.stuck_share.clone(),
             damping: self.damping,
             predicted: self.predicted.clone(),
@@ -196,15 +203,40 @@ impl Iteration {
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::AllStuck => write!(f, "every axis was stuck: the response is that of the controller alone"),
-            Self::Exceeded { axis, quantity, found, limit } => {
-                write!(f, "axis {}: {quantity} reached {found:.4}, the limit is {limit:.4}", axis + 1)
+            Self::AllStuck => write!(
+                f,
+                "every axis was stuck: the response is that of the controller alone"
+            ),
+            Self::Exceeded {
+                axis,
+                quantity,
+                found,
+                limit,
+            } => {
+                write!(
+                    f,
+                    "axis {}: {quantity} reached {found:.4}, the limit is {limit:.4}",
+                    axis + 1
+                )
             }
-            Self::Stopped { experiment, time_s, reason } => {
-                write!(f, "experiment {} was stopped after {time_s:.3} s: {reason}", experiment + 1)
+            Self::Stopped {
+                experiment,
+                time_s,
+                reason,
+            } => {
+                write!(
+                    f,
+                    "experiment {} was stopped after {time_s:.3} s: {reason}",
+                    experiment + 1
+                )
             }
             Self::Rose { found, best } => {
-                write!(f, "the error rose to {:.1} %, the best is {:.1} %", 100.0 * found, 100.0 * best)
+                write!(
+                    f,
+                    "the error rose to {:.1} %, the best is {:.1} %",
+                    100.0 * found,
+                    100.0 * best
+                )
             }
             Self::ChangeLimited { axis, share } => {
                 write!(
@@ -214,7 +246,12 @@ impl fmt::Display for Note {
                     100.0 * share
                 )
             }
-            Self::LimitAhead { axis, quantity, time_s, share } => {
+            Self::LimitAhead {
+                axis,
+                quantity,
+                time_s,
+                share,
+            } => {
                 write!(
                     f,
                     "axis {}: its predicted {quantity} at {time_s:.2} s shortens the step to {:.0} %",

@@ -13,8 +13,8 @@ use super::{ShapeError, ShapeOptions, Step, Target};
 use crate::glide::same_clock;
 use crate::singular::scaled_condition_number;
 
-/// Share of the target's power in the band that the references must explain; what has nothing to do with them gets 0.1 by
-/// chance on three axes and 0.2 on six.
+/// Share of the target's power in the band that the references must explain; what has nothing to do
+/// with them gets 0.1 by chance on three axes and 0.2 on six.
 const NEEDED_COHERENCE: f64 = 0.3;
 
 /// Checks shapes and finiteness; every run that was stopped before its end is a note.
@@ -24,29 +24,57 @@ pub(super) fn stopped(
     sample_time_s: f64,
 ) -> Result<Vec<Note>, ShapeError> {
     let mut notes = Vec::new();
-    let shape = |name, found: Vec<usize>, needed| Err(SignalError::Shape { name, found, needed }.into());
+    let shape = |name, found: Vec<usize>, needed| {
+        Err(SignalError::Shape {
+            name,
+            found,
+            needed,
+        }
+        .into())
+    };
     if records.len() != n_experiments {
-        return shape("records", vec![records.len()], format!("({n_experiments}), one per experiment"));
+        return shape(
+            "records",
+            vec![records.len()],
+            format!("({n_experiments}), one per experiment"),
+        );
     }
     for (experiment, record) in records.iter().enumerate() {
         record.check()?;
         if !same_clock(record.sample_time_s, sample_time_s, n_samples) {
             let (name, found) = ("sample_time_s of a record", record.sample_time_s);
-            return Err(SignalError::Parameter { name, found, needed: "that of the reference" }.into());
+            return Err(SignalError::Parameter {
+                name,
+                found,
+                needed: "that of the reference",
+            }
+            .into());
         }
         for (name, signal) in [("u", &record.u), ("y", &record.y)] {
             if signal.nrows() != n_axes || signal.ncols() > n_samples {
-                return shape(name, signal.shape().to_vec(), format!("({n_axes}, {n_samples}), as the reference"));
+                return shape(
+                    name,
+                    signal.shape().to_vec(),
+                    format!("({n_axes}, {n_samples}), as the reference"),
+                );
             }
         }
         if record.n_samples() < n_samples {
-            let said = record.events.iter().rev().find_map(|event| match &event.kind {
-                EventKind::Stopped { reason, .. } => Some(reason.clone()),
-                _ => None,
-            });
+            let said = record
+                .events
+                .iter()
+                .rev()
+                .find_map(|event| match &event.kind {
+                    EventKind::Stopped { reason, .. } => Some(reason.clone()),
+                    _ => None,
+                });
             let reason = said.unwrap_or_else(|| "no reason given".into());
             let time_s = record.n_samples() as f64 * sample_time_s;
-            notes.push(Note::Stopped { experiment, time_s, reason });
+            notes.push(Note::Stopped {
+                experiment,
+                time_s,
+                reason,
+            });
         }
     }
     Ok(notes)
@@ -70,7 +98,12 @@ pub(super) fn estimate(
     };
     for (axis, &coherence) in coherence(target, &r, hz)?.iter().enumerate() {
         if coherence.is_nan() || coherence < NEEDED_COHERENCE {
-            return Err(ShapeError::NoResponse { target: name, axis, coherence, needed: NEEDED_COHERENCE });
+            return Err(ShapeError::NoResponse {
+                target: name,
+                axis,
+                coherence,
+                needed: NEEDED_COHERENCE,
+            });
         }
     }
     let bins = match options.step {
@@ -84,20 +117,27 @@ pub(super) fn estimate(
     Ok(Estimate {
         r_to_u: frf(&u)?,
         r_to_y: frf(&y)?,
-        channel_error: (0..n_axes).map(|c| rms(&error_per_frequency.column(c).to_vec())).collect(),
+        channel_error: (0..n_axes)
+            .map(|c| rms(&error_per_frequency.column(c).to_vec()))
+            .collect(),
         error: rms(&error_per_frequency.iter().copied().collect::<Vec<_>>()),
-        condition: u.iter().map(scaled_condition_number).collect::<Result<_, _>>()?,
+        condition: u
+            .iter()
+            .map(scaled_condition_number)
+            .collect::<Result<_, _>>()?,
         error_per_frequency,
     })
 }
 
-/// One signal of all records, `(experiment, channel, sample)`; what is missing of a run that was stopped is 0.
+/// One signal of all records, `(experiment, channel, sample)`; what is missing of a run that was
+/// stopped is 0.
 pub(super) fn stack(records: &[Record], signal: impl Fn(&Record) -> &Array2<f64>) -> Array3<f64> {
     let n_samples = records.iter().map(Record::n_samples).max().unwrap_or(0);
     let n_channels = records.first().map_or(0, |record| signal(record).nrows());
     let mut stacked = Array3::zeros((records.len(), n_channels, n_samples));
     for (mut to, record) in stacked.axis_iter_mut(Axis(0)).zip(records) {
-        to.slice_mut(s![.., ..record.n_samples()]).assign(signal(record));
+        to.slice_mut(s![.., ..record.n_samples()])
+            .assign(signal(record));
     }
     stacked
 }
@@ -105,7 +145,9 @@ pub(super) fn stack(records: &[Record], signal: impl Fn(&Record) -> &Array2<f64>
 /// Matrices as one array `(frequency, output, input)`.
 fn stacked(matrices: &[DMatrix<Complex64>]) -> Array3<Complex64> {
     let (rows, columns) = matrices[0].shape();
-    Array3::from_shape_fn((matrices.len(), rows, columns), |(k, row, column)| matrices[k][(row, column)])
+    Array3::from_shape_fn((matrices.len(), rows, columns), |(k, row, column)| {
+        matrices[k][(row, column)]
+    })
 }
 
 /// `|X - X_des| / |X_des|` over the experiments, `(frequency, channel)`.

@@ -17,10 +17,11 @@ use super::{ShapeError, ShapeOptions, Target};
 
 /// Length of the fades at both ends of a step, in periods of the lowest frequency.
 const FADE_PERIODS: f64 = 0.25;
-/// Share of the limits up to which a step is shortened around one moment: what is left of them keeps the small rest that such
-/// a step moves elsewhere from blocking the whole of it.
+/// Share of the limits up to which a step is shortened around one moment: what is left of them
+/// keeps the small rest that such a step moves elsewhere from blocking the whole of it.
 const LOCAL_ROOM: f64 = 0.97;
-/// Stuck share of the sweep from which the response to the reference tells nothing of how an axis will move.
+/// Stuck share of the sweep from which the response to the reference tells nothing of how an axis
+/// will move.
 const MOSTLY_STUCK: f64 = 0.5;
 
 /// A reference that has not been applied yet.
@@ -33,7 +34,8 @@ pub(super) struct Proposal {
     pub notes: Vec<Note>,
 }
 
-/// A signal of the last runs and how the whole step is predicted to change it, `(experiment, axis, sample)`.
+/// A signal of the last runs and how the whole step is predicted to change it,
+/// `(experiment, axis, sample)`.
 struct Trace {
     quantity: Quantity,
     from: Array3<f64>,
@@ -48,18 +50,27 @@ impl Proposal {
         let travel = integral(start, options.sample_time_s);
         let peaks = Peaks::of_signals([&Array3::zeros(start.dim()), start, &travel]);
         match options.limits.exceeded(&peaks).first() {
-            Some(&Note::Exceeded { axis, quantity, found, limit }) => {
-                Err(ShapeError::StartTooLarge { axis, quantity, found, limit })
-            }
+            Some(&Note::Exceeded {
+                axis,
+                quantity,
+                found,
+                limit,
+            }) => Err(ShapeError::StartTooLarge {
+                axis,
+                quantity,
+                found,
+                limit,
+            }),
             _ => Ok(()),
         }
     }
 
     /// The step from an iteration with its estimate, with the damping of every line and channel.
     ///
-    /// Where a predicted signal would leave its limits the step of all axes is shortened around that moment, in every
-    /// experiment alike: of a chirp that concerns the frequencies of that moment only. Should that not be enough, since what
-    /// follows from a changed reference is not confined to a moment, the whole step is shortened.
+    /// Where a predicted signal would leave its limits the step of all axes is shortened around
+    /// that moment, in every experiment alike: of a chirp that concerns the frequencies of that
+    /// moment only. Should that not be enough, since what follows from a changed reference is not
+    /// confined to a moment, the whole step is shortened.
     pub fn after(
         from: &Iteration,
         estimate: &Estimate,
@@ -69,25 +80,43 @@ impl Proposal {
         margins: &Margins,
         options: &ShapeOptions,
     ) -> Result<Self, ShapeError> {
-        let signals = |record: fn(&Record) -> &Array2<f64>| from.records.iter().map(move |of| record(of).view());
+        let signals = |record: fn(&Record) -> &Array2<f64>| {
+            from.records.iter().map(move |of| record(of).view())
+        };
         let (g, found) = match options.target {
-            Target::Torque => (&estimate.r_to_u, band.all("u", signals(|record| &record.u))?),
-            Target::Velocity => (&estimate.r_to_y, band.all("y", signals(|record| &record.y))?),
+            Target::Torque => (
+                &estimate.r_to_u,
+                band.all("u", signals(|record| &record.u))?,
+            ),
+            Target::Velocity => (
+                &estimate.r_to_y,
+                band.all("y", signals(|record| &record.y))?,
+            ),
         };
         let mut change = band.signals(&step(band, &matrices(g), desired, &found, damping)?);
-        change *=
-            &from_rest(change.len_of(Axis(2)), (FADE_PERIODS / (options.low_hz * options.sample_time_s)) as usize);
+        change *= &from_rest(
+            change.len_of(Axis(2)),
+            (FADE_PERIODS / (options.low_hz * options.sample_time_s)) as usize,
+        );
         let mut notes = limit_growth(&from.reference, &mut change, options.largest_change);
         let predict = |change: Array3<f64>| -> Result<[Trace; 5], ShapeError> {
             let spectra = band.all("step", change.axis_iter(Axis(0)))?;
             let answer = |g| band.signals(&answer(band, &matrices(g), &spectra));
-            Ok(traces(from, change, [answer(&estimate.r_to_u), answer(&estimate.r_to_y)], options))
+            Ok(traces(
+                from,
+                change,
+                [answer(&estimate.r_to_u), answer(&estimate.r_to_y)],
+                options,
+            ))
         };
         let mut traces = predict(change.clone())?;
         let (share, binding) = share_over_time(&traces, margins, LOCAL_ROOM, options);
         if binding.is_some() {
             notes.extend(binding);
-            change *= &smooth_below(&share, (1.0 / (options.low_hz * options.sample_time_s)) as usize);
+            change *= &smooth_below(
+                &share,
+                (1.0 / (options.low_hz * options.sample_time_s)) as usize,
+            );
             traces = predict(change)?;
         }
         let (share, binding) = share_over_time(&traces, margins, 1.0, options);
@@ -95,7 +124,11 @@ impl Proposal {
         let share = share.iter().copied().fold(1.0, f64::min);
         let signal = |trace: &Trace| &trace.from + &(&trace.change * share);
         let [torque, velocity, travel, reference, _] = traces.each_ref().map(signal);
-        Ok(Self { reference, predicted: Peaks::of_signals([&torque, &velocity, &travel]), notes })
+        Ok(Self {
+            reference,
+            predicted: Peaks::of_signals([&torque, &velocity, &travel]),
+            notes,
+        })
     }
 }
 
@@ -106,35 +139,56 @@ fn traces(
     [torque_change, mut velocity_change]: [Array3<f64>; 2],
     options: &ShapeOptions,
 ) -> [Trace; 5] {
-    let (torque, mut velocity) = (stack(&from.records, |record| &record.u), stack(&from.records, |record| &record.y));
+    let (torque, mut velocity) = (
+        stack(&from.records, |record| &record.u),
+        stack(&from.records, |record| &record.y),
+    );
     let mut travel = travel_of(&from.records, &velocity, options.sample_time_s);
     let reference_travel = integral(&from.reference, options.sample_time_s);
     for axis in (0..from.stuck_share.len()).filter(|&axis| from.stuck_share[axis] > MOSTLY_STUCK) {
         // an axis that sticks tells little of how it will move; at most it follows the reference
         let of_axis = s![.., axis, ..];
-        velocity.slice_mut(of_axis).assign(&from.reference.slice(of_axis));
-        velocity_change.slice_mut(of_axis).assign(&change.slice(of_axis));
-        travel.slice_mut(of_axis).assign(&reference_travel.slice(of_axis));
+        velocity
+            .slice_mut(of_axis)
+            .assign(&from.reference.slice(of_axis));
+        velocity_change
+            .slice_mut(of_axis)
+            .assign(&change.slice(of_axis));
+        travel
+            .slice_mut(of_axis)
+            .assign(&reference_travel.slice(of_axis));
     }
     let travel_change = integral(&velocity_change, options.sample_time_s);
     let reference_travel_change = integral(&change, options.sample_time_s);
-    let trace = |quantity, from, change, exact| Trace { quantity, from, change, exact };
+    let trace = |quantity, from, change, exact| Trace {
+        quantity,
+        from,
+        change,
+        exact,
+    };
     [
         trace(Quantity::Torque, torque, torque_change, false),
         trace(Quantity::Velocity, velocity, velocity_change, false),
         trace(Quantity::Travel, travel, travel_change, false),
         trace(Quantity::Velocity, from.reference.clone(), change, true),
-        trace(Quantity::Travel, reference_travel, reference_travel_change, true),
+        trace(
+            Quantity::Travel,
+            reference_travel,
+            reference_travel_change,
+            true,
+        ),
     ]
 }
 
 /// Shortens the step of every axis until no peak of its reference grows by more than `factor`.
 fn limit_growth(reference: &Array3<f64>, change: &mut Array3<f64>, factor: f64) -> Vec<Note> {
     let mut notes = Vec::new();
-    for (axis, (reference, mut change)) in zip(reference.axis_iter(Axis(1)), change.axis_iter_mut(Axis(1))).enumerate()
+    for (axis, (reference, mut change)) in
+        zip(reference.axis_iter(Axis(1)), change.axis_iter_mut(Axis(1))).enumerate()
     {
         let peak = reference.iter().fold(0.0, |peak: f64, r| peak.max(r.abs()));
-        let shares = zip(&reference, &change).map(|(&r, &dr)| share_of_sample(r, dr, 1.0, factor * peak));
+        let shares =
+            zip(&reference, &change).map(|(&r, &dr)| share_of_sample(r, dr, 1.0, factor * peak));
         let share = shares.fold(1.0, f64::min);
         if share < 1.0 {
             change *= share;
@@ -144,8 +198,8 @@ fn limit_growth(reference: &Array3<f64>, change: &mut Array3<f64>, factor: f64) 
     notes
 }
 
-/// The share of the step, sample by sample, with which every trace of every experiment stays inside a share `room` of its limit,
-/// and what binds it most.
+/// The share of the step, sample by sample, with which every trace of every experiment stays inside
+/// a share `room` of its limit, and what binds it most.
 fn share_over_time(
     traces: &[Trace; 5],
     margins: &Margins,
@@ -154,42 +208,75 @@ fn share_over_time(
 ) -> (Array1<f64>, Option<Note>) {
     let mut shares = Array1::ones(traces[0].from.len_of(Axis(2)));
     let mut binding = (1.0, None);
-    for &Trace { quantity, ref from, ref change, exact } in traces {
+    for &Trace {
+        quantity,
+        ref from,
+        ref change,
+        exact,
+    } in traces
+    {
         for (((_, axis, sample), &from), &change) in zip(from.indexed_iter(), change) {
-            let margin = if exact { 1.0 } else { margins[quantity as usize][axis] };
-            let share = share_of_sample(from, change, margin, room * options.limits.of(quantity, axis));
+            let margin = if exact {
+                1.0
+            } else {
+                margins[quantity as usize][axis]
+            };
+            let share = share_of_sample(
+                from,
+                change,
+                margin,
+                room * options.limits.of(quantity, axis),
+            );
             shares[sample] = share.min(shares[sample]);
             if share < binding.0 {
                 let time_s = sample as f64 * options.sample_time_s;
-                binding = (share, Some(Note::LimitAhead { axis, quantity, time_s, share }));
+                binding = (
+                    share,
+                    Some(Note::LimitAhead {
+                        axis,
+                        quantity,
+                        time_s,
+                        share,
+                    }),
+                );
             }
         }
     }
     (shares, binding.1)
 }
 
-/// 1 but for half-cosine fades of `n_fade` samples at both ends. Spectra are periodic, a run begins at rest: a reference that
-/// jumped at its first sample would be answered by a torque far outside the band, which nothing here foresees.
+/// 1 but for half-cosine fades of `n_fade` samples at both ends. Spectra are periodic, a run begins
+/// at rest: a reference that jumped at its first sample would be answered by a torque far outside
+/// the band, which nothing here foresees.
 fn from_rest(n_samples: usize, n_fade: usize) -> Array1<f64> {
     let n_fade = n_fade.max(1);
-    let fade = |k: usize| 0.5 - 0.5 * (PI * k.min(n_samples - 1 - k).min(n_fade) as f64 / n_fade as f64).cos();
+    let fade = |k: usize| {
+        0.5 - 0.5 * (PI * k.min(n_samples - 1 - k).min(n_fade) as f64 / n_fade as f64).cos()
+    };
     (0..n_samples).map(fade).collect()
 }
 
-/// A smooth function below the given one: the mean over `half` samples to both sides of the least value over as many.
+/// A smooth function below the given one: the mean over `half` samples to both sides of the least
+/// value over as many.
 fn smooth_below(values: &Array1<f64>, half: usize) -> Array1<f64> {
     let half = half.min(values.len());
     let around = |k: usize| s![k.saturating_sub(half)..(k + half + 1).min(values.len())];
     let over = |values: &Array1<f64>, of: fn(ArrayView1<f64>) -> f64| -> Array1<f64> {
-        (0..values.len()).map(|k| of(values.slice(around(k)))).collect()
+        (0..values.len())
+            .map(|k| of(values.slice(around(k))))
+            .collect()
     };
-    let least = over(values, |part| part.iter().copied().fold(f64::INFINITY, f64::min));
+    let least = over(values, |part| {
+        part.iter().copied().fold(f64::INFINITY, f64::min)
+    });
     over(&least, |part| part.sum() / part.len() as f64)
 }
 
 /// The matrices of an FRF.
 fn matrices(frf: &Frf) -> Vec<DMatrix<Complex64>> {
-    let matrix = |at: ndarray::ArrayView2<Complex64>| DMatrix::from_fn(at.nrows(), at.ncols(), |i, j| at[[i, j]]);
+    let matrix = |at: ndarray::ArrayView2<Complex64>| {
+        DMatrix::from_fn(at.nrows(), at.ncols(), |i, j| at[[i, j]])
+    };
     frf.response.outer_iter().map(matrix).collect()
 }
 
@@ -202,7 +289,11 @@ mod tests {
         let fade = from_rest(100, 10);
         assert!(fade[0] == 0.0 && fade[99] == 0.0 && (fade[5] - 0.5).abs() < 1e-12);
         assert!(fade.iter().skip(10).take(80).all(|&fade| fade == 1.0));
-        assert_eq!(from_rest(4, 0).to_vec(), [0.0, 1.0, 1.0, 0.0], "a band near the Nyquist frequency");
+        assert_eq!(
+            from_rest(4, 0).to_vec(),
+            [0.0, 1.0, 1.0, 0.0],
+            "a band near the Nyquist frequency"
+        );
     }
 
     #[test]
@@ -213,6 +304,10 @@ mod tests {
         assert!(zip(&smooth, &share).all(|(smooth, share)| smooth <= share));
         assert!((smooth[500] - 0.2).abs() < 1e-12 && smooth[399] == 1.0 && smooth[601] == 1.0);
         assert!(zip(&smooth, smooth.iter().skip(1)).all(|(a, b)| (a - b).abs() < 0.01));
-        assert!(smooth_below(&share, usize::MAX).iter().all(|&share| (share - 0.2).abs() < 1e-12));
+        assert!(
+            smooth_below(&share, usize::MAX)
+                .iter()
+                .all(|&share| (share - 0.2).abs() < 1e-12)
+        );
     }
 }

@@ -1,7 +1,7 @@
 //! The iteration as a state: a reference to apply, then what was measured, then the next reference.
 //!
-//! Nothing but the records decides what follows, so that feeding the recorded iterations again leads to the same state: that
-//! is how a shaping is resumed or looked at again.
+//! Nothing but the records decides what follows, so that feeding the recorded iterations again
+//! leads to the same state: that is how a shaping is resumed or looked at again.
 
 use frfid_signals::{Record, Run, RunId, RunKind, SignalError};
 use nalgebra::DMatrix;
@@ -21,8 +21,8 @@ use crate::strength::stuck_samples;
 /// Stuck share of the sweep from which an axis counts as stuck altogether.
 const STUCK: f64 = 0.95;
 
-/// Iterative shaping, one iteration at a time: apply [`Shaper::runs`], hand the records to [`Shaper::measured`], until
-/// [`Shaper::stop`] says why it ended.
+/// Iterative shaping, one iteration at a time: apply [`Shaper::runs`], hand the records to
+/// [`Shaper::measured`], until [`Shaper::stop`] says why it ended.
 #[derive(Clone)]
 pub struct Shaper {
     options: ShapeOptions,
@@ -51,18 +51,30 @@ pub struct Shaper {
 }
 
 impl Shaper {
-    /// Begins towards `desired`, in the unit of the target, with the reference `start` in rad/s; both
-    /// `(experiment, channel, sample)`, one experiment per channel.
+    /// Begins towards `desired`, in the unit of the target, with the reference `start` in rad/s;
+    /// both `(experiment, channel, sample)`, one experiment per channel.
     ///
     /// # Errors
-    /// [`ShapeError::Estimate`] for options or shapes that are wrong, [`ShapeError::StartTooLarge`].
-    pub fn new(desired: Array3<f64>, start: Array3<f64>, options: ShapeOptions) -> Result<Self, ShapeError> {
+    /// [`ShapeError::Estimate`] for options or shapes that are wrong,
+    /// [`ShapeError::StartTooLarge`].
+    pub fn new(
+        desired: Array3<f64>,
+        start: Array3<f64>,
+        options: ShapeOptions,
+    ) -> Result<Self, ShapeError> {
         let (n_experiments, n_axes, n_samples) = start.dim();
         options.check(n_axes)?;
         if n_experiments != n_axes || desired.dim() != start.dim() {
-            let needed =
-                format!("{:?}, as the initial reference, one experiment per channel", [n_axes, n_axes, n_samples]);
-            return Err(SignalError::Shape { name: "desired", found: desired.shape().to_vec(), needed }.into());
+            let needed = format!(
+                "{:?}, as the initial reference, one experiment per channel",
+                [n_axes, n_axes, n_samples]
+            );
+            return Err(SignalError::Shape {
+                name: "desired",
+                found: desired.shape().to_vec(),
+                needed,
+            }
+            .into());
         }
         let band = Band::new(&desired, &options)?;
         let target = band.all("desired", desired.axis_iter(Axis(0)))?;
@@ -110,17 +122,27 @@ impl Shaper {
         self.predicted.as_ref()
     }
 
-    /// The runs of the next iteration, one per experiment, from rest: the realization is the number of the iteration.
+    /// The runs of the next iteration, one per experiment, from rest: the realization is the number
+    /// of the iteration.
     #[must_use]
     pub fn runs(&self) -> Vec<Run> {
         let run = |(experiment, reference): (usize, ndarray::ArrayView2<f64>)| Run {
-            id: RunId { kind: RunKind::Excitation, realization: self.number(), experiment, repetition: 0 },
+            id: RunId {
+                kind: RunKind::Excitation,
+                realization: self.number(),
+                experiment,
+                repetition: 0,
+            },
             sample_time_s: self.options.sample_time_s,
             reference: reference.to_owned(),
             velocity_rad_s: vec![0.0; reference.nrows()],
             start_rad: vec![0.0; reference.nrows()],
         };
-        self.reference.axis_iter(Axis(0)).enumerate().map(run).collect()
+        self.reference
+            .axis_iter(Axis(0))
+            .enumerate()
+            .map(run)
+            .collect()
     }
 
     /// Why it ended; `None` while there is a reference to apply.
@@ -140,10 +162,12 @@ impl Shaper {
         self.best.as_ref()
     }
 
-    /// Takes the records of [`Shaper::runs`], in their order, and makes the next reference from them.
+    /// Takes the records of [`Shaper::runs`], in their order, and makes the next reference from
+    /// them.
     ///
     /// # Errors
-    /// [`ShapeError`]: records of another shape, a target that does not respond, a first iteration that exceeded a limit.
+    /// [`ShapeError`]: records of another shape, a target that does not respond, a first iteration
+    /// that exceeded a limit.
     pub fn measured(&mut self, records: Vec<Record>) -> Result<&Iteration, ShapeError> {
         let mut iteration = self.evaluate(records)?;
         let improved = self.judge(&mut iteration)?;
@@ -165,8 +189,18 @@ impl Shaper {
     pub fn finish(self) -> Result<Shaped, ShapeError> {
         let best = self.best.ok_or(ShapeError::NothingMeasured)?;
         let coulomb_nm = self.options.coulomb_nm.as_deref();
-        let sticking = sticking(&best.bands, &best.stuck_share, self.options.max_stuck_share, coulomb_nm);
-        Ok(Shaped { best, iterations: self.iterations, stop: self.stop.unwrap_or(Stop::Watcher), sticking })
+        let sticking = sticking(
+            &best.bands,
+            &best.stuck_share,
+            self.options.max_stuck_share,
+            coulomb_nm,
+        );
+        Ok(Shaped {
+            best,
+            iterations: self.iterations,
+            stop: self.stop.unwrap_or(Stop::Watcher),
+            sticking,
+        })
     }
 
     /// What the records say, without what follows from it.
@@ -174,15 +208,27 @@ impl Shaper {
         let mut notes = stopped(&records, self.reference.dim(), self.options.sample_time_s)?;
         let complete = notes.is_empty();
         let estimate = if complete {
-            Some(estimate(&records, &self.reference, &self.band, &self.desired, &self.options)?)
+            Some(estimate(
+                &records,
+                &self.reference,
+                &self.band,
+                &self.desired,
+                &self.options,
+            )?)
         } else {
             None
         };
-        let (torque, velocity) = (stack(&records, |record| &record.u), stack(&records, |record| &record.y));
+        let (torque, velocity) = (
+            stack(&records, |record| &record.u),
+            stack(&records, |record| &record.y),
+        );
         let travel = travel_of(&records, &velocity, self.options.sample_time_s);
         let peaks = Peaks::of_signals([&torque, &velocity, &travel]);
         notes.extend(self.options.limits.exceeded(&peaks));
-        let stuck: Vec<_> = records.iter().map(|record| stuck_samples(record, self.options.still_rad_s)).collect();
+        let stuck: Vec<_> = records
+            .iter()
+            .map(|record| stuck_samples(record, self.options.still_rad_s))
+            .collect();
         let stuck_share = self.sweep.stuck_share(&stuck);
         let within_limits = notes.is_empty();
         if stuck_share.iter().all(|&share| share > STUCK) {
@@ -207,14 +253,22 @@ impl Shaper {
     /// Whether the iteration is the best so far; adapts damping and margins.
     fn judge(&mut self, iteration: &mut Iteration) -> Result<bool, ShapeError> {
         if let (Some((before, _)), Some(predicted)) = (&self.stepped_from, &iteration.predicted) {
-            iteration.peaks.teach(&mut self.margins, before, predicted, &self.options.limits);
+            iteration
+                .peaks
+                .teach(&mut self.margins, before, predicted, &self.options.limits);
         }
         let best = self.best.as_ref().and_then(Iteration::error);
-        let estimate = iteration.estimate.as_ref().filter(|_| iteration.within_limits);
+        let estimate = iteration
+            .estimate
+            .as_ref()
+            .filter(|_| iteration.within_limits);
         let improved = match (estimate, best) {
             (None, None) => {
                 // the other notes say the same of the other experiments
-                let reason = iteration.notes.first().map_or_else(String::new, ToString::to_string);
+                let reason = iteration
+                    .notes
+                    .first()
+                    .map_or_else(String::new, ToString::to_string);
                 return Err(ShapeError::FirstTooMuch { reason });
             }
             (None, Some(_)) => {
@@ -235,10 +289,21 @@ impl Shaper {
 
     /// Halves the damping where the error rose.
     fn adapt(&mut self, estimate: &Estimate) {
-        if let (Step::Damped { adaptive: true, smoothing_bins, .. }, Some((_, before))) =
-            (self.options.step, &self.stepped_from)
+        if let (
+            Step::Damped {
+                adaptive: true,
+                smoothing_bins,
+                ..
+            },
+            Some((_, before)),
+        ) = (self.options.step, &self.stepped_from)
         {
-            adapt(&mut self.next_damping, &estimate.error_per_frequency, before, smoothing_bins);
+            adapt(
+                &mut self.next_damping,
+                &estimate.error_per_frequency,
+                before,
+                smoothing_bins,
+            );
         }
     }
 
@@ -249,13 +314,22 @@ impl Shaper {
 
     fn reason_to_stop(&self, iteration: &Iteration) -> Option<Stop> {
         let reached = iteration.within_limits
-            && iteration
-                .estimate
-                .as_ref()
-                .is_some_and(|estimate| estimate.channel_error.iter().all(|&error| error <= self.options.good_enough));
+            && iteration.estimate.as_ref().is_some_and(|estimate| {
+                estimate
+                    .channel_error
+                    .iter()
+                    .all(|&error| error <= self.options.good_enough)
+            });
         if reached {
-            let free = iteration.stuck_share.iter().all(|&share| share <= self.options.max_stuck_share);
-            Some(if free { Stop::GoodEnough } else { Stop::Sticking })
+            let free = iteration
+                .stuck_share
+                .iter()
+                .all(|&share| share <= self.options.max_stuck_share);
+            Some(if free {
+                Stop::GoodEnough
+            } else {
+                Stop::Sticking
+            })
         } else if self.rises >= 2 {
             Some(Stop::RoseTwice)
         } else if iteration.number >= self.options.n_iterations {
@@ -270,7 +344,9 @@ impl Shaper {
         let take_back = !improved && (self.goes_back() || !iteration.within_limits);
         let best = self.best.as_ref().filter(|_| take_back);
         let from = best.unwrap_or(&*iteration);
-        let Some(estimate) = &from.estimate else { return Ok(()) }; // without one it is taken back
+        let Some(estimate) = &from.estimate else {
+            return Ok(());
+        }; // without one it is taken back
         let proposal = Proposal::after(
             from,
             estimate,

@@ -1,4 +1,5 @@
-//! Spectra of whole records on the lines of a band, experiments as columns, and the way back into time.
+//! Spectra of whole records on the lines of a band, experiments as columns, and the way back into
+//! time.
 
 use std::f64::consts::PI;
 use std::iter::zip;
@@ -11,7 +12,9 @@ use ndarray::{Array2, Array3, ArrayView2, Axis, s};
 use num_complex::Complex64;
 use realfft::{ComplexToReal, RealFftPlanner};
 
-use crate::{BlaOptions, Deficiency, DeficientLine, EstimateError, LineDft, ShapeOptions, Transform};
+use crate::{
+    BlaOptions, Deficiency, DeficientLine, EstimateError, LineDft, ShapeOptions, Transform,
+};
 
 /// Width of the fades at both ends of the band, as a factor of frequency.
 const FADE: f64 = 1.1;
@@ -33,36 +36,78 @@ pub(super) struct Band {
 }
 
 impl Band {
-    /// The lines of the options' band, fades included, on which the desired signal `(experiment, channel, sample)` has power:
-    /// of a chirp all, of a multisine those that are excited.
+    /// The lines of the options' band, fades included, on which the desired signal
+    /// `(experiment, channel, sample)` has power: of a chirp all, of a multisine those that are
+    /// excited.
     pub fn new(desired: &Array3<f64>, options: &ShapeOptions) -> Result<Self, EstimateError> {
-        let (n_samples, low_hz, high_hz) = (desired.len_of(Axis(2)), options.low_hz, options.high_hz);
+        let (n_samples, low_hz, high_hz) =
+            (desired.len_of(Axis(2)), options.low_hz, options.high_hz);
         let hz = |line: usize| line as f64 / (n_samples as f64 * options.sample_time_s);
         let faded = |line: &usize| (low_hz / FADE..high_hz * FADE).contains(&hz(*line));
-        let near = Self::of((1..=n_samples.saturating_sub(1) / 2).filter(faded).collect(), n_samples, options)?;
-        let power: Vec<f64> =
-            near.all("desired", desired.axis_iter(Axis(0)))?.iter().map(DMatrix::norm_squared).collect();
+        let near = Self::of(
+            (1..=n_samples.saturating_sub(1) / 2)
+                .filter(faded)
+                .collect(),
+            n_samples,
+            options,
+        )?;
+        let power: Vec<f64> = near
+            .all("desired", desired.axis_iter(Axis(0)))?
+            .iter()
+            .map(DMatrix::norm_squared)
+            .collect();
         let strongest = power.iter().copied().fold(0.0, f64::max);
         let excited = zip(&near.lines, &power).filter(|(_, power)| **power > SILENT * strongest);
         Self::of(excited.map(|(&line, _)| line).collect(), n_samples, options)
     }
 
-    fn of(lines: Vec<usize>, n_samples: usize, options: &ShapeOptions) -> Result<Self, EstimateError> {
+    fn of(
+        lines: Vec<usize>,
+        n_samples: usize,
+        options: &ShapeOptions,
+    ) -> Result<Self, EstimateError> {
         let hz = |line: &usize| *line as f64 / (n_samples as f64 * options.sample_time_s);
         // how far outside the band, as a share of the fade
-        let outside =
-            |line: &usize| (options.low_hz / hz(line)).max(hz(line) / options.high_hz).max(1.0).ln() / FADE.ln();
-        let weight = lines.iter().map(|line| 0.5 + 0.5 * (PI * outside(line)).cos()).collect();
-        let frequency_hz: Vec<f64> = lines.iter().filter(|line| outside(line) == 0.0).map(hz).collect();
+        let outside = |line: &usize| {
+            (options.low_hz / hz(line))
+                .max(hz(line) / options.high_hz)
+                .max(1.0)
+                .ln()
+                / FADE.ln()
+        };
+        let weight = lines
+            .iter()
+            .map(|line| 0.5 + 0.5 * (PI * outside(line)).cos())
+            .collect();
+        let frequency_hz: Vec<f64> = lines
+            .iter()
+            .filter(|line| outside(line) == 0.0)
+            .map(hz)
+            .collect();
         if frequency_hz.len() < 2 {
             let needed = "at least 2 lines of the record with power in the band: a longer record or a wider band";
             let found = frequency_hz.len() as f64;
-            return Err(SignalError::Parameter { name: "lines in the band", found, needed }.into());
+            return Err(SignalError::Parameter {
+                name: "lines in the band",
+                found,
+                needed,
+            }
+            .into());
         }
-        let n_below = lines.iter().filter(|line| hz(line) < options.low_hz).count();
+        let n_below = lines
+            .iter()
+            .filter(|line| hz(line) < options.low_hz)
+            .count();
         let dft = LineDft::new(n_samples, &lines)?;
         let inverse = RealFftPlanner::new().plan_fft_inverse(n_samples);
-        Ok(Self { frequency_hz, lines, weight, n_below, dft, inverse })
+        Ok(Self {
+            frequency_hz,
+            lines,
+            weight,
+            n_below,
+            dft,
+            inverse,
+        })
     }
 
     /// Refuses a desired signal in which a channel is silent on a line where another one is not.
@@ -82,8 +127,8 @@ impl Band {
         Ok(())
     }
 
-    /// Spectra of one signal of all experiments, each `(channel, sample)`, on the lines inside the band: one matrix
-    /// `(channel, experiment)` per line.
+    /// Spectra of one signal of all experiments, each `(channel, sample)`, on the lines inside the
+    /// band: one matrix `(channel, experiment)` per line.
     pub fn spectra<'a>(
         &self,
         name: &'static str,
@@ -99,9 +144,15 @@ impl Band {
         name: &'static str,
         experiments: impl Iterator<Item = ArrayView2<'a, f64>>,
     ) -> Result<Vec<DMatrix<Complex64>>, EstimateError> {
-        let spectra = experiments.map(|signal| self.dft.transform(name, signal)).collect::<Result<Vec<_>, _>>()?;
+        let spectra = experiments
+            .map(|signal| self.dft.transform(name, signal))
+            .collect::<Result<Vec<_>, _>>()?;
         let n_channels = spectra.first().map_or(0, Array2::nrows);
-        let matrix = |line| DMatrix::from_fn(n_channels, spectra.len(), |channel, m| spectra[m][[channel, line]]);
+        let matrix = |line| {
+            DMatrix::from_fn(n_channels, spectra.len(), |channel, m| {
+                spectra[m][[channel, line]]
+            })
+        };
         Ok((0..self.lines.len()).map(matrix).collect())
     }
 
@@ -110,9 +161,11 @@ impl Band {
         self.n_below..self.n_below + self.frequency_hz.len()
     }
 
-    /// Index inside the band of the line nearest to each line, fades included: what holds at the edge holds beyond it.
+    /// Index inside the band of the line nearest to each line, fades included: what holds at the
+    /// edge holds beyond it.
     pub fn nearest(&self, line: usize) -> usize {
-        line.saturating_sub(self.n_below).min(self.frequency_hz.len() - 1)
+        line.saturating_sub(self.n_below)
+            .min(self.frequency_hz.len() - 1)
     }
 
     /// Number of lines, fades included.
@@ -125,21 +178,31 @@ impl Band {
         self.weight[line]
     }
 
-    /// The signals `(experiment, channel, sample)` that have these spectra on the lines of the band, fades included.
+    /// The signals `(experiment, channel, sample)` that have these spectra on the lines of the
+    /// band, fades included.
     pub fn signals(&self, spectra: &[DMatrix<Complex64>]) -> Array3<f64> {
         let n_samples = self.dft.n_samples();
         let (n_channels, n_experiments) = spectra[0].shape();
         let mut signals = Array3::zeros((n_experiments, n_channels, n_samples));
-        let (mut samples, mut scratch) = (self.inverse.make_output_vec(), self.inverse.make_scratch_vec());
+        let (mut samples, mut scratch) = (
+            self.inverse.make_output_vec(),
+            self.inverse.make_scratch_vec(),
+        );
         for experiment in 0..n_experiments {
             for channel in 0..n_channels {
                 let mut bins = self.inverse.make_input_vec(); // zeros; the transform spoils it
                 for (&line, matrix) in self.lines.iter().zip(spectra) {
                     bins[line] = matrix[(channel, experiment)] / n_samples as f64;
                 }
-                let done = self.inverse.process_with_scratch(&mut bins, &mut samples, &mut scratch);
+                let done = self
+                    .inverse
+                    .process_with_scratch(&mut bins, &mut samples, &mut scratch);
                 done.expect("the plan made the buffers, and bins 0 and Nyquist are no lines");
-                for (to, from) in signals.slice_mut(s![experiment, channel, ..]).iter_mut().zip(&samples) {
+                for (to, from) in signals
+                    .slice_mut(s![experiment, channel, ..])
+                    .iter_mut()
+                    .zip(&samples)
+                {
                     *to = *from;
                 }
             }
@@ -154,7 +217,12 @@ mod tests {
 
     #[test]
     fn what_lies_in_the_band_comes_back_and_the_rest_does_not() {
-        let options = ShapeOptions { low_hz: 5.0, high_hz: 20.0, sample_time_s: 0.01, ..ShapeOptions::default() };
+        let options = ShapeOptions {
+            low_hz: 5.0,
+            high_hz: 20.0,
+            sample_time_s: 0.01,
+            ..ShapeOptions::default()
+        };
         let wave = |hz: f64, k: usize| (std::f64::consts::TAU * hz * k as f64 * 0.01 + hz).sin();
         for n_samples in [1000, 999] {
             let band = Band::of((40..210).collect(), n_samples, &options).expect("sound");
@@ -165,22 +233,49 @@ mod tests {
                     (m + c) as f64 * (low * wave(inside, k) + high * wave(outside, k))
                 })
             };
-            let all = band.all("r", signal(1.0, 0.7).axis_iter(Axis(0))).expect("finite");
+            let all = band
+                .all("r", signal(1.0, 0.7).axis_iter(Axis(0)))
+                .expect("finite");
             let back = band.signals(&all);
-            assert!((&back - &signal(1.0, 0.0)).iter().all(|difference| difference.abs() < 1e-10));
+            assert!(
+                (&back - &signal(1.0, 0.0))
+                    .iter()
+                    .all(|difference| difference.abs() < 1e-10)
+            );
         }
     }
 
     #[test]
     fn fades_fall_from_one_to_zero_outside_the_band() {
-        let click = |n_samples| Array3::from_shape_fn((1, 1, n_samples), |(_, _, k)| f64::from(u8::from(k == 0)));
+        let click = |n_samples| {
+            Array3::from_shape_fn((1, 1, n_samples), |(_, _, k)| f64::from(u8::from(k == 0)))
+        };
         let band = Band::new(&click(21_000), &ShapeOptions::default()).expect("sound");
-        assert!((band.frequency_hz[0] - 2.0).abs() < 0.05 && band.frequency_hz[band.frequency_hz.len() - 1] <= 60.0);
+        assert!(
+            (band.frequency_hz[0] - 2.0).abs() < 0.05
+                && band.frequency_hz[band.frequency_hz.len() - 1] <= 60.0
+        );
         for line in 0..band.n_lines() {
-            assert_eq!(band.weight(line) == 1.0, band.inside().contains(&line), "line {line}");
+            assert_eq!(
+                band.weight(line) == 1.0,
+                band.inside().contains(&line),
+                "line {line}"
+            );
             assert!(band.weight(line) > 0.0);
         }
-        assert_eq!((band.nearest(0), band.nearest(band.n_lines() - 1)), (0, band.frequency_hz.len() - 1));
-        assert!(Band::new(&click(100), &ShapeOptions { high_hz: 3.0, ..ShapeOptions::default() }).is_err());
+        assert_eq!(
+            (band.nearest(0), band.nearest(band.n_lines() - 1)),
+            (0, band.frequency_hz.len() - 1)
+        );
+        assert!(
+            Band::new(
+                &click(100),
+                &ShapeOptions {
+                    high_hz: 3.0,
+                    ..ShapeOptions::default()
+                }
+            )
+            .is_err()
+        );
     }
 }

@@ -1,4 +1,5 @@
-//! How long each axis was stuck, band by band: whether the excitation was strong enough (SK15 footnote 2).
+//! How long each axis was stuck, band by band: whether the excitation was strong enough (SK15
+//! footnote 2).
 
 use std::fmt;
 use std::iter::zip;
@@ -51,9 +52,19 @@ pub struct Sticking {
 /// In words, axes from 1.
 impl fmt::Display for Sticking {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { axis, low_hz, high_hz, stuck_share, rms_nm, coulomb_nm } = self;
+        let Self {
+            axis,
+            low_hz,
+            high_hz,
+            stuck_share,
+            rms_nm,
+            coulomb_nm,
+        } = self;
         let (axis, percent) = (axis + 1, 100.0 * stuck_share);
-        write!(f, "axis {axis} sticks {percent:.0} % of the time from {low_hz:.3} to {high_hz:.3} Hz")?;
+        write!(
+            f,
+            "axis {axis} sticks {percent:.0} % of the time from {low_hz:.3} to {high_hz:.3} Hz"
+        )?;
         write!(f, ": the torque there is {rms_nm:.3} N m rms")?;
         match coulomb_nm {
             Some(coulomb_nm) => write!(f, " against {coulomb_nm:.3} N m of friction"),
@@ -74,9 +85,14 @@ pub(super) struct Sweep {
 }
 
 impl Sweep {
-    /// Reads the sweep off the desired signal `(experiment, channel, sample)`; the experiments differ in phase only, so the first
-    /// one tells.
-    pub fn of(band: &Band, desired: &Array3<f64>, spectra: &[DMatrix<Complex64>], [low_hz, high_hz]: [f64; 2]) -> Self {
+    /// Reads the sweep off the desired signal `(experiment, channel, sample)`; the experiments
+    /// differ in phase only, so the first one tells.
+    pub fn of(
+        band: &Band,
+        desired: &Array3<f64>,
+        spectra: &[DMatrix<Complex64>],
+        [low_hz, high_hz]: [f64; 2],
+    ) -> Self {
         let active = |k: usize| desired.index_axis(Axis(2), k).iter().any(|&x| x != 0.0);
         let n_samples = desired.len_of(Axis(2));
         let first = (0..n_samples).find(|&k| active(k)).unwrap_or(0);
@@ -90,7 +106,11 @@ impl Sweep {
             for turn in [Complex64::ONE, -Complex64::I] {
                 let part = |line: usize| {
                     let hz = band.frequency_hz[band.nearest(line)];
-                    let factor = if (edges[0]..=edges[1]).contains(&hz) { turn } else { Complex64::ZERO };
+                    let factor = if (edges[0]..=edges[1]).contains(&hz) {
+                        turn
+                    } else {
+                        Complex64::ZERO
+                    };
                     spectra[line].columns(0, 1) * factor
                 };
                 let parts: Vec<DMatrix<Complex64>> = (0..band.n_lines()).map(part).collect();
@@ -99,15 +119,24 @@ impl Sweep {
                 }
             }
         }
-        Self { samples: first..last + 1, edges_hz, weight }
+        Self {
+            samples: first..last + 1,
+            edges_hz,
+            weight,
+        }
     }
 
     /// Share of the sweep that each axis was stuck, over all records.
     pub fn stuck_share(&self, stuck: &[Array2<bool>]) -> Vec<f64> {
         let n_axes = stuck.first().map_or(0, Array2::nrows);
         let share = |axis: usize| {
-            let samples =
-                || stuck.iter().flat_map(|stuck| self.samples.clone().filter_map(move |k| stuck.get([axis, k])));
+            let samples = || {
+                stuck.iter().flat_map(|stuck| {
+                    self.samples
+                        .clone()
+                        .filter_map(move |k| stuck.get([axis, k]))
+                })
+            };
             samples().filter(|&&stuck| stuck).count() as f64 / samples().count().max(1) as f64
         };
         (0..n_axes).map(share).collect()
@@ -122,22 +151,31 @@ impl Sweep {
                 let (mut total, mut held, mut square) = (f64::MIN_POSITIVE, 0.0, 0.0);
                 for (record, stuck) in zip(records, stuck) {
                     let mean = record.u.row(axis).sum() / record.n_samples() as f64;
-                    for ((weight, &u), &stuck) in zip(zip(weight, record.u.row(axis)), stuck.row(axis)) {
+                    for ((weight, &u), &stuck) in
+                        zip(zip(weight, record.u.row(axis)), stuck.row(axis))
+                    {
                         total += weight;
                         held += weight * f64::from(u8::from(stuck));
                         square += weight * (u - mean).powi(2);
                     }
                 }
                 let (stuck_share, rms_nm) = (held / total, (square / total).sqrt());
-                bands.push(BandMotion { axis, low_hz: edges[0], high_hz: edges[1], stuck_share, rms_nm });
+                bands.push(BandMotion {
+                    axis,
+                    low_hz: edges[0],
+                    high_hz: edges[1],
+                    stuck_share,
+                    rms_nm,
+                });
             }
         }
         bands
     }
 }
 
-/// Where axes stick: neighbouring bands in which an axis sticks most of the time, merged, and an axis that sticks for a larger
-/// share of the sweep than `max_stuck_share` without doing so in any one band.
+/// Where axes stick: neighbouring bands in which an axis sticks most of the time, merged, and an
+/// axis that sticks for a larger share of the sweep than `max_stuck_share` without doing so in any
+/// one band.
 pub(super) fn sticking(
     bands: &[BandMotion],
     stuck_share: &[f64],
@@ -152,7 +190,10 @@ pub(super) fn sticking(
         let before = found.len();
         found.extend(runs.filter(sticky).map(|run| merged(run, coulomb_nm)));
         if found.len() == before && share > max_stuck_share && !of_axis.is_empty() {
-            found.push(Sticking { stuck_share: share, ..merged(&of_axis, coulomb_nm) });
+            found.push(Sticking {
+                stuck_share: share,
+                ..merged(&of_axis, coulomb_nm)
+            });
         }
     }
     found
@@ -160,7 +201,9 @@ pub(super) fn sticking(
 
 /// Neighbouring bands as one, equal parts of the logarithm of the frequency.
 fn merged(bands: &[&BandMotion], coulomb_nm: Option<&[f64]>) -> Sticking {
-    let mean = |of: &dyn Fn(&BandMotion) -> f64| bands.iter().map(|band| of(band)).sum::<f64>() / bands.len() as f64;
+    let mean = |of: &dyn Fn(&BandMotion) -> f64| {
+        bands.iter().map(|band| of(band)).sum::<f64>() / bands.len() as f64
+    };
     let axis = bands[0].axis;
     Sticking {
         axis,

@@ -15,13 +15,19 @@ pub struct EstimateTable {
     pub glide_subtraction: GlideSubtraction,
     /// Estimate through the reference (joint input-output), which noise on u does not bias.
     pub indirect: bool,
-    /// Frequencies at which a chirp is evaluated: their number, logarithmically spaced over the band.
+    /// Frequencies at which a chirp is evaluated: their number, logarithmically spaced over the
+    /// band.
     pub n_frequencies: usize,
 }
 
 impl Default for EstimateTable {
     fn default() -> Self {
-        Self { average: Average::Frfs, glide_subtraction: GlideSubtraction::Time, indirect: false, n_frequencies: 200 }
+        Self {
+            average: Average::Frfs,
+            glide_subtraction: GlideSubtraction::Time,
+            indirect: false,
+            n_frequencies: 200,
+        }
     }
 }
 

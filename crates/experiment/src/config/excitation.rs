@@ -15,7 +15,8 @@ pub struct MultisineTable {
     pub high_hz: f64,
     /// Largest spacing of the lines in Hz: the period becomes at least its inverse.
     pub resolution_hz: f64,
-    /// Number of logarithmically spaced frequencies before those on the same line merge; every line without it.
+    /// Number of logarithmically spaced frequencies before those on the same line merge; every line
+    /// without it.
     pub n_lines: Option<usize>,
     /// Lines that may be excited: odd, full or odd-random.
     #[serde(default)]
@@ -25,10 +26,11 @@ pub struct MultisineTable {
     pub peak_nm: Option<Vec<f64>>,
     /// Largest reference velocity in rad/s, one for each input; for experiments in closed loop.
     pub peak_rad_s: Option<Vec<f64>>,
-    /// Largest reference velocity as a share of the constant velocity beneath it, instead of `peak_rad_s`: below 1 the
-    /// reference never changes its direction (SK15 takes 0.75).
+    /// Largest reference velocity as a share of the constant velocity beneath it, instead of
+    /// `peak_rad_s`: below 1 the reference never changes its direction (SK15 takes 0.75).
     pub peak_of_velocity: Option<f64>,
-    /// Shape of the amplitude over frequency as points [Hz, value]; only ratios count. Flat without it.
+    /// Shape of the amplitude over frequency as points [Hz, value]; only ratios count. Flat without
+    /// it.
     #[schemars(with = "Option<Vec<[f64; 2]>>")]
     pub shape: Option<Profile>,
     /// Random phases, or low-crest ones where no averaging over realizations is wanted.
@@ -51,9 +53,11 @@ pub struct ChirpTable {
     pub high_hz: f64,
     /// Length of the sweep in s.
     pub duration_s: f64,
-    /// Amplitude of the motor torque in N m, one for each input: a number, or points [[Hz, value], ...]; open loop.
+    /// Amplitude of the motor torque in N m, one for each input: a number, or points [[Hz, value],
+    /// ...]; open loop.
     pub amplitude_nm: Option<Vec<Amplitude>>,
-    /// Amplitude of the reference velocity in rad/s, one for each input: a number, or points; closed loop.
+    /// Amplitude of the reference velocity in rad/s, one for each input: a number, or points;
+    /// closed loop.
     pub amplitude_rad_s: Option<Vec<Amplitude>>,
     /// Length of the fades at both ends in s.
     #[serde(default)]
@@ -69,7 +73,10 @@ pub struct ChirpTable {
 
 /// A number, or points (Hz, value).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(untagged, expecting = "expected a number, or points [[Hz, value], ...]")]
+#[serde(
+    untagged,
+    expecting = "expected a number, or points [[Hz, value], ...]"
+)]
 pub enum Amplitude {
     /// The same at every frequency.
     Constant(f64),
@@ -83,7 +90,9 @@ impl Amplitude {
     pub fn profile(&self) -> Profile {
         match self {
             Self::Constant(amplitude) => Profile::constant(*amplitude),
-            Self::Points(points) => Profile { points: points.clone() },
+            Self::Points(points) => Profile {
+                points: points.clone(),
+            },
         }
     }
 }

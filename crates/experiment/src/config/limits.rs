@@ -1,4 +1,5 @@
-//! Limits that no run may exceed: the table `[limits]`, and what is left of it beside the robot's own.
+//! Limits that no run may exceed: the table `[limits]`, and what is left of it beside the robot's
+//! own.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -79,7 +80,10 @@ impl LimitsTable {
             &self.min_position,
             &self.max_position,
         ];
-        Self::NAMES.into_iter().zip(all).filter_map(|(name, limit)| Some((name, limit.as_ref()?)))
+        Self::NAMES
+            .into_iter()
+            .zip(all)
+            .filter_map(|(name, limit)| Some((name, limit.as_ref()?)))
     }
 
     /// The tighter of two limits, axis by axis.
@@ -87,7 +91,13 @@ impl LimitsTable {
     pub fn tighter(&self, other: &Self) -> Self {
         let mut both = self.clone();
         for (name, others) in other.named() {
-            let tighter = |(a, b): (&f64, &f64)| if name == "min_position" { a.max(*b) } else { a.min(*b) };
+            let tighter = |(a, b): (&f64, &f64)| {
+                if name == "min_position" {
+                    a.max(*b)
+                } else {
+                    a.min(*b)
+                }
+            };
             let ours = both.entry(name);
             *ours = Some(match ours.take() {
                 Some(ours) => ours.iter().zip(others).map(tighter).collect(),
@@ -101,9 +111,18 @@ impl LimitsTable {
     pub(crate) fn check(&self, n_axes: usize, source: &Source) -> Result<(), ConfigError> {
         for (name, limit) in self.named() {
             let is_size = !name.ends_with("_position");
-            if limit.len() != n_axes || limit.iter().any(|value| value.is_nan() || (is_size && *value <= 0.0)) {
-                let number = if is_size { "a number above 0" } else { "a number" };
-                let message = format!("{name} is {limit:?}, needed: {number} for each of the {n_axes} axes");
+            if limit.len() != n_axes
+                || limit
+                    .iter()
+                    .any(|value| value.is_nan() || (is_size && *value <= 0.0))
+            {
+                let number = if is_size {
+                    "a number above 0"
+                } else {
+                    "a number"
+                };
+                let message =
+                    format!("{name} is {limit:?}, needed: {number} for each of the {n_axes} axes");
                 return Err(source.error(&["limits", name], message));
             }
         }
@@ -124,7 +143,10 @@ mod tests {
         };
         let experiment = table(Some([100.0, 100.0]), None);
         let robot = table(Some([50.0, f64::INFINITY]), Some([-1.0, f64::NEG_INFINITY]));
-        assert_eq!(experiment.tighter(&robot), table(Some([50.0, 100.0]), Some([-1.0, f64::NEG_INFINITY])));
+        assert_eq!(
+            experiment.tighter(&robot),
+            table(Some([50.0, 100.0]), Some([-1.0, f64::NEG_INFINITY]))
+        );
         assert_eq!(robot.tighter(&experiment), experiment.tighter(&robot));
     }
 }

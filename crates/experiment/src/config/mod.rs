@@ -15,8 +15,8 @@ pub use shape::{ShapeTable, StepName};
 
 use crate::robot::{ControllerTable, RobotTable};
 
-/// An experiment, as `experiment.toml` describes it. Frequencies in Hz, everything else in SI units on the joint side of
-/// the gear; the unit ends the name.
+/// An experiment, as `experiment.toml` describes it. Frequencies in Hz, everything else in SI units
+/// on the joint side of the gear; the unit ends the name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Config {
@@ -26,7 +26,8 @@ pub struct Config {
     pub sample_time_s: f64,
     /// The machine.
     pub robot: RobotTable,
-    /// The controller; without this table the experiment runs in open loop and the reference is the motor torque.
+    /// The controller; without this table the experiment runs in open loop and the reference is the
+    /// motor torque.
     pub controller: Option<ControllerTable>,
     /// A random-phase multisine. Exactly one of `[multisine]` and `[chirp]` is needed.
     pub multisine: Option<MultisineTable>,
@@ -55,16 +56,22 @@ pub struct AveragingTable {
     pub realizations: usize,
     /// Separate runs of the same reference.
     pub repetitions: usize,
-    /// Measured periods back to back in a run; repetitions times periods is n_q: more than one tells the noise.
+    /// Measured periods back to back in a run; repetitions times periods is n_q: more than one
+    /// tells the noise.
     pub periods: usize,
-    /// Time before the first measured period in s, for transients to die out. One period of a multisine and nothing before
-    /// a chirp without it.
+    /// Time before the first measured period in s, for transients to die out. One period of a
+    /// multisine and nothing before a chirp without it.
     pub lead_in_s: Option<f64>,
 }
 
 impl Default for AveragingTable {
     fn default() -> Self {
-        Self { realizations: 1, repetitions: 1, periods: 1, lead_in_s: None }
+        Self {
+            realizations: 1,
+            repetitions: 1,
+            periods: 1,
+            lead_in_s: None,
+        }
     }
 }
 
@@ -74,10 +81,12 @@ impl Default for AveragingTable {
 pub struct ConstantVelocityTable {
     /// Velocity in rad/s, one for each input; its sign is the direction.
     pub velocity_rad_s: Option<Vec<f64>>,
-    /// Way of a whole run in rad, lead-in included, one for each input: the velocity is the way over the run's duration. The
-    /// runs lie symmetrically about the pose, half the way on either side.
+    /// Way of a whole run in rad, lead-in included, one for each input: the velocity is the way
+    /// over the run's duration. The runs lie symmetrically about the pose, half the way on either
+    /// side.
     pub travel_rad: Option<Vec<f64>>,
-    /// Runs of the constant velocity alone, subtracted from the others sample by sample; 0 for no subtraction.
+    /// Runs of the constant velocity alone, subtracted from the others sample by sample; 0 for no
+    /// subtraction.
     #[serde(default)]
     pub glides: usize,
 }

@@ -7,12 +7,13 @@ use frfid_estimate::{ShapeLimits, ShapeOptions, Step};
 
 use super::Amplitude;
 
-/// Iterative shaping of a chirp in closed loop (SK15 section 5.3): from the reference of `[chirp]` to one whose answer is as
-/// desired. Exactly one of `desired_nm` and `desired_rad_s` is needed.
+/// Iterative shaping of a chirp in closed loop (SK15 section 5.3): from the reference of `[chirp]`
+/// to one whose answer is as desired. Exactly one of `desired_nm` and `desired_rad_s` is needed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ShapeTable {
-    /// Desired amplitude of the motor torque in N m, one for each axis: a number, or points [[Hz, value], ...].
+    /// Desired amplitude of the motor torque in N m, one for each axis: a number, or points [[Hz,
+    /// value], ...].
     pub desired_nm: Option<Vec<Amplitude>>,
     /// Desired amplitude of the motor velocity in rad/s instead, likewise.
     pub desired_rad_s: Option<Vec<Amplitude>>,
@@ -59,9 +60,11 @@ impl ShapeTable {
     pub fn step(&self) -> Step {
         match self.step {
             StepName::Paper => Step::Paper,
-            StepName::Damped => {
-                Step::Damped { damping: self.damping, smoothing_bins: self.smoothing_bins, adaptive: true }
-            }
+            StepName::Damped => Step::Damped {
+                damping: self.damping,
+                smoothing_bins: self.smoothing_bins,
+                adaptive: true,
+            },
         }
     }
 }

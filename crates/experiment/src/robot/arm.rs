@@ -7,7 +7,8 @@ use frfid_plant::{Body, BodyJoint, Challenges, Payload};
 
 use super::joint::JointTable;
 
-/// A rigid body and the joint that carries it. Either `locked_position_rad` or a table `[body.joint]` is needed.
+/// A rigid body and the joint that carries it. Either `locked_position_rad` or a table
+/// `[body.joint]` is needed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BodyTable {
@@ -16,8 +17,8 @@ pub struct BodyTable {
     /// Origin of the joint in the frame of the body before it, of the base for the first, in m.
     #[serde(default)]
     pub offset_m: [f64; 3],
-    /// Orientation of the joint's frame in that frame at position 0: turned about the fixed x, y and z axes by these angles
-    /// in rad, one after the other, as `rpy` of URDF.
+    /// Orientation of the joint's frame in that frame at position 0: turned about the fixed x, y
+    /// and z axes by these angles in rad, one after the other, as `rpy` of URDF.
     #[serde(default)]
     pub rotation_rpy_rad: [f64; 3],
     /// Axis of the joint in its own frame, of any length but 0.
@@ -30,7 +31,8 @@ pub struct BodyTable {
     /// Inertia in kg m^2 about the centre of mass in the body's frame.
     #[serde(default)]
     pub inertia_kg_m2: InertiaTable,
-    /// Moments of inertia that never move are left out: principal moments need not obey the triangle inequality.
+    /// Moments of inertia that never move are left out: principal moments need not obey the
+    /// triangle inequality.
     #[serde(default)]
     pub simplified: bool,
     /// The joint does not move: its position in rad.
@@ -39,7 +41,8 @@ pub struct BodyTable {
     pub joint: Option<JointTable>,
 }
 
-/// An inertia tensor: diagonal entries, and the off-diagonal ones as they stand in the tensor (as in URDF).
+/// An inertia tensor: diagonal entries, and the off-diagonal ones as they stand in the tensor (as
+/// in URDF).
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct InertiaTable {
@@ -65,12 +68,14 @@ pub struct PayloadTable {
     pub mass_kg: f64,
     /// Centre of mass in m in the frame of the last body.
     pub center_of_mass_m: [f64; 3],
-    /// Inertia in kg m^2 about the centre of mass in the frame of the last body; a point mass without it.
+    /// Inertia in kg m^2 about the centre of mass in the frame of the last body; a point mass
+    /// without it.
     #[serde(default)]
     pub inertia_kg_m2: InertiaTable,
 }
 
-/// The challenges of SK15 section 2, each a switch; on unless a robot file or an experiment switches it off.
+/// The challenges of SK15 section 2, each a switch; on unless a robot file or an experiment
+/// switches it off.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ChallengesTable {
@@ -125,7 +130,14 @@ impl InertiaTable {
     /// The tensor, row by row.
     #[must_use]
     pub fn tensor(&self) -> [[f64; 3]; 3] {
-        let Self { ixx, iyy, izz, ixy, ixz, iyz } = *self;
+        let Self {
+            ixx,
+            iyy,
+            izz,
+            ixy,
+            ixz,
+            iyz,
+        } = *self;
         [[ixx, ixy, ixz], [ixy, iyy, iyz], [ixz, iyz, izz]]
     }
 }
@@ -143,10 +155,13 @@ impl PayloadTable {
 }
 
 impl BodyTable {
-    /// The body; at position 0 where neither a joint nor a position is given, which is refused before.
+    /// The body; at position 0 where neither a joint nor a position is given, which is refused
+    /// before.
     #[must_use]
     pub fn body(&self) -> Body {
-        let locked = BodyJoint::Locked { position_rad: self.locked_position_rad.unwrap_or_default() };
+        let locked = BodyJoint::Locked {
+            position_rad: self.locked_position_rad.unwrap_or_default(),
+        };
         Body {
             name: self.name.clone(),
             offset_m: self.offset_m,
@@ -156,12 +171,16 @@ impl BodyTable {
             center_of_mass_m: self.center_of_mass_m,
             inertia_kg_m2: self.inertia_kg_m2.tensor(),
             simplified: self.simplified,
-            joint: self.joint.as_ref().map_or(locked, |joint| BodyJoint::Flexible(joint.joint())),
+            joint: self
+                .joint
+                .as_ref()
+                .map_or(locked, |joint| BodyJoint::Flexible(joint.joint())),
         }
     }
 }
 
-/// The matrix R = Rz(yaw) Ry(pitch) Rx(roll), row by row: R times a vector of the turned frame is the vector in the fixed one.
+/// The matrix R = Rz(yaw) Ry(pitch) Rx(roll), row by row: R times a vector of the turned frame is
+/// the vector in the fixed one.
 #[must_use]
 pub fn rotation([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {
     let ((sr, cr), (sp, cp), (sy, cy)) = (roll.sin_cos(), pitch.sin_cos(), yaw.sin_cos());
@@ -179,7 +198,8 @@ mod tests {
 
     #[test]
     fn angles_turn_about_fixed_axes_one_after_the_other() {
-        // roll by 90 deg takes z to -y, pitch takes x to -z, yaw takes x to y: the columns are the turned axes
+        // roll by 90 deg takes z to -y, pitch takes x to -z, yaw takes x to y: the columns are the
+        // turned axes
         let column = |angles, axis: usize| rotation(angles).map(|row| row[axis].round());
         assert_eq!(column([FRAC_PI_2, 0.0, 0.0], 2), [0.0, -1.0, 0.0]);
         assert_eq!(column([0.0, FRAC_PI_2, 0.0], 0), [0.0, 0.0, -1.0]);
@@ -190,9 +210,22 @@ mod tests {
 
     #[test]
     fn switches_of_the_experiment_go_before_those_of_the_robot() {
-        let experiment = ChallengesTable { gravity: Some(true), ..ChallengesTable::default() };
-        let robot = ChallengesTable { gravity: Some(false), sensing: Some(false), ..ChallengesTable::default() };
+        let experiment = ChallengesTable {
+            gravity: Some(true),
+            ..ChallengesTable::default()
+        };
+        let robot = ChallengesTable {
+            gravity: Some(false),
+            sensing: Some(false),
+            ..ChallengesTable::default()
+        };
         let merged = experiment.or(robot).challenges();
-        assert_eq!(merged, Challenges { sensing: false, ..Challenges::default() });
+        assert_eq!(
+            merged,
+            Challenges {
+                sensing: false,
+                ..Challenges::default()
+            }
+        );
     }
 }

@@ -23,15 +23,22 @@ pub struct ControllerTable {
     pub max_torque_nm: Option<Vec<f64>>,
     /// Largest change of the torque in N m/s, one for each axis; none without it.
     pub max_torque_rate_nm_per_s: Option<Vec<f64>>,
-    /// Gain of a position loop around the velocity loop in 1/s, one for each axis; no position loop without it.
+    /// Gain of a position loop around the velocity loop in 1/s, one for each axis; no position loop
+    /// without it.
     pub position_gain_per_s: Option<Vec<f64>>,
 }
 
 impl ControllerTable {
     /// Checks every gain and limit for a robot of `n_axes`.
-    pub(crate) fn check(&self, sample_time_s: f64, n_axes: usize, source: &Source) -> Result<(), ConfigError> {
+    pub(crate) fn check(
+        &self,
+        sample_time_s: f64,
+        n_axes: usize,
+        source: &Source,
+    ) -> Result<(), ConfigError> {
         let located = |error: &SignalError| {
-            let (SignalError::Parameter { name, .. } | SignalError::Shape { name, .. }) = error else {
+            let (SignalError::Parameter { name, .. } | SignalError::Shape { name, .. }) = error
+            else {
                 return source.error(&["controller"], error.to_string());
             };
             // the keys of the gains are their names with units
@@ -44,7 +51,9 @@ impl ControllerTable {
             };
             source.error(&["controller", key], error.to_string())
         };
-        self.controller(sample_time_s).check(n_axes).map_err(|error| located(&error))
+        self.controller(sample_time_s)
+            .check(n_axes)
+            .map_err(|error| located(&error))
     }
 
     /// The controller on the clock of the experiment.

@@ -13,12 +13,14 @@ use super::sensor::SensorTable;
 use super::single_joint::default_knee_rad;
 use crate::source::{ConfigError, Source};
 
-/// A motor behind an elastic gear, with its sensor and its limits. Everything on the joint side of the gear: behind a ratio n
-/// an inertia, damping, stiffness or viscous friction of the motor side times n^2, a torque times |n|, a speed over |n|.
+/// A motor behind an elastic gear, with its sensor and its limits. Everything on the joint side of
+/// the gear: behind a ratio n an inertia, damping, stiffness or viscous friction of the motor side
+/// times n^2, a torque times |n|, a speed over |n|.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct JointTable {
-    /// Turns of the motor for a turn of the joint, of either sign; needed by what is counted in turns of the motor.
+    /// Turns of the motor for a turn of the joint, of either sign; needed by what is counted in
+    /// turns of the motor.
     #[serde(default = "one")]
     pub gear_ratio: f64,
     /// Inertia of the motor in kg m^2.
@@ -38,7 +40,8 @@ pub struct JointTable {
     /// Viscous friction of the motor in N m s/rad.
     #[serde(default)]
     pub viscous_nms_per_rad: f64,
-    /// Counts of the encoder in a turn of the motor; `sensor.position_increment_rad` says the same on the joint side.
+    /// Counts of the encoder in a turn of the motor; `sensor.position_increment_rad` says the same
+    /// on the joint side.
     pub encoder_counts_per_motor_turn: Option<f64>,
     /// Lowest position in rad.
     pub min_position: Option<f64>,
@@ -92,7 +95,9 @@ impl JointTable {
             motor_inertia_kg_m2: self.motor_inertia_kg_m2,
             damping_nms_per_rad: self.damping_nms_per_rad,
             stiffness_nm_per_rad: self.stiffness_nm_per_rad,
-            stiffness_beyond_nm_per_rad: self.stiffness_beyond_nm_per_rad.unwrap_or(self.stiffness_nm_per_rad),
+            stiffness_beyond_nm_per_rad: self
+                .stiffness_beyond_nm_per_rad
+                .unwrap_or(self.stiffness_nm_per_rad),
             knee_rad: self.knee_rad,
             coulomb_nm: self.coulomb_nm,
             viscous_nms_per_rad: self.viscous_nms_per_rad,
@@ -104,8 +109,13 @@ impl JointTable {
     #[must_use]
     pub fn sensor(&self) -> Sensor {
         let sensor = self.sensor.sensor();
-        let count_rad = self.encoder_counts_per_motor_turn.map(|counts| TAU / (counts * self.gear_ratio.abs()));
-        Sensor { position_increment_rad: sensor.position_increment_rad.or(count_rad), ..sensor }
+        let count_rad = self
+            .encoder_counts_per_motor_turn
+            .map(|counts| TAU / (counts * self.gear_ratio.abs()));
+        Sensor {
+            position_increment_rad: sensor.position_increment_rad.or(count_rad),
+            ..sensor
+        }
     }
 
     /// The limit of this name, if there is one.
@@ -124,51 +134,86 @@ impl JointTable {
     }
 
     /// Checks every number; errors name the joint and point into the table at `path`.
-    pub(super) fn check(&self, name: &str, source: &Source, path: &[&str]) -> Result<(), ConfigError> {
-        let at =
-            |keys: &[&str], message: String| source.error(&[path, keys].concat(), format!("joint {name}: {message}"));
+    pub(super) fn check(
+        &self,
+        name: &str,
+        source: &Source,
+        path: &[&str],
+    ) -> Result<(), ConfigError> {
+        let at = |keys: &[&str], message: String| {
+            source.error(&[path, keys].concat(), format!("joint {name}: {message}"))
+        };
         let located = |error: &SignalError| match error {
             // the key is the parameter's own name, in the table or in one of those inside it
-            SignalError::Parameter { name, .. } if source.has(&[path, &["sensor", name]].concat()) => {
+            SignalError::Parameter { name, .. }
+                if source.has(&[path, &["sensor", name]].concat()) =>
+            {
                 at(&["sensor", name], error.to_string())
             }
-            SignalError::Parameter { name: "cycles_per_turn" | "amplitude_nm" | "phase_rad", .. } => {
-                at(&["ripple"], error.to_string())
-            }
+            SignalError::Parameter {
+                name: "cycles_per_turn" | "amplitude_nm" | "phase_rad",
+                ..
+            } => at(&["ripple"], error.to_string()),
             SignalError::Parameter { name, .. } => at(&[name], error.to_string()),
             error => at(&[], error.to_string()),
         };
         if !self.gear_ratio.is_finite() || self.gear_ratio == 0.0 {
-            let message = format!("gear_ratio is {}, needed: a finite number of either sign, not 0", self.gear_ratio);
+            let message = format!(
+                "gear_ratio is {}, needed: a finite number of either sign, not 0",
+                self.gear_ratio
+            );
             return Err(at(&["gear_ratio"], message));
         }
         self.joint().check().map_err(|error| located(&error))?;
         if let Some(counts) = self.encoder_counts_per_motor_turn {
             positive("encoder_counts_per_motor_turn", counts).map_err(|error| located(&error))?;
             if self.sensor.position_increment_rad.is_some() {
-                let message = "encoder counts and a position increment are given; keep one of them".to_owned();
+                let message = "encoder counts and a position increment are given; keep one of them"
+                    .to_owned();
                 return Err(at(&["encoder_counts_per_motor_turn"], message));
             }
         }
         self.sensor().check().map_err(|error| located(&error))?;
-        self.check_limits().map_err(|(key, message)| at(&[key], message))
+        self.check_limits()
+            .map_err(|(key, message)| at(&[key], message))
     }
 
     /// The first limit that allows nothing, with what is wrong about it.
     fn check_limits(&self) -> Result<(), (&'static str, String)> {
-        const SIZES: [&str; 5] = ["max_velocity", "max_acceleration", "max_jerk", "max_effort", "max_effort_rate"];
+        const SIZES: [&str; 5] = [
+            "max_velocity",
+            "max_acceleration",
+            "max_jerk",
+            "max_effort",
+            "max_effort_rate",
+        ];
         for name in SIZES {
-            if let Some(found) = self.limit(name).filter(|limit| limit.is_nan() || *limit <= 0.0) {
+            if let Some(found) = self
+                .limit(name)
+                .filter(|limit| limit.is_nan() || *limit <= 0.0)
+            {
                 return Err((name, format!("{name} is {found}, needed: a number above 0")));
             }
         }
         let (lowest, highest) = (self.min_position, self.max_position);
-        let range = (lowest.unwrap_or(f64::NEG_INFINITY), highest.unwrap_or(f64::INFINITY));
+        let range = (
+            lowest.unwrap_or(f64::NEG_INFINITY),
+            highest.unwrap_or(f64::INFINITY),
+        );
         if range.0 < range.1 {
             return Ok(());
         }
-        let message =
-            format!("the range from {} to {} rad is empty; needed: min_position below max_position", range.0, range.1);
-        Err((if highest.is_some() { "max_position" } else { "min_position" }, message))
+        let message = format!(
+            "the range from {} to {} rad is empty; needed: min_position below max_position",
+            range.0, range.1
+        );
+        Err((
+            if highest.is_some() {
+                "max_position"
+            } else {
+                "min_position"
+            },
+            message,
+        ))
     }
 }

@@ -29,9 +29,9 @@ use crate::source::{ConfigError, Source};
 /// Gravity where none is given: z up.
 const GRAVITY_M_S2: [f64; 3] = [0.0, 0.0, -9.81];
 
-/// The machine: `file`, a robot file of its own, or the tables of such a file right here. A robot is a `[single_joint]`, an arm
-/// of `[[body]]` tables, or an arm from `[urdf]`. Beside `file`, only `pose_rad` and `[challenges]` may be given; they go before
-/// those of the file.
+/// The machine: `file`, a robot file of its own, or the tables of such a file right here. A robot
+/// is a `[single_joint]`, an arm of `[[body]]` tables, or an arm from `[urdf]`. Beside `file`, only
+/// `pose_rad` and `[challenges]` may be given; they go before those of the file.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct RobotTable {
@@ -43,7 +43,8 @@ pub struct RobotTable {
     pub pose_rad: Option<Vec<f64>>,
     /// One motor and one link with a gear between them.
     pub single_joint: Option<SingleJointTable>,
-    /// Sensors and torque resolution of a single joint; ideal without this table. The joints of an arm have their own.
+    /// Sensors and torque resolution of a single joint; ideal without this table. The joints of an
+    /// arm have their own.
     pub sensor: Option<SensorTable>,
     /// Which challenges the robot poses; all without this table.
     #[serde(default)]
@@ -77,9 +78,12 @@ impl RobotTable {
         Ok(robot)
     }
 
-    /// Puts what other files say in the place of their names: the robot file, and the bodies of URDF.
+    /// Puts what other files say in the place of their names: the robot file, and the bodies of
+    /// URDF.
     pub(crate) fn read_files(&mut self, source: &Source, folder: &Path) -> Result<(), ConfigError> {
-        let Some(file) = self.file.take() else { return self.read_urdf(source, folder, &["robot"]) };
+        let Some(file) = self.file.take() else {
+            return self.read_urdf(source, folder, &["robot"]);
+        };
         let (pose_rad, challenges) = (self.pose_rad.take(), std::mem::take(&mut self.challenges));
         if *self != Self::default() {
             let message = "a robot file and tables of a robot are given; keep one of them \
@@ -87,16 +91,25 @@ impl RobotTable {
             return Err(source.error(&["robot", "file"], message));
         }
         let path = folder.join(&file);
-        let robot = Self::load(&path).map_err(|error| source.error(&["robot", "file"], error.to_string()))?;
+        let robot = Self::load(&path)
+            .map_err(|error| source.error(&["robot", "file"], error.to_string()))?;
         let pose_rad = pose_rad.or_else(|| robot.pose_rad.clone());
-        *self = Self { pose_rad, challenges: challenges.or(robot.challenges), ..robot };
+        *self = Self {
+            pose_rad,
+            challenges: challenges.or(robot.challenges),
+            ..robot
+        };
         Ok(())
     }
 
     /// Number of axes.
     #[must_use]
     pub fn n_axes(&self) -> usize {
-        if self.body.is_empty() { 1 } else { self.joints().count() }
+        if self.body.is_empty() {
+            1
+        } else {
+            self.joints().count()
+        }
     }
 
     /// Names of the joints, as they stand in the logs: those of the bodies they move.
@@ -111,12 +124,16 @@ impl RobotTable {
     /// The pose in rad, one position for each axis.
     #[must_use]
     pub fn pose(&self) -> Vec<f64> {
-        self.pose_rad.clone().unwrap_or_else(|| vec![0.0; self.n_axes()])
+        self.pose_rad
+            .clone()
+            .unwrap_or_else(|| vec![0.0; self.n_axes()])
     }
 
     /// The bodies that move, with their joints.
     fn joints(&self) -> impl Iterator<Item = (&BodyTable, &JointTable)> {
-        self.body.iter().filter_map(|body| Some((body, body.joint.as_ref()?)))
+        self.body
+            .iter()
+            .filter_map(|body| Some((body, body.joint.as_ref()?)))
     }
 
     /// The sensor of every axis; ideal, but for where the velocity comes from, which is linear.
@@ -126,7 +143,12 @@ impl RobotTable {
             return vec![Sensor::default(); self.n_axes()];
         }
         if self.body.is_empty() {
-            return vec![self.sensor.as_ref().map(SensorTable::sensor).unwrap_or_default()];
+            return vec![
+                self.sensor
+                    .as_ref()
+                    .map(SensorTable::sensor)
+                    .unwrap_or_default(),
+            ];
         }
         self.joints().map(|(_, joint)| joint.sensor()).collect()
     }
@@ -136,10 +158,18 @@ impl RobotTable {
     pub fn limits(&self) -> LimitsTable {
         let mut limits = LimitsTable::default();
         for name in LimitsTable::NAMES {
-            let unlimited = if name == "min_position" { f64::NEG_INFINITY } else { f64::INFINITY };
-            let of_axes: Vec<Option<f64>> = self.joints().map(|(_, joint)| joint.limit(name)).collect();
+            let unlimited = if name == "min_position" {
+                f64::NEG_INFINITY
+            } else {
+                f64::INFINITY
+            };
+            let of_axes: Vec<Option<f64>> =
+                self.joints().map(|(_, joint)| joint.limit(name)).collect();
             if of_axes.iter().any(Option::is_some) {
-                let values = of_axes.into_iter().map(|limit| limit.unwrap_or(unlimited)).collect();
+                let values = of_axes
+                    .into_iter()
+                    .map(|limit| limit.unwrap_or(unlimited))
+                    .collect();
                 *limits.entry(name) = Some(values);
             }
         }
@@ -149,11 +179,14 @@ impl RobotTable {
         limits
     }
 
-    /// The joint to be simulated, if one is described, without the challenges that are switched off.
+    /// The joint to be simulated, if one is described, without the challenges that are switched
+    /// off.
     #[must_use]
     pub fn joint(&self) -> Option<SingleJoint> {
         let challenges = self.challenges.challenges();
-        self.single_joint.as_ref().map(|joint| joint.joint_with(challenges))
+        self.single_joint
+            .as_ref()
+            .map(|joint| joint.joint_with(challenges))
     }
 
     /// The arm to be simulated, if one is described.

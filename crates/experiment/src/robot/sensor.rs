@@ -5,11 +5,13 @@ use serde::{Deserialize, Serialize};
 
 use frfid_plant::{Sensor, Velocity};
 
-/// Sensors and torque resolution of an axis, on the joint side of the gear; whatever is not given is ideal.
+/// Sensors and torque resolution of an axis, on the joint side of the gear; whatever is not given
+/// is ideal.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct SensorTable {
-    /// The velocity is the difference of the last two positions over the sample time, not the true velocity.
+    /// The velocity is the difference of the last two positions over the sample time, not the true
+    /// velocity.
     pub velocity_by_differencing: bool,
     /// Position increment in rad: one encoder count on the joint side.
     pub position_increment_rad: Option<f64>,
@@ -21,7 +23,8 @@ pub struct SensorTable {
     pub velocity_filter_hz: Option<f64>,
     /// Resolution of the motor torque in N m.
     pub torque_quantum_nm: Option<f64>,
-    /// Rms of the white noise on the torque reading in N m; with it the recorded input is a measurement.
+    /// Rms of the white noise on the torque reading in N m; with it the recorded input is a
+    /// measurement.
     pub torque_noise_nm: Option<f64>,
 }
 
@@ -30,7 +33,11 @@ impl SensorTable {
     #[must_use]
     pub fn sensor(&self) -> Sensor {
         Sensor {
-            velocity: if self.velocity_by_differencing { Velocity::Differenced } else { Velocity::True },
+            velocity: if self.velocity_by_differencing {
+                Velocity::Differenced
+            } else {
+                Velocity::True
+            },
             position_increment_rad: self.position_increment_rad,
             position_noise_rad: self.position_noise_rad,
             velocity_noise_rad_s: self.velocity_noise_rad_s,

@@ -52,7 +52,11 @@ pub(super) fn default_knee_rad() -> f64 {
 
 impl RippleTable {
     fn ripple(&self) -> Ripple {
-        Ripple { cycles_per_turn: self.cycles_per_turn, amplitude_nm: self.amplitude_nm, phase_rad: self.phase_rad }
+        Ripple {
+            cycles_per_turn: self.cycles_per_turn,
+            amplitude_nm: self.amplitude_nm,
+            phase_rad: self.phase_rad,
+        }
     }
 }
 
@@ -65,7 +69,9 @@ impl SingleJointTable {
             link_inertia_kg_m2: self.link_inertia_kg_m2,
             damping_nms_per_rad: self.damping_nms_per_rad,
             stiffness_nm_per_rad: self.stiffness_nm_per_rad,
-            stiffness_beyond_nm_per_rad: self.stiffness_beyond_nm_per_rad.unwrap_or(self.stiffness_nm_per_rad),
+            stiffness_beyond_nm_per_rad: self
+                .stiffness_beyond_nm_per_rad
+                .unwrap_or(self.stiffness_nm_per_rad),
             knee_rad: self.knee_rad,
             coulomb_nm: self.coulomb_nm,
             viscous_nms_per_rad: self.viscous_nms_per_rad,
@@ -73,7 +79,8 @@ impl SingleJointTable {
         }
     }
 
-    /// The joint without the challenges that are switched off: friction (B), stiffening (C), ripple (E).
+    /// The joint without the challenges that are switched off: friction (B), stiffening (C), ripple
+    /// (E).
     #[must_use]
     pub fn joint_with(&self, challenges: Challenges) -> SingleJoint {
         let joint = self.joint();

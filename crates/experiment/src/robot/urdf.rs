@@ -1,4 +1,5 @@
-//! An arm from URDF and a table of its joints: URDF says where the bodies are and what they weigh, the table what drives them.
+//! An arm from URDF and a table of its joints: URDF says where the bodies are and what they weigh,
+//! the table what drives them.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,8 +11,9 @@ use urdf_rs::{Inertial, Joint, JointType};
 use super::{BodyTable, InertiaTable, JointTable, RobotTable};
 use crate::source::{ConfigError, Source};
 
-/// An arm from URDF: the chain of joints from the base link to the tip link. Revolute and continuous joints move and need a
-/// table of their name; fixed ones are locked. Limits that a table leaves out are those of URDF.
+/// An arm from URDF: the chain of joints from the base link to the tip link. Revolute and
+/// continuous joints move and need a table of their name; fixed ones are locked. Limits that a
+/// table leaves out are those of URDF.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UrdfTable {
@@ -21,7 +23,8 @@ pub struct UrdfTable {
     pub base_link: Option<String>,
     /// Link at the tip of the chain; the one link on which nothing hangs without it.
     pub tip_link: Option<String>,
-    /// Names of joints whose bodies are simplified: moments of inertia that never move are left out.
+    /// Names of joints whose bodies are simplified: moments of inertia that never move are left
+    /// out.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub simplified: Vec<String>,
     /// Motor and gear of every joint that moves, by the joint's name: `[urdf.joint.NAME]`.
@@ -31,17 +34,33 @@ pub struct UrdfTable {
 
 impl RobotTable {
     /// Puts the bodies of URDF, if a file is named, in the place of its name.
-    pub(super) fn read_urdf(&mut self, source: &Source, folder: &Path, table: &[&str]) -> Result<(), ConfigError> {
-        let Some(urdf) = self.urdf.take() else { return Ok(()) };
-        let at = |keys: &[&str], message: String| source.error(&[table, &["urdf"], keys].concat(), message);
+    pub(super) fn read_urdf(
+        &mut self,
+        source: &Source,
+        folder: &Path,
+        table: &[&str],
+    ) -> Result<(), ConfigError> {
+        let Some(urdf) = self.urdf.take() else {
+            return Ok(());
+        };
+        let at = |keys: &[&str], message: String| {
+            source.error(&[table, &["urdf"], keys].concat(), message)
+        };
         if !self.body.is_empty() {
-            return Err(at(&["file"], "URDF and [[body]] tables are given; keep one of them".into()));
+            return Err(at(
+                &["file"],
+                "URDF and [[body]] tables are given; keep one of them".into(),
+            ));
         }
         let path = folder.join(&urdf.file);
-        let text = Source::read(&path).map_err(|error| at(&["file"], error.to_string()))?.text;
+        let text = Source::read(&path)
+            .map_err(|error| at(&["file"], error.to_string()))?
+            .text;
         let robot = urdf_rs::read_from_string(&text)
             .map_err(|error| at(&["file"], format!("{}: not URDF: {error}", path.display())))?;
-        self.body = urdf.bodies(&robot).map_err(|(key, message)| at(&[key], message))?;
+        self.body = urdf
+            .bodies(&robot)
+            .map_err(|(key, message)| at(&[key], message))?;
         Ok(())
     }
 }
@@ -57,10 +76,19 @@ impl UrdfTable {
         let joints = self.joint.keys().map(|name| ("joint", name));
         let mut named = joints.chain(self.simplified.iter().map(|name| ("simplified", name)));
         if let Some((key, name)) = named.find(|(_, name)| !known.contains(&name.as_str())) {
-            return Err((key, format!("no joint of the chain is called {name}; there are {}", known.join(", "))));
+            return Err((
+                key,
+                format!(
+                    "no joint of the chain is called {name}; there are {}",
+                    known.join(", ")
+                ),
+            ));
         }
         check_nothing_beside(robot, &chain)?;
-        chain.into_iter().map(|joint| self.body(robot, joint)).collect()
+        chain
+            .into_iter()
+            .map(|joint| self.body(robot, joint))
+            .collect()
     }
 
     /// The joints from the base link to the tip link.
@@ -69,14 +97,27 @@ impl UrdfTable {
         let links = || robot.links.iter().map(|link| link.name.as_str());
         let is_base = |link: &&str| above(link).is_none();
         let is_tip = |link: &&str| robot.joints.iter().all(|joint| joint.parent.link != **link);
-        let base = named("base_link", self.base_link.as_deref(), links(), links().filter(is_base).collect())?;
-        let tip = named("tip_link", self.tip_link.as_deref(), links(), links().filter(is_tip).collect())?;
+        let base = named(
+            "base_link",
+            self.base_link.as_deref(),
+            links(),
+            links().filter(is_base).collect(),
+        )?;
+        let tip = named(
+            "tip_link",
+            self.tip_link.as_deref(),
+            links(),
+            links().filter(is_tip).collect(),
+        )?;
         let (mut chain, mut link) = (Vec::new(), tip);
         while link != base {
             // a chain longer than all joints runs in a circle
             let joint = above(link).filter(|_| chain.len() < robot.joints.len());
             let Some(joint) = joint else {
-                return Err(("tip_link", format!("no chain of joints leads from {base} to {tip}")));
+                return Err((
+                    "tip_link",
+                    format!("no chain of joints leads from {base} to {tip}"),
+                ));
             };
             chain.push(joint);
             link = &joint.parent.link;
@@ -88,7 +129,10 @@ impl UrdfTable {
     fn body(&self, robot: &urdf_rs::Robot, joint: &Joint) -> Result<BodyTable, Fault> {
         let name = &joint.name;
         if joint.mimic.is_some() {
-            return Err(("file", format!("joint {name} mimics another; every joint must move on its own")));
+            return Err((
+                "file",
+                format!("joint {name} mimics another; every joint must move on its own"),
+            ));
         }
         let table = match joint.joint_type {
             JointType::Fixed => None,
@@ -96,7 +140,9 @@ impl UrdfTable {
                 let Some(table) = self.joint.get(name) else {
                     return Err((
                         "joint",
-                        format!("no table [urdf.joint.{name}]: URDF knows no motor, gear and friction"),
+                        format!(
+                            "no table [urdf.joint.{name}]: URDF knows no motor, gear and friction"
+                        ),
                     ));
                 };
                 Some(with_limits(table, joint))
@@ -105,12 +151,21 @@ impl UrdfTable {
                 let kind = format!("{other:?}").to_lowercase();
                 return Err((
                     "file",
-                    format!("joint {name} is {kind}; only revolute, continuous and fixed joints can be simulated"),
+                    format!(
+                        "joint {name} is {kind}; only revolute, continuous and fixed joints can be simulated"
+                    ),
                 ));
             }
         };
-        let link = robot.links.iter().find(|link| link.name == joint.child.link);
-        let Inertial { origin, mass, inertia } = link.map(|link| link.inertial.clone()).unwrap_or_default();
+        let link = robot
+            .links
+            .iter()
+            .find(|link| link.name == joint.child.link);
+        let Inertial {
+            origin,
+            mass,
+            inertia,
+        } = link.map(|link| link.inertial.clone()).unwrap_or_default();
         Ok(BodyTable {
             name: name.clone(),
             offset_m: joint.origin.xyz.0,
@@ -128,17 +183,27 @@ impl UrdfTable {
 
 /// Refuses links with a mass that hang beside the chain: what they weigh would be lost.
 fn check_nothing_beside(robot: &urdf_rs::Robot, chain: &[&Joint]) -> Result<(), Fault> {
-    let mut moved: Vec<&str> = chain.iter().map(|joint| joint.child.link.as_str()).collect();
+    let mut moved: Vec<&str> = chain
+        .iter()
+        .map(|joint| joint.child.link.as_str())
+        .collect();
     let mut next = 0;
     while let Some(&link) = moved.get(next) {
-        let hanging =
-            robot.joints.iter().filter(|joint| joint.parent.link == link).map(|joint| joint.child.link.as_str());
+        let hanging = robot
+            .joints
+            .iter()
+            .filter(|joint| joint.parent.link == link)
+            .map(|joint| joint.child.link.as_str());
         let new: Vec<&str> = hanging.filter(|child| !moved.contains(child)).collect();
         moved.extend(new);
         next += 1;
     }
     let beside = &moved[chain.len()..];
-    match robot.links.iter().find(|link| beside.contains(&link.name.as_str()) && link.inertial.mass.value != 0.0) {
+    match robot
+        .links
+        .iter()
+        .find(|link| beside.contains(&link.name.as_str()) && link.inertial.mass.value != 0.0)
+    {
         None => Ok(()),
         Some(link) => Err((
             "tip_link",
@@ -158,14 +223,19 @@ fn named<'a>(
     possible: Vec<&'a str>,
 ) -> Result<&'a str, Fault> {
     match (asked, &possible[..]) {
-        (Some(asked), _) => all.find(|link| *link == asked).ok_or((key, format!("there is no link {asked}"))),
+        (Some(asked), _) => all
+            .find(|link| *link == asked)
+            .ok_or((key, format!("there is no link {asked}"))),
         (None, [only]) => Ok(only),
-        (None, _) => Err((key, format!("{key} is needed to choose one of {}", possible.join(", ")))),
+        (None, _) => Err((
+            key,
+            format!("{key} is needed to choose one of {}", possible.join(", ")),
+        )),
     }
 }
 
-/// The table with the limits of URDF where it has none. URDF writes 0 for an effort or a velocity that is not known, and an
-/// empty range for a joint without one.
+/// The table with the limits of URDF where it has none. URDF writes 0 for an effort or a velocity
+/// that is not known, and an empty range for a joint without one.
 fn with_limits(table: &JointTable, joint: &Joint) -> JointTable {
     let limit = &joint.limit;
     let size = |value: f64| Some(value).filter(|value| value.is_finite() && *value > 0.0);
@@ -184,8 +254,26 @@ fn with_limits(table: &JointTable, joint: &Joint) -> JointTable {
 
 /// A tensor of a frame turned by `rpy` as one of the body's frame: R I R^T.
 fn turned(inertia: &urdf_rs::Inertia, rpy: [f64; 3]) -> InertiaTable {
-    let &urdf_rs::Inertia { ixx, ixy, ixz, iyy, iyz, izz } = inertia;
-    let (r, tensor) = (super::arm::rotation(rpy), InertiaTable { ixx, iyy, izz, ixy, ixz, iyz }.tensor());
+    let &urdf_rs::Inertia {
+        ixx,
+        ixy,
+        ixz,
+        iyy,
+        iyz,
+        izz,
+    } = inertia;
+    let (r, tensor) = (
+        super::arm::rotation(rpy),
+        InertiaTable {
+            ixx,
+            iyy,
+            izz,
+            ixy,
+            ixz,
+            iyz,
+        }
+        .tensor(),
+    );
     let entry = |i: usize, j: usize| {
         let pairs = (0..3).flat_map(|k| (0..3).map(move |l| (k, l)));
         pairs.map(|(k, l)| r[i][k] * tensor[k][l] * r[j][l]).sum()

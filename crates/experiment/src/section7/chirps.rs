@@ -1,4 +1,5 @@
-//! Section 7.2 of the paper: chirps whose references are shaped until the torque is as desired (figures 3, 7 and 9).
+//! Section 7.2 of the paper: chirps whose references are shaped until the torque is as desired
+//! (figures 3, 7 and 9).
 
 use frfid_estimate::{Estimate, Iteration, Shaper, Summary, scaled_condition_number};
 use frfid_plant::Hold;
@@ -34,7 +35,8 @@ pub struct ShapedChirps {
     pub conditions: Conditions,
     /// Sample time in s.
     pub sample_time_s: f64,
-    /// Torque of axis 3 in N m in the first experiment of the best iteration (figure 7), and its spectrum (figure 3).
+    /// Torque of axis 3 in N m in the first experiment of the best iteration (figure 7), and its
+    /// spectrum (figure 3).
     pub torque_nm: Array1<f64>,
     /// The torque that was desired there.
     pub desired_nm: Array1<f64>,
@@ -57,7 +59,8 @@ pub struct Conditions {
     pub frequency_hz: Vec<f64>,
     /// In the best iteration: orthogonality was made at u.
     pub at_torque: Vec<f64>,
-    /// As the references of `[chirp]` would make them through the same response: orthogonality made at r.
+    /// As the references of `[chirp]` would make them through the same response: orthogonality made
+    /// at r.
     pub at_reference: Vec<f64>,
 }
 
@@ -66,13 +69,20 @@ impl ShapedChirps {
     ///
     /// # Errors
     /// [`ExperimentError`] of a run, the shaping or an estimate, or an interruption.
-    pub fn run(experiment: &Experiment, jobs: usize, progress: Progress) -> Result<Self, ExperimentError> {
+    pub fn run(
+        experiment: &Experiment,
+        jobs: usize,
+        progress: Progress,
+    ) -> Result<Self, ExperimentError> {
         let (plan, (chirp, _)) = (&experiment.plan, experiment.shaped()?);
         let estimator = Estimator::new(plan, &experiment.config.estimate)?;
         let mut first = None;
         let shaper = shaped(experiment, jobs, progress, &mut |iteration| {
             if first.is_none() && iteration.stuck_share.iter().all(|share| *share < 1.0) {
-                first = Some((iteration.number, estimator.frf_of_experiments(&iteration.records)?));
+                first = Some((
+                    iteration.number,
+                    estimator.frf_of_experiments(&iteration.records)?,
+                ));
             }
             Ok(())
         })?;
@@ -81,7 +91,12 @@ impl ShapedChirps {
         let frf = estimator.frf_of_experiments(&shaped.best.records)?;
         let (first, first_frf) = first.unwrap_or_else(|| (shaped.best.number, frf.clone()));
         let axis = SHOWN_AXIS.min(plan.n_inputs - 1);
-        let conditions = shaped.best.estimate.as_ref().map(|estimate| conditions(estimate, plan, chirp)).transpose()?;
+        let conditions = shaped
+            .best
+            .estimate
+            .as_ref()
+            .map(|estimate| conditions(estimate, plan, chirp))
+            .transpose()?;
         let n_runs = shaped.iterations.len() * plan.n_experiments();
         Ok(Self {
             first,
@@ -115,11 +130,17 @@ pub(super) fn shaped(
     while shaper.stop().is_none() {
         let done = shaper.number() - 1;
         if !progress(done, options.n_iterations) {
-            return Err(ExperimentError::ShapingInterrupted { iteration: done + 1 });
+            return Err(ExperimentError::ShapingInterrupted {
+                iteration: done + 1,
+            });
         }
         let runs = shaper.runs();
-        let records =
-            in_pool(jobs, || Ok(runs.par_iter().map(|run| testbed.run(run)).collect::<Result<Vec<_>, _>>()?))?;
+        let records = in_pool(jobs, || {
+            Ok(runs
+                .par_iter()
+                .map(|run| testbed.run(run))
+                .collect::<Result<Vec<_>, _>>()?)
+        })?;
         look(shaper.measured(records)?)?;
     }
     progress(options.n_iterations, options.n_iterations);
@@ -127,7 +148,11 @@ pub(super) fn shaped(
 }
 
 /// cond(U) as it is, and as the references of the plan would make it through the same response.
-fn conditions(estimate: &Estimate, plan: &Plan, chirp: &Chirp) -> Result<Conditions, ExperimentError> {
+fn conditions(
+    estimate: &Estimate,
+    plan: &Plan,
+    chirp: &Chirp,
+) -> Result<Conditions, ExperimentError> {
     let n = plan.n_inputs;
     let hz = &estimate.r_to_u.frequency_hz;
     let at_reference = |(line, &hz): (usize, &f64)| {
@@ -135,9 +160,19 @@ fn conditions(estimate: &Estimate, plan: &Plan, chirp: &Chirp) -> Result<Conditi
             let amplitude = chirp.amplitude[channel % chirp.amplitude.len()].at(hz);
             Complex64::from_polar(amplitude, plan.phasing.phase_rad(channel, experiment, n))
         });
-        let g = DMatrix::from_fn(n, n, |output, input| estimate.r_to_u.response[[line, output, input]]);
+        let g = DMatrix::from_fn(n, n, |output, input| {
+            estimate.r_to_u.response[[line, output, input]]
+        });
         Ok(scaled_condition_number(&(g * r))?)
     };
-    let at_reference = hz.iter().enumerate().map(at_reference).collect::<Result<Vec<f64>, ExperimentError>>()?;
-    Ok(Conditions { frequency_hz: hz.clone(), at_torque: estimate.condition.clone(), at_reference })
+    let at_reference = hz
+        .iter()
+        .enumerate()
+        .map(at_reference)
+        .collect::<Result<Vec<f64>, ExperimentError>>()?;
+    Ok(Conditions {
+        frequency_hz: hz.clone(),
+        at_torque: estimate.condition.clone(),
+        at_reference,
+    })
 }

@@ -1,4 +1,5 @@
-//! Section 7 of the paper: the base axes of a robot in closed loop, every experiment of figures 3 and 6 to 10.
+//! Section 7 of the paper: the base axes of a robot in closed loop, every experiment of figures 3
+//! and 6 to 10.
 
 mod chirps;
 mod claims;
@@ -33,26 +34,32 @@ pub struct Section7 {
     pub sign_flip: ShapedChirps,
     /// Every iteration of the paper's undamped step, SK15 (18), with the phasing of `sign_flip`.
     pub paper_step: Vec<Summary>,
-    /// What is said of the desired torques of the paper's table 1, which are weaker than this robot's friction.
+    /// What is said of the desired torques of the paper's table 1, which are weaker than this
+    /// robot's friction.
     pub table1_warnings: Vec<String>,
 }
 
-/// What the campaigns cost in turn, in percent of the whole: multisine, chirps (9), chirps (26), the paper's step, table 1.
+/// What the campaigns cost in turn, in percent of the whole: multisine, chirps (9), chirps (26),
+/// the paper's step, table 1.
 const SHARES: [usize; 5] = [60, 11, 11, 11, 7];
 
 impl Section7 {
     /// Does every experiment on the model; `progress` is told in percent.
     ///
     /// # Errors
-    /// [`ExperimentError::Interrupted`] and [`ExperimentError::ShapingInterrupted`]; any other would be a fault of this library.
+    /// [`ExperimentError::Interrupted`] and [`ExperimentError::ShapingInterrupted`]; any other
+    /// would be a fault of this library.
     pub fn run(jobs: usize, progress: Progress) -> Result<Self, ExperimentError> {
         let part = |number: usize| {
             let before: usize = SHARES[..number].iter().sum();
-            move |done: usize, total: usize| progress(before + SHARES[number] * done / total.max(1), 100)
+            move |done: usize, total: usize| {
+                progress(before + SHARES[number] * done / total.max(1), 100)
+            }
         };
         let chirp = of_template("r3-chirp")?;
-        let chirps =
-            |number: usize, phasing: Phasing| ShapedChirps::run(&with_phasing(&chirp, phasing)?, jobs, &part(number));
+        let chirps = |number: usize, phasing: Phasing| {
+            ShapedChirps::run(&with_phasing(&chirp, phasing)?, jobs, &part(number))
+        };
         let multisine = of_template("r3-multisine")?;
         Ok(Self {
             joint_names: multisine.config.robot.joint_names(),
@@ -69,7 +76,13 @@ impl Section7 {
 
 fn of_template(kind: &str) -> Result<Experiment, ExperimentError> {
     let template = Template::named(kind).expect("the templates of section 7 are built in");
-    Ok(Experiment::new(Source { name: kind.to_owned(), text: template.text() }, "".as_ref())?)
+    Ok(Experiment::new(
+        Source {
+            name: kind.to_owned(),
+            text: template.text(),
+        },
+        "".as_ref(),
+    )?)
 }
 
 /// The same chirps with other phases between channels and experiments.
@@ -84,8 +97,13 @@ fn with_phasing(experiment: &Experiment, phasing: Phasing) -> Result<Experiment,
 /// Iterations of the paper's own step: enough to see where it leads.
 const PAPER_ITERATIONS: usize = 9;
 
-/// Every iteration of the paper's own step, without the limits on the way: they would hold it where it is.
-fn paper_step(experiment: &Experiment, jobs: usize, progress: Progress) -> Result<Vec<Summary>, ExperimentError> {
+/// Every iteration of the paper's own step, without the limits on the way: they would hold it where
+/// it is.
+fn paper_step(
+    experiment: &Experiment,
+    jobs: usize,
+    progress: Progress,
+) -> Result<Vec<Summary>, ExperimentError> {
     let mut config = experiment.config.clone();
     if let Some(shape) = &mut config.shape {
         shape.step = StepName::Paper;
@@ -101,12 +119,18 @@ fn paper_step(experiment: &Experiment, jobs: usize, progress: Progress) -> Resul
     Ok(iterations)
 }
 
-/// What is said of the torques of the paper's table 1, half of them above 40 Hz: too weak for this robot's friction.
-fn table1(experiment: &Experiment, jobs: usize, progress: Progress) -> Result<Vec<String>, ExperimentError> {
+/// What is said of the torques of the paper's table 1, half of them above 40 Hz: too weak for this
+/// robot's friction.
+fn table1(
+    experiment: &Experiment,
+    jobs: usize,
+    progress: Progress,
+) -> Result<Vec<String>, ExperimentError> {
     const TORQUES_NM: [f64; 3] = [100.0, 150.0, 120.0];
     let mut config = experiment.config.clone();
     if let Some(shape) = &mut config.shape {
-        let half_above_40_hz = |torque: f64| Amplitude::Points(vec![(38.0, torque), (42.0, 0.5 * torque)]);
+        let half_above_40_hz =
+            |torque: f64| Amplitude::Points(vec![(38.0, torque), (42.0, 0.5 * torque)]);
         shape.desired_nm = Some(TORQUES_NM.map(half_above_40_hz).to_vec());
     }
     let experiment = Experiment::of(config, experiment.source.clone())?;

@@ -1,5 +1,5 @@
-//! The base axes of the Manutec r3 with locked wrist, from the tables of METHOD section 4 (Otter, Tuerk, DLR 1988; values as
-//! in the Modelica Standard Library's RobotR3). y is up.
+//! The base axes of the Manutec r3 with locked wrist, from the tables of METHOD section 4 (Otter,
+//! Tuerk, DLR 1988; values as in the Modelica Standard Library's RobotR3). y is up.
 
 #![allow(dead_code)] // not every test file needs every part
 
@@ -9,7 +9,8 @@ pub const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0
 const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];
 
-/// Motor side values times ratio^2 (inertia, stiffness, damping, viscous friction) or |ratio| (Coulomb friction).
+/// Motor side values times ratio^2 (inertia, stiffness, damping, viscous friction) or |ratio|
+/// (Coulomb friction).
 fn joint(ratio: f64, stiffness: f64, damping: f64, coulomb_nm: f64, viscous: f64) -> BodyJoint {
     let square = ratio * ratio;
     BodyJoint::Flexible(FlexibleJoint {
@@ -25,7 +26,9 @@ fn joint(ratio: f64, stiffness: f64, damping: f64, coulomb_nm: f64, viscous: f64
 }
 
 fn locked(degrees: f64) -> BodyJoint {
-    BodyJoint::Locked { position_rad: degrees.to_radians() }
+    BodyJoint::Locked {
+        position_rad: degrees.to_radians(),
+    }
 }
 
 /// Mass, centre of mass, I11, I22, I33, I21.
@@ -72,11 +75,33 @@ pub fn manutec_r3() -> Arm {
                 (26.4, [0.064, -0.034, 0.0], [0.279, 0.245, 0.413, -0.070]),
                 joint(60.0, 58.0, 0.04, 42.0, 0.2 / 130.0),
             ),
-            body("b4", Y, [0.0, 0.414, -0.155], (28.7, [0.0; 3], [1.67, 0.081, 1.67, 0.0]), locked(0.0)),
-            body("b5", X, [0.0, 0.186, 0.0], (5.2, [0.0; 3], [1.25, 0.81, 1.53, 0.0]), locked(-110.0)),
-            body("b6", Y, [0.0, 0.125, 0.0], (0.5, [0.05; 3], point), locked(0.0)),
+            body(
+                "b4",
+                Y,
+                [0.0, 0.414, -0.155],
+                (28.7, [0.0; 3], [1.67, 0.081, 1.67, 0.0]),
+                locked(0.0),
+            ),
+            body(
+                "b5",
+                X,
+                [0.0, 0.186, 0.0],
+                (5.2, [0.0; 3], [1.25, 0.81, 1.53, 0.0]),
+                locked(-110.0),
+            ),
+            body(
+                "b6",
+                Y,
+                [0.0, 0.125, 0.0],
+                (0.5, [0.05; 3], point),
+                locked(0.0),
+            ),
         ],
-        payload: Some(Payload { mass_kg: 15.0, center_of_mass_m: [0.1, 0.25, 0.1], inertia_kg_m2: [[0.0; 3]; 3] }),
+        payload: Some(Payload {
+            mass_kg: 15.0,
+            center_of_mass_m: [0.1, 0.25, 0.1],
+            inertia_kg_m2: [[0.0; 3]; 3],
+        }),
         gravity_m_s2: [0.0, -9.81, 0.0],
         pose_rad: [-60.0, 20.0, 90.0].map(f64::to_radians).to_vec(),
         challenges: Challenges::default(),
@@ -85,14 +110,20 @@ pub fn manutec_r3() -> Arm {
 
 /// Changes the flexible joints of an arm.
 pub fn each_joint(arm: &mut Arm, mut change: impl FnMut(usize, &mut FlexibleJoint)) {
-    let joints = arm.bodies.iter_mut().filter_map(|body| match &mut body.joint {
-        BodyJoint::Flexible(joint) => Some(joint),
-        BodyJoint::Locked { .. } => None,
-    });
-    joints.enumerate().for_each(|(axis, joint)| change(axis, joint));
+    let joints = arm
+        .bodies
+        .iter_mut()
+        .filter_map(|body| match &mut body.joint {
+            BodyJoint::Flexible(joint) => Some(joint),
+            BodyJoint::Locked { .. } => None,
+        });
+    joints
+        .enumerate()
+        .for_each(|(axis, joint)| change(axis, joint));
 }
 
-/// The default ripple of the experiments: 3, 5, 2 N m at 12 cycles per motor turn and a third of it at 6.
+/// The default ripple of the experiments: 3, 5, 2 N m at 12 cycles per motor turn and a third of it
+/// at 6.
 pub fn with_ripple(mut arm: Arm) -> Arm {
     let amplitudes = [(105.0, 3.0), (210.0, 5.0), (60.0, 2.0)];
     each_joint(&mut arm, |axis, joint| {

@@ -34,11 +34,28 @@ pub fn section7_figures(section7: &Section7) -> Result<Vec<Named>, ReportError> 
 /// Section 7 as a part of the report: tables, figures and the responses to look into.
 #[must_use]
 pub fn section7_part<'a>(section7: &'a Section7, figures: &[Named]) -> Part<'a> {
-    let Section7 { multisine, orthogonal, sign_flip, .. } = section7;
+    let Section7 {
+        multisine,
+        orthogonal,
+        sign_flip,
+        ..
+    } = section7;
     let curves = vec![
-        curve("linear truth at the pose", &section7.truth, Style::Reference),
-        estimate("multisine, glide subtracted by position", &multisine.by_position, Style::Markers),
-        curve("multisine, not compensated", &multisine.uncompensated, Style::Markers),
+        curve(
+            "linear truth at the pose",
+            &section7.truth,
+            Style::Reference,
+        ),
+        estimate(
+            "multisine, glide subtracted by position",
+            &multisine.by_position,
+            Style::Markers,
+        ),
+        curve(
+            "multisine, not compensated",
+            &multisine.uncompensated,
+            Style::Markers,
+        ),
         curve("chirp, orthogonal", &orthogonal.frf, Style::Line),
         curve("chirp, sign flip", &sign_flip.frf, Style::Line),
     ];
@@ -51,24 +68,50 @@ pub fn section7_part<'a>(section7: &'a Section7, figures: &[Named]) -> Part<'a> 
          friction, differ from experiment to experiment, and the difference is booked on the weak cross channel."
             .into(),
     ];
-    notes.extend(sign_flip.warnings.iter().map(|warning| format!("Desired torques of figure 7: {warning}")));
     notes.extend(
-        section7.table1_warnings.iter().map(|warning| format!("Desired torques of the paper's table 1: {warning}")),
+        sign_flip
+            .warnings
+            .iter()
+            .map(|warning| format!("Desired torques of figure 7: {warning}")),
+    );
+    notes.extend(
+        section7
+            .table1_warnings
+            .iter()
+            .map(|warning| format!("Desired torques of the paper's table 1: {warning}")),
     );
     Part {
         title: "Section 7: the base axes of an industrial robot".into(),
         notes,
         tables: tables::tables(section7),
-        responses: Some(Responses { title: "Frequency responses".into(), curves, labels: labels(section7) }),
+        responses: Some(Responses {
+            title: "Frequency responses".into(),
+            curves,
+            labels: labels(section7),
+        }),
         figures: figures.iter().map(Named::captioned).collect(),
     }
 }
 
 fn convergence_figure(section7: &Section7) -> Result<Named, ReportError> {
-    let Section7 { joint_names, orthogonal, sign_flip, paper_step, .. } = section7;
+    let Section7 {
+        joint_names,
+        orthogonal,
+        sign_flip,
+        paper_step,
+        ..
+    } = section7;
     let procedures = [
-        procedure("damped step, sign flip", &sign_flip.iterations, joint_names.len()),
-        procedure("damped step, orthogonal", &orthogonal.iterations, joint_names.len()),
+        procedure(
+            "damped step, sign flip",
+            &sign_flip.iterations,
+            joint_names.len(),
+        ),
+        procedure(
+            "damped step, orthogonal",
+            &orthogonal.iterations,
+            joint_names.len(),
+        ),
         procedure("the paper's step, sign flip", paper_step, joint_names.len()),
     ];
     Ok(Named {
@@ -83,9 +126,20 @@ fn convergence_figure(section7: &Section7) -> Result<Named, ReportError> {
 /// Errors and stuck shares per axis; NaN where a run was stopped.
 fn procedure(label: &str, iterations: &[Summary], axes: usize) -> Procedure {
     let error = |(k, axis): (usize, usize)| {
-        iterations[k].channel_error.as_ref().and_then(|errors| errors.get(axis)).copied().unwrap_or(f64::NAN)
+        iterations[k]
+            .channel_error
+            .as_ref()
+            .and_then(|errors| errors.get(axis))
+            .copied()
+            .unwrap_or(f64::NAN)
     };
-    let stuck = |(k, axis): (usize, usize)| iterations[k].stuck_share.get(axis).copied().unwrap_or(f64::NAN);
+    let stuck = |(k, axis): (usize, usize)| {
+        iterations[k]
+            .stuck_share
+            .get(axis)
+            .copied()
+            .unwrap_or(f64::NAN)
+    };
     let shape = (iterations.len(), axes);
     Procedure {
         label: label.into(),
@@ -100,9 +154,18 @@ fn labels(section7: &Section7) -> Labels {
 }
 
 fn curve<'a>(label: &str, frf: &'a Frf, style: Style) -> Curve<'a> {
-    Curve { label: label.into(), frf, style, band: Band::None, flagged: None }
+    Curve {
+        label: label.into(),
+        frf,
+        style,
+        band: Band::None,
+        flagged: None,
+    }
 }
 
 fn estimate<'a>(label: &str, frf: &'a Frf, style: Style) -> Curve<'a> {
-    Curve { band: Band::Total, ..curve(label, frf, style) }
+    Curve {
+        band: Band::Total,
+        ..curve(label, frf, style)
+    }
 }

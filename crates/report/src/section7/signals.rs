@@ -8,7 +8,10 @@ use crate::paper::Named;
 use crate::{ReportError, Spectrogram, TimePanel, Trace, spectrogram, time_series};
 
 /// Windows of figure 3: 2 Hz apart, which parts the harmonics from 2 Hz on.
-const WINDOWS: SpectrogramOptions = SpectrogramOptions { window_s: 0.5, step_s: 0.05 };
+const WINDOWS: SpectrogramOptions = SpectrogramOptions {
+    window_s: 0.5,
+    step_s: 0.05,
+};
 /// Harmonics that figure 3 points out; up to the last of them it shows.
 const HARMONICS: [u32; 4] = [1, 2, 3, 5];
 /// Pieces of the lines that mark them.
@@ -25,14 +28,29 @@ pub(super) fn figure_3(chirps: &ShapedChirps) -> Result<Named, ReportError> {
     let density = spectrogram_of(torque.view(), chirps.sample_time_s, &WINDOWS)?;
     let chirp = &chirps.chirp;
     // the record begins with a lead-in and ends with the chirp's tail
-    let lead_in = chirps.torque_nm.len().saturating_sub(chirp.n_samples(chirps.sample_time_s)?);
+    let lead_in = chirps
+        .torque_nm
+        .len()
+        .saturating_sub(chirp.n_samples(chirps.sample_time_s)?);
     let start_s = lead_in as f64 * chirps.sample_time_s;
     let instants = (0..=SWEEP).map(|k| chirp.duration_s * f64::from(k) / f64::from(SWEEP));
     let sweep = instants.map(|time_s| (start_s + time_s, chirp.frequency_at(time_s)));
-    let highest_hz = (chirp.high_hz * f64::from(HARMONICS[HARMONICS.len() - 1]) / 10.0).ceil() * 10.0;
+    let highest_hz =
+        (chirp.high_hz * f64::from(HARMONICS[HARMONICS.len() - 1]) / 10.0).ceil() * 10.0;
     let nyquist_hz = 0.5 / chirps.sample_time_s;
-    let third = harmonic_levels(torque.view(), chirps.sample_time_s, chirp, start_s, &LEVELS_AT_HZ, &[3])?;
-    let (low, high) = third.iter().fold((f64::INFINITY, 0.0_f64), |(low, high), x| (low.min(*x), high.max(*x)));
+    let third = harmonic_levels(
+        torque.view(),
+        chirps.sample_time_s,
+        chirp,
+        start_s,
+        &LEVELS_AT_HZ,
+        &[3],
+    )?;
+    let (low, high) = third
+        .iter()
+        .fold((f64::INFINITY, 0.0_f64), |(low, high), x| {
+            (low.min(*x), high.max(*x))
+        });
     Ok(Named {
         name: "figure_3_spectrogram",
         caption: format!(
@@ -59,13 +77,32 @@ pub(super) fn figure_3(chirps: &ShapedChirps) -> Result<Named, ReportError> {
 
 /// Figure 6: the reference.
 pub(super) fn figure_6(multisine: &MultisineCampaign) -> Result<Named, ReportError> {
-    let MultisineCampaign { sample_time_s, reference_rad_s, velocity_rad_s, .. } = multisine;
-    let velocity = Array1::from_elem(reference_rad_s.len(), velocity_rad_s.first().copied().unwrap_or_default());
+    let MultisineCampaign {
+        sample_time_s,
+        reference_rad_s,
+        velocity_rad_s,
+        ..
+    } = multisine;
+    let velocity = Array1::from_elem(
+        reference_rad_s.len(),
+        velocity_rad_s.first().copied().unwrap_or_default(),
+    );
     let traces = vec![
-        Trace { label: "reference of axis 1".into(), samples: reference_rad_s.view() },
-        Trace { label: "constant velocity".into(), samples: velocity.view() },
+        Trace {
+            label: "reference of axis 1".into(),
+            samples: reference_rad_s.view(),
+        },
+        Trace {
+            label: "constant velocity".into(),
+            samples: velocity.view(),
+        },
     ];
-    let panel = TimePanel { label: "Velocity in rad/s".into(), traces, limit: None, envelope: None };
+    let panel = TimePanel {
+        label: "Velocity in rad/s".into(),
+        traces,
+        limit: None,
+        envelope: None,
+    };
     Ok(Named {
         name: "figure_6_reference",
         caption: "Figure 6: reference velocity of axis 1, an odd random multisine on a constant velocity. Its peak is three quarters of that velocity, so that the sum does not change its sign.".into(),
@@ -79,9 +116,15 @@ pub(super) fn figure_7(chirps: &ShapedChirps) -> Result<Named, ReportError> {
     let desired = envelope(&chirps.desired_nm);
     let panel = TimePanel {
         label: "Torque of axis 3 in N m".into(),
-        traces: vec![Trace { label: format!("achieved, iteration {}", chirps.best), samples: torque.view() }],
+        traces: vec![Trace {
+            label: format!("achieved, iteration {}", chirps.best),
+            samples: torque.view(),
+        }],
         limit: None,
-        envelope: Some(Trace { label: "desired amplitude".into(), samples: desired.view() }),
+        envelope: Some(Trace {
+            label: "desired amplitude".into(),
+            samples: desired.view(),
+        }),
     };
     Ok(Named {
         name: "figure_7_torque",
@@ -101,15 +144,23 @@ fn without_mean(signal: &Array1<f64>) -> (Array1<f64>, f64) {
     (signal - mean, mean)
 }
 
-/// Amplitude over time of a sine whose frequency and amplitude vary slowly: straight lines between the tops of its
-/// half waves, zero where it has not begun or has ended.
+/// Amplitude over time of a sine whose frequency and amplitude vary slowly: straight lines between
+/// the tops of its half waves, zero where it has not begun or has ended.
 fn envelope(signal: &Array1<f64>) -> Array1<f64> {
     let last = signal.len().saturating_sub(1);
     let size = |k: usize| signal[k].abs();
-    let tops = (1..last).filter(|&k| size(k - 1) < size(k) && size(k) >= size(k + 1)).map(|k| (k, size(k)));
-    let (first, end) =
-        ((0..last).find(|&k| size(k) > 0.0).unwrap_or(0), (0..last).rfind(|&k| size(k) > 0.0).unwrap_or(last));
-    let corners: Vec<(usize, f64)> = [(first, 0.0)].into_iter().chain(tops).chain([(end, 0.0)]).collect();
+    let tops = (1..last)
+        .filter(|&k| size(k - 1) < size(k) && size(k) >= size(k + 1))
+        .map(|k| (k, size(k)));
+    let (first, end) = (
+        (0..last).find(|&k| size(k) > 0.0).unwrap_or(0),
+        (0..last).rfind(|&k| size(k) > 0.0).unwrap_or(last),
+    );
+    let corners: Vec<(usize, f64)> = [(first, 0.0)]
+        .into_iter()
+        .chain(tops)
+        .chain([(end, 0.0)])
+        .collect();
     let mut amplitude = Array1::zeros(signal.len());
     for pair in corners.windows(2) {
         let ((left, a), (right, b)) = (pair[0], pair[1]);
@@ -130,7 +181,12 @@ mod tests {
         let signal = Array1::from_shape_fn(5000, |k| amplitude(k) * (k as f64 * 0.05).sin());
         let found = envelope(&signal);
         for k in 100..4900 {
-            assert!((found[k] - amplitude(k)).abs() < 5e-3, "{k}: {} {}", found[k], amplitude(k));
+            assert!(
+                (found[k] - amplitude(k)).abs() < 5e-3,
+                "{k}: {} {}",
+                found[k],
+                amplitude(k)
+            );
         }
         assert_eq!(envelope(&Array1::zeros(0)).len(), 0);
     }
