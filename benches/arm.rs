@@ -1,6 +1,9 @@
 //! Robots of several axes: a run of the Manutec r3 in closed loop with everything on,
 //! accelerations, one iteration of shaping.
 
+#[allow(dead_code, reason = "this bench has multisines of its own")]
+mod paper;
+
 use std::hint::black_box;
 use std::path::Path;
 
@@ -13,9 +16,6 @@ use frfid::signals::{Chirp, Excitation, InputKind, Phasing, Profile, Record, Run
 use nalgebra::DVector;
 use ndarray::{Array3, Axis, s};
 use paper::SAMPLE_TIME_S;
-
-#[allow(dead_code, reason = "this bench has multisines of its own")]
-mod paper;
 
 fn examples() -> &'static Path {
     Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/examples"))

@@ -1,5 +1,7 @@
 //! Best linear approximation of a 3x3 campaign: `estimate_bla`.
 
+mod paper;
+
 use std::f64::consts::TAU;
 use std::hint::black_box;
 
@@ -10,8 +12,6 @@ use frfid::signals::{Draw, Frf, Phasing};
 use ndarray::{Array2, Array5, s};
 use num_complex::Complex64;
 use paper::{PERIOD, SAMPLE_TIME_S};
-
-mod paper;
 
 const REALIZATIONS: usize = 10;
 const PERIODS: usize = 5;

@@ -1,5 +1,7 @@
 //! FRF of a 3x3 machine from chirps by excerpts: `estimate_chirp`.
 
+mod paper;
+
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
@@ -9,8 +11,6 @@ use frfid::signals::{Chirp, Frf, Phasing, Profile};
 use ndarray::{Array4, Axis, s};
 use num_complex::Complex64;
 use paper::SAMPLE_TIME_S;
-
-mod paper;
 
 const AXES: usize = 3;
 /// Gains from joint to output: a machine of three equal joints whose outputs are coupled.

@@ -1,5 +1,7 @@
 //! Synthesis of the paper's multisine, true peak included: `Multisine::realize`.
 
+mod paper;
+
 use std::f64::consts::TAU;
 use std::hint::black_box;
 
@@ -7,8 +9,6 @@ use criterion::{Criterion, criterion_group, criterion_main};
 use frfid::signals::{Draw, Multisine, Phasing, Realization};
 use ndarray::s;
 use num_complex::Complex64;
-
-mod paper;
 
 const PEAK_NM: f64 = 150.0;
 

@@ -1,6 +1,8 @@
 //! The paper's joint over one period of the multisine, from rest: `simulate`, linear, with
 //! friction, with growing stiffness.
 
+mod paper;
+
 use std::f64::consts::TAU;
 use std::hint::black_box;
 
@@ -9,8 +11,6 @@ use frfid::plant::{SingleJoint, Torque, simulate};
 use nalgebra::{Matrix5, Vector5};
 use ndarray::Array2;
 use paper::{PERIOD, SAMPLE_TIME_S};
-
-mod paper;
 
 /// The torque of tests/golden/friction_reference.py, largest sample 150 N m, `(1, sample)`.
 fn torque() -> Array2<f64> {

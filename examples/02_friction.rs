@@ -9,7 +9,8 @@
 use std::error::Error;
 
 use frfid::estimate::{BlaOptions, ExcerptOptions, estimate_bla, estimate_chirp};
-use frfid::experiment::{Measured, log_spaced};
+use frfid::experiment::log_spaced;
+use frfid::paper::Measured;
 use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, Trajectory, Velocity, simulate};
 use frfid::signals::{
     Chirp, Draw, Frf, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, power::rms,

@@ -7,7 +7,7 @@ use std::error::Error;
 use std::sync::Arc;
 
 use frfid::estimate::{BlaOptions, estimate_bla};
-use frfid::experiment::Measured;
+use frfid::paper::Measured;
 use frfid::plant::{Hold, OpenLoop, Robot as _, SingleJoint, Velocity};
 use frfid::signals::{
     Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind,

@@ -8,7 +8,8 @@ use std::error::Error;
 use frfid::estimate::{
     BlaOptions, CompareOptions, ExcerptOptions, Side, compare, estimate_bla, estimate_chirp,
 };
-use frfid::experiment::{Measured, log_spaced};
+use frfid::experiment::log_spaced;
+use frfid::paper::Measured;
 use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, Velocity, simulate};
 use frfid::signals::{Chirp, Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile};
 use ndarray::{Array5, Axis, concatenate, s};

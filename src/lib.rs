@@ -6,6 +6,7 @@ pub use frfid_cli as cli;
 pub use frfid_estimate as estimate;
 pub use frfid_experiment as experiment;
 pub use frfid_files as files;
+pub use frfid_paper as paper;
 pub use frfid_plant as plant;
 pub use frfid_report as report;
 pub use frfid_signals as signals;

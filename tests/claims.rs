@@ -4,7 +4,8 @@
 use std::sync::OnceLock;
 
 use frfid::estimate::{CompareOptions, Side, Verdict, compare};
-use frfid::experiment::{Pair, Section6, largest_relative_difference, silent};
+use frfid::experiment::silent;
+use frfid::paper::{Pair, Section6, largest_relative_difference};
 use frfid::plant::{Hold, Robot as _, SingleJoint, Velocity};
 use frfid::signals::{GridDesign, GridKind};
 

@@ -5,7 +5,8 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use frfid::experiment::{Experiment, MultisineCampaign, silent};
+use frfid::experiment::{Experiment, silent};
+use frfid::paper::MultisineCampaign;
 use frfid::signals::Frf;
 use ndarray::{Array3, Axis, Zip};
 

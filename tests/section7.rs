@@ -4,9 +4,8 @@
 use std::path::Path;
 use std::sync::LazyLock;
 
-use frfid::experiment::config::Config;
-use frfid::experiment::{Experiment, MultisineCampaign, Section7, ShapedChirps, silent};
-use frfid::report::section7_figures;
+use frfid::experiment::{Config, Experiment, silent};
+use frfid::paper::{MultisineCampaign, Section7, ShapedChirps};
 use frfid::signals::{Frf, Phasing};
 
 /// Everything section 7 shows, done once for all tests.
@@ -83,7 +82,7 @@ fn claim_10_multisines_take_longer_on_the_robot() {
 
 #[test]
 fn claim_11_every_figure_is_drawn() {
-    let figures = section7_figures(&SECTION7).expect("drawn");
+    let figures = SECTION7.figures().expect("drawn");
     let names: Vec<&str> = figures.iter().map(|named| named.name).collect();
     for number in [3, 6, 7, 8, 9, 10] {
         assert!(

@@ -4,8 +4,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Mutex, PoisonError};
 
-use frfid_experiment::ExperimentError;
-use frfid_experiment::campaign::run_all;
+use frfid_experiment::{ExperimentError, run_all};
 use frfid_signals::{Record, Run, RunId, Testbed};
 use pyo3::prelude::*;
 

@@ -4,6 +4,7 @@ use std::error::Error;
 
 use frfid_experiment::{ConfigError, ExperimentError};
 use frfid_files::FileError;
+use frfid_paper::PaperError;
 use frfid_report::ReportError;
 use frfid_signals::SignalError;
 
@@ -91,6 +92,12 @@ impl From<FileError> for Failure {
 
 impl From<SignalError> for Failure {
     fn from(error: SignalError) -> Self {
+        Self::of(Exit::Failed, &error)
+    }
+}
+
+impl From<PaperError> for Failure {
+    fn from(error: PaperError) -> Self {
         Self::of(Exit::Failed, &error)
     }
 }

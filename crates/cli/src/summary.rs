@@ -1,7 +1,6 @@
 //! What a plan is and costs, and what it will ask of the robot: for people and as JSON.
 
-use frfid_experiment::config::LimitsTable;
-use frfid_experiment::{AxisReport, Cost, Excess, Peaks, Strength};
+use frfid_experiment::{AxisReport, Cost, Excess, LimitsTable, Peaks, Strength};
 use frfid_files::Check;
 use frfid_signals::{Excitation, Plan, SignalError};
 use serde_json::{Value, json};

@@ -5,7 +5,7 @@ use std::fmt;
 use frfid_signals::SignalError;
 use thiserror::Error;
 
-use crate::Place;
+use crate::spectra::campaign::Place;
 
 /// Errors of the `estimate` crate. Every variant says what was found and what was needed. Channels,
 /// experiments, periods and realizations count from 0.

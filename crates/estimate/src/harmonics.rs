@@ -12,11 +12,11 @@
 
 use std::f64::consts::{PI, TAU};
 
-use frfid_signals::{Chirp, SignalError, check_finite, range::positive};
+use frfid_signals::{Chirp, SignalError, check_finite, checks::positive};
 use ndarray::{Array2, ArrayView1, Axis};
 use num_complex::Complex64;
 
-use crate::EstimateError;
+use crate::error::EstimateError;
 
 /// Cycles of the fundamental that a level is taken from, as SK15 section 5.1 takes for an excerpt.
 const CYCLES: f64 = 4.0;

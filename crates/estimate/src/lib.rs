@@ -4,59 +4,45 @@
 //! Equation numbers are those of Saupe and Knoblach, MSSP 52-53 (2015) 60-72, cited SK15. Shapes,
 //! units and the DFT follow `frfid_signals`. Nothing here knows files, clocks or chance.
 
-mod bla;
-mod bode;
-mod campaign;
-mod chirp;
 mod compare;
 mod error;
-mod excerpt;
+mod excitation_strength;
+mod frf;
 mod glide;
 mod harmonics;
-mod indirect;
-mod line_dft;
-mod lines;
 mod median;
-mod period;
-mod residual;
-mod resonance;
-mod right_division;
-mod ripple_torque;
+mod recording;
 mod shape;
-mod singular;
+mod spectra;
 mod spectrogram;
-mod strength;
-#[cfg(test)]
-mod strength_tests;
-mod strength_warning;
 #[cfg(test)]
 mod testing;
-mod torque_table;
-mod transient;
-mod verdict;
 
-pub use bla::{Averaging, BlaOptions, estimate_bla};
-pub use campaign::{Campaign, Place, RunSpectra, Transform};
-pub use chirp::estimate_chirp;
+pub use compare::resonance::{Feature, FeatureKind, find_features};
+pub use compare::verdict::Verdict;
 pub use compare::{Change, CompareOptions, Comparison, EntryComparison, Side, compare};
 pub use error::{Deficiency, DeficientLine, EstimateError};
-pub use excerpt::{ExcerptOptions, Excerpts};
-pub use glide::subtract_glide;
+pub use excitation_strength::warnings::strength_warnings;
+pub use excitation_strength::{AxisStrength, BandStrength, pooled_strength, strength};
+pub use frf::bla::{Averaging, BlaOptions, estimate_bla};
+pub use frf::excerpts::estimate_chirp;
+pub use frf::singular::{condition_number, scaled_condition_number, singular_values};
+pub use glide::by_position::RippleTorque;
+pub use glide::in_time::subtract_glide;
+pub use glide::ripple_residual::{FreeLines, ResidualLevel};
 pub use harmonics::harmonic_levels;
-pub use line_dft::LineDft;
-pub use lines::{find_lines, lines_at};
 pub use median::median;
-pub use period::find_period;
-pub use residual::{FreeLines, ResidualLevel};
-pub use resonance::{Feature, FeatureKind, find_features};
-pub use ripple_torque::RippleTorque;
-pub use shape::{
-    BandMotion, Estimate, Iteration, Note, Peaks, Quantity, ShapeError, ShapeLimits, ShapeOptions,
-    Shaped, Shaper, Step, Sticking, Stop, Summary, Target, Watcher, shape,
-};
-pub use singular::{condition_number, scaled_condition_number, singular_values};
+pub use recording::lines::{find_lines, lines_at};
+pub use recording::period::find_period;
+pub use recording::transient::count_transient_periods;
+pub use shape::error::ShapeError;
+pub use shape::iteration::{Estimate, Iteration, Note, Peaks, Shaped, Stop, Summary};
+pub use shape::limits::{Quantity, ShapeLimits};
+pub use shape::options::{ShapeOptions, Step, Target};
+pub use shape::shaper::Shaper;
+pub use shape::sticking::{BandMotion, Sticking};
+pub use shape::{Watcher, shape};
+pub use spectra::campaign::{Campaign, Place, RunSpectra, Transform};
+pub use spectra::excerpt::{ExcerptOptions, Excerpts};
+pub use spectra::line_dft::LineDft;
 pub use spectrogram::{Spectrogram, SpectrogramOptions, spectrogram};
-pub use strength::{AxisStrength, BandStrength, pooled_strength, strength};
-pub use strength_warning::strength_warnings;
-pub use transient::count_transient_periods;
-pub use verdict::Verdict;

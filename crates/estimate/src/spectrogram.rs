@@ -8,11 +8,11 @@
 
 use std::f64::consts::TAU;
 
-use frfid_signals::{SignalError, check_finite, range::positive};
+use frfid_signals::{SignalError, check_finite, checks::positive};
 use ndarray::{Array2, ArrayView1, Axis, s};
 use realfft::RealFftPlanner;
 
-use crate::EstimateError;
+use crate::error::EstimateError;
 
 /// Windows of a spectrogram.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,14 +2,13 @@
 
 use std::path::PathBuf;
 
-use thiserror::Error;
-
 use frfid_estimate::{EstimateError, ShapeError};
 use frfid_files::FileError;
 use frfid_plant::PlantError;
 use frfid_signals::{SignalError, TestbedError};
+use thiserror::Error;
 
-use crate::source::ConfigError;
+use crate::description::text::ConfigError;
 
 /// Errors of the `experiment` crate.
 #[derive(Debug, Error)]

@@ -4,9 +4,9 @@ use std::path::Path;
 
 use frfid_signals::Plan;
 
-use crate::config::Config;
-use crate::design::design;
-use crate::source::{ConfigError, Source};
+use crate::description::config::Config;
+use crate::description::text::{ConfigError, Source};
+use crate::design::plan::design;
 
 /// A description that was read and found sound.
 #[derive(Debug, Clone, PartialEq)]

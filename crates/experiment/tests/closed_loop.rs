@@ -1,8 +1,7 @@
 //! Experiments on arms: the numbers of their designs, limits of robot and experiment together, and
 //! what is refused.
 
-use frfid_experiment::init::Template;
-use frfid_experiment::{ConfigError, Experiment, Peaks, Source, predict, silent};
+use frfid_experiment::{ConfigError, Experiment, Peaks, Source, Template, predict, silent};
 use frfid_signals::{Excitation, RunId, RunKind};
 
 /// The template `kind` with every `from` replaced by its `to`.

@@ -1,6 +1,6 @@
 //! What a stopped run leaves to the estimator: the periods that were complete before the stop.
 
-use frfid_experiment::{Estimator, Experiment, Source, init::Template};
+use frfid_experiment::{Estimator, Experiment, Source, Template};
 use frfid_signals::{Event, EventKind, InputKind, Record};
 use ndarray::Array2;
 

@@ -6,17 +6,21 @@ use std::path::Path;
 
 use proptest::prelude::*;
 
-use crate::mcap_read::{LENGTH_LIMIT, Part, scan};
-use crate::selector::Selector;
-use crate::value::decode;
-use crate::{Overwrite, joint_state, read_npz_array, read_result, recover, ros2msg};
+use crate::atomic_write::Overwrite;
+use crate::log::npz::read_npz_array;
+use crate::mcap::read::{LENGTH_LIMIT, Part, scan};
+use crate::mcap::recover::recover;
+use crate::result::read_result;
+use crate::ros::selector::Selector;
+use crate::ros::value::decode;
+use crate::ros::{definition, joint_state};
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2_000))]
 
     #[test]
     fn any_message_definition(text in "([a-z0-9/\\[\\]<=.# \"A-Z_-]{0,20}\n|===\n|MSG: [a-c]/[A-C]\n|[a-c]/[A-C] x\n|float64\\[\\] v\n){0,12}") {
-        if let Ok(definition) = ros2msg::parse(&text) {
+        if let Ok(definition) = definition::parse(&text) {
             let _ = decode(&definition, &[0, 1, 0, 0, 3, 0, 0, 0, 1, 2, 3, 4, 5, 6, 7, 8]);
         }
     }
@@ -24,7 +28,7 @@ proptest! {
     #[test]
     fn any_message(bytes in prop::collection::vec(any::<u8>(), 0..200), is_big_endian: bool) {
         let message = [&[0, u8::from(!is_big_endian), 0, 0][..], &bytes].concat();
-        let definition = ros2msg::parse(joint_state::JOINT_STATE.definition).expect("our own");
+        let definition = definition::parse(joint_state::JOINT_STATE.definition).expect("our own");
         let generic = decode(&definition, &message);
         let fixed = joint_state::JointState::decode(&message);
         prop_assert_eq!(generic.is_ok(), fixed.is_ok());
@@ -33,7 +37,7 @@ proptest! {
     #[test]
     fn any_selector(source in "[/a:.\\[\\]0-9]{0,20}") {
         if let Some(selector) = Selector::parse(&source) {
-            let _ = selector.pick(&crate::value::Value::Number(1.0));
+            let _ = selector.pick(&crate::ros::value::Value::Number(1.0));
         }
     }
 
@@ -102,7 +106,7 @@ fn absurd_lengths_are_refused_by_number() {
 fn an_attachment_named_like_a_path_stays_in_the_file() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let (input, output) = (folder.path().join("a.mcap"), folder.path().join("b.mcap"));
-    let mut mcap = crate::mcap_write::options()
+    let mut mcap = crate::mcap::write::options()
         .create(Cursor::new(Vec::new()))
         .expect("memory");
     let (log_time, create_time, media_type) = (0, 0, String::new());

@@ -4,64 +4,32 @@
 //! so. Every reader expects cut, flipped and hostile files: no panic, no memory beyond a stated
 //! limit, and nothing lost without a [`Loss`] that says which samples are gone and why.
 
-mod alignment;
-mod atomic;
+mod atomic_write;
 mod bytes;
-mod cdr_read;
-mod cdr_write;
-mod clock;
-mod csv_read;
 mod error;
-mod frf_columns;
 #[cfg(test)]
 mod hostile_tests;
-mod joint_state;
-mod json_array;
 mod log;
-mod log_map;
-mod log_mcap;
-#[cfg(test)]
-mod log_tests;
 mod loss;
-mod mcap_chunk;
-mod mcap_open;
-mod mcap_read;
-mod mcap_record;
-mod mcap_summary;
-mod mcap_write;
-mod npz_read;
-mod npz_write;
-mod number;
-mod plan_file;
-mod plan_read;
-#[cfg(test)]
-mod plan_tests;
-mod plan_write;
-mod recover;
+mod mcap;
+mod plan;
 mod result;
-mod ros2msg;
-mod run_file;
-mod run_read;
-#[cfg(test)]
-mod run_tests;
-mod selector;
+mod ros;
+mod run;
 mod sha256;
-mod structure;
-mod topics;
-mod value;
 
-pub use atomic::{BoxError, Overwrite, check_free, create_folder, part_path, write_bytes};
+pub use atomic_write::{BoxError, Overwrite, check_free, create_folder, part_path, write_bytes};
 pub use error::FileError;
-pub use frf_columns::write_frf_csv;
+pub use log::map::{LogMap, Signal};
+pub use log::npz::read_npz_array;
 pub use log::{Log, read_log};
-pub use log_map::{LogMap, Signal};
 pub use loss::Loss;
-pub use npz_read::read_npz_array;
-pub use npz_write::write_frf_npz;
-pub use plan_file::{PlanEntry, PlanFile, PlanHead, PlannedRun};
-pub use plan_write::write_plan;
-pub use recover::{Recovered, recover};
+pub use mcap::recover::{Recovered, recover};
+pub use plan::write::write_plan;
+pub use plan::{PlanEntry, PlanFile, PlanHead, PlannedRun};
+pub use result::csv::write_frf_csv;
+pub use result::npz::write_frf_npz;
 pub use result::{Check, ResultFile, read_result, write_result};
-pub use run_file::{RunFile, write_run};
-pub use run_read::{RunLabel, read_run, read_run_label};
+pub use run::read::{RunLabel, read_run, read_run_label};
+pub use run::write::{RunFile, write_run};
 pub use sha256::{sha256_file, sha256_hex};

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use crate::mcap_read::Damage;
+use crate::mcap::read::Damage;
 
 /// A part of a recording that is missing, damaged or not a number: the samples at times in
 /// `[from_s, to_s)`.

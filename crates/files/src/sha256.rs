@@ -6,7 +6,7 @@ use std::path::Path;
 
 use sha2::{Digest, Sha256};
 
-use crate::FileError;
+use crate::error::FileError;
 
 /// SHA-256 of bytes, in lower-case hexadecimal.
 #[must_use]

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Which of the challenges A to G a simulated robot poses; all by default. An [`Arm`](crate::Arm)
+/// Which of the challenges A to G a simulated robot poses; all by default. An [`Arm`](crate::arm::Arm)
 /// applies B, C, D, E and G itself. A and F are not the arm's: whoever builds its testbed leaves
 /// out the torque limit (A), the increments, noise and quanta of the sensors (F).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -5,8 +5,11 @@ use std::fmt::Debug;
 
 use frfid_signals::{Frf, SignalError};
 
-use crate::recorder::of_axes;
-use crate::{Hold, Moving, PlantError, Sensor, StateSpace, Velocity};
+use crate::control::sensor::{Sensor, Velocity};
+use crate::error::PlantError;
+use crate::motion::Moving;
+use crate::state_space::{Hold, StateSpace};
+use crate::testbed::recorder::of_axes;
 
 /// A robot in software: the description of a machine that can be set in motion and linearised.
 pub trait Robot: Debug + Send + Sync {

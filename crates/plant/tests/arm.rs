@@ -1,12 +1,12 @@
 //! What is known of the arm without simulating it: the numbers of the Manutec r3, and those of an
 //! independent multibody code.
 
+mod manutec_r3;
+
 use frfid_plant::{Arm, Body, BodyJoint, Challenges, Payload, Robot as _, SingleJoint};
+use manutec_r3::{IDENTITY, each_joint, manutec_r3};
 use nalgebra::DVector;
 use serde_json::Value;
-
-mod manutec_r3;
-use manutec_r3::{IDENTITY, each_joint, manutec_r3};
 
 /// Largest difference from printed numbers.
 fn difference<'a>(found: impl IntoIterator<Item = &'a f64>, printed: &[f64]) -> f64 {

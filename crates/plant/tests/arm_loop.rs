@@ -1,9 +1,9 @@
 //! The arm under its controller: held against gravity, coupled between axes, stable with its gains.
 
+mod manutec_r3;
+
 use std::f64::consts::TAU;
 use std::sync::Arc;
-
-mod manutec_r3;
 
 use frfid_plant::{
     Challenges, ClosedLoop, LoopFrf, PiController, PlantError, Sensor, check_stability,

@@ -1,17 +1,17 @@
 //! How the arm moves: conservation of energy, rest under gravity, the single joint as its simplest
 //! case, the linear truth.
 
+mod manutec_r3;
+
 use frfid_plant::{
     Acting, Arm, Body, BodyJoint, Challenges, Hold, Moving, Ripple, Robot as _, SingleJoint,
     Torque, Velocity, simulate,
 };
 use frfid_signals::random::{normal, stream};
+use manutec_r3::{IDENTITY, each_joint, manutec_r3, with_ripple};
 use nalgebra::{DMatrix, DVector};
 use ndarray::Array2;
 use num_complex::Complex64;
-
-mod manutec_r3;
-use manutec_r3::{IDENTITY, each_joint, manutec_r3, with_ripple};
 
 /// The r3 without friction and damping, in motion under gravity.
 fn lossless() -> Arm {

@@ -1,6 +1,5 @@
 //! What can keep a figure or a report from being made.
 
-use frfid_estimate::EstimateError;
 use frfid_signals::SignalError;
 use thiserror::Error;
 
@@ -70,9 +69,6 @@ pub enum ReportError {
     /// An FRF whose arrays do not fit together.
     #[error(transparent)]
     Frf(#[from] SignalError),
-    /// A signal of a figure that cannot be analysed.
-    #[error(transparent)]
-    Estimate(#[from] EstimateError),
     /// The picture could not be turned into pixels.
     #[error("PNG: {0}")]
     Png(String),

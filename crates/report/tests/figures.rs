@@ -1,7 +1,6 @@
 //! Figures as files: sound, the same every time, with text that is really drawn, and refused with
 //! reasons.
 #![allow(missing_docs)]
-
 use frfid_report::{
     Band, Curve, Figure, Labels, LineRole, Mark, MarkShape, Procedure, ReportError, SpectralLine,
     Spectrogram, Style, TimePanel, Trace, bode, bode_matrix, convergence, spectrogram, spectrum,

@@ -1,7 +1,6 @@
 //! The report in a real browser: its script runs under its content security policy, and injected
 //! strings stay text.
 #![allow(missing_docs)]
-
 use std::fs::{self, File};
 use std::io::ErrorKind;
 use std::path::Path;
@@ -9,10 +8,9 @@ use std::process::{Child, Command};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use frfid_experiment::Claim;
 use frfid_files::Check;
 use frfid_report::{
-    Band, Curve, Figure, Labels, Part, Report, ReportError, Responses, Style, Table, bode,
+    Band, Claim, Curve, Figure, Labels, Part, Report, ReportError, Responses, Style, Table, bode,
 };
 use frfid_signals::{Frf, Uncertainty};
 use ndarray::Array3;

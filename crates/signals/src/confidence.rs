@@ -1,6 +1,6 @@
 //! Confidence regions of FRF entries: circles in the complex plane.
 
-use crate::Uncertainty;
+use crate::frf::Uncertainty;
 
 /// Quantile of the F distribution with 2 numerator and `denominator` degrees of freedom, in closed
 /// form: `F_p(2, m) = m/2 ((1 - p)^(-2/m) - 1)`.

@@ -3,7 +3,7 @@
 use ndarray::{Array2, Array3, Axis};
 use num_complex::Complex64;
 
-use crate::SignalError;
+use crate::error::SignalError;
 
 /// How well the entries of an FRF are known: variances *of the averaged FRF*, with the degrees of
 /// freedom behind them.

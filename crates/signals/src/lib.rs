@@ -8,36 +8,25 @@
 //! single-sided amplitude of a line is 2|X|/N. Equation numbers are those of Saupe and Knoblach,
 //! MSSP 52-53 (2015) 60-72, cited SK15.
 
-mod chirp;
 mod confidence;
 mod error;
 mod excitation;
 mod frf;
-mod grid;
-mod harmonic_sum;
-mod low_crest;
-mod multisine;
-mod phasing;
+mod number;
 mod plan;
-#[cfg(test)]
-mod plan_tests;
-pub mod power;
-mod profile;
-pub mod random;
-pub mod range;
 mod record;
-mod testbed;
 
-pub use chirp::Chirp;
 pub use confidence::f_quantile;
 pub use error::SignalError;
+pub use excitation::chirp::Chirp;
+pub use excitation::grid::{GridDesign, GridKind, LineGrid};
+pub use excitation::low_crest::low_crest_phases;
+pub use excitation::multisine::{Draw, Multisine, Phases, Realization};
+pub use excitation::phasing::Phasing;
+pub use excitation::profile::Profile;
 pub use excitation::{Excitation, Injection};
 pub use frf::{Frf, Uncertainty};
-pub use grid::{GridDesign, GridKind, LineGrid};
-pub use low_crest::low_crest_phases;
-pub use multisine::{Draw, Multisine, Phases, Realization};
-pub use phasing::Phasing;
+pub use number::{checks, power, random};
 pub use plan::Plan;
-pub use profile::Profile;
+pub use plan::testbed::{Run, RunId, RunKind, Testbed, TestbedError};
 pub use record::{Event, EventKind, InputKind, Record, check_finite};
-pub use testbed::{Run, RunId, RunKind, Testbed, TestbedError};

@@ -3,7 +3,8 @@
 use ndarray::{Array2, ArrayView2, s};
 use serde::{Deserialize, Serialize};
 
-use crate::{SignalError, range::positive};
+use crate::error::SignalError;
+use crate::number::checks::positive;
 
 /// Whether the recorded plant input is what the controller commanded or what the drive measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]

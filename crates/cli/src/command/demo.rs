@@ -4,12 +4,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use frfid_experiment::{Claim, Section6, Section7};
-use frfid_files::{Overwrite, ResultFile, create_folder, write_bytes, write_result};
-use frfid_report::{
-    Named, paper_report, section6_figures, section6_part, section7_figures, section7_part,
-};
-use frfid_signals::Frf;
+use frfid_files::{Overwrite, create_folder, write_bytes, write_result};
+use frfid_paper::{Named, Paper, Section6, Section7};
+use frfid_report::Claim;
 use serde_json::json;
 
 use crate::console::Console;
@@ -41,58 +38,62 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
-    let (folder, overwrite) = (arguments.output.as_path(), options.overwrite());
+    let folder = arguments.output.as_path();
     let page = folder.join("report.html");
     options.check_free(&page)?;
     create_folder(folder)?;
     let started = Instant::now();
-    let section6 = watched(console, "simulating section 6", "%", |progress| {
-        Section6::run(arguments.jobs, &|done, total| {
-            progress(100 * done / total.max(1), 100)
-        })
-    })?;
-    let section7 = watched(console, "simulating section 7", "%", |progress| {
-        Section7::run(arguments.jobs, progress)
-    })?;
-    let (figures6, figures7) = (section6_figures(&section6)?, section7_figures(&section7)?);
-    for named in figures6.iter().chain(&figures7) {
-        write_figure(folder, named, overwrite)?;
-    }
-    let results = [section6_results(&section6), section7_results(&section7)].concat();
-    for (name, result) in &results {
-        write_result(&folder.join(format!("{name}.json")), overwrite, result)?;
-    }
-    let claims = [section6.claims(), section7.claims()].concat();
-    let parts = vec![
-        section6_part(&section6, &figures6),
-        section7_part(&section7, &figures7),
-    ];
-    let report = paper_report(parts, claims.clone());
-    write_bytes(&page, overwrite, report.html()?.as_bytes())?;
+    let paper = simulate(arguments.jobs, console)?;
+    let files = write(&paper, folder, &page, options.overwrite())?;
+    let claims = paper.claims();
     if options.json {
         console.json(&json!({ "report": page, "claims": claims }))?;
     } else {
         console.data(&in_words(&claims))?;
     }
-    let n_figures = figures6.len() + figures7.len();
-    let files = format!(
-        "{n_figures} figures (SVG and PNG), {} results and {}",
-        results.len(),
-        page.display()
-    );
-    console.note(format_args!(
-        "{files}, in {} s",
-        significant(started.elapsed().as_secs_f64(), 2)
-    ));
+    let seconds = significant(started.elapsed().as_secs_f64(), 2);
+    console.note(format_args!("{files}, in {seconds} s"));
     console.hint(format_args!(
         "frfid compare {0}/figure_5_multisine.json {0}/figure_5_chirp.json --stronger b",
         folder.display()
     ));
-    Ok(if claims.iter().all(|claim| claim.holds) {
-        Exit::Done
-    } else {
-        Exit::Flawed
-    })
+    let holds = claims.iter().all(|claim| claim.holds);
+    Ok(if holds { Exit::Done } else { Exit::Flawed })
+}
+
+/// Does every experiment of the paper.
+fn simulate(jobs: usize, console: &mut Console) -> Result<Paper, Failure> {
+    let section6 = watched(console, "simulating section 6", "%", |progress| {
+        let in_percent = |done: usize, total: usize| progress(100 * done / total.max(1), 100);
+        Section6::run(jobs, &in_percent)
+    })?;
+    let section7 = watched(console, "simulating section 7", "%", |progress| {
+        Section7::run(jobs, progress)
+    })?;
+    Ok(Paper { section6, section7 })
+}
+
+/// Writes figures, results and the page; returns what was written, in words.
+fn write(
+    paper: &Paper,
+    folder: &Path,
+    page: &Path,
+    overwrite: Overwrite,
+) -> Result<String, Failure> {
+    let (figures, results) = (paper.figures()?, paper.results());
+    for named in figures.all() {
+        write_figure(folder, named, overwrite)?;
+    }
+    for (name, result) in &results {
+        write_result(&folder.join(format!("{name}.json")), overwrite, result)?;
+    }
+    write_bytes(page, overwrite, paper.page(&figures).html()?.as_bytes())?;
+    Ok(format!(
+        "{} figures (SVG and PNG), {} results and {}",
+        figures.all().count(),
+        results.len(),
+        page.display()
+    ))
 }
 
 fn write_figure(folder: &Path, named: &Named, overwrite: Overwrite) -> Result<(), Failure> {
@@ -106,63 +107,6 @@ fn write_figure(folder: &Path, named: &Named, overwrite: Overwrite) -> Result<()
         overwrite,
         &named.figure.png(PNG_SCALE)?,
     )?)
-}
-
-/// The FRFs of figures 4 and 5 as results, for `frfid compare` and `frfid export`.
-fn section6_results(section6: &Section6) -> Vec<(&'static str, ResultFile)> {
-    let joint = ["motor".to_owned()];
-    vec![
-        (
-            "figure_4_multisine",
-            result(&section6.friction.multisine.frf, &joint),
-        ),
-        (
-            "figure_4_chirp",
-            result(&section6.friction.chirp.frf, &joint),
-        ),
-        (
-            "figure_5_multisine",
-            result(&section6.stiffening.multisine.frf, &joint),
-        ),
-        (
-            "figure_5_chirp",
-            result(&section6.stiffening.chirp.frf, &joint),
-        ),
-    ]
-}
-
-/// The FRF matrices of figure 10 as results.
-fn section7_results(section7: &Section7) -> Vec<(&'static str, ResultFile)> {
-    let joints = &section7.joint_names;
-    vec![
-        (
-            "figure_10_multisine",
-            result(&section7.multisine.by_position, joints),
-        ),
-        ("figure_10_chirp", result(&section7.sign_flip.frf, joints)),
-    ]
-}
-
-fn result(frf: &Frf, joints: &[String]) -> ResultFile {
-    ResultFile {
-        frf: frf.clone(),
-        input_names: joints
-            .iter()
-            .map(|joint| format!("{joint} torque"))
-            .collect(),
-        output_names: joints
-            .iter()
-            .map(|joint| format!("{joint} velocity"))
-            .collect(),
-        input_units: vec!["N m".into(); joints.len()],
-        output_units: vec!["rad/s".into(); joints.len()],
-        checks: Vec::new(),
-        provenance: [(
-            "frfid_version".to_owned(),
-            env!("CARGO_PKG_VERSION").to_owned(),
-        )]
-        .into(),
-    }
 }
 
 /// The claims one below the other: what is claimed, what the paper says, what we find.

@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use frfid_experiment::config::LimitsTable;
-use frfid_experiment::{ConfigError, Excess, Experiment, Prediction, predict};
+use frfid_experiment::{ConfigError, Excess, Experiment, LimitsTable, Prediction, predict};
 use serde_json::json;
 
 use crate::console::Console;

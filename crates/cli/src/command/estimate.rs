@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
-use frfid_experiment::config::{Average, EstimateTable};
-use frfid_experiment::{Estimate, EstimateOptions, estimate_logs};
+use frfid_experiment::{Average, Estimate, EstimateOptions, EstimateTable, estimate_logs};
 use frfid_files::{ResultFile, write_bytes, write_result};
 use frfid_signals::Uncertainty;
 use ndarray::Array3;

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use frfid_experiment::init::{TEMPLATES, Template};
+use frfid_experiment::{TEMPLATES, Template};
 use frfid_files::write_bytes;
 
 use crate::console::Console;

@@ -5,7 +5,8 @@ use std::error::Error;
 use frfid_signals::{SignalError, TestbedError};
 use thiserror::Error;
 
-use crate::{EstimateError, Quantity};
+use crate::error::EstimateError;
+use crate::shape::limits::Quantity;
 
 /// Errors of iterative shaping. Channels and experiments count from 0, iterations from 1.
 #[derive(Debug, Error)]
@@ -56,7 +57,7 @@ pub enum ShapeError {
         /// Share needed.
         needed: f64,
     },
-    /// [`crate::Shaper::finish`] before the first iteration was measured.
+    /// [`crate::shape::shaper::Shaper::finish`] before the first iteration was measured.
     #[error("nothing has been measured yet, at least one iteration is needed")]
     NothingMeasured,
     /// Whoever watched the iterations failed.

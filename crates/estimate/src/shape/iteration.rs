@@ -5,7 +5,8 @@ use std::fmt;
 use frfid_signals::{Frf, Record};
 use ndarray::{Array2, Array3};
 
-use crate::{BandMotion, Quantity, Sticking};
+use crate::shape::limits::Quantity;
+use crate::shape::sticking::{BandMotion, Sticking};
 
 /// One iteration: a reference for every experiment, what was measured, and what it says.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,10 +4,10 @@
 use std::fmt;
 use std::iter::zip;
 
-use frfid_signals::{Record, SignalError, range};
+use frfid_signals::{Record, SignalError, checks};
 use ndarray::{Array3, ArrayViewMut1, Axis};
 
-use super::iteration::{Note, Peaks};
+use crate::shape::iteration::{Note, Peaks};
 
 /// A limit that is only touched, but for rounding, is kept.
 const ROUNDING: f64 = 1e-9;
@@ -77,23 +77,23 @@ impl ShapeLimits {
     /// # Errors
     /// [`SignalError`] for another number of axes, a limit that is not above 0, a margin below 1.
     pub fn check(&self, n_axes: usize) -> Result<(), SignalError> {
-        range::one_per_axis(
+        checks::one_per_axis(
             "max_torque_nm",
             self.max_torque_nm.as_deref(),
             n_axes,
-            range::positive,
+            checks::positive,
         )?;
-        range::one_per_axis(
+        checks::one_per_axis(
             "max_velocity_rad_s",
             self.max_velocity_rad_s.as_deref(),
             n_axes,
-            range::positive,
+            checks::positive,
         )?;
-        range::one_per_axis(
+        checks::one_per_axis(
             "max_travel_rad",
             self.max_travel_rad.as_deref(),
             n_axes,
-            range::positive,
+            checks::positive,
         )?;
         if self.margin >= 1.0 && self.margin.is_finite() {
             return Ok(());

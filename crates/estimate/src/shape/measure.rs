@@ -6,12 +6,13 @@ use nalgebra::DMatrix;
 use ndarray::{Array2, Array3, Axis, s};
 use num_complex::Complex64;
 
-use super::iteration::{Estimate, Note};
-use super::spectra::Band;
-use super::step::{coherence, response};
-use super::{ShapeError, ShapeOptions, Step, Target};
-use crate::glide::same_clock;
-use crate::singular::scaled_condition_number;
+use crate::frf::singular::scaled_condition_number;
+use crate::glide::in_time::same_clock;
+use crate::shape::error::ShapeError;
+use crate::shape::iteration::{Estimate, Note};
+use crate::shape::options::{ShapeOptions, Step, Target};
+use crate::shape::spectra::Band;
+use crate::shape::step::{coherence, response};
 
 /// Share of the target's power in the band that the references must explain; what has nothing to do
 /// with them gets 0.1 by chance on three axes and 0.2 on six.

@@ -8,12 +8,13 @@ use nalgebra::DMatrix;
 use ndarray::{Array1, Array2, Array3, ArrayView1, Axis, s};
 use num_complex::Complex64;
 
-use super::iteration::{Estimate, Iteration, Note, Peaks};
-use super::limits::{Margins, Quantity, integral, share_of_sample, travel_of};
-use super::measure::stack;
-use super::spectra::Band;
-use super::step::{answer, step};
-use super::{ShapeError, ShapeOptions, Target};
+use crate::shape::error::ShapeError;
+use crate::shape::iteration::{Estimate, Iteration, Note, Peaks};
+use crate::shape::limits::{Margins, Quantity, integral, share_of_sample, travel_of};
+use crate::shape::measure::stack;
+use crate::shape::options::{ShapeOptions, Target};
+use crate::shape::spectra::Band;
+use crate::shape::step::{answer, step};
 
 /// Length of the fades at both ends of a step, in periods of the lowest frequency.
 const FADE_PERIODS: f64 = 0.25;

@@ -8,15 +8,16 @@ use nalgebra::DMatrix;
 use ndarray::{Array2, Array3, Axis};
 use num_complex::Complex64;
 
-use super::iteration::{Estimate, Iteration, Note, Peaks, Shaped, Stop, Summary};
-use super::limits::{Margins, travel_of};
-use super::measure::{estimate, stack, stopped};
-use super::proposal::Proposal;
-use super::spectra::Band;
-use super::step::adapt;
-use super::sticking::{Sweep, sticking};
-use super::{ShapeError, ShapeOptions, Step};
-use crate::strength::stuck_samples;
+use crate::excitation_strength::stuck_samples;
+use crate::shape::error::ShapeError;
+use crate::shape::iteration::{Estimate, Iteration, Note, Peaks, Shaped, Stop, Summary};
+use crate::shape::limits::{Margins, travel_of};
+use crate::shape::measure::{estimate, stack, stopped};
+use crate::shape::options::{ShapeOptions, Step};
+use crate::shape::proposal::Proposal;
+use crate::shape::spectra::Band;
+use crate::shape::step::adapt;
+use crate::shape::sticking::{Sweep, sticking};
 
 /// Stuck share of the sweep from which an axis counts as stuck altogether.
 const STUCK: f64 = 0.95;

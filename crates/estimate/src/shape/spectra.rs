@@ -12,9 +12,11 @@ use ndarray::{Array2, Array3, ArrayView2, Axis, s};
 use num_complex::Complex64;
 use realfft::{ComplexToReal, RealFftPlanner};
 
-use crate::{
-    BlaOptions, Deficiency, DeficientLine, EstimateError, LineDft, ShapeOptions, Transform,
-};
+use crate::error::{Deficiency, DeficientLine, EstimateError};
+use crate::frf::bla::BlaOptions;
+use crate::shape::options::ShapeOptions;
+use crate::spectra::campaign::Transform;
+use crate::spectra::line_dft::LineDft;
 
 /// Width of the fades at both ends of the band, as a factor of frequency.
 const FADE: f64 = 1.1;

@@ -8,9 +8,10 @@ use nalgebra::DMatrix;
 use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 
-use super::spectra::Band;
-use crate::right_division::{check_rank, right_divide};
-use crate::{BlaOptions, EstimateError};
+use crate::error::EstimateError;
+use crate::frf::bla::BlaOptions;
+use crate::frf::right_division::{check_rank, right_divide};
+use crate::shape::spectra::Band;
 
 type Spectra = [DMatrix<Complex64>];
 
@@ -155,7 +156,7 @@ fn around(k: usize, bins: usize, n_lines: usize) -> Range<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::ShapeOptions;
+    use crate::shape::options::ShapeOptions;
     use crate::testing::complex;
     use ndarray::Array3;
 

@@ -10,7 +10,7 @@ use nalgebra::DMatrix;
 use ndarray::{Array2, Array3, Axis};
 use num_complex::Complex64;
 
-use super::spectra::Band;
+use crate::shape::spectra::Band;
 
 /// Bands per octave in which stuck time is told.
 const PER_OCTAVE: f64 = 3.0;

@@ -8,7 +8,10 @@ use frfid_signals::{
 };
 use ndarray::{Array2, Array3, Axis};
 
-use super::*;
+use crate::shape::iteration::{Note, Peaks, Stop};
+use crate::shape::limits::{Quantity, ShapeLimits};
+use crate::shape::options::{Step, Target};
+use crate::shape::*;
 
 const SAMPLE_TIME_S: f64 = 4e-3;
 

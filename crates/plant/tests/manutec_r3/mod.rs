@@ -2,7 +2,6 @@
 //! Tuerk, DLR 1988; values as in the Modelica Standard Library's RobotR3). y is up.
 
 #![allow(dead_code)] // not every test file needs every part
-
 use frfid_plant::{Arm, Body, BodyJoint, Challenges, FlexibleJoint, Payload, Ripple};
 
 pub const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

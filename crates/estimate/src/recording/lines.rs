@@ -1,0 +1,251 @@
+//! Excited lines: found in a periodic reference, or checked against the grid of a period.
+
+use frfid_signals::SignalError;
+use frfid_signals::checks::positive;
+use ndarray::{Array2, ArrayView2, s};
+use num_complex::Complex64;
+
+use crate::error::EstimateError;
+use crate::spectra::campaign::Transform;
+use crate::spectra::line_dft::{LineDft, check_rising};
+
+/// Smallest gap between the weakest excited line and the strongest other one, as a ratio of
+/// amplitudes (12 dB).
+const GAP: f64 = 4.0;
+/// A gap above fewer than `FEW` lines must be this wide: the smallest values of a noise floor lie
+/// far apart by chance.
+const GAP_ABOVE_FEW: f64 = 1e4;
+const FEW: usize = 8;
+/// Largest ratio between excited lines (60 dB); a spectrum that falls further without a gap is no
+/// set of lines.
+const RANGE: f64 = 1e3;
+/// Largest ratio between the strongest line below the gap and the middle of what lies there (80
+/// dB).
+const FALL: f64 = 1e4;
+/// Amplitudes below this share of the strongest are rounding.
+const ROUNDING: f64 = 1e-10;
+
+/// Lines (DFT bins of the period) that a periodic reference `(channel, sample)` excites: those
+/// above the widest gap between the amplitudes, mean over whole periods, strongest channel.
+///
+/// # Errors
+/// [`EstimateError::NoLines`] if the amplitudes fall without a gap (noise, or a reference that is
+/// periodic but no multisine), [`SignalError::Shape`] for a reference shorter than a period,
+/// [`SignalError::NotFinite`].
+pub fn find_lines(reference: ArrayView2<f64>, period: usize) -> Result<Vec<usize>, EstimateError> {
+    let periods = reference.ncols().checked_div(period).unwrap_or(0);
+    if periods == 0 || reference.nrows() == 0 {
+        let needed = format!("(channel, {} or more)", period.max(1));
+        return Err(SignalError::Shape {
+            name: "reference",
+            found: reference.shape().to_vec(),
+            needed,
+        }
+        .into());
+    }
+    let candidates: Vec<usize> = (1..period.div_ceil(2)).collect();
+    let dft = LineDft::new(period, &candidates)?;
+    let spectra: Result<Vec<Array2<Complex64>>, EstimateError> = (0..periods)
+        .map(|q| {
+            dft.transform(
+                "reference",
+                reference.slice(s![.., q * period..(q + 1) * period]),
+            )
+        })
+        .collect();
+    let (amplitude, floor) = amplitude_above_noise(&spectra?, candidates.len());
+    let threshold = threshold(&amplitude, floor)?;
+    Ok(candidates
+        .into_iter()
+        .zip(amplitude)
+        .filter(|(_, amplitude)| *amplitude > threshold)
+        .map(|(line, _)| line)
+        .collect())
+}
+
+/// Amplitude of every line over that of the strongest, largest of the channels, which may have
+/// different units; what is within four standard deviations of zero, known from the differences
+/// between periods, counts as that level, the floor.
+fn amplitude_above_noise(spectra: &[Array2<Complex64>], n_lines: usize) -> (Vec<f64>, f64) {
+    let n = spectra.len() as f64;
+    let (mut amplitude, mut floor) = (vec![0.0_f64; n_lines], ROUNDING);
+    for channel in 0..spectra[0].nrows() {
+        let rows: Vec<_> = spectra
+            .iter()
+            .map(|spectrum| spectrum.row(channel))
+            .collect();
+        let mean: Vec<Complex64> = (0..n_lines)
+            .map(|line| rows.iter().map(|row| row[line]).sum::<Complex64>() / n)
+            .collect();
+        let strongest = mean
+            .iter()
+            .map(|value| value.norm())
+            .fold(f64::MIN_POSITIVE, f64::max);
+        let squares: f64 = rows
+            .iter()
+            .flat_map(|row| row.iter().zip(&mean))
+            .map(|(x, mean)| (x - mean).norm_sqr())
+            .sum();
+        let deviation = (squares / (n_lines as f64 * n * (n - 1.0).max(1.0))).sqrt();
+        floor = floor.max(4.0 * deviation / strongest);
+        amplitude
+            .iter_mut()
+            .zip(&mean)
+            .for_each(|(largest, value)| *largest = largest.max(value.norm() / strongest));
+    }
+    amplitude
+        .iter_mut()
+        .for_each(|value| *value = value.max(floor));
+    (amplitude, floor)
+}
+
+/// The middle of the widest gap between amplitudes, or just below the smallest where all are
+/// excited.
+fn threshold(amplitude: &[f64], floor: f64) -> Result<f64, EstimateError> {
+    let mut levels = amplitude.to_vec();
+    levels.sort_by(|a, b| b.total_cmp(a));
+    let counts = |&split: &usize| {
+        levels.len() - split >= FEW || levels[split - 1] >= GAP_ABOVE_FEW * levels[split]
+    };
+    let gap = |split: usize| levels[split - 1] / levels[split];
+    let widest = (1..levels.len())
+        .filter(counts)
+        .max_by(|&a, &b| gap(a).total_cmp(&gap(b)));
+    let split = widest
+        .filter(|&split| gap(split) >= GAP)
+        .unwrap_or(levels.len());
+    let (excited, rest) = levels.split_at(split);
+    let weakest = excited.last().copied().unwrap_or(floor);
+    // a floor is level, give or take; harmonics that go on below the gap are not one
+    let fall = rest.first().map_or(1.0, |top| top / rest[rest.len() / 2]);
+    let below = rest.first().copied().unwrap_or(floor);
+    if weakest >= GAP * below && weakest * RANGE >= 1.0 && fall <= FALL {
+        return Ok((weakest * below).sqrt());
+    }
+    Err(EstimateError::NoLines {
+        gap: widest.map_or(1.0, gap),
+        range: fall.max(1.0 / weakest),
+    })
+}
+
+/// Lines of a period of `n_samples` at `frequencies_hz`, which must rise.
+///
+/// # Errors
+/// [`EstimateError::OffGrid`] with the nearest line and a period that would have the frequency, if
+/// it is more than a thousandth of the line spacing away; [`SignalError::LineOffGrid`] at 0 and
+/// from Nyquist on.
+pub fn lines_at(
+    frequencies_hz: &[f64],
+    n_samples: usize,
+    sample_time_s: f64,
+) -> Result<Vec<usize>, EstimateError> {
+    positive("sample_time_s", sample_time_s)?;
+    check_rising("frequencies_hz", frequencies_hz.iter().copied())?;
+    let period_s = n_samples as f64 * sample_time_s;
+    let lines: Result<Vec<usize>, EstimateError> = frequencies_hz
+        .iter()
+        .map(|&frequency_hz| {
+            positive("frequencies_hz", frequency_hz)?;
+            let cycles = frequency_hz * period_s;
+            let line = cycles.round().max(1.0);
+            if (cycles - line).abs() > 1e-3 {
+                let (nearest_hz, offered_samples) = (
+                    line / period_s,
+                    (line / frequency_hz / sample_time_s).round() as usize,
+                );
+                return Err(EstimateError::OffGrid {
+                    frequency_hz,
+                    n_samples,
+                    nearest_hz,
+                    offered_samples,
+                });
+            }
+            Ok(line as usize)
+        })
+        .collect();
+    let lines = lines?;
+    LineDft::new(n_samples, &lines)?;
+    Ok(lines)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use frfid_signals::random::{normal, phase, stream};
+    use std::f64::consts::TAU;
+
+    fn multisine(lines: &[usize], amplitude: impl Fn(usize) -> f64, noise: f64) -> Array2<f64> {
+        let mut rng = stream(5, "lines", &[]);
+        let phases: Vec<f64> = lines.iter().map(|_| phase(&mut rng)).collect();
+        let value = |k: usize| {
+            let terms = lines.iter().zip(&phases);
+            terms
+                .map(|(&h, phase)| {
+                    amplitude(h) * (TAU * (h * k % 1000) as f64 / 1000.0 + phase).sin()
+                })
+                .sum::<f64>()
+        };
+        Array2::from_shape_fn((1, 3100), |(_, k)| {
+            value(k % 1000) + noise * normal(&mut rng)
+        })
+    }
+
+    #[test]
+    fn excited_lines_are_found_exactly() {
+        let odd: Vec<usize> = (11..250).step_by(2).collect();
+        let all: Vec<usize> = (1..500).collect();
+        for (lines, slope, noise) in [
+            (&odd, 0.0, 0.0),
+            (&odd, 0.0, 0.3),
+            (&odd, -1.0, 1e-4),
+            (&all, 0.0, 0.0),
+            (&vec![7], 0.0, 1e-3),
+        ] {
+            let found = find_lines(
+                multisine(lines, |h| (h as f64).powf(slope), noise).view(),
+                1000,
+            );
+            assert_eq!(found.as_ref(), Ok(lines), "slope {slope}, noise {noise}");
+        }
+    }
+
+    #[test]
+    fn references_without_lines_are_refused() {
+        assert!(matches!(
+            find_lines(multisine(&[], |_| 1.0, 1.0).view(), 1000),
+            Err(EstimateError::NoLines { .. })
+        ));
+        // triangle wave: odd lines that fall with the square of the frequency, no end to them
+        let triangle = Array2::from_shape_fn((1, 4000), |(_, k)| ((k % 1000) as f64 - 500.0).abs());
+        assert!(
+            matches!(find_lines(triangle.view(), 1000), Err(EstimateError::NoLines { range, .. }) if range > 1e4)
+        );
+        assert!(
+            find_lines(triangle.view(), 5000).is_err() && find_lines(triangle.view(), 0).is_err()
+        );
+    }
+
+    #[test]
+    fn frequencies_off_the_grid_get_an_offer() {
+        assert_eq!(lines_at(&[1.0, 2.5], 2000, 1e-3), Ok(vec![2, 5]));
+        let Err(EstimateError::OffGrid {
+            nearest_hz,
+            offered_samples,
+            ..
+        }) = lines_at(&[1.0, 2.6], 2000, 1e-3)
+        else {
+            panic!("2.6 Hz is no line of 2 s");
+        };
+        assert_eq!((nearest_hz, offered_samples), (2.5, 1923)); // 5 cycles of 2.6 Hz
+        for bad in [
+            vec![],
+            vec![-1.0],
+            vec![f64::NAN],
+            vec![1.0, 1.0],
+            vec![600.0],
+            vec![1e-9],
+        ] {
+            assert!(lines_at(&bad, 2000, 1e-3).is_err(), "{bad:?}");
+        }
+    }
+}

@@ -1,0 +1,172 @@
+//! Options of a shaping: what to shape towards, by which step, how carefully.
+
+use frfid_signals::{SignalError, checks};
+
+use crate::shape::limits::ShapeLimits;
+
+/// The measured signal that is to follow the desired one; any with an invertible path from r.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Target {
+    /// The plant input u, motor torque in N m.
+    #[default]
+    Torque,
+    /// The plant output y, motor velocity in rad/s.
+    Velocity,
+}
+
+/// How the next reference follows from the last one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Step {
+    /// The paper's fixed point (18), `R_{i+1} = G_i^-1 U_des` with `G_i = U_i R_i^-1` line by line.
+    Paper,
+    /// `R_{i+1} = R_i + damping G_i^-1 (U_des - U_i)`, `G_i = S_ur S_rr^-1` with the products of
+    /// `smoothing_bins` neighbouring lines summed.
+    Damped {
+        /// Share of the missing signal that is made up for in one step. With the adaptive damping
+        /// 0.9 is fast and safe, without it 0.5 to 0.7 is as much as friction allows.
+        damping: f64,
+        /// Lines over which G is smoothed; a few tens.
+        smoothing_bins: usize,
+        /// Whether the damping is halved at lines and channels where an iteration made the error
+        /// larger, and the iteration taken back if it made the whole error larger.
+        adaptive: bool,
+    },
+}
+
+impl Default for Step {
+    fn default() -> Self {
+        Self::Damped {
+            damping: 0.9,
+            smoothing_bins: 30,
+            adaptive: true,
+        }
+    }
+}
+
+/// What to shape towards and how carefully.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShapeOptions {
+    /// Which signal is to follow the desired one.
+    pub target: Target,
+    /// How the next reference is made.
+    pub step: Step,
+    /// Lowest frequency of the band that is shaped, in Hz.
+    pub low_hz: f64,
+    /// Highest frequency of the band that is shaped, in Hz.
+    pub high_hz: f64,
+    /// Sample time in s.
+    pub sample_time_s: f64,
+    /// Most iterations, the first with the initial reference included.
+    pub n_iterations: usize,
+    /// Relative error, rms over the band, at which it is good enough, on every channel.
+    pub good_enough: f64,
+    /// Largest growth of a reference's peak from one iteration to the next, as a factor.
+    pub largest_change: f64,
+    /// What must never be exceeded.
+    pub limits: ShapeLimits,
+    /// Largest share of the sweep that an axis may be stuck.
+    pub max_stuck_share: f64,
+    /// Velocity reading in rad/s up to which an axis counts as stuck, besides a position reading
+    /// that does not change; 0 for sensors without noise.
+    pub still_rad_s: f64,
+    /// Coulomb friction per axis in N m, where it is known: named beside the torque of an axis that
+    /// sticks.
+    pub coulomb_nm: Option<Vec<f64>>,
+}
+
+impl Default for ShapeOptions {
+    fn default() -> Self {
+        Self {
+            target: Target::default(),
+            step: Step::default(),
+            low_hz: 2.0,
+            high_hz: 60.0,
+            sample_time_s: 1e-3,
+            n_iterations: 6,
+            good_enough: 0.05,
+            largest_change: 3.0,
+            limits: ShapeLimits::default(),
+            max_stuck_share: 0.15,
+            still_rad_s: 0.0,
+            coulomb_nm: None,
+        }
+    }
+}
+
+impl ShapeOptions {
+    /// Checks every value for `n_axes` axes.
+    ///
+    /// # Errors
+    /// [`SignalError`] naming the first value out of range.
+    pub fn check(&self, n_axes: usize) -> Result<(), SignalError> {
+        for (name, value) in [
+            ("low_hz", self.low_hz),
+            ("sample_time_s", self.sample_time_s),
+            ("n_iterations", self.n_iterations as f64),
+            ("good_enough", self.good_enough),
+            ("max_stuck_share", self.max_stuck_share),
+        ] {
+            checks::positive(name, value)?;
+        }
+        checks::not_negative("still_rad_s", self.still_rad_s)?;
+        let nyquist_hz = 0.5 / self.sample_time_s;
+        if self.high_hz.is_nan() || self.high_hz >= nyquist_hz {
+            let (high_hz, sample_time_s) = (self.high_hz, self.sample_time_s);
+            return Err(SignalError::AboveNyquist {
+                high_hz,
+                nyquist_hz,
+                sample_time_s,
+            });
+        }
+        let needs = |name, found, fits: bool, needed| {
+            if fits {
+                Ok(())
+            } else {
+                Err(SignalError::Parameter {
+                    name,
+                    found,
+                    needed,
+                })
+            }
+        };
+        needs(
+            "high_hz",
+            self.high_hz,
+            self.high_hz > self.low_hz,
+            "a frequency above low_hz",
+        )?;
+        let change = self.largest_change;
+        needs(
+            "largest_change",
+            change,
+            change > 1.0 && change.is_finite(),
+            "a finite factor above 1",
+        )?;
+        if let Step::Damped {
+            damping,
+            smoothing_bins,
+            ..
+        } = self.step
+        {
+            needs(
+                "damping",
+                damping,
+                damping > 0.0 && damping <= 1.0,
+                "above 0 and at most 1",
+            )?;
+            needs(
+                "smoothing_bins",
+                smoothing_bins as f64,
+                smoothing_bins > 0,
+                "at least 1",
+            )?;
+        }
+        checks::one_per_axis(
+            "coulomb_nm",
+            self.coulomb_nm.as_deref(),
+            n_axes,
+            checks::not_negative,
+        )?;
+        self.limits.check(n_axes)
+    }
+}

@@ -1,0 +1,325 @@
+//! A campaign as spectra on lines: fed run by run in any order, so that no time series needs to
+//! stay in memory.
+
+use std::collections::btree_map::Entry;
+use std::collections::{BTreeMap, BTreeSet};
+
+use frfid_signals::SignalError;
+use ndarray::{Array2, ArrayView2};
+use num_complex::Complex64;
+
+use crate::error::EstimateError;
+use crate::spectra::line_dft::check_rising;
+
+/// Place of one run in a campaign; all indices from 0, sorted in this order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Place {
+    /// Draw of the random phases.
+    pub realization: usize,
+    /// Period or repetition.
+    pub period: usize,
+    /// Column of U.
+    pub experiment: usize,
+}
+
+/// Spectra of one run (one period of one experiment), `(channel, line)`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RunSpectra {
+    /// Plant input.
+    pub u: Array2<Complex64>,
+    /// Plant output.
+    pub y: Array2<Complex64>,
+    /// Reference, as many channels as `u`; in all runs of a campaign or in none. With it the
+    /// estimate is indirect.
+    pub r: Option<Array2<Complex64>>,
+}
+
+/// What turns time series into spectra: [`crate::spectra::line_dft::LineDft`] for periods, [`crate::spectra::excerpt::Excerpts`] for
+/// chirps.
+pub trait Transform: Send + Sync {
+    /// Spectra of one run, `(channel, sample)` to `(channel, line)`, means removed.
+    ///
+    /// # Errors
+    /// [`SignalError::Shape`] for another length, [`SignalError::NotFinite`]; both say `name`.
+    fn transform(
+        &self,
+        name: &'static str,
+        signal: ArrayView2<f64>,
+    ) -> Result<Array2<Complex64>, EstimateError>;
+}
+
+impl RunSpectra {
+    /// Transforms one run of `u`, `y` and, if there is one, `r`, each `(channel, sample)`.
+    ///
+    /// # Errors
+    /// As [`Transform::transform`], naming the signal.
+    pub fn of(
+        transform: &dyn Transform,
+        u: ArrayView2<f64>,
+        y: ArrayView2<f64>,
+        r: Option<ArrayView2<f64>>,
+    ) -> Result<Self, EstimateError> {
+        let r = r.map(|r| transform.transform("r", r)).transpose()?;
+        Ok(Self {
+            u: transform.transform("u", u)?,
+            y: transform.transform("y", y)?,
+            r,
+        })
+    }
+
+    /// Shapes of u, y and r.
+    fn shapes(&self) -> [Option<(usize, usize)>; 3] {
+        [
+            Some(self.u.dim()),
+            Some(self.y.dim()),
+            self.r.as_ref().map(Array2::dim),
+        ]
+    }
+}
+
+/// The spectra of a campaign, indexed by realization, period and experiment: the estimate does not
+/// depend on the order in which runs were inserted. Memory is `lines x channels` complex numbers
+/// per run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Campaign {
+    frequency_hz: Vec<f64>,
+    runs: BTreeMap<Place, RunSpectra>,
+}
+
+/// All experiments of one period of one realization: the columns of U and Y.
+pub(crate) type Block<'a> = Vec<&'a RunSpectra>;
+
+impl Campaign {
+    /// An empty campaign on `frequency_hz`, which must rise.
+    ///
+    /// # Errors
+    /// [`EstimateError::NotRising`] or [`EstimateError::EmptyList`].
+    pub fn new(frequency_hz: Vec<f64>) -> Result<Self, EstimateError> {
+        check_rising("frequency_hz", frequency_hz.iter().copied())?;
+        Ok(Self {
+            frequency_hz,
+            runs: BTreeMap::new(),
+        })
+    }
+
+    /// Frequencies in Hz.
+    #[must_use]
+    pub fn frequency_hz(&self) -> &[f64] {
+        &self.frequency_hz
+    }
+
+    /// Adds one run.
+    ///
+    /// # Errors
+    /// [`EstimateError::Duplicate`], [`SignalError::Shape`] if it does not fit the frequencies or
+    /// the runs before it, [`SignalError::NotFinite`].
+    pub fn insert(&mut self, place: Place, run: RunSpectra) -> Result<(), EstimateError> {
+        self.check(&run)?;
+        match self.runs.entry(place) {
+            Entry::Occupied(_) => Err(EstimateError::Duplicate(place)),
+            Entry::Vacant(free) => {
+                free.insert(run);
+                Ok(())
+            }
+        }
+    }
+
+    /// Runs that are missing from periods of which other experiments are there, in order.
+    #[must_use]
+    pub fn missing(&self) -> Vec<Place> {
+        let blocks: BTreeSet<(usize, usize)> = self
+            .runs
+            .keys()
+            .map(|place| (place.realization, place.period))
+            .collect();
+        let places = blocks.into_iter().flat_map(|(realization, period)| {
+            (0..self.n_experiments()).map(move |experiment| Place {
+                realization,
+                period,
+                experiment,
+            })
+        });
+        places
+            .filter(|place| !self.runs.contains_key(place))
+            .collect()
+    }
+
+    /// Drops every period of which an experiment is missing and returns what was missing, so that
+    /// the rest can be estimated.
+    pub fn drop_incomplete(&mut self) -> Vec<Place> {
+        let missing = self.missing();
+        let broken: BTreeSet<(usize, usize)> = missing
+            .iter()
+            .map(|place| (place.realization, place.period))
+            .collect();
+        self.runs
+            .retain(|place, _| !broken.contains(&(place.realization, place.period)));
+        missing
+    }
+
+    /// Number of experiments: one more than the highest index given.
+    fn n_experiments(&self) -> usize {
+        self.runs
+            .keys()
+            .map(|place| place.experiment + 1)
+            .max()
+            .unwrap_or(0)
+    }
+
+    /// Blocks by realization and period, complete, with at least as many experiments as inputs.
+    pub(crate) fn realizations(&self) -> Result<Vec<Vec<Block<'_>>>, EstimateError> {
+        let missing = self.missing();
+        if !missing.is_empty() {
+            return Err(EstimateError::Incomplete { missing });
+        }
+        let first = self
+            .runs
+            .values()
+            .next()
+            .ok_or(EstimateError::EmptyList("runs"))?;
+        let (found, needed) = (self.n_experiments(), first.u.nrows());
+        if found < needed {
+            return Err(EstimateError::TooFewExperiments { found, needed });
+        }
+        let mut blocks: BTreeMap<usize, BTreeMap<usize, Block>> = BTreeMap::new();
+        for (place, run) in &self.runs {
+            blocks
+                .entry(place.realization)
+                .or_default()
+                .entry(place.period)
+                .or_default()
+                .push(run);
+        }
+        Ok(blocks
+            .into_values()
+            .map(|periods| periods.into_values().collect())
+            .collect())
+    }
+
+    /// Refuses a run of another shape than those before it, or with values that are not finite.
+    fn check(&self, run: &RunSpectra) -> Result<(), EstimateError> {
+        let [u, y, r] = match self.runs.values().next() {
+            Some(first) => first.shapes(),
+            None => {
+                let shape = |channels: usize| Some((channels.max(1), self.frequency_hz.len()));
+                let r = run.r.as_ref().and_then(|_| shape(run.u.nrows()));
+                [shape(run.u.nrows()), shape(run.y.nrows()), r]
+            }
+        };
+        for (name, found, needed) in [
+            ("u", Some(&run.u), u),
+            ("y", Some(&run.y), y),
+            ("r", run.r.as_ref(), r),
+        ] {
+            if found.map(Array2::dim) != needed {
+                let shape = found.map_or(vec![], |found| found.shape().to_vec());
+                let needed = needed.map_or("no r, as in the runs before".into(), |needed| {
+                    format!("{needed:?} (channel, line)")
+                });
+                return Err(SignalError::Shape {
+                    name,
+                    found: shape,
+                    needed,
+                }
+                .into());
+            }
+            let mut bad = found
+                .into_iter()
+                .flat_map(|found| found.indexed_iter())
+                .filter(|(_, value)| !value.is_finite());
+            if let Some(((channel, sample), _)) = bad.next() {
+                return Err(SignalError::NotFinite {
+                    name,
+                    count: 1 + bad.count(),
+                    channel,
+                    sample,
+                }
+                .into());
+            }
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn run(inputs: usize) -> RunSpectra {
+        RunSpectra {
+            u: Array2::ones((inputs, 2)),
+            y: Array2::ones((1, 2)),
+            r: None,
+        }
+    }
+
+    fn place(realization: usize, period: usize, experiment: usize) -> Place {
+        Place {
+            realization,
+            period,
+            experiment,
+        }
+    }
+
+    #[test]
+    fn missing_runs_are_named_and_their_periods_can_be_dropped() {
+        let mut campaign = Campaign::new(vec![1.0, 2.0]).expect("rising");
+        assert_eq!(
+            campaign.realizations().err(),
+            Some(EstimateError::EmptyList("runs"))
+        );
+        for (p, q, m) in [(0, 0, 0), (0, 0, 1), (0, 1, 1), (3, 0, 1), (3, 0, 0)] {
+            campaign.insert(place(p, q, m), run(2)).expect("fits");
+        }
+        let missing = vec![place(0, 1, 0)];
+        assert_eq!(
+            campaign.realizations().err(),
+            Some(EstimateError::Incomplete {
+                missing: missing.clone()
+            })
+        );
+        assert_eq!(campaign.drop_incomplete(), missing);
+        let shape: Vec<usize> = campaign
+            .realizations()
+            .expect("complete")
+            .iter()
+            .map(Vec::len)
+            .collect();
+        assert_eq!(shape, [1, 1]);
+    }
+
+    #[test]
+    fn runs_that_do_not_fit_are_refused() {
+        let mut campaign = Campaign::new(vec![1.0, 2.0]).expect("rising");
+        let with_r = |r: usize| RunSpectra {
+            r: Some(Array2::ones((r, 2))),
+            ..run(2)
+        };
+        assert!(campaign.insert(place(0, 0, 0), with_r(3)).is_err());
+        campaign.insert(place(0, 0, 0), run(2)).expect("fits");
+        assert_eq!(
+            campaign.insert(place(0, 0, 0), run(2)),
+            Err(EstimateError::Duplicate(place(0, 0, 0)))
+        );
+        assert!(
+            campaign.insert(place(0, 0, 1), run(1)).is_err()
+                && campaign.insert(place(0, 0, 1), with_r(2)).is_err()
+        );
+        let mut bad = run(2);
+        bad.y[[0, 1]].im = f64::NAN;
+        assert!(matches!(
+            campaign.insert(place(0, 0, 1), bad),
+            Err(EstimateError::Signal(SignalError::NotFinite {
+                name: "y",
+                ..
+            }))
+        ));
+        assert_eq!(
+            campaign.realizations().err(),
+            Some(EstimateError::TooFewExperiments {
+                found: 1,
+                needed: 2
+            })
+        );
+    }
+}

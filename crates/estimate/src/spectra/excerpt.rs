@@ -1,0 +1,312 @@
+//! One excerpt of a chirp recording, SK15 section 5.1: the piece in which the chirp passes a
+//! frequency, as one spectral value.
+//!
+//! Of the four periods around the instant (clipped at the ends of the sweep) the mean is removed; a
+//! low-pass, ten samples per period, a Hann window and the DFT at the frequency follow. All of that
+//! is linear and the same for every channel, so it is done as one weighted sum,
+//! `X(f) = sum_k w_k (x_k - mean)`.
+
+use std::f64::consts::{PI, TAU};
+
+use frfid_signals::checks::positive;
+use frfid_signals::{Chirp, SignalError, check_finite};
+use ndarray::{Array2, ArrayView2};
+use num_complex::Complex64;
+
+use crate::error::EstimateError;
+use crate::frf::bla::BlaOptions;
+use crate::spectra::campaign::Transform;
+
+/// How excerpts are cut and weighted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ExcerptOptions {
+    /// Length of an excerpt in periods of its frequency.
+    pub n_periods: f64,
+    /// Samples per period after the low-pass; fewer where the recording itself has fewer.
+    pub samples_per_period: f64,
+    /// Largest condition number of U, rows scaled to equal size, at which a frequency is still
+    /// inverted.
+    pub max_condition: f64,
+}
+
+impl Default for ExcerptOptions {
+    fn default() -> Self {
+        Self {
+            n_periods: 4.0,
+            samples_per_period: 10.0,
+            max_condition: BlaOptions::default().max_condition,
+        }
+    }
+}
+
+/// The excerpts of a chirp at a list of frequencies, cut once and used for every run, from any
+/// thread.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Excerpts {
+    n_samples: usize,
+    excerpts: Vec<Excerpt>,
+}
+
+impl ExcerptOptions {
+    /// Half of the DFT's line spacing over one excerpt, relative to its frequency: resonances
+    /// closer than that cannot be told apart, and in a sweep each rings on into the excerpts of the
+    /// frequencies that follow.
+    #[must_use]
+    pub fn relative_resolution(&self) -> f64 {
+        0.5 / self.n_periods
+    }
+}
+
+impl Excerpts {
+    /// Cuts recordings of `n_samples`, in which the chirp starts `start_s` after the first sample,
+    /// at `frequencies_hz`.
+    ///
+    /// # Errors
+    /// [`EstimateError::OutsideChirp`] for a frequency that the chirp does not pass within the
+    /// recording, [`SignalError::Parameter`] for a chirp or a sample time out of range.
+    pub fn new(
+        chirp: &Chirp,
+        frequencies_hz: &[f64],
+        sample_time_s: f64,
+        start_s: f64,
+        n_samples: usize,
+        options: &ExcerptOptions,
+    ) -> Result<Self, EstimateError> {
+        positive("sample_time_s", sample_time_s)?;
+        positive("n_periods", options.n_periods)?;
+        positive("samples_per_period", options.samples_per_period)?;
+        if !start_s.is_finite() {
+            return Err(SignalError::Parameter {
+                name: "start_s",
+                found: start_s,
+                needed: "a finite number",
+            }
+            .into());
+        }
+        chirp.check()?;
+        let cut = |&hz: &f64| Excerpt::cut(hz, chirp, start_s, sample_time_s, n_samples, options);
+        Ok(Self {
+            n_samples,
+            excerpts: frequencies_hz.iter().map(cut).collect::<Result<_, _>>()?,
+        })
+    }
+}
+
+impl Transform for Excerpts {
+    fn transform(
+        &self,
+        name: &'static str,
+        signal: ArrayView2<f64>,
+    ) -> Result<Array2<Complex64>, EstimateError> {
+        if signal.ncols() != self.n_samples {
+            let needed = format!("(channel, {})", self.n_samples);
+            return Err(SignalError::Shape {
+                name,
+                found: signal.shape().to_vec(),
+                needed,
+            }
+            .into());
+        }
+        check_finite(name, signal)?;
+        let mut spectra = Array2::zeros((signal.nrows(), self.excerpts.len()));
+        for (channel, mut spectrum) in signal.rows().into_iter().zip(spectra.rows_mut()) {
+            let samples = channel.to_vec();
+            spectrum
+                .iter_mut()
+                .zip(&self.excerpts)
+                .for_each(|(value, excerpt)| *value = excerpt.of(&samples));
+        }
+        Ok(spectra)
+    }
+}
+
+/// One excerpt as weights on the samples of the recording.
+#[derive(Debug, Clone, PartialEq)]
+struct Excerpt {
+    /// Samples of the excerpt itself, over which the mean is taken.
+    first: usize,
+    last: usize,
+    /// Sample of the first weight; the low-pass reaches a little beyond the excerpt.
+    weights_from: usize,
+    weights: Vec<Complex64>,
+}
+
+impl Excerpt {
+    /// The excerpt around the instant at which the chirp passes `hz`.
+    fn cut(
+        hz: f64,
+        chirp: &Chirp,
+        start_s: f64,
+        sample_time_s: f64,
+        n_samples: usize,
+        options: &ExcerptOptions,
+    ) -> Result<Self, EstimateError> {
+        let recording_s = n_samples as f64 * sample_time_s;
+        let refuse = |reason| EstimateError::OutsideChirp {
+            frequency_hz: hz,
+            reason,
+            low_s: 0.0,
+            high_s: recording_s,
+        };
+        if !(chirp.low_hz * (1.0 - 1e-9)..=chirp.high_hz * (1.0 + 1e-9)).contains(&hz) {
+            return Err(refuse("the chirp never has this frequency"));
+        }
+        let centre_s = start_s + chirp.instant_of(hz);
+        let half_s = 0.5 * options.n_periods / hz;
+        let (low_s, high_s) = (
+            (centre_s - half_s).max(start_s),
+            (centre_s + half_s).min(start_s + chirp.duration_s),
+        );
+        let (first, last) = (
+            (low_s / sample_time_s).ceil(),
+            (high_s / sample_time_s).floor(),
+        );
+        let (first, last) = (first.max(0.0), last.min(n_samples as f64 - 1.0));
+        // negative, NaN and too short alike: nothing is cut from less than one period or fewer than
+        // five samples
+        if (last - first) * sample_time_s * hz >= 1.0 && last - first >= 4.0 {
+            Ok(Self::weighted(
+                hz,
+                first as usize,
+                last as usize,
+                sample_time_s,
+                n_samples,
+                options,
+            ))
+        } else {
+            Err(refuse(
+                "less than one period of it, or fewer than five samples, lie within the sweep and the recording",
+            ))
+        }
+    }
+
+    /// Window, Fourier kernel and low-pass in one:
+    /// `w_k = sum_j hann(t_j) e^{-2 pi i f t_j} h(k - j)`, j every `step` samples.
+    fn weighted(
+        hz: f64,
+        first: usize,
+        last: usize,
+        sample_time_s: f64,
+        n_samples: usize,
+        options: &ExcerptOptions,
+    ) -> Self {
+        let step = ((1.0 / (options.samples_per_period * hz * sample_time_s)).floor() as usize)
+            .clamp(1, last - first);
+        let low_pass = low_pass(step);
+        let reach = low_pass.len() / 2;
+        let weights_from = first.saturating_sub(reach);
+        let mut weights =
+            vec![Complex64::from(0.0); (last + reach + 1).min(n_samples) - weights_from];
+        for centre in (first..=last).step_by(step) {
+            let place = (centre - first) as f64 / (last - first) as f64;
+            let window = (PI * place).sin().powi(2);
+            let kernel =
+                Complex64::cis(-TAU * hz * (centre - first) as f64 * sample_time_s) * window;
+            for (tap, gain) in low_pass.iter().enumerate() {
+                let weight = (centre + tap)
+                    .checked_sub(reach + weights_from)
+                    .and_then(|k| weights.get_mut(k));
+                weight
+                    .into_iter()
+                    .for_each(|weight| *weight += kernel * gain); // beyond the recording's ends: nothing
+            }
+        }
+        Self {
+            first,
+            last,
+            weights_from,
+            weights,
+        }
+    }
+
+    /// The spectrum of one channel at the frequency of the excerpt.
+    fn of(&self, channel: &[f64]) -> Complex64 {
+        let excerpt = &channel[self.first..=self.last];
+        let mean = excerpt.iter().sum::<f64>() / excerpt.len() as f64;
+        let samples = channel[self.weights_from..].iter();
+        self.weights
+            .iter()
+            .zip(samples)
+            .map(|(weight, sample)| weight * (sample - mean))
+            .sum()
+    }
+}
+
+/// Anti-alias low-pass for taking every `step`-th sample: a Hann-shaped average over four new
+/// samples, whose first zero lies at the new Nyquist frequency; a single 1 where nothing is left
+/// out.
+fn low_pass(step: usize) -> Vec<f64> {
+    if step == 1 {
+        return vec![1.0];
+    }
+    let reach = 2 * step;
+    let shape: Vec<f64> = (1..2 * reach)
+        .map(|k| (PI * k as f64 / (2 * reach) as f64).sin().powi(2))
+        .collect();
+    let sum: f64 = shape.iter().sum();
+    shape.iter().map(|value| value / sum).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use frfid_signals::Profile;
+
+    const SAMPLE_TIME_S: f64 = 1e-3;
+
+    fn excerpt(hz: f64) -> Excerpt {
+        let amplitude = vec![Profile::constant(1.0)];
+        let chirp = Chirp {
+            low_hz: 1.0,
+            high_hz: 60.0,
+            duration_s: 20.0,
+            amplitude,
+            fade_s: 0.0,
+            tail_s: 0.0,
+        };
+        Excerpt::cut(
+            hz,
+            &chirp,
+            0.0,
+            SAMPLE_TIME_S,
+            20_000,
+            &ExcerptOptions::default(),
+        )
+        .expect("within the sweep")
+    }
+
+    fn response(excerpt: &Excerpt, hz: f64) -> f64 {
+        let sine: Vec<f64> = (0..20_000)
+            .map(|k| (TAU * hz * f64::from(k) * SAMPLE_TIME_S).sin() + 7.0)
+            .collect();
+        excerpt.of(&sine).norm()
+    }
+
+    /// Harmonics have zeros or low side lobes of the Hann window, what lies above the new Nyquist
+    /// frequency is filtered.
+    #[test]
+    fn other_frequencies_are_rejected() {
+        for hz in [2.0, 9.0, 25.0] {
+            let cut = excerpt(hz);
+            let passed = response(&cut, hz);
+            for factor in [2.0, 3.0, 5.0, 9.0, 11.0, 19.3] {
+                let ratio = response(&cut, factor * hz) / passed;
+                assert!(ratio < 0.02, "{factor} x {hz} Hz: {ratio}");
+            }
+        }
+    }
+
+    #[test]
+    fn four_periods_lie_around_the_instant_and_are_clipped_at_the_ends() {
+        let middle = excerpt(10.0);
+        let instant = 20.0 * 10f64.ln() / 60f64.ln() / SAMPLE_TIME_S;
+        assert_eq!(
+            (middle.first, middle.last),
+            (
+                (instant - 200.0).ceil() as usize,
+                (instant + 200.0).floor() as usize
+            )
+        );
+        assert_eq!((excerpt(1.0).first, excerpt(60.0).last), (0, 19_999));
+    }
+}

@@ -1,0 +1,244 @@
+//! Spectra of real periods on given lines: (channel, sample) to (channel, line).
+//!
+//! `X[h] = sum_k (x[k] - mean) e^{-2 pi i h k / N}`, no factor forward; a period of any length N is
+//! transformed as it is, never padded.
+
+use std::cmp::Ordering;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use frfid_signals::{SignalError, check_finite, checks::positive};
+use ndarray::{Array2, ArrayView2, aview_mut1, aview1};
+use num_complex::Complex64;
+use realfft::{RealFftPlanner, RealToComplex};
+
+use crate::error::EstimateError;
+use crate::spectra::campaign::Transform;
+
+/// The DFT of periods of one length on one set of lines; planned once, used for every run, from any
+/// thread.
+#[derive(Clone)]
+pub struct LineDft {
+    lines: Vec<usize>,
+    fft: Arc<dyn RealToComplex<f64>>,
+    free: Arc<Mutex<Vec<Buffers>>>,
+}
+
+impl LineDft {
+    /// Plans the transform of periods of `n_samples` on the DFT bins `lines`, which must rise.
+    ///
+    /// # Errors
+    /// [`SignalError::LineOffGrid`] for a line that is 0 or not below Nyquist,
+    /// [`EstimateError::NotRising`], [`EstimateError::EmptyList`] without lines.
+    pub fn new(n_samples: usize, lines: &[usize]) -> Result<Self, EstimateError> {
+        let highest = n_samples.saturating_sub(1) / 2;
+        if let Some(&line) = lines.iter().find(|&&line| line == 0 || line > highest) {
+            return Err(SignalError::LineOffGrid {
+                line,
+                highest,
+                n_samples,
+            }
+            .into());
+        }
+        check_rising("lines", lines.iter().map(|&line| line as f64))?;
+        let fft = RealFftPlanner::new().plan_fft_forward(n_samples);
+        Ok(Self {
+            lines: lines.to_vec(),
+            fft,
+            free: Arc::default(),
+        })
+    }
+
+    /// Samples per period.
+    #[must_use]
+    pub fn n_samples(&self) -> usize {
+        self.fft.len()
+    }
+
+    /// The lines, rising.
+    pub(crate) fn lines(&self) -> &[usize] {
+        &self.lines
+    }
+
+    /// Frequencies of the lines in Hz: `line / (n_samples sample_time_s)`.
+    ///
+    /// # Errors
+    /// [`SignalError::Parameter`] for a sample time that is not finite and above zero.
+    pub fn frequency_hz(&self, sample_time_s: f64) -> Result<Vec<f64>, EstimateError> {
+        positive("sample_time_s", sample_time_s)?;
+        let period_s = self.n_samples() as f64 * sample_time_s;
+        Ok(self
+            .lines
+            .iter()
+            .map(|&line| line as f64 / period_s)
+            .collect())
+    }
+}
+
+impl Transform for LineDft {
+    fn transform(
+        &self,
+        name: &'static str,
+        period: ArrayView2<f64>,
+    ) -> Result<Array2<Complex64>, EstimateError> {
+        if period.ncols() != self.n_samples() {
+            let needed = format!("(channel, {})", self.n_samples());
+            return Err(SignalError::Shape {
+                name,
+                found: period.shape().to_vec(),
+                needed,
+            }
+            .into());
+        }
+        let mut buffers = self.borrow();
+        let mut spectra = Array2::zeros((period.nrows(), self.lines.len()));
+        for (channel, mut spectrum) in period.rows().into_iter().zip(spectra.rows_mut()) {
+            let Buffers {
+                samples,
+                bins,
+                scratch,
+            } = &mut buffers;
+            aview_mut1(samples).assign(&channel);
+            // summed out of the buffer, so that the layout of the array cannot change a digit
+            let mean = aview1(samples).sum() / self.n_samples() as f64;
+            if !mean.is_finite() {
+                check_finite(name, period)?; // one NaN is enough to spoil the sum
+            }
+            samples.iter_mut().for_each(|sample| *sample -= mean);
+            let done = self.fft.process_with_scratch(samples, bins, scratch);
+            done.expect("the plan made the buffers, so their lengths fit");
+            spectrum
+                .iter_mut()
+                .zip(&self.lines)
+                .for_each(|(value, &line)| *value = bins[line]);
+        }
+        self.give_back(buffers);
+        Ok(spectra)
+    }
+}
+
+/// What one transform at a time needs; made once per thread that asks, since making them takes half
+/// as long as the FFT.
+struct Buffers {
+    samples: Vec<f64>,
+    bins: Vec<Complex64>,
+    scratch: Vec<Complex64>,
+}
+
+impl LineDft {
+    fn borrow(&self) -> Buffers {
+        let free = self
+            .free
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .pop();
+        free.unwrap_or_else(|| Buffers {
+            samples: self.fft.make_input_vec(),
+            bins: self.fft.make_output_vec(),
+            scratch: self.fft.make_scratch_vec(),
+        })
+    }
+
+    fn give_back(&self, buffers: Buffers) {
+        self.free
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .push(buffers);
+    }
+}
+
+/// Refuses a list without entries, one that does not rise, and one that holds NaN.
+pub(crate) fn check_rising(
+    name: &'static str,
+    mut list: impl Iterator<Item = f64>,
+) -> Result<(), EstimateError> {
+    let mut before = list.next().ok_or(EstimateError::EmptyList(name))?;
+    for (index, found) in list.enumerate() {
+        if found.partial_cmp(&before) != Some(Ordering::Greater) {
+            return Err(EstimateError::NotRising {
+                name,
+                index: index + 1,
+                found,
+                before,
+            });
+        }
+        before = found;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ndarray::{Array, Axis, s};
+    use std::f64::consts::TAU;
+
+    #[test]
+    fn any_length_agrees_with_the_defining_sum() {
+        for n in [30, 31, 97, 250] {
+            let period =
+                Array::from_shape_fn((2, n), |(c, k)| 5.0 + ((k * k + 7 * c) as f64).sin());
+            let lines = [1, 4, (n - 1) / 2];
+            let found = LineDft::new(n, &lines)
+                .and_then(|dft| dft.transform("x", period.view()))
+                .expect("sound");
+            for ((c, i), value) in found.indexed_iter() {
+                let turn = |k: usize| Complex64::cis(-TAU * (lines[i] * k % n) as f64 / n as f64);
+                let sum: Complex64 = period
+                    .row(c)
+                    .iter()
+                    .enumerate()
+                    .map(|(k, x)| turn(k) * x)
+                    .sum();
+                assert!(
+                    (value - sum).norm() < 1e-12 * n as f64,
+                    "n = {n}, line {}",
+                    lines[i]
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn strides_do_not_matter() {
+        let long = Array::from_shape_fn((128, 3), |(k, c)| ((3 * k * k + c) as f64).cos());
+        let period = long.slice(s![..;2, ..]).reversed_axes();
+        let dft = LineDft::new(64, &[1, 5, 31]).expect("sound");
+        let contiguous = period.as_standard_layout().into_owned();
+        assert_eq!(
+            dft.transform("x", period),
+            dft.transform("x", contiguous.view())
+        );
+        assert_eq!(period.len_of(Axis(1)), 64);
+    }
+
+    #[test]
+    fn bad_lines_and_samples_are_refused() {
+        for bad in [0, 32, 1000] {
+            let expected = SignalError::LineOffGrid {
+                line: bad,
+                highest: 31,
+                n_samples: 64,
+            };
+            assert_eq!(LineDft::new(64, &[bad]).err(), Some(expected.into()));
+        }
+        assert!(
+            LineDft::new(64, &[3, 3]).is_err()
+                && LineDft::new(64, &[]).is_err()
+                && LineDft::new(0, &[1]).is_err()
+        );
+        let dft = LineDft::new(64, &[3]).expect("sound");
+        let mut period = Array2::zeros((2, 64));
+        period[[1, 7]] = f64::INFINITY;
+        let expected = SignalError::NotFinite {
+            name: "y",
+            count: 1,
+            channel: 1,
+            sample: 7,
+        };
+        assert_eq!(dft.transform("y", period.view()), Err(expected.into()));
+        assert!(
+            dft.transform("y", period.slice(s![.., 1..])).is_err()
+                && dft.frequency_hz(f64::NAN).is_err()
+        );
+    }
+}

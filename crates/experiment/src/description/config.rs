@@ -1,0 +1,87 @@
+//! `experiment.toml`: one description of robot, excitation, averaging, limits and estimator.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::description::estimate::EstimateTable;
+use crate::description::excitation::{ChirpTable, MultisineTable};
+use crate::description::limits::LimitsTable;
+use crate::description::robot::RobotTable;
+use crate::description::robot::controller::ControllerTable;
+use crate::description::shape::ShapeTable;
+
+/// An experiment, as `experiment.toml` describes it. Frequencies in Hz, everything else in SI units
+/// on the joint side of the gear; the unit ends the name.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Config {
+    /// Seed of every random number: phases of the excitation and noise of the simulated sensors.
+    pub seed: u64,
+    /// Sample time of the controller in s: the clock of references and records.
+    pub sample_time_s: f64,
+    /// The machine.
+    pub robot: RobotTable,
+    /// The controller; without this table the experiment runs in open loop and the reference is the
+    /// motor torque.
+    pub controller: Option<ControllerTable>,
+    /// A random-phase multisine. Exactly one of `[multisine]` and `[chirp]` is needed.
+    pub multisine: Option<MultisineTable>,
+    /// An exponential chirp. Exactly one of `[multisine]` and `[chirp]` is needed.
+    pub chirp: Option<ChirpTable>,
+    /// How often what is repeated.
+    #[serde(default)]
+    pub averaging: AveragingTable,
+    /// A constant velocity beneath the excitation, to stay clear of sticking.
+    pub constant_velocity: Option<ConstantVelocityTable>,
+    /// Limits that no run may exceed.
+    #[serde(default)]
+    pub limits: LimitsTable,
+    /// How the records become an FRF.
+    #[serde(default)]
+    pub estimate: EstimateTable,
+    /// What the reference of the chirp is shaped towards, by `frfid shape`.
+    pub shape: Option<ShapeTable>,
+}
+
+/// How often what is repeated.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct AveragingTable {
+    /// Draws of the random phases, n_p: more than one tells the nonlinear distortion.
+    pub realizations: usize,
+    /// Separate runs of the same reference.
+    pub repetitions: usize,
+    /// Measured periods back to back in a run; repetitions times periods is n_q: more than one
+    /// tells the noise.
+    pub periods: usize,
+    /// Time before the first measured period in s, for transients to die out. One period of a
+    /// multisine and nothing before a chirp without it.
+    pub lead_in_s: Option<f64>,
+}
+
+impl Default for AveragingTable {
+    fn default() -> Self {
+        Self {
+            realizations: 1,
+            repetitions: 1,
+            periods: 1,
+            lead_in_s: None,
+        }
+    }
+}
+
+/// A constant velocity beneath the excitation (SK15 section 4.4 B).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ConstantVelocityTable {
+    /// Velocity in rad/s, one for each input; its sign is the direction.
+    pub velocity_rad_s: Option<Vec<f64>>,
+    /// Way of a whole run in rad, lead-in included, one for each input: the velocity is the way
+    /// over the run's duration. The runs lie symmetrically about the pose, half the way on either
+    /// side.
+    pub travel_rad: Option<Vec<f64>>,
+    /// Runs of the constant velocity alone, subtracted from the others sample by sample; 0 for no
+    /// subtraction.
+    #[serde(default)]
+    pub glides: usize,
+}

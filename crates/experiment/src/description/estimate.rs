@@ -1,0 +1,64 @@
+//! How the records become an FRF: the table `[estimate]`.
+
+use frfid_estimate::Averaging;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// How the records become an FRF.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct EstimateTable {
+    /// What is averaged over periods: the FRFs (the paper) or the spectra (better when u is noisy).
+    pub average: Average,
+    /// What the glides take off every run of a constant velocity.
+    pub glide_subtraction: GlideSubtraction,
+    /// Estimate through the reference (joint input-output), which noise on u does not bias.
+    pub indirect: bool,
+    /// Frequencies at which a chirp is evaluated: their number, logarithmically spaced over the
+    /// band.
+    pub n_frequencies: usize,
+}
+
+impl Default for EstimateTable {
+    fn default() -> Self {
+        Self {
+            average: Average::Frfs,
+            glide_subtraction: GlideSubtraction::Time,
+            indirect: false,
+            n_frequencies: 200,
+        }
+    }
+}
+
+/// What the glides take off every run of a constant velocity (SK15 section 4.4 E).
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum GlideSubtraction {
+    /// Nothing: to see what it is good for.
+    None,
+    /// Their mean, sample by sample, as in the paper.
+    #[default]
+    Time,
+    /// Their mean, and the torque ripple at the run's own motor positions.
+    Position,
+}
+
+/// What is averaged over periods.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Average {
+    /// The FRFs of single periods, SK15 (14).
+    #[default]
+    Frfs,
+    /// The spectra, before dividing.
+    Spectra,
+}
+
+impl From<Average> for Averaging {
+    fn from(average: Average) -> Self {
+        match average {
+            Average::Frfs => Self::Frfs,
+            Average::Spectra => Self::Spectra,
+        }
+    }
+}

@@ -1,0 +1,210 @@
+//! The robot's tables in `experiment.toml` and in a robot file of its own.
+
+pub(crate) mod arm;
+pub(crate) mod check;
+pub(crate) mod controller;
+pub(crate) mod joint;
+pub(crate) mod sensor;
+pub(crate) mod single_joint;
+pub(crate) mod urdf;
+
+use std::path::Path;
+use std::sync::Arc;
+
+use frfid_plant::{Arm, Robot, Sensor, SingleJoint};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::description::limits::LimitsTable;
+use crate::description::robot::arm::{BodyTable, ChallengesTable, PayloadTable};
+use crate::description::robot::joint::JointTable;
+use crate::description::robot::sensor::SensorTable;
+use crate::description::robot::single_joint::SingleJointTable;
+use crate::description::robot::urdf::UrdfTable;
+use crate::description::text::{ConfigError, Source};
+
+/// Gravity where none is given: z up.
+const GRAVITY_M_S2: [f64; 3] = [0.0, 0.0, -9.81];
+
+/// The machine: `file`, a robot file of its own, or the tables of such a file right here. A robot
+/// is a `[single_joint]`, an arm of `[[body]]` tables, or an arm from `[urdf]`. Beside `file`, only
+/// `pose_rad` and `[challenges]` may be given; they go before those of the file.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RobotTable {
+    /// A robot file, relative to the file that names it.
+    pub file: Option<String>,
+    /// Acceleration of gravity in m/s^2 in the frame of the base; (0, 0, -9.81) without it.
+    pub gravity_m_s2: Option<[f64; 3]>,
+    /// The pose of an arm: link positions in rad, one for each joint that moves; zeros without it.
+    pub pose_rad: Option<Vec<f64>>,
+    /// One motor and one link with a gear between them.
+    pub single_joint: Option<SingleJointTable>,
+    /// Sensors and torque resolution of a single joint; ideal without this table. The joints of an
+    /// arm have their own.
+    pub sensor: Option<SensorTable>,
+    /// Which challenges the robot poses; all without this table.
+    #[serde(default)]
+    pub challenges: ChallengesTable,
+    /// The bodies of an arm, from the base to the tip.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub body: Vec<BodyTable>,
+    /// What the last body of an arm carries.
+    pub payload: Option<PayloadTable>,
+    /// An arm from URDF, with a table of its joints: URDF knows no gears.
+    pub urdf: Option<UrdfTable>,
+}
+
+impl RobotTable {
+    /// Reads a robot file; what it refers to is looked up beside it.
+    ///
+    /// # Errors
+    /// [`ConfigError`]: the file cannot be read, or the place and reason of what is wrong in it.
+    pub fn load(path: &Path) -> Result<Self, ConfigError> {
+        Self::of_source(&Source::read(path)?, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// A robot file's text, checked; what it refers to is looked up in `folder`.
+    fn of_source(source: &Source, folder: &Path) -> Result<Self, ConfigError> {
+        let mut robot: Self = source.parse()?;
+        if robot.file.is_some() {
+            return Err(source.error(&["file"], "a robot file cannot name another one"));
+        }
+        robot.read_urdf(source, folder, &[])?;
+        robot.check_at(source, &[])?;
+        Ok(robot)
+    }
+
+    /// Puts what other files say in the place of their names: the robot file, and the bodies of
+    /// URDF.
+    pub(crate) fn read_files(&mut self, source: &Source, folder: &Path) -> Result<(), ConfigError> {
+        let Some(file) = self.file.take() else {
+            return self.read_urdf(source, folder, &["robot"]);
+        };
+        let (pose_rad, challenges) = (self.pose_rad.take(), std::mem::take(&mut self.challenges));
+        if *self != Self::default() {
+            let message = "a robot file and tables of a robot are given; keep one of them \
+                           (only pose_rad and challenges may stand beside a file)";
+            return Err(source.error(&["robot", "file"], message));
+        }
+        let path = folder.join(&file);
+        let robot = Self::load(&path)
+            .map_err(|error| source.error(&["robot", "file"], error.to_string()))?;
+        let pose_rad = pose_rad.or_else(|| robot.pose_rad.clone());
+        *self = Self {
+            pose_rad,
+            challenges: challenges.or(robot.challenges),
+            ..robot
+        };
+        Ok(())
+    }
+
+    /// Number of axes.
+    #[must_use]
+    pub fn n_axes(&self) -> usize {
+        if self.body.is_empty() {
+            1
+        } else {
+            self.joints().count()
+        }
+    }
+
+    /// Names of the joints, as they stand in the logs: those of the bodies they move.
+    #[must_use]
+    pub fn joint_names(&self) -> Vec<String> {
+        if self.body.is_empty() {
+            return vec!["joint_1".to_owned()];
+        }
+        self.joints().map(|(body, _)| body.name.clone()).collect()
+    }
+
+    /// The pose in rad, one position for each axis.
+    #[must_use]
+    pub fn pose(&self) -> Vec<f64> {
+        self.pose_rad
+            .clone()
+            .unwrap_or_else(|| vec![0.0; self.n_axes()])
+    }
+
+    /// The bodies that move, with their joints.
+    fn joints(&self) -> impl Iterator<Item = (&BodyTable, &JointTable)> {
+        self.body
+            .iter()
+            .filter_map(|body| Some((body, body.joint.as_ref()?)))
+    }
+
+    /// The sensor of every axis; ideal, but for where the velocity comes from, which is linear.
+    #[must_use]
+    pub fn sensors(&self) -> Vec<Sensor> {
+        if !self.challenges.challenges().sensing {
+            return vec![Sensor::default(); self.n_axes()];
+        }
+        if self.body.is_empty() {
+            return vec![
+                self.sensor
+                    .as_ref()
+                    .map(SensorTable::sensor)
+                    .unwrap_or_default(),
+            ];
+        }
+        self.joints().map(|(_, joint)| joint.sensor()).collect()
+    }
+
+    /// The robot's own limits; without challenge A no limit on the torque.
+    #[must_use]
+    pub fn limits(&self) -> LimitsTable {
+        let mut limits = LimitsTable::default();
+        for name in LimitsTable::NAMES {
+            let unlimited = if name == "min_position" {
+                f64::NEG_INFINITY
+            } else {
+                f64::INFINITY
+            };
+            let of_axes: Vec<Option<f64>> =
+                self.joints().map(|(_, joint)| joint.limit(name)).collect();
+            if of_axes.iter().any(Option::is_some) {
+                let values = of_axes
+                    .into_iter()
+                    .map(|limit| limit.unwrap_or(unlimited))
+                    .collect();
+                *limits.entry(name) = Some(values);
+            }
+        }
+        if !self.challenges.challenges().gear_load_limit {
+            limits.max_effort = None;
+        }
+        limits
+    }
+
+    /// The joint to be simulated, if one is described, without the challenges that are switched
+    /// off.
+    #[must_use]
+    pub fn joint(&self) -> Option<SingleJoint> {
+        let challenges = self.challenges.challenges();
+        self.single_joint
+            .as_ref()
+            .map(|joint| joint.joint_with(challenges))
+    }
+
+    /// The arm to be simulated, if one is described.
+    #[must_use]
+    pub fn arm(&self) -> Option<Arm> {
+        if self.body.is_empty() {
+            return None;
+        }
+        Some(Arm {
+            bodies: self.body.iter().map(BodyTable::body).collect(),
+            payload: self.payload.as_ref().map(PayloadTable::payload),
+            gravity_m_s2: self.gravity_m_s2.unwrap_or(GRAVITY_M_S2),
+            pose_rad: self.pose(),
+            challenges: self.challenges.challenges(),
+        })
+    }
+
+    /// The robot to be simulated, if one is described.
+    #[must_use]
+    pub fn robot(&self) -> Option<Arc<dyn Robot>> {
+        let joint = self.joint().map(|joint| Arc::new(joint) as Arc<dyn Robot>);
+        joint.or_else(|| self.arm().map(|arm| Arc::new(arm) as Arc<dyn Robot>))
+    }
+}

@@ -1,0 +1,291 @@
+//! An arm from URDF and a table of its joints: URDF says where the bodies are and what they weigh,
+//! the table what drives them.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use urdf_rs::{Inertial, Joint, JointType};
+
+use crate::description::robot::RobotTable;
+use crate::description::robot::arm::{BodyTable, InertiaTable};
+use crate::description::robot::joint::JointTable;
+use crate::description::text::{ConfigError, Source};
+
+/// An arm from URDF: the chain of joints from the base link to the tip link. Revolute and
+/// continuous joints move and need a table of their name; fixed ones are locked. Limits that a
+/// table leaves out are those of URDF.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct UrdfTable {
+    /// The URDF file, relative to the file that names it; plain URDF, xacro expanded.
+    pub file: String,
+    /// Link at the base of the chain; the one link that hangs on no joint without it.
+    pub base_link: Option<String>,
+    /// Link at the tip of the chain; the one link on which nothing hangs without it.
+    pub tip_link: Option<String>,
+    /// Names of joints whose bodies are simplified: moments of inertia that never move are left
+    /// out.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub simplified: Vec<String>,
+    /// Motor and gear of every joint that moves, by the joint's name: `[urdf.joint.NAME]`.
+    #[serde(default)]
+    pub joint: BTreeMap<String, JointTable>,
+}
+
+impl RobotTable {
+    /// Puts the bodies of URDF, if a file is named, in the place of its name.
+    pub(super) fn read_urdf(
+        &mut self,
+        source: &Source,
+        folder: &Path,
+        table: &[&str],
+    ) -> Result<(), ConfigError> {
+        let Some(urdf) = self.urdf.take() else {
+            return Ok(());
+        };
+        let at = |keys: &[&str], message: String| {
+            source.error(&[table, &["urdf"], keys].concat(), message)
+        };
+        if !self.body.is_empty() {
+            return Err(at(
+                &["file"],
+                "URDF and [[body]] tables are given; keep one of them".into(),
+            ));
+        }
+        let path = folder.join(&urdf.file);
+        let text = Source::read(&path)
+            .map_err(|error| at(&["file"], error.to_string()))?
+            .text;
+        let robot = urdf_rs::read_from_string(&text)
+            .map_err(|error| at(&["file"], format!("{}: not URDF: {error}", path.display())))?;
+        self.body = urdf
+            .bodies(&robot)
+            .map_err(|(key, message)| at(&[key], message))?;
+        Ok(())
+    }
+}
+
+/// Key of `[urdf]` at which something is wrong, and what.
+type Fault = (&'static str, String);
+
+impl UrdfTable {
+    /// The bodies of the chain, from the base to the tip.
+    fn bodies(&self, robot: &urdf_rs::Robot) -> Result<Vec<BodyTable>, Fault> {
+        let chain = self.chain(robot)?;
+        let known: Vec<&str> = chain.iter().map(|joint| joint.name.as_str()).collect();
+        let joints = self.joint.keys().map(|name| ("joint", name));
+        let mut named = joints.chain(self.simplified.iter().map(|name| ("simplified", name)));
+        if let Some((key, name)) = named.find(|(_, name)| !known.contains(&name.as_str())) {
+            return Err((
+                key,
+                format!(
+                    "no joint of the chain is called {name}; there are {}",
+                    known.join(", ")
+                ),
+            ));
+        }
+        check_nothing_beside(robot, &chain)?;
+        chain
+            .into_iter()
+            .map(|joint| self.body(robot, joint))
+            .collect()
+    }
+
+    /// The joints from the base link to the tip link.
+    fn chain<'a>(&self, robot: &'a urdf_rs::Robot) -> Result<Vec<&'a Joint>, Fault> {
+        let above = |link: &str| robot.joints.iter().find(|joint| joint.child.link == link);
+        let links = || robot.links.iter().map(|link| link.name.as_str());
+        let is_base = |link: &&str| above(link).is_none();
+        let is_tip = |link: &&str| robot.joints.iter().all(|joint| joint.parent.link != **link);
+        let base = named(
+            "base_link",
+            self.base_link.as_deref(),
+            links(),
+            links().filter(is_base).collect(),
+        )?;
+        let tip = named(
+            "tip_link",
+            self.tip_link.as_deref(),
+            links(),
+            links().filter(is_tip).collect(),
+        )?;
+        let (mut chain, mut link) = (Vec::new(), tip);
+        while link != base {
+            // a chain longer than all joints runs in a circle
+            let joint = above(link).filter(|_| chain.len() < robot.joints.len());
+            let Some(joint) = joint else {
+                return Err((
+                    "tip_link",
+                    format!("no chain of joints leads from {base} to {tip}"),
+                ));
+            };
+            chain.push(joint);
+            link = &joint.parent.link;
+        }
+        chain.reverse();
+        Ok(chain)
+    }
+
+    fn body(&self, robot: &urdf_rs::Robot, joint: &Joint) -> Result<BodyTable, Fault> {
+        let name = &joint.name;
+        if joint.mimic.is_some() {
+            return Err((
+                "file",
+                format!("joint {name} mimics another; every joint must move on its own"),
+            ));
+        }
+        let table = match joint.joint_type {
+            JointType::Fixed => None,
+            JointType::Revolute | JointType::Continuous => {
+                let Some(table) = self.joint.get(name) else {
+                    return Err((
+                        "joint",
+                        format!(
+                            "no table [urdf.joint.{name}]: URDF knows no motor, gear and friction"
+                        ),
+                    ));
+                };
+                Some(with_limits(table, joint))
+            }
+            ref other => {
+                let kind = format!("{other:?}").to_lowercase();
+                return Err((
+                    "file",
+                    format!(
+                        "joint {name} is {kind}; only revolute, continuous and fixed joints can be simulated"
+                    ),
+                ));
+            }
+        };
+        let link = robot
+            .links
+            .iter()
+            .find(|link| link.name == joint.child.link);
+        let Inertial {
+            origin,
+            mass,
+            inertia,
+        } = link.map(|link| link.inertial.clone()).unwrap_or_default();
+        Ok(BodyTable {
+            name: name.clone(),
+            offset_m: joint.origin.xyz.0,
+            rotation_rpy_rad: joint.origin.rpy.0,
+            axis: joint.axis.xyz.0,
+            mass_kg: mass.value,
+            center_of_mass_m: origin.xyz.0,
+            inertia_kg_m2: turned(&inertia, origin.rpy.0),
+            simplified: self.simplified.contains(name),
+            locked_position_rad: table.is_none().then_some(0.0),
+            joint: table,
+        })
+    }
+}
+
+/// Refuses links with a mass that hang beside the chain: what they weigh would be lost.
+fn check_nothing_beside(robot: &urdf_rs::Robot, chain: &[&Joint]) -> Result<(), Fault> {
+    let mut moved: Vec<&str> = chain
+        .iter()
+        .map(|joint| joint.child.link.as_str())
+        .collect();
+    let mut next = 0;
+    while let Some(&link) = moved.get(next) {
+        let hanging = robot
+            .joints
+            .iter()
+            .filter(|joint| joint.parent.link == link)
+            .map(|joint| joint.child.link.as_str());
+        let new: Vec<&str> = hanging.filter(|child| !moved.contains(child)).collect();
+        moved.extend(new);
+        next += 1;
+    }
+    let beside = &moved[chain.len()..];
+    match robot
+        .links
+        .iter()
+        .find(|link| beside.contains(&link.name.as_str()) && link.inertial.mass.value != 0.0)
+    {
+        None => Ok(()),
+        Some(link) => Err((
+            "tip_link",
+            format!(
+                "link {} of {} kg hangs beside the chain to the tip; give its mass to a link of the chain",
+                link.name, link.inertial.mass.value
+            ),
+        )),
+    }
+}
+
+/// The link that is asked for, or the only one that comes into question.
+fn named<'a>(
+    key: &'static str,
+    asked: Option<&str>,
+    mut all: impl Iterator<Item = &'a str>,
+    possible: Vec<&'a str>,
+) -> Result<&'a str, Fault> {
+    match (asked, &possible[..]) {
+        (Some(asked), _) => all
+            .find(|link| *link == asked)
+            .ok_or((key, format!("there is no link {asked}"))),
+        (None, [only]) => Ok(only),
+        (None, _) => Err((
+            key,
+            format!("{key} is needed to choose one of {}", possible.join(", ")),
+        )),
+    }
+}
+
+/// The table with the limits of URDF where it has none. URDF writes 0 for an effort or a velocity
+/// that is not known, and an empty range for a joint without one.
+fn with_limits(table: &JointTable, joint: &Joint) -> JointTable {
+    let limit = &joint.limit;
+    let size = |value: f64| Some(value).filter(|value| value.is_finite() && *value > 0.0);
+    let has_range = joint.joint_type == JointType::Revolute && limit.lower < limit.upper;
+    let position = |value: f64| Some(value).filter(|value| has_range && value.is_finite());
+    JointTable {
+        min_position: table.min_position.or(position(limit.lower)),
+        max_position: table.max_position.or(position(limit.upper)),
+        max_velocity: table.max_velocity.or(size(limit.velocity)),
+        max_acceleration: table.max_acceleration.or(size(limit.acceleration)),
+        max_jerk: table.max_jerk.or(size(limit.jerk)),
+        max_effort: table.max_effort.or(size(limit.effort)),
+        ..table.clone()
+    }
+}
+
+/// A tensor of a frame turned by `rpy` as one of the body's frame: R I R^T.
+fn turned(inertia: &urdf_rs::Inertia, rpy: [f64; 3]) -> InertiaTable {
+    let &urdf_rs::Inertia {
+        ixx,
+        ixy,
+        ixz,
+        iyy,
+        iyz,
+        izz,
+    } = inertia;
+    let (r, tensor) = (
+        super::arm::rotation(rpy),
+        InertiaTable {
+            ixx,
+            iyy,
+            izz,
+            ixy,
+            ixz,
+            iyz,
+        }
+        .tensor(),
+    );
+    let entry = |i: usize, j: usize| {
+        let pairs = (0..3).flat_map(|k| (0..3).map(move |l| (k, l)));
+        pairs.map(|(k, l)| r[i][k] * tensor[k][l] * r[j][l]).sum()
+    };
+    InertiaTable {
+        ixx: entry(0, 0),
+        iyy: entry(1, 1),
+        izz: entry(2, 2),
+        ixy: entry(0, 1),
+        ixz: entry(0, 2),
+        iyz: entry(1, 2),
+    }
+}

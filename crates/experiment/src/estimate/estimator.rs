@@ -1,0 +1,303 @@
+//! From the records of a plan to its FRF: record by record, in any order, so that no campaign is
+//! too long for the memory.
+
+use frfid_estimate::{
+    BlaOptions, Campaign, ExcerptOptions, Excerpts, LineDft, Place, RunSpectra, Transform,
+};
+use frfid_signals::{Excitation, Frf, Plan, Record, RunId, RunKind, SignalError};
+use ndarray::s;
+
+use crate::description::estimate::{EstimateTable, GlideSubtraction};
+use crate::error::ExperimentError;
+use crate::estimate::glide_baseline::Baseline;
+use crate::estimate::ripple_residual::{FreeSpectra, RippleResidual};
+
+/// Turns the records of one plan into spectra, and the spectra into an FRF.
+pub struct Estimator {
+    plan: Plan,
+    period_samples: usize,
+    options: EstimateTable,
+    frequency_hz: Vec<f64>,
+    transform: Box<dyn Transform>,
+    baseline: Baseline,
+    residual: Option<RippleResidual>,
+    /// That of excerpts; none for lines.
+    relative_resolution: Option<f64>,
+}
+
+/// Spectra of records, in any order.
+#[derive(Debug, Clone, Default)]
+pub struct Spectra {
+    /// On the lines of the estimate, period by period.
+    periods: Vec<(Place, RunSpectra)>,
+    /// On the lines around them that are not excited.
+    free: Vec<FreeSpectra>,
+}
+
+impl Spectra {
+    /// Number of periods of runs.
+    #[must_use]
+    pub fn n_periods(&self) -> usize {
+        self.periods.len()
+    }
+
+    /// Adds those of other records.
+    pub fn extend(&mut self, other: Self) {
+        self.periods.extend(other.periods);
+        self.free.extend(other.free);
+    }
+}
+
+/// An FRF with what a careful reader should know besides.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimated {
+    /// The FRF.
+    pub frf: Frf,
+    /// Runs that were missing: their periods are not in the estimate.
+    pub missing: Vec<Place>,
+    /// Whether what remains of the ripple exceeds the noise, line by line; `None` where it cannot
+    /// be told: no glide was subtracted, or every reference was applied but once.
+    pub ripple: Option<Vec<bool>>,
+}
+
+impl Estimated {
+    /// Frequencies in Hz at which what remains of the ripple exceeds the noise.
+    #[must_use]
+    pub fn disturbed_hz(&self) -> Vec<f64> {
+        let lines = self
+            .frf
+            .frequency_hz
+            .iter()
+            .zip(self.ripple.iter().flatten());
+        lines
+            .filter(|(_, exceeds)| **exceeds)
+            .map(|(hz, _)| *hz)
+            .collect()
+    }
+}
+
+impl Estimator {
+    /// An estimator for the records of `plan`: DFT of the periods of a multisine on its excited
+    /// lines, excerpts of a chirp.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] if the plan or the options do not hold together.
+    pub fn new(plan: &Plan, options: &EstimateTable) -> Result<Self, ExperimentError> {
+        plan.check()?;
+        let period_samples = plan.period_samples()?;
+        let (frequency_hz, transform, relative_resolution): (
+            Vec<f64>,
+            Box<dyn Transform>,
+            Option<f64>,
+        ) = match &plan.excitation {
+            Excitation::Multisine { signal, .. } => {
+                let dft = LineDft::new(period_samples, &signal.grid.excited)?;
+                (dft.frequency_hz(plan.sample_time_s)?, Box::new(dft), None)
+            }
+            Excitation::Chirp(chirp) => {
+                let hz = log_spaced(chirp.low_hz, chirp.high_hz, options.n_frequencies)?;
+                let cut = ExcerptOptions::default();
+                let excerpts =
+                    Excerpts::new(chirp, &hz, plan.sample_time_s, 0.0, period_samples, &cut)?;
+                (hz, Box::new(excerpts), Some(cut.relative_resolution()))
+            }
+        };
+        Ok(Self {
+            plan: plan.clone(),
+            period_samples,
+            options: options.clone(),
+            frequency_hz,
+            transform,
+            baseline: Baseline::None,
+            residual: RippleResidual::of_plan(plan, options)?,
+            relative_resolution,
+        })
+    }
+
+    /// Whether the record of a run is needed before those of the others: that of a glide, or of a
+    /// run to learn the ripple from, one of every experiment of the first realization.
+    #[must_use]
+    pub fn comes_first(&self, id: RunId) -> bool {
+        let position =
+            self.options.glide_subtraction == GlideSubtraction::Position && self.plan.n_glides > 0;
+        id.kind == RunKind::Glide || (position && id.realization == 0 && id.repetition == 0)
+    }
+
+    /// Takes from the records that come first, in the order of their runs, what is taken off all of
+    /// them.
+    ///
+    /// # Errors
+    /// As [`Estimator::set_glides`] and [`Estimator::learn_ripple`].
+    pub fn prepare(&mut self, first: &[(RunId, Record)]) -> Result<(), ExperimentError> {
+        let (glides, runs): (Vec<_>, Vec<_>) =
+            first.iter().partition(|(id, _)| id.kind == RunKind::Glide);
+        self.set_glides(
+            &glides
+                .into_iter()
+                .map(|(_, record)| record)
+                .collect::<Vec<_>>(),
+        )?;
+        if self.learns_ripple() {
+            self.learn_ripple(runs)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Takes the records of the glides: what follows from them is taken off every record from then
+    /// on (SK15 section 4.4 E).
+    ///
+    /// # Errors
+    /// [`ExperimentError::Signal`] if they differ in shape.
+    pub fn set_glides(&mut self, glides: &[&Record]) -> Result<(), ExperimentError> {
+        if self.options.glide_subtraction != GlideSubtraction::None {
+            self.baseline = Baseline::of_glides(glides)?;
+        }
+        Ok(())
+    }
+
+    /// Whether [`Estimator::learn_ripple`] is to be called after the glides are set.
+    #[must_use]
+    pub fn learns_ripple(&self) -> bool {
+        self.options.glide_subtraction == GlideSubtraction::Position
+            && self.baseline != Baseline::None
+    }
+
+    /// Learns the ripple over the motor position from the glides and one run of every experiment of
+    /// a realization: a first estimate of the plant tells what of the glide is ripple.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for records that do not make an estimate.
+    pub fn learn_ripple<'a>(
+        &mut self,
+        runs: impl IntoIterator<Item = &'a (RunId, Record)>,
+    ) -> Result<(), ExperimentError> {
+        let mut spectra = Spectra::default();
+        for (id, record) in runs {
+            spectra.extend(self.spectra(*id, record, &|_| false)?);
+        }
+        self.baseline = self.baseline.with_ripple(&self.estimate(spectra)?.frf)?;
+        Ok(())
+    }
+
+    /// Spectra of the complete periods of the record of run `id`, but for those that `lost` names.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for samples that are not finite or a record that does not fit the plan.
+    pub fn spectra(
+        &self,
+        id: RunId,
+        record: &Record,
+        lost: &dyn Fn(usize) -> bool,
+    ) -> Result<Spectra, ExperimentError> {
+        if id.kind == RunKind::Glide {
+            return Ok(Spectra::default());
+        }
+        let rest = self.baseline.subtract_from(record)?;
+        let record = rest.as_ref().unwrap_or(record);
+        let complete = record
+            .n_steady_samples()
+            .saturating_sub(self.plan.lead_in_samples)
+            / self.period_samples;
+        let mut spectra = Spectra::default();
+        for period in (0..complete.min(self.plan.n_periods)).filter(|&period| !lost(period)) {
+            let start = self.plan.lead_in_samples + period * self.period_samples;
+            let window = s![.., start..start + self.period_samples];
+            let (u, y) = (record.u.slice(window), record.y.slice(window));
+            let r = record
+                .r
+                .as_ref()
+                .filter(|_| self.options.indirect)
+                .map(|r| r.slice(window));
+            let place = self.place(id, period);
+            spectra
+                .periods
+                .push((place, RunSpectra::of(&*self.transform, u, y, r)?));
+            if let Some(residual) = &self.residual {
+                spectra.free.extend(residual.spectra(place, u, y)?);
+            }
+        }
+        Ok(spectra)
+    }
+
+    /// Place of a period in the campaign: repetitions and periods back to back together are the
+    /// estimator's periods.
+    fn place(&self, id: RunId, period: usize) -> Place {
+        let period = id.repetition * self.plan.n_periods + period;
+        Place {
+            realization: id.realization,
+            period,
+            experiment: id.experiment,
+        }
+    }
+
+    /// The FRF of one record for each experiment.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for records that do not make an estimate.
+    pub fn frf_of_experiments(&self, records: &[Record]) -> Result<Frf, ExperimentError> {
+        let mut spectra = Spectra::default();
+        for (experiment, record) in records.iter().enumerate() {
+            let id = RunId {
+                kind: RunKind::Excitation,
+                realization: 0,
+                experiment,
+                repetition: 0,
+            };
+            spectra.extend(self.spectra(id, record, &|_| false)?);
+        }
+        Ok(self.estimate(spectra)?.frf)
+    }
+
+    /// The FRF of all spectra; periods of which an experiment is missing are left out and named.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] if nothing remains, or U cannot be inverted.
+    pub fn estimate(&self, spectra: Spectra) -> Result<Estimated, ExperimentError> {
+        let mut campaign = Campaign::new(self.frequency_hz.clone())?;
+        for (place, run) in spectra.periods {
+            campaign.insert(place, run)?;
+        }
+        let missing = campaign.drop_incomplete();
+        let options = BlaOptions {
+            averaging: self.options.average.into(),
+            ..BlaOptions::default()
+        };
+        let frf = Frf {
+            relative_resolution: self.relative_resolution,
+            ..campaign.estimate(&options)?
+        };
+        let ripple = self
+            .residual
+            .as_ref()
+            .map(|residual| residual.exceeds_noise(spectra.free, &frf))
+            .transpose()?;
+        Ok(Estimated {
+            frf,
+            missing,
+            ripple: ripple.flatten(),
+        })
+    }
+}
+
+/// `count` frequencies from `low_hz` to `high_hz`, logarithmically spaced, both ends included.
+///
+/// # Errors
+/// [`ExperimentError::Signal`] for fewer than two.
+pub fn log_spaced(low_hz: f64, high_hz: f64, count: usize) -> Result<Vec<f64>, ExperimentError> {
+    if count < 2 {
+        let needed = "at least 2";
+        return Err(SignalError::Parameter {
+            name: "n_frequencies",
+            found: count as f64,
+            needed,
+        }
+        .into());
+    }
+    let last = (count - 1) as f64;
+    let between = (1..count - 1).map(|index| low_hz * (high_hz / low_hz).powf(index as f64 / last));
+    Ok(std::iter::once(low_hz)
+        .chain(between)
+        .chain(std::iter::once(high_hz))
+        .collect())
+}

@@ -1,0 +1,94 @@
+//! What is taken off the records of a constant velocity before their spectra are taken (SK15
+//! section 4.4 E).
+
+use frfid_estimate::{RippleTorque, subtract_glide};
+use frfid_signals::{Frf, Record, SignalError};
+use ndarray::Array2;
+
+use crate::error::ExperimentError;
+
+/// What every run of a campaign carries besides the answer to its excitation.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Baseline {
+    /// Nothing that is known.
+    None,
+    /// The mean of the glides, sample by sample.
+    Glide(Record),
+    /// The same, and the ripple at the run's own motor positions.
+    Ripple(RippleTorque),
+}
+
+impl Baseline {
+    /// The mean of the glides; nothing if there is none.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Signal`] if they differ in shape.
+    pub fn of_glides(glides: &[&Record]) -> Result<Self, ExperimentError> {
+        let Some(&first) = glides.first() else {
+            return Ok(Self::None);
+        };
+        let mean = |name, signal: &dyn Fn(&Record) -> &Array2<f64>| {
+            let mut sum = Array2::zeros(signal(first).dim());
+            for glide in glides {
+                if signal(glide).dim() != sum.dim() {
+                    let needed = format!("{:?}, as in the first glide", sum.shape());
+                    return Err(SignalError::Shape {
+                        name,
+                        found: signal(glide).shape().to_vec(),
+                        needed,
+                    });
+                }
+                sum += signal(glide);
+            }
+            Ok(sum / glides.len() as f64)
+        };
+        let (u, y) = (
+            mean("u of a glide", &|glide| &glide.u)?,
+            mean("y of a glide", &|glide| &glide.y)?,
+        );
+        let position_rad = mean_position(glides);
+        Ok(Self::Glide(Record {
+            u,
+            y,
+            position_rad,
+            ..first.clone()
+        }))
+    }
+
+    /// The same with the ripple over the motor position, for which a first estimate of the plant is
+    /// needed.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Estimate`] for glides without positions, or a plant that does not fit.
+    pub fn with_ripple(&self, plant: &Frf) -> Result<Self, ExperimentError> {
+        match self {
+            Self::Glide(glide) => Ok(Self::Ripple(RippleTorque::of_glide(glide, plant)?)),
+            known => Ok(known.clone()),
+        }
+    }
+
+    /// The record without it.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Estimate`] for a record that does not fit the glide.
+    pub fn subtract_from(&self, record: &Record) -> Result<Option<Record>, ExperimentError> {
+        Ok(match self {
+            Self::None => None,
+            Self::Glide(glide) => Some(subtract_glide(record, glide)?),
+            Self::Ripple(ripple) => Some(ripple.subtract_glide(record)?),
+        })
+    }
+}
+
+/// The mean position of the glides, where all have one of the same shape.
+fn mean_position(glides: &[&Record]) -> Option<Array2<f64>> {
+    let mut sum = Array2::zeros(glides.first()?.position_rad.as_ref()?.dim());
+    for glide in glides {
+        let position = glide
+            .position_rad
+            .as_ref()
+            .filter(|position| position.dim() == sum.dim())?;
+        sum += position;
+    }
+    Some(sum / glides.len() as f64)
+}

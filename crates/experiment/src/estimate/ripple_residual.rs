@@ -1,0 +1,103 @@
+//! Which lines what remains of the torque ripple still disturbs, told from the lines around them
+//! that are not excited.
+
+use std::collections::BTreeMap;
+
+use frfid_estimate::{FreeLines, Place, ResidualLevel, Transform};
+use frfid_signals::{Excitation, Frf, Plan};
+use ndarray::{Array2, ArrayView2};
+use num_complex::Complex64;
+
+use crate::description::estimate::{EstimateTable, GlideSubtraction};
+use crate::error::ExperimentError;
+
+/// Free lines looked at around each excited line.
+const NEIGHBOURS: usize = 12;
+/// Realizations looked at: more tell no more of the level, and the memory of a campaign shall not
+/// grow with its length.
+const REALIZATIONS: usize = 4;
+
+/// Spectra of u and y on the free lines of one period.
+#[derive(Debug, Clone)]
+pub struct FreeSpectra {
+    place: Place,
+    u: Array2<Complex64>,
+    y: Array2<Complex64>,
+}
+
+/// Looks at the free lines of a plan.
+pub struct RippleResidual {
+    lines: FreeLines,
+}
+
+impl RippleResidual {
+    /// For the plans of which it can tell something: multisines on a constant velocity with glides,
+    /// repeated.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Estimate`] for lines that do not fit the period.
+    pub fn of_plan(plan: &Plan, options: &EstimateTable) -> Result<Option<Self>, ExperimentError> {
+        let Excitation::Multisine { signal, .. } = &plan.excitation else {
+            return Ok(None);
+        };
+        let repeated = plan.n_repetitions * plan.n_periods > 1;
+        if plan.n_glides == 0 || !repeated || options.glide_subtraction == GlideSubtraction::None {
+            return Ok(None);
+        }
+        let grid = &signal.grid;
+        Ok(Some(Self {
+            lines: FreeLines::new(grid.n_samples, &grid.excited, NEIGHBOURS)?,
+        }))
+    }
+
+    /// Spectra of one period, of the realizations that are looked at.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Estimate`] for samples that are not finite.
+    pub fn spectra(
+        &self,
+        place: Place,
+        u: ArrayView2<f64>,
+        y: ArrayView2<f64>,
+    ) -> Result<Option<FreeSpectra>, ExperimentError> {
+        if place.realization >= REALIZATIONS {
+            return Ok(None);
+        }
+        Ok(Some(FreeSpectra {
+            place,
+            u: self.lines.transform("u", u)?,
+            y: self.lines.transform("y", y)?,
+        }))
+    }
+
+    /// Whether what `plant` does not explain exceeds its noise, line by line; `None` without a
+    /// repeated reference.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Estimate`] for spectra of different shapes.
+    pub fn exceeds_noise(
+        &self,
+        mut free: Vec<FreeSpectra>,
+        plant: &Frf,
+    ) -> Result<Option<Vec<bool>>, ExperimentError> {
+        // a mean must not depend on the order in which the records came
+        free.sort_by_key(|FreeSpectra { place, .. }| {
+            (place.realization, place.experiment, place.period)
+        });
+        let mut references: BTreeMap<(usize, usize), Vec<Array2<Complex64>>> = BTreeMap::new();
+        for FreeSpectra { place, u, y } in free {
+            let unexplained = self.lines.unexplained(&u, &y, plant)?;
+            references
+                .entry((place.realization, place.experiment))
+                .or_default()
+                .push(unexplained);
+        }
+        let repeated = references
+            .values()
+            .filter(|repetitions| repetitions.len() > 1);
+        let levels = repeated
+            .map(|repetitions| self.lines.level(repetitions))
+            .collect::<Result<Vec<_>, _>>()?;
+        Ok(ResidualLevel::mean(&levels).map(|mean| mean.exceeds_noise()))
+    }
+}

@@ -1,0 +1,172 @@
+//! Whether the excitation of a campaign was strong enough to keep friction from hiding the
+//! resonances (SK15 footnote 2).
+
+use std::collections::BTreeMap;
+
+use frfid_estimate::{AxisStrength, BandStrength, pooled_strength, strength, strength_warnings};
+use frfid_files::Check;
+use frfid_signals::{Excitation, Record, RunId, RunKind};
+use serde::Serialize;
+
+use crate::experiment::Experiment;
+
+/// Bands per octave.
+const PER_OCTAVE: f64 = 3.0;
+
+/// How the axes were driven and moved, over all runs of a campaign.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Strength {
+    /// One entry for each axis.
+    pub axes: Vec<AxisReport>,
+    /// What was too weak, in words; empty if nothing was.
+    pub warnings: Vec<String>,
+}
+
+/// How one axis was driven and moved.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct AxisReport {
+    /// Rms of the motor torque about its mean in N m.
+    pub rms_nm: f64,
+    /// The same over the Coulomb friction; `None` where that is not known or 0.
+    pub rms_over_coulomb: Option<f64>,
+    /// Share of the samples in which the motor was stuck.
+    pub stuck_share: f64,
+    /// Smallest measured velocity, either way, in rad/s.
+    pub slowest_rad_s: f64,
+    /// Whether the measured velocity left the direction of the constant velocity; `None` without
+    /// one.
+    pub crosses_zero: Option<bool>,
+    /// The same by frequency.
+    pub bands: Vec<BandReport>,
+}
+
+/// How one axis was driven and moved in a band.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BandReport {
+    /// Lower edge in Hz.
+    pub low_hz: f64,
+    /// Upper edge in Hz.
+    pub high_hz: f64,
+    /// Rms of the motor torque in N m.
+    pub rms_nm: f64,
+    /// The same over the Coulomb friction.
+    pub rms_over_coulomb: Option<f64>,
+    /// Share of the samples in which the motor was stuck while a chirp was in the band; `None` for
+    /// a multisine.
+    pub stuck_share: Option<f64>,
+}
+
+/// The strength of single runs, in their order.
+pub(crate) type OfRuns = BTreeMap<RunId, Vec<AxisStrength>>;
+
+impl Experiment {
+    /// The strength of one run; `None` for a glide, or a run that was stopped before there was
+    /// anything to tell.
+    pub(crate) fn strength_of(&self, run: RunId, record: &Record) -> Option<Vec<AxisStrength>> {
+        let is_excited = run.kind == RunKind::Excitation;
+        is_excited
+            .then(|| strength(record, &self.plan, &self.bands_hz()).ok())
+            .flatten()
+    }
+
+    /// The strength of several runs as one; `None` of none.
+    pub(crate) fn strength(&self, runs: OfRuns) -> Option<Strength> {
+        let axes = pooled_strength(&runs.into_values().collect::<Vec<_>>())?;
+        let coulomb_nm = self.coulomb_nm();
+        let names: Vec<String> = (1..=axes.len())
+            .map(|axis| format!("axis {axis}"))
+            .collect();
+        let warnings = strength_warnings(&axes, &names, coulomb_nm.as_deref());
+        let coulomb_nm = |axis: usize| {
+            coulomb_nm
+                .as_ref()
+                .and_then(|all| all.get(axis).copied())
+                .filter(|nm| *nm > 0.0)
+        };
+        let axes = axes
+            .iter()
+            .enumerate()
+            .map(|(axis, strength)| axis_report(strength, coulomb_nm(axis)))
+            .collect();
+        Some(Strength { axes, warnings })
+    }
+
+    /// Bands of a third of an octave or less over what is excited.
+    fn bands_hz(&self) -> Vec<[f64; 2]> {
+        let (low_hz, high_hz) = match &self.plan.excitation {
+            Excitation::Chirp(chirp) => (chirp.low_hz, chirp.high_hz),
+            Excitation::Multisine { signal, .. } => {
+                let hz = |line: Option<&usize>| {
+                    line.map_or(1.0, |line| *line as f64 / signal.grid.period_s())
+                };
+                // a line at the upper edge would belong to the next band
+                (
+                    hz(signal.grid.excited.first()),
+                    1.000_001 * hz(signal.grid.excited.last()),
+                )
+            }
+        };
+        let count = (PER_OCTAVE * (high_hz / low_hz).log2()).ceil().max(1.0);
+        let edge = |band: usize| low_hz * (high_hz / low_hz).powf(band as f64 / count);
+        (0..count as usize)
+            .map(|band| [edge(band), edge(band + 1)])
+            .collect()
+    }
+}
+
+impl Strength {
+    /// Whether the measured velocity kept the direction of the constant velocity; `None` without
+    /// one.
+    pub(crate) fn sign_check(&self) -> Option<Check> {
+        let crossing: Vec<bool> = self
+            .axes
+            .iter()
+            .filter_map(|axis| axis.crosses_zero)
+            .collect();
+        if crossing.is_empty() {
+            return None;
+        }
+        let slowest = self
+            .axes
+            .iter()
+            .map(|axis| format!("{:.4}", axis.slowest_rad_s))
+            .collect::<Vec<_>>()
+            .join(", ");
+        Some(Check {
+            name: "velocity keeps its sign".into(),
+            passed: crossing.iter().all(|crosses| !crosses),
+            found: format!("at the slowest {slowest} rad/s"),
+            needed: "the direction of the constant velocity in every sample".into(),
+            advice: "raise the constant velocity, or lower the excitation".into(),
+        })
+    }
+
+    /// Whether an axis left the direction of its constant velocity.
+    #[must_use]
+    pub fn crosses_zero(&self) -> bool {
+        self.axes.iter().any(|axis| axis.crosses_zero == Some(true))
+    }
+}
+
+fn axis_report(strength: &AxisStrength, coulomb_nm: Option<f64>) -> AxisReport {
+    let band = |&BandStrength {
+                    low_hz,
+                    high_hz,
+                    rms_nm,
+                    stuck_share,
+                }: &BandStrength| BandReport {
+        low_hz,
+        high_hz,
+        rms_nm,
+        rms_over_coulomb: coulomb_nm.map(|coulomb_nm| rms_nm / coulomb_nm),
+        stuck_share,
+    };
+    AxisReport {
+        rms_nm: strength.rms_nm,
+        rms_over_coulomb: coulomb_nm.map(|coulomb_nm| strength.rms_nm / coulomb_nm),
+        stuck_share: strength.stuck_share,
+        slowest_rad_s: strength.slowest_rad_s,
+        crosses_zero: strength.crosses_zero,
+        bands: strength.bands.iter().map(band).collect(),
+    }
+}

@@ -1,0 +1,123 @@
+//! What is to be run: a description, whose references are made from the seed, or a plan file, whose
+//! references are read.
+
+use std::path::Path;
+
+use frfid_files::{BoxError, Overwrite, PlanFile, PlanHead, PlannedRun, write_plan};
+use frfid_signals::{Run, RunId, RunKind};
+
+use crate::description::text::Source;
+use crate::error::ExperimentError;
+use crate::experiment::Experiment;
+use crate::run::parallel::Progress;
+
+/// Runs to be done.
+#[derive(Debug, Clone)]
+pub struct Order {
+    /// The description.
+    pub experiment: Experiment,
+    /// The plan file whose references are played instead of those the description would give.
+    plan: Option<PlanFile>,
+}
+
+impl Order {
+    /// Reads a description (`.toml`) or a plan file (anything else).
+    ///
+    /// # Errors
+    /// [`ExperimentError`]: unreadable, damaged, or not what it should be.
+    pub fn load(path: &Path) -> Result<Self, ExperimentError> {
+        if path
+            .extension()
+            .is_some_and(|extension| extension == "toml")
+        {
+            return Ok(Self {
+                experiment: Experiment::load(path)?,
+                plan: None,
+            });
+        }
+        let plan = PlanFile::open(path)?;
+        let source = Source {
+            name: format!("experiment.toml in {}", path.display()),
+            text: plan.head.experiment_toml.clone(),
+        };
+        Ok(Self {
+            experiment: Experiment::new(source, Path::new(""))?,
+            plan: Some(plan),
+        })
+    }
+
+    /// An order to run a description.
+    #[must_use]
+    pub fn of(experiment: Experiment) -> Self {
+        Self {
+            experiment,
+            plan: None,
+        }
+    }
+
+    /// Every run, in the order in which they are done.
+    #[must_use]
+    pub fn run_ids(&self) -> Vec<RunId> {
+        match &self.plan {
+            Some(plan) => plan.run_ids().collect(),
+            None => self.experiment.plan.run_ids().collect(),
+        }
+    }
+
+    /// The reference of one run.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] if there is no such run, or the plan file is damaged there.
+    pub fn run(&self, id: RunId) -> Result<Run, ExperimentError> {
+        match &self.plan {
+            Some(plan) => Ok(plan.run(id)?),
+            None => Ok(self.experiment.plan.run(id)?),
+        }
+    }
+}
+
+impl Experiment {
+    /// Writes the references of every run as a plan file that a player on the robot's side can
+    /// send.
+    ///
+    /// # Errors
+    /// [`ExperimentError::File`], also when `progress` said to stop.
+    pub fn write_plan(
+        &self,
+        path: &Path,
+        overwrite: Overwrite,
+        progress: Progress,
+    ) -> Result<(), ExperimentError> {
+        let plan = &self.plan;
+        let head = PlanHead {
+            joint_names: self.config.robot.joint_names(),
+            sample_time_s: plan.sample_time_s,
+            injection: plan.injection,
+            lead_in_samples: plan.lead_in_samples,
+            period_samples: plan.period_samples()?,
+            n_periods: plan.n_periods,
+            metadata: self.provenance(),
+            experiment_toml: self.to_toml(),
+        };
+        // repetitions share a reference: only the first of them is written
+        let ids: Vec<RunId> = plan.run_ids().filter(|id| id.repetition == 0).collect();
+        let runs = ids.iter().enumerate().map(|(done, &id)| {
+            if !progress(done, ids.len()) {
+                return Err(BoxError::from(ExperimentError::Interrupted {
+                    done,
+                    total: ids.len(),
+                }));
+            }
+            let n_repetitions = if id.kind == RunKind::Glide {
+                plan.n_glides
+            } else {
+                plan.n_repetitions
+            };
+            Ok(PlannedRun {
+                run: plan.run(id)?,
+                n_repetitions,
+            })
+        });
+        Ok(write_plan(path, overwrite, &head, runs)?)
+    }
+}

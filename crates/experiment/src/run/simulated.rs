@@ -1,0 +1,197 @@
+//! The simulated robot that a configuration describes, watched as a real one would be, and its
+//! linear truth.
+
+use std::sync::Arc;
+
+use frfid_plant::{ClosedLoop, Hold, OpenLoop, Robot, Sensor, Trajectory, Watch};
+use frfid_signals::{Frf, Record, Run, Testbed, TestbedError};
+
+use crate::description::limits::LimitsTable;
+use crate::error::ExperimentError;
+use crate::experiment::Experiment;
+
+/// Time in s in which a run that exceeds a limit is brought to rest.
+const RAMP_S: f64 = 0.2;
+
+/// A robot in open loop, or under its controller.
+#[derive(Debug, Clone)]
+pub(crate) enum Simulator {
+    /// The reference is the motor torque.
+    Open(OpenLoop),
+    /// The reference is the motor velocity.
+    Closed(ClosedLoop),
+}
+
+impl Simulator {
+    /// Does one run; returns the true motion beside what the sensors recorded.
+    pub fn simulate(&self, run: &Run) -> Result<(Record, Trajectory), TestbedError> {
+        match self {
+            Self::Open(testbed) => testbed
+                .simulate(run)
+                .map_err(|error| error.in_run(run.id, &[])),
+            Self::Closed(testbed) => testbed
+                .simulate(run)
+                .map_err(|error| error.in_run(run.id, &testbed.controller.gain)),
+        }
+    }
+}
+
+impl Testbed for Simulator {
+    fn n_inputs(&self) -> usize {
+        match self {
+            Self::Open(testbed) => testbed.n_inputs(),
+            Self::Closed(testbed) => testbed.n_inputs(),
+        }
+    }
+
+    fn run(&self, run: &Run) -> Result<Record, TestbedError> {
+        Ok(self.simulate(run)?.0)
+    }
+}
+
+impl Experiment {
+    /// The simulated robot, in open loop or under its controller if one is described. Runs that
+    /// exceed a limit of torque, velocity or travel are brought to rest, and end there.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Config`] where no robot is described.
+    pub fn testbed(&self) -> Result<Box<dyn Testbed>, ExperimentError> {
+        Ok(Box::new(self.simulator(Some(self.watch()))?))
+    }
+
+    /// The simulated robot, watched or not.
+    pub(crate) fn simulator(&self, watch: Option<Watch>) -> Result<Simulator, ExperimentError> {
+        let (robot, seed, sensors) = (self.robot()?, self.config.seed, self.config.robot.sensors());
+        Ok(match &self.config.controller {
+            None => Simulator::Open(OpenLoop {
+                sensors,
+                seed,
+                watch,
+                ..OpenLoop::new(robot)
+            }),
+            Some(table) => {
+                let controller = table.controller(self.config.sample_time_s);
+                Simulator::Closed(ClosedLoop {
+                    sensors,
+                    seed,
+                    watch,
+                    ..ClosedLoop::new(robot, controller)
+                })
+            }
+        })
+    }
+
+    /// Exact FRF from motor torque to velocity at the pose of the robot without its nonlinearities;
+    /// with `sensor` as the robot's sensors see it, by differencing and through a filter
+    /// ([`Robot::frf_seen`]).
+    ///
+    /// # Errors
+    /// [`ExperimentError`] where no robot is described, or for frequencies out of range.
+    pub fn truth(&self, hz: &[f64], hold: Hold, sensor: bool) -> Result<Frf, ExperimentError> {
+        let robot = self.robot()?;
+        let sensors = if sensor {
+            self.config.robot.sensors()
+        } else {
+            vec![Sensor::default(); robot.n_axes()]
+        };
+        Ok(robot.frf_seen(hz, hold, self.config.sample_time_s, &sensors)?)
+    }
+
+    /// The robot to be simulated, without the challenges that are switched off.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Config`] where none is described.
+    pub fn robot(&self) -> Result<Arc<dyn Robot>, ExperimentError> {
+        let missing = || {
+            self.source.error(
+                &["robot"],
+                "no robot to simulate: a robot file, or tables of one, are needed",
+            )
+        };
+        Ok(self.config.robot.robot().ok_or_else(missing)?)
+    }
+
+    /// The limits that bind: those of the experiment and those of the robot, the tighter of the
+    /// two.
+    #[must_use]
+    pub fn limits(&self) -> LimitsTable {
+        self.config.limits.tighter(&self.config.robot.limits())
+    }
+
+    /// Whether a limit of an axis is the robot's own, not that of the experiment.
+    #[must_use]
+    pub fn is_robots(&self, limit: &str, axis: usize) -> bool {
+        let of = |limits: &LimitsTable| {
+            limits
+                .clone()
+                .entry(limit)
+                .as_ref()
+                .and_then(|limit| limit.get(axis).copied())
+        };
+        of(&self.config.limits) != of(&self.limits())
+    }
+
+    /// What stops a run. A position limit nearer to the pose than the largest travel takes its
+    /// place, on either side.
+    #[must_use]
+    pub fn watch(&self) -> Watch {
+        // an axis without a limit has one that no number reaches
+        let watched = |limit: Vec<f64>| limit.iter().map(|limit| limit.min(f64::MAX)).collect();
+        let LimitsTable {
+            max_effort,
+            max_velocity,
+            max_travel,
+            min_position,
+            max_position,
+            ..
+        } = self.limits();
+        let pose_rad = self.config.robot.pose();
+        let room = |limit: Option<Vec<f64>>| {
+            limit.map(|limit| {
+                limit
+                    .iter()
+                    .zip(&pose_rad)
+                    .map(|(limit, pose)| (limit - pose).abs())
+                    .collect()
+            })
+        };
+        let travels = [max_travel, room(min_position), room(max_position)]
+            .into_iter()
+            .flatten();
+        let nearest = |a: Vec<f64>, b: Vec<f64>| a.iter().zip(b).map(|(a, b)| a.min(b)).collect();
+        Watch {
+            max_effort_nm: max_effort.map(watched),
+            max_velocity_rad_s: max_velocity.map(watched),
+            max_travel_rad: travels.reduce(nearest).map(watched),
+            ramp_s: RAMP_S,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::description::templates::Template;
+    use crate::description::text::Source;
+    use crate::experiment::Experiment;
+
+    #[test]
+    fn a_position_limit_near_the_pose_is_watched() {
+        let template = Template::named("r3-chirp").expect("built in");
+        let limits = "max_position = [-1.04, 0.36, 3.0]\nmin_position = [-3.0, -3.0, 1.55]";
+        let text = template
+            .text()
+            .replace("[limits]", &format!("[limits]\n{limits}"));
+        let experiment = Experiment::new(
+            Source {
+                name: "r3".into(),
+                text,
+            },
+            "".as_ref(),
+        )
+        .expect("sound");
+        let travel = experiment.watch().max_travel_rad.expect("limited");
+        for (found, expected) in travel.iter().zip([0.0072, 0.0109, 0.0208]) {
+            assert!((found - expected).abs() < 1e-4, "{travel:?}");
+        }
+    }
+}

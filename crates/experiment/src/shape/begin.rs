@@ -1,0 +1,233 @@
+//! The shaping that a description asks for (SK15 section 5.3): from the reference of its `[chirp]`
+//! towards what its `[shape]` desires, inside its limits.
+
+use frfid_estimate::{EstimateError, ShapeError, ShapeLimits, ShapeOptions, Shaper, Target};
+use frfid_plant::{Sensor, Velocity};
+use frfid_signals::{Chirp, Excitation, Plan, Profile, RunId, RunKind};
+use ndarray::{Array3, Axis};
+
+use crate::description::excitation::Amplitude;
+use crate::description::shape::ShapeTable;
+use crate::description::text::ConfigError;
+use crate::design::plan::located;
+use crate::error::ExperimentError;
+use crate::experiment::Experiment;
+
+/// Multiple of the noise on a velocity reading below which the motor may be standing.
+const STILL: f64 = 3.0;
+
+impl Experiment {
+    /// The shaper at its beginning, with its options: the reference of `[chirp]` is its first, what
+    /// `[shape]` desires is the same chirp with other amplitudes.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Config`] with the place of what is missing or does not fit: no chirp, no
+    /// controller, no table `[shape]`, a desired torque or an initial reference beyond its limit.
+    pub fn shaper(&self) -> Result<(Shaper, ShapeOptions), ExperimentError> {
+        let (chirp, table) = self.shaped()?;
+        let (target, _) = self.desired(table)?;
+        let options = self.shape_options(chirp, table, target);
+        let made = Shaper::new(
+            self.desired_signal()?,
+            experiments(&self.plan)?,
+            options.clone(),
+        );
+        let shaper = made.map_err(|error| match error {
+            ShapeError::StartTooLarge { .. } => self
+                .source
+                .error(&["chirp", "amplitude_rad_s"], error.to_string())
+                .into(),
+            ShapeError::Estimate(EstimateError::Signal(error)) => {
+                located(&self.source, "shape", &error).into()
+            }
+            error => ExperimentError::from(error),
+        })?;
+        Ok((shaper, options))
+    }
+
+    /// What the target shall be, `(experiment, channel, sample)`: the chirp with the amplitudes
+    /// that `[shape]` desires.
+    ///
+    /// # Errors
+    /// As [`Experiment::shaper`].
+    pub fn desired_signal(&self) -> Result<Array3<f64>, ExperimentError> {
+        let (chirp, table) = self.shaped()?;
+        let chirp = Chirp {
+            amplitude: self.desired(table)?.1,
+            ..chirp.clone()
+        };
+        experiments(&Plan {
+            excitation: Excitation::Chirp(chirp),
+            ..self.plan.clone()
+        })
+    }
+
+    /// The chirp and its table, once everything stands that shaping needs.
+    pub fn shaped(&self) -> Result<(&Chirp, &ShapeTable), ConfigError> {
+        let refused = |path: &[&str], message: &str| Err(self.source.error(path, message));
+        let Excitation::Chirp(chirp) = &self.plan.excitation else {
+            return refused(
+                &["multisine"],
+                "a chirp is shaped: give a table [chirp] instead of [multisine]",
+            );
+        };
+        let Some(table) = &self.config.shape else {
+            let message = "no [shape]: add this table with desired_nm, the motor torque that the chirp shall lead to on each axis";
+            return refused(&["chirp"], message);
+        };
+        if self.config.controller.is_none() {
+            let message = "shaping is for closed loops: add a table [controller] with its gains, and give the initial reference \
+                           [chirp].amplitude_rad_s";
+            return refused(&["shape"], message);
+        }
+        if self.config.constant_velocity.is_some() {
+            return refused(
+                &["constant_velocity"],
+                "a chirp is shaped from rest: leave [constant_velocity] out",
+            );
+        }
+        if self.plan.n_repetitions != 1 {
+            return refused(
+                &["averaging", "repetitions"],
+                "shaping does each run of an iteration once: leave repetitions at 1",
+            );
+        }
+        Ok((chirp, table))
+    }
+
+    /// Which signal is to follow, and its amplitude on each axis.
+    fn desired(&self, table: &ShapeTable) -> Result<(Target, Vec<Profile>), ConfigError> {
+        let (target, key, amplitude) = match (&table.desired_nm, &table.desired_rad_s) {
+            (Some(torque), None) => (Target::Torque, "desired_nm", torque),
+            (None, Some(velocity)) => (Target::Velocity, "desired_rad_s", velocity),
+            _ => {
+                let message = "give the desired torque (desired_nm) or velocity (desired_rad_s), one of the two";
+                return Err(self.source.error(&["shape"], message));
+            }
+        };
+        let n_axes = self.plan.n_inputs;
+        if amplitude.len() != n_axes {
+            let message = format!(
+                "{key} has {} entries, needed: one for each of the {n_axes} axes",
+                amplitude.len()
+            );
+            return Err(self.source.error(&["shape", key], message));
+        }
+        let profiles: Vec<Profile> = amplitude.iter().map(Amplitude::profile).collect();
+        for (axis, profile) in profiles.iter().enumerate() {
+            profile
+                .check()
+                .map_err(|error| self.source.error(&["shape", key], error.to_string()))?;
+            if profile.peak() == 0.0 {
+                let message = format!(
+                    "axis {} desires nothing; needed: an amplitude above 0",
+                    axis + 1
+                );
+                return Err(self.source.error(&["shape", key], message));
+            }
+        }
+        self.inside_limits(target, key, &profiles)?;
+        Ok((target, profiles))
+    }
+
+    /// Refuses what is desired beyond a limit.
+    fn inside_limits(
+        &self,
+        target: Target,
+        key: &str,
+        profiles: &[Profile],
+    ) -> Result<(), ConfigError> {
+        let limits = self.limits();
+        let (name, unit, limit) = match target {
+            Target::Torque => ("max_effort", "N m", limits.max_effort),
+            Target::Velocity => ("max_velocity", "rad/s", limits.max_velocity),
+        };
+        for (axis, (profile, limit)) in profiles.iter().zip(limit.iter().flatten()).enumerate() {
+            if profile.peak() > *limit {
+                let message = format!(
+                    "axis {} desires {} {unit}, beyond its {name} of {limit}; lower it",
+                    axis + 1,
+                    profile.peak()
+                );
+                return Err(self.source.error(&["shape", key], message));
+            }
+        }
+        Ok(())
+    }
+
+    fn shape_options(&self, chirp: &Chirp, table: &ShapeTable, target: Target) -> ShapeOptions {
+        let watch = self.watch();
+        ShapeOptions {
+            target,
+            step: table.step(),
+            low_hz: chirp.low_hz,
+            high_hz: chirp.high_hz,
+            sample_time_s: self.plan.sample_time_s,
+            n_iterations: table.n_iterations,
+            good_enough: table.good_enough,
+            largest_change: table.largest_change,
+            limits: ShapeLimits {
+                max_torque_nm: watch.max_effort_nm,
+                max_velocity_rad_s: watch.max_velocity_rad_s,
+                max_travel_rad: watch.max_travel_rad,
+                margin: table.margin,
+            },
+            max_stuck_share: table.max_stuck_share,
+            still_rad_s: self.still_rad_s(),
+            coulomb_nm: self.coulomb_nm(),
+        }
+    }
+
+    /// Velocity reading in rad/s up to which a motor may be standing: a few times the noise of the
+    /// noisiest sensor, 0 without noise.
+    #[must_use]
+    pub fn still_rad_s(&self) -> f64 {
+        let sensors = self.config.robot.sensors();
+        sensors
+            .iter()
+            .map(|sensor| STILL * velocity_noise_rad_s(sensor, self.plan.sample_time_s))
+            .fold(0.0, f64::max)
+    }
+
+    /// Coulomb friction in N m of each axis of the robot that is described; `None` where none is.
+    #[must_use]
+    pub fn coulomb_nm(&self) -> Option<Vec<f64>> {
+        let robot = &self.config.robot;
+        let of_joint = robot.joint().map(|joint| vec![joint.coulomb_nm]);
+        let of_arm = || {
+            let arm = robot.arm()?;
+            Some(
+                arm.joints()
+                    .map(|joint| joint.with(arm.challenges).coulomb_nm)
+                    .collect(),
+            )
+        };
+        of_joint.or_else(of_arm)
+    }
+}
+
+/// Rms of the noise on a velocity reading: its own, or that of the difference of two positions.
+fn velocity_noise_rad_s(sensor: &Sensor, sample_time_s: f64) -> f64 {
+    let own = sensor.velocity_noise_rad_s.unwrap_or(0.0);
+    let position = sensor
+        .position_noise_rad
+        .filter(|_| sensor.velocity == Velocity::Differenced)
+        .unwrap_or(0.0);
+    own.hypot(2.0_f64.sqrt() * position / sample_time_s)
+}
+
+/// The references of all experiments of a plan, rest before the chirp included,
+/// `(experiment, channel, sample)`.
+fn experiments(plan: &Plan) -> Result<Array3<f64>, ExperimentError> {
+    let mut stacked = Array3::zeros((plan.n_experiments(), plan.n_inputs, plan.run_samples()?));
+    for (experiment, mut to) in stacked.axis_iter_mut(Axis(0)).enumerate() {
+        let id = RunId {
+            kind: RunKind::Excitation,
+            realization: 0,
+            experiment,
+            repetition: 0,
+        };
+        to.assign(&plan.run(id)?.reference);
+    }
+    Ok(stacked)
+}

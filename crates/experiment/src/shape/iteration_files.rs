@@ -1,0 +1,180 @@
+//! The files of one iteration of a shaping: FRFs, errors, and where they come from.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+use std::path::Path;
+
+use frfid_estimate as estimate;
+use frfid_files::{Check, Overwrite, ResultFile, sha256_file, write_bytes, write_result};
+use frfid_signals::{Frf, Record, RunId, RunKind};
+
+use crate::design::predict::Peaks;
+use crate::error::ExperimentError;
+use crate::estimate::estimator::Estimator;
+use crate::estimate::outcome::condition_check;
+use crate::experiment::Experiment;
+
+/// FRF from motor torque to motor velocity.
+const U_TO_Y: &str = "u_to_y.json";
+/// Response from the reference to the motor torque.
+const RESPONSE: &str = "response.json";
+/// Error per frequency and axis.
+const ERRORS: &str = "errors.csv";
+/// The files of an iteration besides its runs.
+pub(crate) const NAMES: [&str; 3] = [U_TO_Y, RESPONSE, ERRORS];
+
+/// Writes the files of iterations.
+pub(crate) struct IterationFiles<'a> {
+    experiment: &'a Experiment,
+    /// Provenance of the experiment.
+    pub metadata: BTreeMap<String, String>,
+    estimator: Estimator,
+}
+
+impl<'a> IterationFiles<'a> {
+    /// For the iterations of an experiment.
+    pub fn new(experiment: &'a Experiment) -> Result<Self, ExperimentError> {
+        let estimator = Estimator::new(&experiment.plan, &experiment.config.estimate)?;
+        Ok(Self {
+            experiment,
+            metadata: experiment.provenance(),
+            estimator,
+        })
+    }
+
+    /// The FRF from motor torque to motor velocity, by excerpts of the chirp.
+    pub fn frf(&self, records: &[Record]) -> Result<Frf, ExperimentError> {
+        self.estimator.frf_of_experiments(records)
+    }
+
+    /// Whether U of an iteration can be inverted well.
+    pub fn condition_check(&self, frf: &Frf, iteration: &estimate::Iteration) -> Check {
+        let still = vec![0.0; self.experiment.plan.n_inputs];
+        let peaks = iteration
+            .records
+            .iter()
+            .map(|record| Peaks::of(record, &still, &still));
+        let efforts = peaks
+            .reduce(|a, b| a.max(&b))
+            .map(|peaks| peaks.effort_rms_nm);
+        condition_check(frf, &efforts.unwrap_or_default())
+    }
+
+    /// Writes FRFs and errors beside the runs in `folder`; returns the hash of every file.
+    pub fn write(
+        &self,
+        iteration: &estimate::Iteration,
+        frf: Option<Frf>,
+        folder: &Path,
+    ) -> Result<BTreeMap<String, String>, ExperimentError> {
+        let mut names = run_names(iteration);
+        if let Some(frf) = frf {
+            let checks = vec![self.condition_check(&frf, iteration)];
+            let result = self.result(frf, iteration, folder, checks)?;
+            write_result(&folder.join(U_TO_Y), Overwrite::Replace, &result)?;
+            names.push(U_TO_Y.into());
+        }
+        if let Some(estimate) = &iteration.estimate {
+            write_result(
+                &folder.join(RESPONSE),
+                Overwrite::Replace,
+                &self.response(estimate.r_to_u.clone()),
+            )?;
+            write_bytes(
+                &folder.join(ERRORS),
+                Overwrite::Replace,
+                errors_csv(estimate).as_bytes(),
+            )?;
+            names.extend([RESPONSE.into(), ERRORS.into()]);
+        }
+        let hashed = |name: String| {
+            let hash = sha256_file(&folder.join(&name))?;
+            Ok((name, hash))
+        };
+        names.into_iter().map(hashed).collect()
+    }
+
+    /// The FRF of an iteration with the runs in `folder` as a result.
+    pub fn result(
+        &self,
+        frf: Frf,
+        iteration: &estimate::Iteration,
+        folder: &Path,
+        checks: Vec<Check>,
+    ) -> Result<ResultFile, ExperimentError> {
+        let pose = self.experiment.config.robot.pose();
+        let start = vec![0.0; pose.len()];
+        let peaks = iteration
+            .records
+            .iter()
+            .map(|record| Peaks::of(record, &start, &pose))
+            .reduce(|a, b| a.max(&b));
+        let mut result = self.experiment.result(frf, peaks.as_ref(), checks);
+        result
+            .provenance
+            .insert("iteration".into(), iteration.number.to_string());
+        for name in run_names(iteration) {
+            result.provenance.insert(
+                format!("sha256 of {name}"),
+                sha256_file(&folder.join(&name))?,
+            );
+        }
+        Ok(result)
+    }
+
+    /// The response from the reference to the motor torque as a result.
+    fn response(&self, frf: Frf) -> ResultFile {
+        let joints = self.experiment.config.robot.joint_names();
+        ResultFile {
+            frf,
+            input_names: joints
+                .iter()
+                .map(|joint| format!("{joint} reference"))
+                .collect(),
+            output_names: joints
+                .iter()
+                .map(|joint| format!("{joint} torque"))
+                .collect(),
+            input_units: vec!["rad/s".into(); joints.len()],
+            output_units: vec!["N m".into(); joints.len()],
+            checks: Vec::new(),
+            provenance: self.metadata.clone(),
+        }
+    }
+}
+
+fn run_id(realization: usize, experiment: usize) -> RunId {
+    RunId {
+        kind: RunKind::Excitation,
+        realization,
+        experiment,
+        repetition: 0,
+    }
+}
+
+/// Files of the runs of an iteration.
+fn run_names(iteration: &estimate::Iteration) -> Vec<String> {
+    let runs = 0..iteration.records.len();
+    runs.map(|experiment| format!("{}.mcap", run_id(iteration.number, experiment)))
+        .collect()
+}
+
+/// The relative error of each axis and the condition number of U over frequency.
+fn errors_csv(estimate: &estimate::Estimate) -> String {
+    let errors = &estimate.error_per_frequency;
+    let axes: String = (1..=errors.ncols())
+        .map(|axis| format!("error_axis_{axis},"))
+        .collect();
+    let mut text = format!("frequency_hz,{axes}condition\n");
+    let lines = estimate
+        .r_to_u
+        .frequency_hz
+        .iter()
+        .zip(errors.rows())
+        .zip(&estimate.condition);
+    for ((hz, errors), condition) in lines {
+        let errors: String = errors.iter().map(|error| format!("{error},")).collect();
+        writeln!(text, "{hz},{errors}{condition}").expect("a text can always be written");
+    }
+    text
+}

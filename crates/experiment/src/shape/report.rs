@@ -1,0 +1,321 @@
+//! What a shaping came to, as `shape.json` in its folder tells it. No clock and no machine in it:
+//! the same runs give the same bytes.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use frfid_estimate::{Iteration, Peaks, ShapeOptions, Shaped, Sticking, Stop, Target};
+use frfid_files::{Check, FileError};
+use serde::{Deserialize, Serialize};
+
+use crate::experiment::Experiment;
+
+/// Name of the file in the folder of a shaping.
+pub(crate) const FILE: &str = "shape.json";
+const FORMAT: &str = "frfid-shape";
+const VERSION: u32 = 1;
+
+/// A shaping, finished or under way.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ShapeReport {
+    /// `frfid-shape`.
+    pub format: String,
+    /// Version of the layout.
+    pub version: u32,
+    /// Version of frfid that wrote it.
+    pub frfid_version: String,
+    /// SHA-256 of the description.
+    pub config_sha256: String,
+    /// Joint of every axis.
+    pub joint_names: Vec<String>,
+    /// The signal that is to follow the desired one: torque or velocity.
+    pub target: String,
+    /// Most iterations.
+    pub n_iterations: usize,
+    /// Relative error that is good enough on every axis.
+    pub good_enough: f64,
+    /// Largest share of the sweep that an axis may be stuck.
+    pub max_stuck_share: f64,
+    /// Every iteration that was measured, in order.
+    pub iterations: Vec<IterationReport>,
+    /// Number of the best iteration, whose FRF is `frf.json`; `None` while the shaping is under
+    /// way.
+    pub best: Option<usize>,
+    /// Why it ended: good-enough, sticking, rose-twice, all-iterations or watcher; `None` while it
+    /// is under way.
+    pub stop: Option<String>,
+    /// The same in words.
+    pub stop_reason: Option<String>,
+    /// Where axes still stick in the best iteration, in words.
+    pub sticking: Vec<String>,
+    /// What was checked in the end.
+    pub checks: Vec<Check>,
+    /// SHA-256 of `frf.json`.
+    pub frf_sha256: Option<String>,
+}
+
+/// One iteration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct IterationReport {
+    /// Number, from 1.
+    pub number: usize,
+    /// Relative error |U - U_des| / |U_des| of the target, rms over the band, over all axes; `None`
+    /// if a run was stopped.
+    pub error: Option<f64>,
+    /// The same for each axis.
+    pub axis_error: Option<Vec<f64>>,
+    /// Share of the sweep that each axis was stuck.
+    pub stuck_share: Vec<f64>,
+    /// Largest condition number of U; `None` if a run was stopped.
+    pub condition: Option<f64>,
+    /// Damping of the step that led here.
+    pub damping: Option<f64>,
+    /// Peaks predicted before the reference was applied.
+    pub predicted: Option<ShapePeaks>,
+    /// Peaks measured.
+    pub peaks: ShapePeaks,
+    /// Whether every run kept all limits to its end.
+    pub within_limits: bool,
+    /// What is worth saying.
+    pub notes: Vec<String>,
+    /// SHA-256 of every file of the iteration.
+    pub files: BTreeMap<String, String>,
+}
+
+/// Largest magnitudes over all experiments of an iteration, one for each axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ShapePeaks {
+    /// Motor torque in N m.
+    pub torque_nm: Vec<f64>,
+    /// Motor velocity in rad/s.
+    pub velocity_rad_s: Vec<f64>,
+    /// Way from where the runs began in rad.
+    pub travel_rad: Vec<f64>,
+}
+
+impl From<&Peaks> for ShapePeaks {
+    fn from(
+        Peaks {
+            torque_nm,
+            velocity_rad_s,
+            travel_rad,
+        }: &Peaks,
+    ) -> Self {
+        Self {
+            torque_nm: torque_nm.clone(),
+            velocity_rad_s: velocity_rad_s.clone(),
+            travel_rad: travel_rad.clone(),
+        }
+    }
+}
+
+impl IterationReport {
+    /// The numbers of an iteration; its files are added when they are written.
+    #[must_use]
+    pub fn of(iteration: &Iteration) -> Self {
+        let estimate = iteration.estimate.as_ref();
+        Self {
+            number: iteration.number,
+            error: iteration.error(),
+            axis_error: estimate.map(|estimate| estimate.channel_error.clone()),
+            stuck_share: iteration.stuck_share.clone(),
+            condition: estimate
+                .map(|estimate| estimate.condition.iter().copied().fold(1.0, f64::max)),
+            damping: iteration.damping,
+            predicted: iteration.predicted.as_ref().map(ShapePeaks::from),
+            peaks: ShapePeaks::from(&iteration.peaks),
+            within_limits: iteration.within_limits,
+            notes: iteration.notes.iter().map(ToString::to_string).collect(),
+            files: BTreeMap::new(),
+        }
+    }
+}
+
+impl ShapeReport {
+    /// A shaping of which nothing has been measured yet.
+    pub(crate) fn begun(experiment: &Experiment, options: &ShapeOptions) -> Self {
+        Self {
+            format: FORMAT.into(),
+            version: VERSION,
+            frfid_version: env!("CARGO_PKG_VERSION").into(),
+            config_sha256: experiment.config_sha256(),
+            joint_names: experiment.config.robot.joint_names(),
+            target: match options.target {
+                Target::Torque => "torque".into(),
+                Target::Velocity => "velocity".into(),
+            },
+            n_iterations: options.n_iterations,
+            good_enough: options.good_enough,
+            max_stuck_share: options.max_stuck_share,
+            iterations: Vec::new(),
+            best: None,
+            stop: None,
+            stop_reason: None,
+            sticking: Vec::new(),
+            checks: Vec::new(),
+            frf_sha256: None,
+        }
+    }
+
+    /// Reads `folder/shape.json`; `None` where there is none.
+    ///
+    /// # Errors
+    /// [`FileError::Io`], or [`FileError::Format`] for another kind of file.
+    pub fn load(folder: &Path) -> Result<Option<Self>, FileError> {
+        let path = folder.join(FILE);
+        let text = match std::fs::read(&path) {
+            Ok(text) => text,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
+            Err(error) => {
+                return Err(FileError::Io {
+                    path,
+                    action: "read",
+                    reason: error.to_string(),
+                });
+            }
+        };
+        let format = |found: String| {
+            FileError::Format {
+            path: path.clone(),
+            found,
+            needed: "a shaping written by frfid (JSON, frfid-shape version 1)",
+            advice: "choose another folder, or say that it may be replaced (--force, in Python overwrite=True)".into(),
+        }
+        };
+        let report: Self =
+            serde_json::from_slice(&text).map_err(|error| format(error.to_string()))?;
+        if (report.format.as_str(), report.version) != (FORMAT, VERSION) {
+            return Err(format(format!(
+                "{} version {}",
+                report.format, report.version
+            )));
+        }
+        Ok(Some(report))
+    }
+
+    /// The report as it stands in the file.
+    #[must_use]
+    pub fn to_json(&self) -> String {
+        let mut text = serde_json::to_string_pretty(self)
+            .expect("a report is structs, lists, texts and numbers");
+        text.push('\n');
+        text
+    }
+
+    /// Whether the desired signal was reached without a flaw.
+    #[must_use]
+    pub fn is_good(&self) -> bool {
+        self.stop.is_some() && self.checks.iter().all(|check| check.passed)
+    }
+
+    /// Takes the end of the shaping of a band up to `high_hz`; `condition` is the check of the best
+    /// iteration's U.
+    pub(crate) fn finish(&mut self, shaped: &Shaped, high_hz: f64, condition: Check) {
+        self.best = Some(shaped.best.number);
+        self.stop = Some(code(shaped.stop).into());
+        self.stop_reason = Some(shaped.stop.to_string());
+        self.sticking = shaped
+            .sticking
+            .iter()
+            .map(|sticking| in_words(sticking, high_hz))
+            .collect();
+        self.checks = vec![
+            self.follows(shaped),
+            self.moves(shaped),
+            self.kept_limits(),
+            condition,
+        ];
+    }
+
+    fn follows(&self, shaped: &Shaped) -> Check {
+        let errors = shaped
+            .best
+            .estimate
+            .as_ref()
+            .map_or(Vec::new(), |estimate| estimate.channel_error.clone());
+        Check {
+            name: format!("{} as desired", self.target),
+            passed: !errors.is_empty() && errors.iter().all(|&error| error <= self.good_enough),
+            found: format!("off by {}", per_axis(&errors)),
+            needed: format!("{} % or less on every axis", 100.0 * self.good_enough),
+            advice: "allow more iterations, or look at the notes of the iterations: which limit held the steps back?"
+                .into(),
+        }
+    }
+
+    fn moves(&self, shaped: &Shaped) -> Check {
+        Check {
+            name: "no axis sticks".into(),
+            passed: shaped.sticking.is_empty(),
+            found: format!("stuck {} of the sweep", per_axis(&shaped.best.stuck_share)),
+            needed: format!("{} % or less, and no band in which an axis mostly sticks", 100.0 * self.max_stuck_share),
+            advice:
+                "first let the torque become as desired; where it sticks even so, ask for more, well above the friction"
+                    .into(),
+        }
+    }
+
+    fn kept_limits(&self) -> Check {
+        let outside: Vec<String> = self
+            .iterations
+            .iter()
+            .filter(|iteration| !iteration.within_limits)
+            .map(|iteration| iteration.number.to_string())
+            .collect();
+        Check {
+            name: "limits".into(),
+            passed: outside.is_empty(),
+            found: if outside.is_empty() {
+                "kept".into()
+            } else {
+                format!("exceeded in iteration {}", outside.join(", "))
+            },
+            needed: "kept by every run to its end".into(),
+            advice: "raise the margin on predicted peaks ([shape] margin), or ask for less".into(),
+        }
+    }
+}
+
+/// The reason of an end in one word.
+fn code(stop: Stop) -> &'static str {
+    match stop {
+        Stop::GoodEnough => "good-enough",
+        Stop::Sticking => "sticking",
+        Stop::RoseTwice => "rose-twice",
+        Stop::AllIterations => "all-iterations",
+        Stop::Watcher => "watcher",
+    }
+}
+
+/// Where an axis sticks, and why: axes from 1.
+fn in_words(sticking: &Sticking, band_high_hz: f64) -> String {
+    let &Sticking {
+        axis,
+        low_hz,
+        high_hz,
+        stuck_share,
+        rms_nm,
+        coulomb_nm,
+    } = sticking;
+    let place = if high_hz < 0.999 * band_high_hz {
+        format!("between {low_hz:.1} and {high_hz:.1} Hz")
+    } else {
+        format!("above {low_hz:.1} Hz")
+    };
+    let friction = coulomb_nm.map_or(String::new(), |nm| {
+        format!(" against {nm:.0} N m of friction")
+    });
+    let (axis, percent) = (axis + 1, 100.0 * stuck_share);
+    format!(
+        "axis {axis} sticks {place}: {percent:.0} % of the time, with a torque of {rms_nm:.0} N m rms{friction}"
+    )
+}
+
+/// Shares in %, axis by axis.
+fn per_axis(shares: &[f64]) -> String {
+    shares
+        .iter()
+        .map(|share| format!("{:.1} %", 100.0 * share))
+        .collect::<Vec<_>>()
+        .join(", ")
+}

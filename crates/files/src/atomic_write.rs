@@ -1,0 +1,229 @@
+//! The one way this crate writes a file: into `NAME.part`, synced, then renamed. A reader never
+//! sees half a file under its final name, a failure keeps what was written, and two processes
+//! cannot write the same file.
+
+use std::error::Error;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use crate::error::{FileError, chain};
+
+/// What to do when the output exists already.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Overwrite {
+    /// Leave it alone and say so; so too with what an unfinished run left in `NAME.part`: it may be
+    /// all there is of a measurement.
+    #[default]
+    Refuse,
+    /// Leave a complete file alone, but replace what an unfinished run left: for work that can be
+    /// done again.
+    Resume,
+    /// Replace it, once the new file is complete.
+    Replace,
+}
+
+/// Any error of what fills a file.
+pub type BoxError = Box<dyn Error + Send + Sync>;
+
+/// Where a file is kept until it is complete: its name with `.part` behind it.
+#[must_use]
+pub fn part_path(path: &Path) -> PathBuf {
+    let mut name = path.as_os_str().to_owned();
+    name.push(".part");
+    PathBuf::from(name)
+}
+
+/// Writes `path` by `fill`, so that it appears complete or not at all.
+///
+/// # Errors
+/// [`FileError::Exists`], [`FileError::Leftover`], [`FileError::Busy`], or [`FileError::Write`]
+/// with the whole chain of reasons; what was written stays in `NAME.part`.
+pub(crate) fn write_file(
+    path: &Path,
+    overwrite: Overwrite,
+    fill: impl FnOnce(&mut BufWriter<&File>) -> Result<(), BoxError>,
+) -> Result<(), FileError> {
+    let part = part_path(path);
+    let file = open_part(path, &part, overwrite)?;
+    let failed = |error: &(dyn Error + 'static)| FileError::Write {
+        path: path.to_path_buf(),
+        part: part.clone(),
+        saved_bytes: file.metadata().map_or(0, |meta| meta.len()),
+        reason: chain(error),
+    };
+    let mut writer = BufWriter::with_capacity(1 << 18, &file);
+    fill(&mut writer).map_err(|error| failed(&*error))?;
+    writer.flush().map_err(|error| failed(&error))?;
+    drop(writer);
+    file.sync_all().map_err(|error| failed(&error))?;
+    std::fs::rename(&part, path).map_err(|error| failed(&error))?;
+    sync_folder(path);
+    Ok(())
+}
+
+/// Writes `content` to `path` in the same way.
+///
+/// # Errors
+/// [`FileError::Exists`], [`FileError::Leftover`], [`FileError::Busy`] or [`FileError::Write`].
+pub fn write_bytes(path: &Path, overwrite: Overwrite, content: &[u8]) -> Result<(), FileError> {
+    write_file(path, overwrite, |file| Ok(file.write_all(content)?))
+}
+
+/// Creates a folder, and those above it, where they do not exist yet.
+///
+/// # Errors
+/// [`FileError::Io`].
+pub fn create_folder(folder: &Path) -> Result<(), FileError> {
+    std::fs::create_dir_all(folder).map_err(|error| FileError::Io {
+        path: folder.to_owned(),
+        action: "create the folder",
+        reason: error.to_string(),
+    })
+}
+
+/// Refuses an output that exists, before any work is done for it.
+///
+/// # Errors
+/// [`FileError::Exists`].
+pub fn check_free(path: &Path, overwrite: Overwrite) -> Result<(), FileError> {
+    if overwrite != Overwrite::Replace && path.symlink_metadata().is_ok() {
+        return Err(FileError::Exists {
+            path: path.to_path_buf(),
+        });
+    }
+    Ok(())
+}
+
+fn open_part(path: &Path, part: &Path, overwrite: Overwrite) -> Result<File, FileError> {
+    check_free(path, overwrite)?;
+    let left_over = part.symlink_metadata().is_ok();
+    let failed = |error: std::io::Error| FileError::Io {
+        path: part.to_path_buf(),
+        action: "create",
+        reason: error.to_string(),
+    };
+    let file = OpenOptions::new()
+        .write(true)
+        .create(true)
+        .truncate(false)
+        .open(part)
+        .map_err(failed)?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => {
+            return Err(FileError::Busy {
+                path: part.to_path_buf(),
+            });
+        }
+        // a file system without locks (some network folders) must not keep anyone from writing
+        Ok(()) | Err(TryLockError::Error(_)) => {}
+    }
+    if left_over && overwrite == Overwrite::Refuse {
+        return Err(FileError::Leftover {
+            path: part.to_path_buf(),
+        });
+    }
+    if file.metadata().is_ok_and(|meta| meta.is_file()) {
+        file.set_len(0).map_err(failed)?;
+    }
+    Ok(file)
+}
+
+/// Makes the rename last through a power failure, where folders can be synced; the file itself is
+/// safe either way.
+fn sync_folder(path: &Path) {
+    let folder = path
+        .parent()
+        .filter(|parent| !parent.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
+    if let Ok(folder) = File::open(folder) {
+        folder.sync_all().ok();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn an_existing_file_is_kept_or_replaced_as_told() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.json");
+        write_bytes(&path, Overwrite::Refuse, b"one").expect("nothing in the way");
+        assert!(matches!(
+            write_bytes(&path, Overwrite::Refuse, b"two"),
+            Err(FileError::Exists { .. })
+        ));
+        assert_eq!(fs::read(&path).expect("written"), b"one");
+        write_bytes(&path, Overwrite::Replace, b"two").expect("replaces");
+        assert_eq!(fs::read(&path).expect("written"), b"two");
+        assert!(!part_path(&path).exists());
+    }
+
+    #[test]
+    fn a_leftover_is_only_replaced_when_told() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.mcap");
+        fs::write(part_path(&path), b"measured").expect("written");
+        assert!(matches!(
+            write_bytes(&path, Overwrite::Refuse, b"new"),
+            Err(FileError::Leftover { .. })
+        ));
+        assert_eq!(fs::read(part_path(&path)).expect("kept"), b"measured");
+        write_bytes(&path, Overwrite::Resume, b"new").expect("replaces the leftover");
+        assert!(matches!(
+            write_bytes(&path, Overwrite::Resume, b"newer"),
+            Err(FileError::Exists { .. })
+        ));
+        assert_eq!(fs::read(&path).expect("written"), b"new");
+    }
+
+    #[test]
+    fn two_writers_of_one_file_do_not_mix() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.mcap");
+        let outer = write_file(&path, Overwrite::Replace, |_| {
+            assert!(matches!(
+                write_bytes(&path, Overwrite::Replace, b"second"),
+                Err(FileError::Busy { .. })
+            ));
+            Ok(())
+        });
+        outer.expect("the first one goes on");
+    }
+
+    #[test]
+    fn a_failure_names_the_reason_and_keeps_what_was_written() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.json");
+        let error = write_file(&path, Overwrite::Refuse, |file| {
+            file.write_all(b"half")?;
+            Err(mcap::McapError::Io(std::io::ErrorKind::StorageFull.into()).into())
+        });
+        let error = error.expect_err("the fill failed").to_string();
+        assert!(
+            error.contains("no storage space") && error.contains("a.json.part"),
+            "{error}"
+        );
+        assert!(!path.exists());
+        assert_eq!(fs::read(part_path(&path)).expect("kept"), b"half");
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn a_full_disk_is_told_as_such() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("a.json");
+        std::os::unix::fs::symlink("/dev/full", part_path(&path)).expect("a link");
+        let error = write_bytes(&path, Overwrite::Replace, b"x")
+            .expect_err("the disk is full")
+            .to_string();
+        assert!(error.contains("No space left on device"), "{error}");
+        let folder = Path::new("/proc/nowhere/a.json");
+        assert!(matches!(
+            write_bytes(folder, Overwrite::Refuse, b"x"),
+            Err(FileError::Io { .. })
+        ));
+    }
+}

@@ -1,0 +1,266 @@
+//! The signals of a CSV, plain or gzipped: a header row of column names, then one row of numbers
+//! per sample.
+
+use std::fs::File;
+use std::io::{BufRead, BufReader, Read};
+use std::path::Path;
+
+use flate2::read::MultiGzDecoder;
+
+use crate::error::FileError;
+use crate::log::map::{LogMap, Signal};
+use crate::log::{Recording, Series, si_of};
+
+/// A line may be this long: 16 MiB.
+const LINE_LIMIT: u64 = 16 << 20;
+
+/// Reads the mapped columns. A row that breaks off, and everything behind it, is reported as
+/// damage.
+pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Recording, FileError> {
+    let mut lines = Lines::open(path)?;
+    let header = lines.next_line()?.unwrap_or_default();
+    let separator = [',', ';', '\t']
+        .into_iter()
+        .find(|separator| header.contains(*separator))
+        .unwrap_or(',');
+    let names: Vec<_> = header.split(separator).map(unquoted).collect();
+    let clock = Times::of(path, map, |name| column(path, &names, name))?;
+    let columns = signals
+        .iter()
+        .map(|signal| column(path, &names, &signal.source))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut series = Series {
+        topic: "rows".into(),
+        signals: (0..signals.len()).collect(),
+        ..Default::default()
+    };
+    while let Some(line) = lines.next_line()? {
+        if line.is_empty() || line.starts_with('#') {
+            continue;
+        }
+        let fields: Vec<_> = line.split(separator).collect();
+        if fields.len() != names.len() && lines.broke_off {
+            lines.failed = Some(format!("the file breaks off in line {}", lines.number));
+            break;
+        }
+        let row = Row {
+            fields,
+            needed: names.len(),
+            path,
+            line: lines.number,
+        };
+        let stamp_ns = clock.stamp_ns(series.rows.len(), |column| row.number(column))?;
+        series.rows.push(
+            columns
+                .iter()
+                .map(|&column| row.number(column))
+                .collect::<Result<_, _>>()?,
+        );
+        series.stamps_ns.push(stamp_ns);
+    }
+    let mut recording = Recording {
+        sample_time_s: clock.sample_time_s(map),
+        ..Default::default()
+    };
+    if let Some(reason) = lines.failed {
+        recording
+            .damages
+            .push((series.stamps_ns.last().copied(), reason));
+    } else if lines.broke_off {
+        let warning =
+            "the last line has no line end: if the file was cut, its last number may be too";
+        recording.warnings.push(warning.into());
+    }
+    recording.series.push(series);
+    Ok(recording)
+}
+
+/// One line of the file.
+struct Row<'r> {
+    fields: Vec<&'r str>,
+    needed: usize,
+    path: &'r Path,
+    line: usize,
+}
+
+impl Row<'_> {
+    /// The number in a column; an empty field is a missing value.
+    fn number(&self, column: usize) -> Result<f64, FileError> {
+        let bad = |found: String, needed: String| FileError::Content {
+            path: self.path.into(),
+            what: format!("line {}", self.line),
+            found,
+            needed,
+        };
+        if self.fields.len() != self.needed {
+            let needed = format!("{}, as in the header", self.needed);
+            return Err(bad(format!("{} fields", self.fields.len()), needed));
+        }
+        let field = unquoted(self.fields[column]);
+        if field.is_empty() {
+            return Ok(f64::NAN);
+        }
+        field
+            .parse()
+            .map_err(|_| bad(format!("`{field}`"), "a number".into()))
+    }
+}
+
+fn unquoted(field: &str) -> &str {
+    field.trim().trim_matches('"').trim()
+}
+
+fn column(path: &Path, names: &[&str], name: &str) -> Result<usize, FileError> {
+    let mut places = (0..names.len()).filter(|&k| names[k] == name);
+    match (places.next(), places.next()) {
+        (Some(place), None) => Ok(place),
+        (first, _) => Err(FileError::Content {
+            path: path.into(),
+            what: format!("column `{name}`"),
+            found: if first.is_some() {
+                "two of that name"
+            } else {
+                "no such column"
+            }
+            .into(),
+            needed: format!("one of {}", names.join(", ")),
+        }),
+    }
+}
+
+/// Where the sample times of a recording without stamps come from.
+pub(crate) enum Times {
+    /// A column, with its factor to ns.
+    Column(usize, f64),
+    /// The row's number, with the sample time in ns.
+    Counted(f64),
+}
+
+impl Times {
+    /// By the log map; `place` finds the column of times by its name.
+    pub(crate) fn of(
+        path: &Path,
+        map: &LogMap,
+        place: impl FnOnce(&str) -> Result<usize, FileError>,
+    ) -> Result<Self, FileError> {
+        match (&map.time, map.sample_time_s) {
+            (Some(time), _) => {
+                let (factor, unit) = si_of(path, time)?;
+                if unit != "s" {
+                    let found = format!("unit {unit}");
+                    return Err(FileError::Shape {
+                        what: "time in the log map",
+                        found,
+                        needed: "s, ms, us or ns".into(),
+                    });
+                }
+                Ok(Self::Column(
+                    place(&time.source)?,
+                    factor * time.scale * 1e9,
+                ))
+            }
+            (None, Some(sample_time_s)) => {
+                crate::run::header::check_sample_time(sample_time_s)?;
+                Ok(Self::Counted(sample_time_s * 1e9))
+            }
+            (None, None) => Err(FileError::Shape {
+                what: "clock of the recording in the log map",
+                found: "neither time nor sample_time_s".into(),
+                needed: "where its sample times are, or its sample time".into(),
+            }),
+        }
+    }
+
+    /// The sample time that the user gave, to its last digit; none where it comes from the sample
+    /// times.
+    pub(crate) fn sample_time_s(&self, map: &LogMap) -> Option<f64> {
+        map.sample_time_s
+            .filter(|_| matches!(self, Self::Counted(_)))
+    }
+
+    /// The stamp of a row; `number` reads its column.
+    pub(crate) fn stamp_ns(
+        &self,
+        row: usize,
+        number: impl Fn(usize) -> Result<f64, FileError>,
+    ) -> Result<i64, FileError> {
+        Ok(match *self {
+            Self::Column(column, factor) => (number(column)? * factor).round() as i64,
+            Self::Counted(step_ns) => (row as f64 * step_ns).round() as i64,
+        })
+    }
+}
+
+/// The lines of a file that may end badly.
+struct Lines {
+    reader: Box<dyn BufRead>,
+    path: std::path::PathBuf,
+    number: usize,
+    /// The last line did not end.
+    broke_off: bool,
+    /// Reading failed behind the last line.
+    failed: Option<String>,
+}
+
+impl Lines {
+    fn open(path: &Path) -> Result<Self, FileError> {
+        let failed = |error: std::io::Error| FileError::Io {
+            path: path.into(),
+            action: "open",
+            reason: error.to_string(),
+        };
+        let mut file = BufReader::with_capacity(1 << 16, File::open(path).map_err(failed)?);
+        let is_gzipped = file.fill_buf().map_err(failed)?.starts_with(&[0x1f, 0x8b]);
+        let reader: Box<dyn BufRead> = if is_gzipped {
+            Box::new(BufReader::new(MultiGzDecoder::new(file)))
+        } else {
+            Box::new(file)
+        };
+        Ok(Self {
+            reader,
+            path: path.into(),
+            number: 0,
+            broke_off: false,
+            failed: None,
+        })
+    }
+
+    /// The next line without its end; `None` at the end of what can be read.
+    fn next_line(&mut self) -> Result<Option<String>, FileError> {
+        if self.failed.is_some() {
+            return Ok(None);
+        }
+        let mut line = Vec::new();
+        self.number += 1;
+        if let Err(error) = (&mut self.reader)
+            .take(LINE_LIMIT)
+            .read_until(b'\n', &mut line)
+        {
+            self.failed = Some(format!(
+                "cannot read on behind line {}: {error}",
+                self.number - 1
+            ));
+        }
+        if !line.is_empty() {
+            self.broke_off = !line.ends_with(b"\n");
+        }
+        if line.len() as u64 == LINE_LIMIT {
+            return Err(FileError::Format {
+                path: self.path.clone(),
+                found: format!("a line of more than {LINE_LIMIT} bytes"),
+                needed: "a CSV with a header and one row per sample",
+                advice: "export it as text".into(),
+            });
+        }
+        // a line that broke off because reading failed may have lost digits
+        if line.is_empty() || self.failed.is_some() {
+            return Ok(None);
+        }
+        Ok(Some(
+            String::from_utf8_lossy(&line)
+                .trim()
+                .trim_start_matches('\u{feff}')
+                .into(),
+        ))
+    }
+}

@@ -1,0 +1,132 @@
+//! What is inside a chunk, or outside of chunks: topics, messages, metadata and attachments.
+
+use std::collections::{BTreeMap, HashMap};
+
+use mcap::McapError;
+use mcap::records::op;
+use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
+
+use crate::bytes::Short;
+use crate::error::{FileError, chain};
+use crate::mcap::read::{LENGTH_LIMIT, RawRecord};
+use crate::mcap::record::{self, Attachment, Channel, Message, Schema};
+
+/// What a file holds, in the order of the file.
+pub(crate) enum Entry<'a> {
+    Metadata {
+        name: String,
+        values: BTreeMap<String, String>,
+    },
+    Attachment(Attachment<'a>),
+    Message {
+        channel: &'a Channel,
+        schema: Option<&'a Schema>,
+        message: Message<'a>,
+    },
+}
+
+/// Takes the entries; an error stops the reading.
+pub(crate) type Visit<'v> = dyn FnMut(Entry<'_>) -> Result<(), FileError> + 'v;
+
+/// The topics defined so far, and how many messages had none.
+#[derive(Debug, Default)]
+pub(crate) struct Topics {
+    schemas: HashMap<u16, Schema>,
+    channels: HashMap<u16, Channel>,
+    pub(crate) orphans: usize,
+}
+
+impl Topics {
+    /// Takes in a schema or channel record. Definitions are repeated in a file; the first one
+    /// holds.
+    pub(crate) fn define(&mut self, opcode: u8, body: &[u8]) -> Result<(), Short> {
+        if opcode == op::SCHEMA {
+            let (id, schema) = record::schema(body)?;
+            self.schemas.entry(id).or_insert(schema);
+        } else {
+            let (id, channel) = record::channel(body)?;
+            self.channels.entry(id).or_insert(channel);
+        }
+        Ok(())
+    }
+
+    /// Hands one record to `visit` if it is of interest. The outer error stops the reading, the
+    /// inner one is damage.
+    pub(crate) fn take(
+        &mut self,
+        opcode: u8,
+        body: &[u8],
+        visit: &mut Visit,
+    ) -> Result<Result<(), Short>, FileError> {
+        let entry = match opcode {
+            op::SCHEMA | op::CHANNEL => return Ok(self.define(opcode, body)),
+            op::METADATA => {
+                record::metadata(body).map(|(name, values)| Entry::Metadata { name, values })
+            }
+            op::ATTACHMENT => record::attachment(body).map(Entry::Attachment),
+            op::MESSAGE => match record::message(body) {
+                Err(short) => Err(short),
+                Ok(message) => {
+                    let Some(channel) = self.channels.get(&message.channel_id) else {
+                        self.orphans += 1;
+                        return Ok(Ok(()));
+                    };
+                    Ok(Entry::Message {
+                        channel,
+                        schema: self.schemas.get(&channel.schema_id),
+                        message,
+                    })
+                }
+            },
+            _ => return Ok(Ok(())),
+        };
+        match entry {
+            Ok(entry) => visit(entry).map(Ok),
+            Err(short) => Ok(Err(short)),
+        }
+    }
+}
+
+/// Takes a record of a chunk by opcode and body. The outer error stops the reading, the inner one
+/// is damage.
+pub(crate) type Take<'t> = dyn FnMut(u8, &[u8]) -> Result<Result<(), Short>, FileError> + 't;
+
+/// Unpacks a chunk into `take`, after its checksum was verified. Of a chunk whose end is cut off,
+/// which no checksum covers, it delivers what comes before the cut. The outer error stops the
+/// reading, the inner one is damage, in words.
+pub(crate) fn unpack(chunk: &RawRecord, take: &mut Take) -> Result<Result<(), String>, FileError> {
+    let options = LinearReaderOptions::default()
+        .with_skip_start_magic(true)
+        .with_skip_end_magic(true)
+        .with_prevalidate_chunk_crcs(!chunk.is_cut)
+        .with_record_length_limit(LENGTH_LIMIT as usize);
+    let mut reader = LinearReader::new_with_options(options);
+    let mut left = &chunk.bytes[..];
+    while let Some(event) = reader.next_event() {
+        match event {
+            Ok(LinearReadEvent::ReadRequest(count)) => {
+                let (now, later) = left.split_at(count.min(left.len()));
+                reader.insert(now.len()).copy_from_slice(now);
+                reader.notify_read(now.len());
+                left = later;
+            }
+            Ok(LinearReadEvent::Record { data, opcode }) => {
+                if let Err(short) = take(opcode, data)? {
+                    return Ok(Err(short.to_string()));
+                }
+            }
+            Err(error) => return Ok(Err(told(&error))),
+        }
+    }
+    Ok(Ok(()))
+}
+
+/// The reader's error with the numbers that a user can act upon.
+fn told(error: &McapError) -> String {
+    match error {
+        McapError::ChunkTooLarge(found) | McapError::RecordTooLarge { len: found, .. } => {
+            format!("it claims {found} bytes; the limit is {LENGTH_LIMIT}")
+        }
+        other => chain(other),
+    }
+}

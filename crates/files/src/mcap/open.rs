@@ -1,0 +1,100 @@
+//! Opens a file that should be an MCAP; anything else is named, with the tool that converts it.
+
+use std::fs::File;
+use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::path::Path;
+
+use crate::error::FileError;
+
+/// First bytes of what people have instead of an MCAP: what it is, and what to do.
+const OTHERS: [(&[u8], &str, &str); 5] = [
+    (
+        b"SQLite format 3\0",
+        "a rosbag2 .db3 file",
+        "convert it: ros2 bag convert, or rosbags-convert --dst-storage mcap",
+    ),
+    (
+        &[0x28, 0xb5, 0x2f, 0xfd],
+        "a zstd-compressed file",
+        "unpack it first: zstd -d FILE.mcap.zstd",
+    ),
+    (
+        b"#ROSBAG V2.0",
+        "a ROS 1 bag",
+        "convert it: mcap convert, or rosbags-convert",
+    ),
+    (
+        &[0x1f, 0x8b],
+        "a gzip-compressed file",
+        "unpack it first: gunzip FILE",
+    ),
+    (
+        b"\x89HDF",
+        "an HDF5 or MATLAB v7.3 file",
+        "export the signals to CSV or MCAP",
+    ),
+];
+
+/// Opens an MCAP for reading.
+///
+/// # Errors
+/// [`FileError::Io`], or [`FileError::Format`] naming what the file is instead.
+pub(crate) fn open_mcap(path: &Path) -> Result<BufReader<File>, FileError> {
+    let failed = |error: std::io::Error| FileError::Io {
+        path: path.into(),
+        action: "open",
+        reason: error.to_string(),
+    };
+    let mut file = BufReader::with_capacity(1 << 16, File::open(path).map_err(failed)?);
+    let mut start = Vec::new();
+    file.by_ref()
+        .take(16)
+        .read_to_end(&mut start)
+        .map_err(failed)?;
+    file.seek(SeekFrom::Start(0)).map_err(failed)?;
+    if start.starts_with(mcap::MAGIC) {
+        return Ok(file);
+    }
+    let other = OTHERS.iter().find(|(magic, ..)| start.starts_with(magic));
+    let (found, advice) = match other {
+        Some((_, found, advice)) => (*found, *advice),
+        None if start.is_empty() => ("an empty file", "its writer did not get to write anything"),
+        None if mcap::MAGIC.starts_with(&start) => {
+            ("the first bytes of an MCAP", "the rest is lost")
+        }
+        None => ("an unknown kind of file", "give an .mcap file"),
+    };
+    Err(FileError::Format {
+        path: path.into(),
+        found: found.into(),
+        needed: "an MCAP file",
+        advice: advice.into(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn other_files_are_named_with_the_tool_that_converts_them() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("x");
+        for (start, named) in [
+            (&b"SQLite format 3\0..."[..], "ros2 bag convert"),
+            (&[0x28, 0xb5, 0x2f, 0xfd, 0], "zstd -d"),
+            (b"#ROSBAG V2.0\n", "ROS 1"),
+            (b"", "empty"),
+            (&mcap::MAGIC[..5], "the rest is lost"),
+            (b"time,u,y\n", "unknown"),
+        ] {
+            std::fs::write(&path, start).expect("written");
+            let error = open_mcap(&path).expect_err("not an MCAP").to_string();
+            assert!(error.contains(named), "{error}");
+        }
+        assert!(matches!(
+            open_mcap(&folder.path().join("none")),
+            Err(FileError::Io { .. })
+        ));
+    }
+}

@@ -1,0 +1,207 @@
+//! Salvages a damaged or half-written MCAP: everything readable goes into a new file with fresh
+//! chunks, checksums and index.
+
+use std::io::{BufReader, Write};
+use std::path::Path;
+
+use mcap::records::{MessageHeader, Metadata};
+use mcap::write::NoSeek;
+use mcap::{McapResult, Writer};
+
+use crate::atomic_write::{Overwrite, part_path, write_file};
+use crate::error::{FileError, chain};
+use crate::loss::{self, Loss};
+use crate::mcap::chunk::Entry;
+use crate::mcap::open::open_mcap;
+use crate::mcap::read::{Part, scan};
+use crate::mcap::write::options;
+
+/// What was salvaged.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Recovered {
+    /// Messages in the new file.
+    pub n_messages: u64,
+    /// Attachments in the new file.
+    pub n_attachments: u64,
+    /// Metadata records in the new file.
+    pub n_metadata: u64,
+    /// What could not be read, at times in s after the first message salvaged; empty if the file
+    /// was sound.
+    pub losses: Vec<Loss>,
+}
+
+/// Copies everything readable of `input`, whatever its encoding, into a new file. Chunks whose
+/// checksum fails are left out: their numbers may be wrong.
+///
+/// # Errors
+/// Those of reading and writing; [`FileError::Shape`] if `output` would be written over the input
+/// on the way.
+pub fn recover(input: &Path, output: &Path, overwrite: Overwrite) -> Result<Recovered, FileError> {
+    let is_input = |path: &Path| {
+        path == input
+            || path
+                .canonicalize()
+                .is_ok_and(|path| input.canonicalize().is_ok_and(|input| path == input))
+    };
+    if is_input(output) || is_input(&part_path(output)) {
+        return Err(FileError::Shape {
+            what: "output",
+            found: format!(
+                "{}, which is written by way of {}",
+                output.display(),
+                part_path(output).display()
+            ),
+            needed: "a name that does not touch the input".into(),
+        });
+    }
+    let file = open_mcap(input)?;
+    let mut recovered = Recovered::default();
+    write_file(output, overwrite, |out| {
+        recovered = copy(file, input, out)?;
+        Ok(())
+    })?;
+    Ok(recovered)
+}
+
+fn copy<W: Write>(
+    file: BufReader<std::fs::File>,
+    path: &Path,
+    out: W,
+) -> Result<Recovered, FileError> {
+    let failed = |error: mcap::McapError| FileError::Io {
+        path: path.into(),
+        action: "copy",
+        reason: chain(&error),
+    };
+    let mut writer = options().create(NoSeek::new(out)).map_err(failed)?;
+    let mut recovered = Recovered::default();
+    let mut start_ns = None;
+    let damages = scan(file, path, Part::All, &mut |entry| {
+        if let Entry::Message { message, .. } = &entry {
+            start_ns.get_or_insert(message.log_time_ns);
+        }
+        put(&mut writer, entry, &mut recovered).map_err(failed)
+    })?;
+    writer.finish().map_err(failed)?;
+    let start_ns = start_ns.unwrap_or_default();
+    recovered.losses = damages
+        .into_iter()
+        .map(|damage| loss::of_file(damage, start_ns))
+        .collect();
+    Ok(recovered)
+}
+
+/// Schemas and channels are recognised by their content and written once each.
+fn put<W: Write>(
+    writer: &mut Writer<NoSeek<W>>,
+    entry: Entry,
+    recovered: &mut Recovered,
+) -> McapResult<()> {
+    match entry {
+        Entry::Metadata { name, values } => {
+            recovered.n_metadata += 1;
+            writer.write_metadata(&Metadata {
+                name,
+                metadata: values,
+            })
+        }
+        Entry::Attachment(attachment) if !attachment.is_sound => Ok(()),
+        Entry::Attachment(attachment) => {
+            recovered.n_attachments += 1;
+            writer.attach(&mcap::Attachment {
+                log_time: attachment.log_time_ns,
+                create_time: attachment.create_time_ns,
+                name: attachment.name,
+                media_type: attachment.media_type,
+                data: attachment.data.into(),
+            })
+        }
+        Entry::Message {
+            channel,
+            schema,
+            message,
+        } => {
+            let schema_id = match schema {
+                Some(schema) => writer.add_schema(&schema.name, &schema.encoding, &schema.text)?,
+                None => 0,
+            };
+            let channel_id = writer.add_channel(
+                schema_id,
+                &channel.topic,
+                &channel.encoding,
+                &channel.metadata,
+            )?;
+            let header = MessageHeader {
+                channel_id,
+                sequence: message.sequence,
+                log_time: message.log_time_ns,
+                publish_time: message.publish_time_ns,
+            };
+            recovered.n_messages += 1;
+            writer.write_to_known_channel(&header, message.data)
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::run::read::read_run;
+    use crate::run::tests::run;
+    use crate::run::write::write_run;
+
+    #[test]
+    fn a_killed_run_is_salvaged_up_to_the_last_chunk() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let (whole, cut, out) = (
+            folder.path().join("a.mcap"),
+            folder.path().join("b.mcap.part"),
+            folder.path().join("c.mcap"),
+        );
+        let written = run(6000);
+        write_run(&whole, Overwrite::Refuse, &written).expect("sound");
+        let sound = recover(&whole, &out, Overwrite::Refuse).expect("sound");
+        assert_eq!(
+            (sound.n_messages, sound.n_metadata, sound.n_attachments),
+            (18_004, 2, 1)
+        );
+        assert_eq!(sound.losses, []);
+        assert_eq!(read_run(&out).expect("sound"), (written.clone(), vec![]));
+
+        let bytes = std::fs::read(&whole).expect("written");
+        std::fs::write(&cut, &bytes[..bytes.len() * 2 / 3]).expect("written");
+        let recovered = recover(&cut, &out, Overwrite::Replace).expect("the start is sound");
+        assert!(recovered.n_messages > 9000 && !recovered.losses.is_empty());
+        let (read, losses) = read_run(&out).expect("a sound file");
+        assert!(
+            losses
+                .iter()
+                .all(|loss| loss.topic != "file" && loss.to_s == 6.0
+                    || loss.topic == "/frfid/events")
+        );
+        assert_eq!(read.record.y[[0, 2000]], written.record.y[[0, 2000]]);
+    }
+
+    #[test]
+    fn the_input_is_never_written_over() {
+        let part = Path::new("run.mcap.part");
+        assert!(matches!(
+            recover(part, Path::new("run.mcap"), Overwrite::Replace),
+            Err(FileError::Shape { .. })
+        ));
+        assert!(matches!(
+            recover(part, part, Overwrite::Replace),
+            Err(FileError::Shape { .. })
+        ));
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        std::fs::write(folder.path().join("a.mcap.part"), mcap::MAGIC).expect("written");
+        let detour = folder.path().join("x/../a.mcap");
+        std::fs::create_dir(folder.path().join("x")).expect("created");
+        let error = recover(
+            &folder.path().join("a.mcap.part"),
+            &detour,
+            Overwrite::Replace,
+        );
+        assert!(matches!(error, Err(FileError::Shape { .. })));
+    }
+}

@@ -1,0 +1,82 @@
+//! The summary at the end of an MCAP file: the topics once more and where the chunks are. With it,
+//! one broken record does not hide the chunks behind it.
+
+use std::io::{self, Read, Seek, SeekFrom};
+
+use mcap::records::op;
+
+use crate::bytes::{Bytes, Short};
+use crate::mcap::chunk::Topics;
+use crate::mcap::read::LENGTH_LIMIT;
+use crate::mcap::record::{self, ChunkIndex};
+
+/// Length of the footer record with its head, and of the magic bytes behind it.
+const FOOTER: u64 = 9 + 20;
+const MAGIC: u64 = 8;
+
+/// What the end of the file says about its content.
+#[derive(Debug, Default)]
+pub(crate) struct Summary {
+    pub(crate) topics: Topics,
+    /// In order of offset.
+    pub(crate) chunks: Vec<ChunkIndex>,
+}
+
+/// Reads the summary; an empty one where the writer left it out, or why the end of the file cannot
+/// be used.
+pub(crate) fn read<R: Read + Seek>(
+    file: &mut R,
+    length: u64,
+) -> io::Result<Result<Summary, String>> {
+    let Some(footer_at) = length.checked_sub(FOOTER + MAGIC).filter(|&at| at >= MAGIC) else {
+        return Ok(Err("the file is cut".into()));
+    };
+    file.seek(SeekFrom::Start(footer_at))?;
+    let mut end = [0; (FOOTER + MAGIC) as usize];
+    file.read_exact(&mut end)?;
+    if end[FOOTER as usize..] != *mcap::MAGIC || end[0] != op::FOOTER {
+        return Ok(Err(
+            "the file has no end: it was cut, or its writer did not finish".into(),
+        ));
+    }
+    let start = u64::from_le_bytes(end[9..17].try_into().unwrap_or_default());
+    if start == 0 {
+        return Ok(Ok(Summary::default()));
+    }
+    let Some(size) = footer_at
+        .checked_sub(start)
+        .filter(|&size| size <= LENGTH_LIMIT)
+    else {
+        return Ok(Err(format!(
+            "the footer puts the summary at byte {start}, which cannot be"
+        )));
+    };
+    file.seek(SeekFrom::Start(start))?;
+    let mut section = vec![0; size as usize];
+    file.read_exact(&mut section)?;
+    let crc = u32::from_le_bytes(end[25..29].try_into().unwrap_or_default());
+    let mut found = crc32fast::Hasher::new_with_initial_len(0, 0);
+    found.update(&section);
+    found.update(&end[..25]);
+    if crc != 0 && crc != found.finalize() {
+        return Ok(Err("the checksum of the summary fails".into()));
+    }
+    Ok(parse(&section).map_err(|short| format!("the summary is broken: {short}")))
+}
+
+fn parse(section: &[u8]) -> Result<Summary, Short> {
+    let mut bytes = Bytes::new(section);
+    let mut summary = Summary::default();
+    while bytes.left() > 0 {
+        let [opcode] = bytes.array()?;
+        let length = bytes.u64()?;
+        let body = bytes.take(length)?;
+        match opcode {
+            op::SCHEMA | op::CHANNEL => summary.topics.define(opcode, body)?,
+            op::CHUNK_INDEX => summary.chunks.push(record::chunk_index(body)?),
+            _ => {}
+        }
+    }
+    summary.chunks.sort_by_key(|chunk| chunk.offset);
+    Ok(summary)
+}

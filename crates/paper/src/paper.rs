@@ -1,0 +1,142 @@
+//! The paper as a whole: claims, figures and results of both sections, and the page that shows them.
+
+use frfid_files::ResultFile;
+use frfid_report::{Claim, Figure, Report};
+use frfid_signals::Frf;
+
+use crate::error::PaperError;
+use crate::section6::Section6;
+use crate::section7::Section7;
+
+/// Source of everything that is reproduced.
+const SOURCE: &str =
+    "F. Saupe, A. Knoblach, MSSP 52-53 (2015) 60-72, doi:10.1016/j.ymsp.2014.08.011";
+
+/// Sections 6 and 7 of the paper, done in simulation.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Paper {
+    /// The academic example.
+    pub section6: Section6,
+    /// The robot.
+    pub section7: Section7,
+}
+
+/// A figure with its file name (without ending) and its caption.
+#[derive(Debug, Clone)]
+pub struct Named {
+    /// File name without ending.
+    pub name: &'static str,
+    /// Caption.
+    pub caption: String,
+    /// The figure.
+    pub figure: Figure,
+}
+
+impl Named {
+    /// The figure as a section of the page has it.
+    pub(crate) fn captioned(&self) -> (String, Figure) {
+        (self.caption.clone(), self.figure.clone())
+    }
+}
+
+/// The figures of the paper, by section.
+#[derive(Debug, Clone)]
+pub struct PaperFigures {
+    /// Figures 4 and 5, and what the paper says of a constant velocity.
+    pub section6: Vec<Named>,
+    /// Figures 3 and 6 to 10, and the convergence.
+    pub section7: Vec<Named>,
+}
+
+impl PaperFigures {
+    /// Every figure, in the order of the page.
+    pub fn all(&self) -> impl Iterator<Item = &Named> {
+        self.section6.iter().chain(&self.section7)
+    }
+}
+
+impl Paper {
+    /// Every claim beside what we find.
+    #[must_use]
+    pub fn claims(&self) -> Vec<Claim> {
+        [self.section6.claims(), self.section7.claims()].concat()
+    }
+
+    /// Draws the figures.
+    ///
+    /// # Errors
+    /// [`PaperError`] would be a fault of this library.
+    pub fn figures(&self) -> Result<PaperFigures, PaperError> {
+        Ok(PaperFigures {
+            section6: self.section6.figures()?,
+            section7: self.section7.figures()?,
+        })
+    }
+
+    /// The FRFs of figures 4, 5 and 10 as results with their names, for `frfid compare` and
+    /// `frfid export`.
+    #[must_use]
+    pub fn results(&self) -> Vec<(&'static str, ResultFile)> {
+        let Self { section6, section7 } = self;
+        let (joint, joints) = (["motor".to_owned()], section7.joint_names.as_slice());
+        let frfs: [(&'static str, &Frf, &[String]); 6] = [
+            (
+                "figure_4_multisine",
+                &section6.friction.multisine.frf,
+                &joint,
+            ),
+            ("figure_4_chirp", &section6.friction.chirp.frf, &joint),
+            (
+                "figure_5_multisine",
+                &section6.stiffening.multisine.frf,
+                &joint,
+            ),
+            ("figure_5_chirp", &section6.stiffening.chirp.frf, &joint),
+            (
+                "figure_10_multisine",
+                &section7.multisine.by_position,
+                joints,
+            ),
+            ("figure_10_chirp", &section7.sign_flip.frf, joints),
+        ];
+        let named = frfs.map(|(name, frf, joints)| (name, result(frf, joints)));
+        named.to_vec()
+    }
+
+    /// The page: the sections one after the other, below the table of claims.
+    #[must_use]
+    pub fn page(&self, figures: &PaperFigures) -> Report<'_> {
+        Report {
+            title: "Saupe and Knoblach (2015): frequency responses of flexible-joint robots".into(),
+            claims: self.claims(),
+            checks: Vec::new(),
+            parts: vec![
+                self.section6.part(&figures.section6),
+                self.section7.part(&figures.section7),
+            ],
+            provenance: vec![
+                ("frfid".into(), env!("CARGO_PKG_VERSION").into()),
+                ("source".into(), SOURCE.into()),
+            ],
+        }
+    }
+}
+
+fn result(frf: &Frf, joints: &[String]) -> ResultFile {
+    let version = env!("CARGO_PKG_VERSION").to_owned();
+    ResultFile {
+        frf: frf.clone(),
+        input_names: joints
+            .iter()
+            .map(|joint| format!("{joint} torque"))
+            .collect(),
+        output_names: joints
+            .iter()
+            .map(|joint| format!("{joint} velocity"))
+            .collect(),
+        input_units: vec!["N m".into(); joints.len()],
+        output_units: vec!["rad/s".into(); joints.len()],
+        checks: Vec::new(),
+        provenance: [("frfid_version".to_owned(), version)].into(),
+    }
+}

@@ -1,0 +1,138 @@
+//! Section 7 of the paper: the base axes of a robot in closed loop, every experiment of figures 3
+//! and 6 to 10.
+
+pub(crate) mod chirps;
+pub(crate) mod claims;
+pub(crate) mod figures;
+pub(crate) mod multisine;
+
+use frfid_estimate::Summary;
+use frfid_experiment::{
+    Amplitude, Experiment, ExperimentError, LimitsTable, Progress, Source, StepName, Template,
+    log_spaced,
+};
+use frfid_plant::Hold;
+use frfid_signals::{Frf, Phasing};
+
+use crate::section7::chirps::ShapedChirps;
+use crate::section7::multisine::MultisineCampaign;
+
+/// Everything section 7 shows.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Section7 {
+    /// Names of the joints.
+    pub joint_names: Vec<String>,
+    /// Coulomb friction of every axis in N m.
+    pub coulomb_nm: Vec<f64>,
+    /// The linear truth at the pose, seen through the sensor, on a grid dense enough to be drawn.
+    pub truth: Frf,
+    /// Section 7.1: the multisine on a constant velocity.
+    pub multisine: MultisineCampaign,
+    /// Section 7.2: shaped chirps, SK15 (9).
+    pub orthogonal: ShapedChirps,
+    /// Section 7.2: shaped chirps, SK15 (26).
+    pub sign_flip: ShapedChirps,
+    /// Every iteration of the paper's undamped step, SK15 (18), with the phasing of `sign_flip`.
+    pub paper_step: Vec<Summary>,
+    /// What is said of the desired torques of the paper's table 1, which are weaker than this
+    /// robot's friction.
+    pub table1_warnings: Vec<String>,
+}
+
+/// What the campaigns cost in turn, in percent of the whole: multisine, chirps (9), chirps (26),
+/// the paper's step, table 1.
+const SHARES: [usize; 5] = [60, 11, 11, 11, 7];
+
+impl Section7 {
+    /// Does every experiment on the model; `progress` is told in percent.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Interrupted`] and [`ExperimentError::ShapingInterrupted`]; any other
+    /// would be a fault of this library.
+    pub fn run(jobs: usize, progress: Progress) -> Result<Self, ExperimentError> {
+        let part = |number: usize| {
+            let before: usize = SHARES[..number].iter().sum();
+            move |done: usize, total: usize| {
+                progress(before + SHARES[number] * done / total.max(1), 100)
+            }
+        };
+        let chirp = of_template("r3-chirp")?;
+        let chirps = |number: usize, phasing: Phasing| {
+            ShapedChirps::run(&with_phasing(&chirp, phasing)?, jobs, &part(number))
+        };
+        let multisine = of_template("r3-multisine")?;
+        Ok(Self {
+            joint_names: multisine.config.robot.joint_names(),
+            coulomb_nm: multisine.coulomb_nm().unwrap_or_default(),
+            truth: multisine.truth(&log_spaced(2.0, 60.0, 600)?, Hold::Zoh, true)?,
+            multisine: MultisineCampaign::run(&multisine, jobs, &part(0))?,
+            orthogonal: chirps(1, Phasing::Orthogonal)?,
+            sign_flip: chirps(2, Phasing::SignFlip)?,
+            paper_step: paper_step(&chirp, jobs, &part(3))?,
+            table1_warnings: table1(&chirp, jobs, &part(4))?,
+        })
+    }
+}
+
+fn of_template(kind: &str) -> Result<Experiment, ExperimentError> {
+    let template = Template::named(kind).expect("the templates of section 7 are built in");
+    Ok(Experiment::new(
+        Source {
+            name: kind.to_owned(),
+            text: template.text(),
+        },
+        "".as_ref(),
+    )?)
+}
+
+/// The same chirps with other phases between channels and experiments.
+fn with_phasing(experiment: &Experiment, phasing: Phasing) -> Result<Experiment, ExperimentError> {
+    let mut config = experiment.config.clone();
+    if let Some(chirp) = &mut config.chirp {
+        chirp.mimo = phasing;
+    }
+    Ok(Experiment::of(config, experiment.source.clone())?)
+}
+
+/// Iterations of the paper's own step: enough to see where it leads.
+const PAPER_ITERATIONS: usize = 9;
+
+/// Every iteration of the paper's own step, without the limits on the way: they would hold it where
+/// it is.
+fn paper_step(
+    experiment: &Experiment,
+    jobs: usize,
+    progress: Progress,
+) -> Result<Vec<Summary>, ExperimentError> {
+    let mut config = experiment.config.clone();
+    if let Some(shape) = &mut config.shape {
+        shape.step = StepName::Paper;
+        shape.n_iterations = PAPER_ITERATIONS;
+    }
+    config.limits = LimitsTable::default();
+    let experiment = Experiment::of(config, experiment.source.clone())?;
+    let mut iterations = Vec::new();
+    chirps::shaped(&experiment, jobs, progress, &mut |iteration| {
+        iterations.push(iteration.summary());
+        Ok(())
+    })?;
+    Ok(iterations)
+}
+
+/// What is said of the torques of the paper's table 1, half of them above 40 Hz: too weak for this
+/// robot's friction.
+fn table1(
+    experiment: &Experiment,
+    jobs: usize,
+    progress: Progress,
+) -> Result<Vec<String>, ExperimentError> {
+    const TORQUES_NM: [f64; 3] = [100.0, 150.0, 120.0];
+    let mut config = experiment.config.clone();
+    if let Some(shape) = &mut config.shape {
+        let half_above_40_hz =
+            |torque: f64| Amplitude::Points(vec![(38.0, torque), (42.0, 0.5 * torque)]);
+        shape.desired_nm = Some(TORQUES_NM.map(half_above_40_hz).to_vec());
+    }
+    let experiment = Experiment::of(config, experiment.source.clone())?;
+    Ok(ShapedChirps::run(&experiment, jobs, progress)?.warnings)
+}

@@ -1,0 +1,128 @@
+//! Section 7.1 of the paper: the multisine on a constant velocity, and what becomes of the torque
+//! ripple (figures 6 and 8).
+
+use std::sync::Mutex;
+
+use frfid_experiment::{
+    EstimateTable, Experiment, ExperimentError, GlideSubtraction, Peaks, Progress,
+};
+use frfid_plant::Hold;
+use frfid_signals::{Frf, Record, Run, RunId, RunKind};
+use ndarray::Array1;
+
+/// The campaign of section 7.1.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MultisineCampaign {
+    /// Sample time in s.
+    pub sample_time_s: f64,
+    /// Reference velocity of axis 1 of one run in rad/s, lead-in and constant velocity included
+    /// (figure 6).
+    pub reference_rad_s: Array1<f64>,
+    /// Constant velocity of every axis in rad/s.
+    pub velocity_rad_s: Vec<f64>,
+    /// The estimate without a cure for the ripple (figure 8).
+    pub uncompensated: Frf,
+    /// The glide subtracted sample by sample, the paper's cure.
+    pub in_time: Frf,
+    /// The glide subtracted by motor position.
+    pub by_position: Frf,
+    /// Lines of `by_position` at which what remains of the ripple exceeds the noise.
+    pub flagged: Vec<bool>,
+    /// The truth at the pose on the lines of the multisine, seen through the sensor.
+    pub truth: Frf,
+    /// Truths at poses along the way from its start to its end.
+    pub along_the_way: Vec<Frf>,
+    /// Largest values over all runs.
+    pub peaks: Peaks,
+    /// Number of runs, glides included.
+    pub n_runs: usize,
+    /// Time on the robot in s.
+    pub robot_time_s: f64,
+}
+
+/// Poses along the way, its start and its end included.
+const POSES: usize = 5;
+
+impl MultisineCampaign {
+    /// Does the campaign on the model: every run once, estimated in three ways.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] of a run or an estimate, or an interruption.
+    pub fn run(
+        experiment: &Experiment,
+        jobs: usize,
+        progress: Progress,
+    ) -> Result<Self, ExperimentError> {
+        let Experiment { config, plan, .. } = experiment;
+        let way = |glide_subtraction| EstimateTable {
+            glide_subtraction,
+            ..config.estimate.clone()
+        };
+        let ways = [
+            GlideSubtraction::None,
+            GlideSubtraction::Time,
+            GlideSubtraction::Position,
+        ]
+        .map(way);
+        let (pose_rad, largest) = (config.robot.pose(), Mutex::new(None::<Peaks>));
+        let look = |run: &Run, record: &Record| {
+            let peaks = Peaks::of(record, &run.start_rad, &pose_rad);
+            Peaks::enlarge(
+                &mut largest.lock().expect("no holder of the lock panics"),
+                &peaks,
+            );
+            Ok(())
+        };
+        let estimated = experiment.measure_each(
+            ways.each_ref(),
+            &*experiment.testbed()?,
+            jobs,
+            progress,
+            &look,
+        )?;
+        let flagged = estimated[2].ripple.clone().unwrap_or_default();
+        let [uncompensated, in_time, by_position] = estimated.map(|estimated| estimated.frf);
+        let hz = &uncompensated.frequency_hz;
+        let first = RunId {
+            kind: RunKind::Excitation,
+            realization: 0,
+            experiment: 0,
+            repetition: 0,
+        };
+        Ok(Self {
+            sample_time_s: plan.sample_time_s,
+            reference_rad_s: plan.run(first)?.reference.row(0).to_owned(),
+            velocity_rad_s: plan.velocity_rad_s.clone(),
+            truth: experiment.truth(hz, Hold::Zoh, true)?,
+            along_the_way: along_the_way(experiment, hz)?,
+            uncompensated,
+            in_time,
+            by_position,
+            flagged,
+            peaks: largest
+                .into_inner()
+                .expect("no holder of the lock panics")
+                .expect("a plan has runs"),
+            n_runs: plan.n_runs(),
+            robot_time_s: plan.robot_time_s()?,
+        })
+    }
+}
+
+/// The linear truths at poses from the start of a run to its end.
+fn along_the_way(experiment: &Experiment, hz: &[f64]) -> Result<Vec<Frf>, ExperimentError> {
+    let (pose_rad, start_rad) = (experiment.config.robot.pose(), experiment.plan.start_rad()?);
+    let truth = |number: usize| {
+        let share = 1.0 - 2.0 * number as f64 / (POSES - 1) as f64;
+        let mut config = experiment.config.clone();
+        config.robot.pose_rad = Some(
+            pose_rad
+                .iter()
+                .zip(&start_rad)
+                .map(|(pose, start)| pose + share * start)
+                .collect(),
+        );
+        Experiment::of(config, experiment.source.clone())?.truth(hz, Hold::Zoh, true)
+    };
+    (0..POSES).map(truth).collect()
+}

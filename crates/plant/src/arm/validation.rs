@@ -1,0 +1,196 @@
+//! What an arm may not be, and what it should not be.
+
+use frfid_signals::SignalError;
+use frfid_signals::checks::{finite, not_negative, one_per_axis};
+use nalgebra::{Matrix3, Vector3};
+
+use crate::arm::rigid::matrix;
+use crate::arm::{Arm, Body, BodyJoint, Payload};
+
+/// How far a rotation matrix given in decimals may be from a rotation, and a tensor from symmetry,
+/// relatively.
+const ROUNDING: f64 = 1e-6;
+
+impl Arm {
+    /// Checks every parameter, and that the mass matrix is positive definite at the pose.
+    ///
+    /// # Errors
+    /// [`SignalError::In`] naming the body, or [`SignalError::Parameter`], [`SignalError::Shape`]
+    /// of the arm itself.
+    pub fn check(&self) -> Result<(), SignalError> {
+        let mut moments = self
+            .mechanics()?
+            .mass_matrix(&self.pose_rad)
+            .symmetric_eigenvalues();
+        moments.as_mut_slice().sort_by(f64::total_cmp);
+        let (smallest, largest) = (moments[0], moments[moments.len() - 1]);
+        if smallest > f64::EPSILON * largest {
+            return Ok(());
+        }
+        let name = "the smallest eigenvalue in kg m^2 of the mass matrix at the pose";
+        let needed = "above 0: every joint must move some inertia that cannot be moved without it";
+        Err(SignalError::Parameter {
+            name,
+            found: smallest,
+            needed,
+        })
+    }
+
+    /// What is possible but looks like a mistake: principal moments of inertia of which one exceeds
+    /// the sum of the other two, as no mass distribution can have them. Bodies marked as simplified
+    /// may.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let bodies = self.bodies.iter().filter(|body| !body.simplified);
+        let tensors = bodies.map(|body| (body.part(), &body.inertia_kg_m2, " or set simplified"));
+        let payload = self
+            .payload
+            .iter()
+            .map(|payload| (PAYLOAD.into(), &payload.inertia_kg_m2, ""));
+        let warning = |(part, tensor, or): (String, _, _)| {
+            let [a, b, c] = principal_moments(tensor);
+            (c > (a + b) * (1.0 + ROUNDING)).then(|| {
+                format!(
+                    "{part}: no body has the principal moments of inertia {a:.4}, {b:.4}, {c:.4} kg m^2: the largest \
+                     exceeds the sum of the others; correct inertia_kg_m2{or}"
+                )
+            })
+        };
+        tensors.chain(payload).filter_map(warning).collect()
+    }
+
+    /// Checks what can be checked part by part.
+    pub(crate) fn check_parameters(&self) -> Result<(), SignalError> {
+        if self.n_axes() == 0 {
+            return Err(self.wrong_number_of_axes());
+        }
+        self.gravity_m_s2
+            .iter()
+            .try_for_each(|&value| finite("gravity_m_s2", value))?;
+        for body in &self.bodies {
+            body.check().map_err(|error| within(body.part(), error))?;
+        }
+        if let Some(payload) = &self.payload {
+            payload
+                .check()
+                .map_err(|error| within(PAYLOAD.into(), error))?;
+        }
+        self.check_axes("pose_rad", &self.pose_rad)
+    }
+
+    /// Checks that there is a finite number for each axis.
+    pub(crate) fn check_axes(&self, name: &'static str, values: &[f64]) -> Result<(), SignalError> {
+        one_per_axis(name, Some(values), self.n_axes(), finite)
+    }
+
+    pub(crate) fn wrong_number_of_axes(&self) -> SignalError {
+        let found = self.n_axes() as f64;
+        SignalError::Parameter {
+            name: "the number of moving joints",
+            found,
+            needed: "1 to 7; lock the others",
+        }
+    }
+}
+
+const PAYLOAD: &str = "payload";
+
+fn within(part: String, error: SignalError) -> SignalError {
+    SignalError::In {
+        part,
+        source: Box::new(error),
+    }
+}
+
+impl Body {
+    fn part(&self) -> String {
+        format!("body {}", self.name)
+    }
+
+    fn check(&self) -> Result<(), SignalError> {
+        check_vector("offset_m", &self.offset_m)?;
+        self.rotation
+            .iter()
+            .try_for_each(|row| check_vector("rotation", row))?;
+        let rotation = matrix(&self.rotation);
+        let error = (rotation * rotation.transpose() - Matrix3::identity()).amax();
+        if error > ROUNDING {
+            let name = "rotation times its transpose, less the identity,";
+            return Err(SignalError::Parameter {
+                name,
+                found: error,
+                needed: "0, as of any rotation matrix",
+            });
+        }
+        if rotation.determinant() < 0.0 {
+            return Err(SignalError::Parameter {
+                name: "rotation's determinant",
+                found: -1.0,
+                needed: "1: no mirror",
+            });
+        }
+        check_vector("axis", &self.axis)?;
+        let length = Vector3::from(self.axis).norm();
+        if !length.is_normal() {
+            return Err(SignalError::Parameter {
+                name: "axis' length",
+                found: length,
+                needed: "above 0",
+            });
+        }
+        check_mass(self.mass_kg, &self.center_of_mass_m, &self.inertia_kg_m2)?;
+        match &self.joint {
+            BodyJoint::Locked { position_rad } => finite("position_rad", *position_rad),
+            BodyJoint::Flexible(joint) => joint.check(),
+        }
+    }
+}
+
+impl Payload {
+    fn check(&self) -> Result<(), SignalError> {
+        check_mass(self.mass_kg, &self.center_of_mass_m, &self.inertia_kg_m2)
+    }
+}
+
+fn check_vector(name: &'static str, vector: &[f64; 3]) -> Result<(), SignalError> {
+    vector.iter().try_for_each(|&value| finite(name, value))
+}
+
+fn check_mass(
+    mass: f64,
+    center_of_mass: &[f64; 3],
+    inertia: &[[f64; 3]; 3],
+) -> Result<(), SignalError> {
+    not_negative("mass_kg", mass)?;
+    check_vector("center_of_mass_m", center_of_mass)?;
+    inertia
+        .iter()
+        .try_for_each(|row| check_vector("inertia_kg_m2", row))?;
+    let tensor = matrix(inertia);
+    let (skew, size) = ((tensor - tensor.transpose()).amax(), tensor.amax());
+    if skew > ROUNDING * size {
+        let needed = "a symmetric tensor";
+        return Err(SignalError::Parameter {
+            name: "inertia_kg_m2's difference from its transpose",
+            found: skew,
+            needed,
+        });
+    }
+    let smallest = principal_moments(inertia)[0];
+    if smallest < -ROUNDING * size {
+        let name = "inertia_kg_m2's smallest principal moment";
+        return Err(SignalError::Parameter {
+            name,
+            found: smallest,
+            needed: "0 or above",
+        });
+    }
+    Ok(())
+}
+
+/// Principal moments of inertia, rising.
+fn principal_moments(inertia: &[[f64; 3]; 3]) -> [f64; 3] {
+    let mut moments: [f64; 3] = matrix(inertia).symmetric_eigenvalues().into();
+    moments.sort_by(f64::total_cmp);
+    moments
+}

@@ -1,0 +1,26 @@
+//! Torque ripple of motor and gear: periodic in the motor position (SK15 section 2, challenge E).
+
+use serde::{Deserialize, Serialize};
+
+use crate::motion::scalar::Lane;
+
+/// One harmonic of the ripple: `amplitude_nm sin(cycles_per_turn q + phase_rad)` is taken from the
+/// motor torque.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Ripple {
+    /// Cycles per turn of `q`, the motor position on the joint side; behind a gear of ratio n, n
+    /// times the cycles per turn of the motor shaft.
+    pub cycles_per_turn: f64,
+    /// Amplitude in N m on the joint side.
+    pub amplitude_nm: f64,
+    /// Phase in rad at position 0.
+    pub phase_rad: f64,
+}
+
+impl Ripple {
+    /// Torque in N m at a motor position in rad on the joint side.
+    pub fn torque<L: Lane>(&self, position_rad: L) -> L {
+        L::splat(self.amplitude_nm)
+            * (L::splat(self.cycles_per_turn) * position_rad + L::splat(self.phase_rad)).sin()
+    }
+}

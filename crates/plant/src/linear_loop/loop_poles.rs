@@ -1,0 +1,220 @@
+//! The poles of the linear closed loop from sample to sample: whether it is stable, and who is to
+//! blame if it is not.
+
+use std::f64::consts::TAU;
+
+use frfid_signals::SignalError;
+use nalgebra::{DMatrix, DVector, Schur, linalg::balancing::balance_parlett_reinsch};
+use num_complex::Complex64;
+
+use crate::control::pi::{Gains, PiController};
+use crate::control::sensor::{Sensor, Velocity};
+use crate::error::PlantError;
+use crate::robot::Robot;
+use crate::state_space::{Hold, StateSpace};
+use crate::testbed::recorder::of_axes;
+
+/// A pole counts as on the unit circle within this distance: it needs a million samples to grow by
+/// a factor e. Velocity control leaves positions free, which is a pole at 1 for each axis without a
+/// position loop.
+const TOLERANCE: f64 = 1e-6;
+
+/// Relative precisions of the Schur decomposition, the first that can be reached is taken; all far
+/// below [`TOLERANCE`].
+const PRECISIONS: [f64; 3] = [f64::EPSILON, 1e-14, 1e-12];
+
+/// Most iterations per eigenvalue of the Schur decomposition; a handful is usual.
+const ITERATIONS_PER_POLE: usize = 1000;
+
+/// Largest entry of a matrix whose squares the balancing can still add up.
+const LARGEST_ENTRY: f64 = 1e100;
+
+/// The poles in the z-plane of the loop of robot, controller and sensors without limits,
+/// quantisation, Coulomb friction and ripple, largest first. The loop is stable if none lies
+/// outside the unit circle; position control aside, one at 1 for each axis says that velocity
+/// control leaves its position free. Poles at 0 are delays.
+///
+/// They are the eigenvalues of the matrix that takes the states of the robot behind its zero-order
+/// hold, and the memories of sensors and controller, from sample to sample.
+///
+/// # Errors
+/// [`SignalError`] for a parameter out of range or a number of axes that does not fit.
+pub fn loop_poles(
+    robot: &dyn Robot,
+    controller: &PiController,
+    sensors: &[Sensor],
+) -> Result<Vec<Complex64>, SignalError> {
+    let matrix = LinearLoop::new(robot, controller, sensors)?.matrix();
+    let needed = "a sample time over which this robot under these gains stays in numbers";
+    let refused = SignalError::Parameter {
+        name: "sample_time_s",
+        found: controller.sample_time_s,
+        needed,
+    };
+    let mut poles = eigenvalues(matrix).ok_or(refused)?;
+    poles.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
+    Ok(poles)
+}
+
+/// Eigenvalues of a real matrix; `None` if its entries are not finite or absurdly large.
+fn eigenvalues(mut matrix: DMatrix<f64>) -> Option<Vec<Complex64>> {
+    if matrix
+        .iter()
+        .any(|entry| entry.is_nan() || entry.abs() > LARGEST_ENTRY)
+    {
+        return None;
+    }
+    balance_parlett_reinsch(&mut matrix); // states in rad and in N m are orders of magnitude apart
+    let iterations = ITERATIONS_PER_POLE * matrix.nrows();
+    // an entry beneath the diagonal must vanish beside its neighbours, which the rounding of larger
+    // ones may not allow
+    let schur = PRECISIONS
+        .into_iter()
+        .find_map(|precision| Schur::try_new(matrix.clone(), precision, iterations))?;
+    Some(schur.complex_eigenvalues().iter().copied().collect())
+}
+
+/// Checks that the linear loop is stable.
+///
+/// # Errors
+/// [`PlantError::Unstable`] with the fastest growing motion and the axis whose controller feeds it
+/// most; [`PlantError::Signal`] as [`loop_poles`].
+pub fn check_stability(
+    robot: &dyn Robot,
+    controller: &PiController,
+    sensors: &[Sensor],
+) -> Result<(), PlantError> {
+    let worst = loop_poles(robot, controller, sensors)?
+        .first()
+        .copied()
+        .unwrap_or_default(); // largest first
+    if worst.norm() <= 1.0 + TOLERANCE {
+        return Ok(());
+    }
+    let channel = LinearLoop::new(robot, controller, sensors)?.loudest_axis(worst);
+    Err(PlantError::Unstable {
+        spectral_radius: worst.norm(),
+        hz: worst.arg().abs() / (TAU * controller.sample_time_s),
+        channel,
+        gain_nms_per_rad: controller.gain[channel],
+    })
+}
+
+/// What an axis' sensor and controller remember from sample to sample, besides the torques on their
+/// way: the position and velocity readings of the sample before, and the integral.
+const MEMORIES: usize = 3;
+
+/// The loop as a linear map of its state: the robot's states, then the memories and delayed torques
+/// of axis after axis.
+struct LinearLoop<'a> {
+    controller: &'a PiController,
+    sensors: &'a [Sensor],
+    phi: DMatrix<f64>,
+    gamma: DMatrix<f64>,
+    /// Motor velocities, then motor positions.
+    c: DMatrix<f64>,
+}
+
+impl<'a> LinearLoop<'a> {
+    fn new(
+        robot: &dyn Robot,
+        controller: &'a PiController,
+        sensors: &'a [Sensor],
+    ) -> Result<Self, SignalError> {
+        robot.check()?;
+        controller.check(robot.n_axes())?;
+        of_axes("sensors", sensors, robot.n_axes())?
+            .iter()
+            .try_for_each(Sensor::check)?;
+        let model = robot.state_space();
+        let (phi, [gamma, _]) = model.held(Hold::Zoh, controller.sample_time_s);
+        let StateSpace { c, .. } = model;
+        Ok(Self {
+            controller,
+            sensors,
+            phi,
+            gamma,
+            c,
+        })
+    }
+
+    /// Its matrix, column by column.
+    fn matrix(&self) -> DMatrix<f64> {
+        let n = self.phi.nrows() + self.sensors.len() * (MEMORIES + self.controller.delay_samples);
+        let columns: Vec<DVector<f64>> = (0..n)
+            .map(|k| self.next(&DVector::from_fn(n, |row, _| f64::from(u8::from(row == k)))))
+            .collect();
+        DMatrix::from_columns(&columns)
+    }
+
+    /// The state at the next sample, without a reference.
+    fn next(&self, state: &DVector<f64>) -> DVector<f64> {
+        let n_axes = self.sensors.len();
+        let (robot, memories) = state.as_slice().split_at(self.phi.nrows());
+        let robot = DVector::from_column_slice(robot);
+        let seen = &self.c * &robot;
+        let mut torque = DVector::zeros(n_axes);
+        let mut next = Vec::with_capacity(state.len());
+        for (axis, memory) in memories
+            .chunks(MEMORIES + self.controller.delay_samples)
+            .enumerate()
+        {
+            torque[axis] = self.step(axis, memory, [seen[axis], seen[n_axes + axis]], &mut next);
+        }
+        let robot = &self.phi * robot + &self.gamma * torque;
+        DVector::from_iterator(state.len(), robot.iter().copied().chain(next))
+    }
+
+    /// One step of an axis' sensor and controller, as [`PiController`] and [`Sensor`] say: returns
+    /// the torque in N m that acts next and appends what they remember.
+    fn step(
+        &self,
+        axis: usize,
+        memory: &[f64],
+        [velocity, position]: [f64; 2],
+        next: &mut Vec<f64>,
+    ) -> f64 {
+        let (sensor, sample_time_s) = (&self.sensors[axis], self.controller.sample_time_s);
+        let Gains {
+            proportional,
+            integral_step,
+            position: position_gain,
+        } = self.controller.gains(axis);
+        let (remembered, delayed) = memory.split_at(MEMORIES);
+        let [last_position, last_reading, integral] = [remembered[0], remembered[1], remembered[2]];
+        let velocity = match sensor.velocity {
+            Velocity::True => velocity,
+            Velocity::Differenced => (position - last_position) / sample_time_s,
+        };
+        let pole = sensor.filter_pole(sample_time_s);
+        let reading = pole * last_reading + (1.0 - pole) * velocity;
+        let error = -position_gain * position - reading;
+        let torques: Vec<f64> = delayed
+            .iter()
+            .copied()
+            .chain([proportional * error + integral])
+            .collect();
+        next.extend([position, reading, integral + integral_step * error]);
+        next.extend(&torques[1..]);
+        torques[0]
+    }
+
+    /// The axis to which the proportional gain gives most power in the motion of a pole: gain |v|^2
+    /// in its eigenvector, by inverse iteration.
+    fn loudest_axis(&self, pole: Complex64) -> usize {
+        let matrix = self.matrix().map(Complex64::from);
+        let n = matrix.nrows();
+        let nearby = DMatrix::from_diagonal_element(n, n, pole * (1.0 + 1e-9));
+        let lu = (matrix - nearby).lu();
+        let mut state = DVector::from_element(n, Complex64::from(1.0));
+        for _ in 0..3 {
+            let Some(next) = lu.solve(&state) else { break };
+            state = next.normalize();
+        }
+        let velocity = self.c.map(Complex64::from) * state.rows(0, self.phi.nrows());
+        let power = |axis: &usize| self.controller.gain[*axis] * velocity[*axis].norm_sqr();
+        (0..self.sensors.len())
+            .max_by(|a, b| power(a).total_cmp(&power(b)))
+            .unwrap_or(0)
+    }
+}

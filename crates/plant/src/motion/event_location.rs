@@ -1,0 +1,235 @@
+//! Where a mode ends: the instant within a step at which a signal leaves the interval of its mode.
+//!
+//! A motor slips forward (backward) while its velocity is above (below) 0, is stuck while its net
+//! torque is within +-F_c, and its gear is on a branch of the spring while the deflection is in
+//! that branch's interval. A trial step whose end lies outside an interval, or that has left it and
+//! come back (the signal's slopes at both ends tell), is taken again with a share theta of its
+//! length, and theta is found to rounding level.
+
+use crate::joint::friction::Slip;
+use crate::motion::equations::{Links, State};
+use crate::motion::integrator::Motion;
+use crate::motion::root::root;
+use crate::motion::segment::Segment;
+
+/// What ends a mode.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Signal {
+    /// The motor velocity, while it slips.
+    Velocity,
+    /// The torque on the motor besides friction, while it is stuck.
+    NetTorque,
+    /// The deflection of the gear.
+    Deflection,
+}
+
+/// The end of a mode.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Exit {
+    /// Where in the trial step, from 0 to 1.
+    pub theta: f64,
+    /// On which axis.
+    pub axis: usize,
+    /// What left its interval.
+    pub signal: Signal,
+    /// Through the upper end of the interval, or the lower.
+    pub upwards: bool,
+}
+
+/// A step that is being tried: the rest of a segment, from its share `from`.
+pub struct Trial<'a, K, const A: usize> {
+    /// The motion so far.
+    pub motion: &'a Motion<K, A>,
+    /// The torque over the whole segment.
+    pub torque: &'a Segment<A>,
+    /// Share of the segment at which the trial starts.
+    pub from: f64,
+    /// Duration of the whole segment in s.
+    pub step_s: f64,
+    /// Derivative of the state at the start of the trial.
+    pub derivative: &'a State<f64, A>,
+}
+
+/// One end of a mode's interval.
+#[derive(Debug, Clone, Copy)]
+struct Bound {
+    axis: usize,
+    signal: Signal,
+    value: f64,
+    upwards: bool,
+}
+
+impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
+    /// Duration of the trial in s.
+    #[inline(always)]
+    pub fn duration_s(&self) -> f64 {
+        (1.0 - self.from) * self.step_s
+    }
+
+    /// Share of the whole segment at a share of the trial.
+    #[inline(always)]
+    pub fn share(&self, theta: f64) -> f64 {
+        self.from + theta * (1.0 - self.from)
+    }
+
+    /// The state at a share of the trial: one RK4 step of that length.
+    #[inline(always)]
+    pub fn state(&self, theta: f64) -> State<f64, A> {
+        let torques = [
+            &self.torque.at(self.share(0.5 * theta)),
+            &self.torque.at(self.share(theta)),
+        ];
+        let motion = self.motion;
+        motion.machine.rk4(
+            &motion.regimes,
+            torques,
+            &motion.state,
+            self.derivative,
+            theta * self.duration_s(),
+        )
+    }
+
+    /// Time derivative of a state at a share of the trial.
+    #[inline(always)]
+    pub fn derivative(&self, theta: f64, x: &State<f64, A>) -> State<f64, A> {
+        self.motion
+            .machine
+            .derivative(&self.motion.regimes, &self.torque.at(self.share(theta)), x)
+    }
+
+    /// The first end of a mode within the trial, whose end state and its derivative are given.
+    pub fn first_exit(&self, end: &State<f64, A>, end_derivative: &State<f64, A>) -> Option<Exit> {
+        let mut first: Option<Exit> = None;
+        for axis in 0..A {
+            for bound in self.bounds(axis) {
+                if bound.value.is_finite()
+                    && let Some(theta) = self.exit(bound, end, end_derivative)
+                    && first.is_none_or(|first| theta < first.theta)
+                {
+                    first = Some(Exit {
+                        theta,
+                        axis,
+                        signal: bound.signal,
+                        upwards: bound.upwards,
+                    });
+                }
+            }
+        }
+        first
+    }
+
+    /// The ends of the intervals in which an axis' mode holds, the infinite ones included.
+    fn bounds(&self, axis: usize) -> [Bound; 4] {
+        let (drive, mode) = (&self.motion.machine.drives[axis], self.motion.modes[axis]);
+        let signal = if mode.slip == Slip::Stuck {
+            Signal::NetTorque
+        } else {
+            Signal::Velocity
+        };
+        let (slip, branch) = (
+            drive.friction.interval(mode.slip),
+            drive.spring.interval(mode.branch),
+        );
+        let bound = |signal, value, upwards| Bound {
+            axis,
+            signal,
+            value,
+            upwards,
+        };
+        [
+            bound(signal, slip.0, false),
+            bound(signal, slip.1, true),
+            bound(Signal::Deflection, branch.0, false),
+            bound(Signal::Deflection, branch.1, true),
+        ]
+    }
+
+    /// Where in the trial a signal first crosses a bound.
+    fn exit(
+        &self,
+        bound: Bound,
+        end: &State<f64, A>,
+        end_derivative: &State<f64, A>,
+    ) -> Option<f64> {
+        let margin = |theta| self.margin(bound, theta, &self.state(theta));
+        let mut inside = (0.0, self.margin(bound, 0.0, &self.motion.state));
+        let mut outside = (1.0, self.margin(bound, 1.0, end));
+        if outside.1 >= 0.0 {
+            // Inside again: it can only have been outside if it turned back within the step. A mode
+            // that begins on its bound begins by moving inside; a slope that says otherwise is
+            // rounding.
+            if inside.1 <= 0.0 {
+                return None;
+            }
+            let rates = (
+                self.margin_rate(bound, 0.0, self.derivative),
+                self.margin_rate(bound, 1.0, end_derivative),
+            );
+            if !(rates.0 < 0.0 && rates.1 > 0.0) {
+                return None;
+            }
+            let rate =
+                |theta| self.margin_rate(bound, theta, &self.derivative(theta, &self.state(theta)));
+            let turn = root(rate, (0.0, rates.0), (1.0, rates.1));
+            outside = (turn, margin(turn));
+            if outside.1 >= 0.0 {
+                return None;
+            }
+        }
+        let mut halvings = 0;
+        while inside.1 <= 0.0 {
+            // the mode begins on its very bound: look for a point inside behind it; if there is
+            // none, it ends here
+            if halvings == 50 {
+                return Some(0.0);
+            }
+            let theta = 0.5 * outside.0;
+            let probe = (theta, margin(theta));
+            *(if probe.1 > 0.0 {
+                &mut inside
+            } else {
+                &mut outside
+            }) = probe;
+            halvings += 1;
+        }
+        Some(root(margin, inside, outside))
+    }
+
+    /// How far a signal is inside a bound.
+    fn margin(&self, bound: Bound, theta: f64, x: &State<f64, A>) -> f64 {
+        let axis = bound.axis;
+        let value = match bound.signal {
+            Signal::Velocity => x.motor_velocity[axis],
+            Signal::Deflection => x.deflection[axis],
+            Signal::NetTorque => {
+                let torque = self.torque.at(self.share(theta))[axis];
+                self.motion
+                    .machine
+                    .net_torque(axis, &self.motion.regimes[axis], torque, x)
+            }
+        };
+        if bound.upwards {
+            bound.value - value
+        } else {
+            value - bound.value
+        }
+    }
+
+    /// Time derivative of the margin.
+    fn margin_rate(&self, bound: Bound, theta: f64, derivative: &State<f64, A>) -> f64 {
+        let axis = bound.axis;
+        let rate = match bound.signal {
+            Signal::Velocity => derivative.motor_velocity[axis],
+            Signal::Deflection => derivative.deflection[axis],
+            Signal::NetTorque => {
+                // at rest the motor torque and the gear's change, the ripple does not
+                let stiffness = self.motion.regimes[axis].slope_nm_per_rad;
+                let damping = self.motion.machine.drives[axis].damping_nms_per_rad;
+                self.torque.slope(axis, self.share(theta)) / self.step_s
+                    - stiffness * derivative.deflection[axis]
+                    + damping * derivative.link_velocity[axis]
+            }
+        };
+        if bound.upwards { -rate } else { rate }
+    }
+}

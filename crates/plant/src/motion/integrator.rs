@@ -1,0 +1,279 @@
+//! Motion through the modes of friction and spring: RK4 whose steps end where a mode ends.
+//!
+//! Within a mode the right-hand side is smooth, so RK4 keeps its order when no step reaches across
+//! a change of mode. A stuck motor has no mobility: its velocity is exactly 0 until the net torque
+//! exceeds F_c.
+
+use std::array::from_fn;
+
+use crate::error::PlantError;
+use crate::joint::friction::Slip;
+use crate::joint::spring::Branch;
+use crate::motion::equations::{Links, Machine, Mode, Regime, State};
+use crate::motion::event_location::{Exit, Signal, Trial};
+use crate::motion::segment::Segment;
+
+/// Mode changes allowed per axis within one step.
+const CHANGES_PER_AXIS: usize = 64;
+
+/// A machine in motion.
+#[derive(Debug, Clone)]
+pub struct Motion<K, const A: usize> {
+    pub(crate) machine: Machine<K, A>,
+    pub(crate) state: State<f64, A>,
+    pub(crate) modes: [Mode; A],
+    pub(crate) regimes: [Regime<f64>; A],
+    /// Time in s since the start.
+    time_s: f64,
+    stuck_s: [f64; A],
+    /// Whether any axis has a mode that can end.
+    watched: bool,
+}
+
+impl<K: Links<A>, const A: usize> Motion<K, A> {
+    /// Starts with the links at positions in rad and motors and links at velocities in rad/s, the
+    /// gears deflected by the torques that hold the links there.
+    pub fn start(machine: Machine<K, A>, position_rad: [f64; A], velocity_rad_s: [f64; A]) -> Self {
+        let transmitted = machine.links.holding(position_rad, velocity_rad_s);
+        let deflection = from_fn(|axis| {
+            machine.drives[axis]
+                .spring
+                .deflection_rad(transmitted[axis])
+        });
+        let state = State {
+            motor_position: from_fn(|axis| position_rad[axis] + deflection[axis]),
+            deflection,
+            motor_velocity: velocity_rad_s,
+            link_velocity: velocity_rad_s,
+        };
+        let slip = |axis: usize| machine.drives[axis].friction.slip(velocity_rad_s[axis]);
+        let branch = |axis: usize| machine.drives[axis].spring.branch(deflection[axis]);
+        let modes = from_fn(|axis| Mode {
+            slip: slip(axis),
+            branch: branch(axis),
+        });
+        let regimes = from_fn(|axis| machine.drives[axis].regime(modes[axis]));
+        let watched = machine
+            .drives
+            .iter()
+            .any(|drive| drive.friction.coulomb_nm > 0.0 || !drive.spring.is_linear());
+        Self {
+            machine,
+            state,
+            modes,
+            regimes,
+            time_s: 0.0,
+            stuck_s: [0.0; A],
+            watched,
+        }
+    }
+
+    /// The present state.
+    #[must_use]
+    pub fn state(&self) -> &State<f64, A> {
+        &self.state
+    }
+
+    /// Time in s since the start.
+    pub(crate) fn time(&self) -> f64 {
+        self.time_s
+    }
+
+    /// Time in s that each motor has spent stuck.
+    pub(crate) fn stuck(&self) -> &[f64; A] {
+        &self.stuck_s
+    }
+
+    /// Motor torque in N m that holds the present velocity of an axis against friction and against
+    /// what the gear transmits.
+    pub(crate) fn axis_holding_nm(&self, axis: usize) -> f64 {
+        let friction = self.machine.drives[axis]
+            .friction
+            .holding_nm(self.state.motor_velocity[axis]);
+        friction
+            + self
+                .machine
+                .transmitted(axis, &self.regimes[axis], &self.state)
+    }
+
+    /// Moves on by `n_steps` steps of `step_s` under the torque of each, which may jump before the
+    /// first but not between.
+    ///
+    /// # Errors
+    /// [`PlantError::Diverged`] if the state is no longer finite, [`PlantError::Chatter`].
+    pub fn steps(
+        &mut self,
+        n_steps: usize,
+        step_s: f64,
+        torque: impl Fn(usize) -> Segment<A>,
+    ) -> Result<(), PlantError> {
+        let start = torque(0).at(0.0);
+        self.release(&start);
+        let mut derivative = self.machine.derivative(&self.regimes, &start, &self.state);
+        for step in 0..n_steps {
+            derivative = self.step(&torque(step), step_s, derivative)?;
+        }
+        self.check()
+    }
+
+    /// Decides anew for motors at rest, whose torque may have jumped.
+    fn release(&mut self, torque: &[f64; A]) {
+        for axis in 0..A {
+            if self.state.motor_velocity[axis] == 0.0 {
+                self.enter(
+                    axis,
+                    Mode {
+                        slip: self.at_rest(axis, torque),
+                        ..self.modes[axis]
+                    },
+                );
+            }
+        }
+    }
+
+    /// The branch of friction of a motor at rest.
+    fn at_rest(&self, axis: usize, torque: &[f64; A]) -> Slip {
+        let net = self
+            .machine
+            .net_torque(axis, &self.regimes[axis], torque[axis], &self.state);
+        self.machine.drives[axis].friction.at_rest(net)
+    }
+
+    fn enter(&mut self, axis: usize, mode: Mode) {
+        self.modes[axis] = mode;
+        self.regimes[axis] = self.machine.drives[axis].regime(mode);
+    }
+
+    /// One step, in as many pieces as modes end within it; takes and returns the derivative at its
+    /// ends.
+    fn step(
+        &mut self,
+        torque: &Segment<A>,
+        step_s: f64,
+        mut derivative: State<f64, A>,
+    ) -> Result<State<f64, A>, PlantError> {
+        let mut from = 0.0;
+        for _ in 0..CHANGES_PER_AXIS * A {
+            let trial = Trial {
+                motion: self,
+                torque,
+                from,
+                step_s,
+                derivative: &derivative,
+            };
+            let end = trial.state(1.0);
+            let end_derivative = trial.derivative(1.0, &end);
+            let exit = if self.watched {
+                trial.first_exit(&end, &end_derivative)
+            } else {
+                None
+            };
+            let (theta, state) =
+                exit.map_or((1.0, end), |exit| (exit.theta, trial.state(exit.theta)));
+            let (duration_s, share) = (theta * trial.duration_s(), trial.share(theta));
+            self.accept(state, duration_s);
+            let Some(exit) = exit else {
+                return Ok(end_derivative);
+            };
+            from = share;
+            let torque = torque.at(from);
+            self.change(exit, &torque);
+            derivative = self.machine.derivative(&self.regimes, &torque, &self.state);
+        }
+        Err(PlantError::Chatter {
+            limit: CHANGES_PER_AXIS * A,
+            time_s: self.time_s,
+        })
+    }
+
+    fn accept(&mut self, state: State<f64, A>, duration_s: f64) {
+        self.state = state;
+        self.time_s += duration_s;
+        for axis in 0..A {
+            if self.modes[axis].slip == Slip::Stuck {
+                self.stuck_s[axis] += duration_s;
+            }
+        }
+    }
+
+    /// Takes an axis into the mode that follows.
+    fn change(
+        &mut self,
+        Exit {
+            axis,
+            signal,
+            upwards,
+            ..
+        }: Exit,
+        torque: &[f64; A],
+    ) {
+        let mode = self.modes[axis];
+        match (signal, mode.slip, mode.branch) {
+            (Signal::Velocity, ..) => {
+                self.state.motor_velocity[axis] = 0.0; // it is, but for rounding
+                let slip = self.at_rest(axis, torque);
+                // it came to rest, so what drove it on does so no longer, whatever the rounding of
+                // a torque near F_c says
+                self.enter(
+                    axis,
+                    Mode {
+                        slip: if slip == mode.slip { Slip::Stuck } else { slip },
+                        ..mode
+                    },
+                );
+            }
+            (Signal::NetTorque, ..) => {
+                self.enter(
+                    axis,
+                    Mode {
+                        slip: if upwards {
+                            Slip::Forward
+                        } else {
+                            Slip::Backward
+                        },
+                        ..mode
+                    },
+                );
+            }
+            (Signal::Deflection, _, Branch::Within) => {
+                self.enter(
+                    axis,
+                    Mode {
+                        branch: if upwards {
+                            Branch::Above
+                        } else {
+                            Branch::Below
+                        },
+                        ..mode
+                    },
+                );
+            }
+            (Signal::Deflection, ..) => self.enter(
+                axis,
+                Mode {
+                    branch: Branch::Within,
+                    ..mode
+                },
+            ),
+        }
+    }
+
+    fn check(&self) -> Result<(), PlantError> {
+        let x = &self.state;
+        let quantities = [
+            ("motor velocity", &x.motor_velocity),
+            ("link velocity", &x.link_velocity),
+            ("deflection", &x.deflection),
+        ];
+        for (quantity, values) in quantities {
+            if let Some(channel) = values.iter().position(|value| !value.is_finite()) {
+                return Err(PlantError::Diverged {
+                    quantity,
+                    channel,
+                    time_s: self.time_s,
+                });
+            }
+        }
+        Ok(())
+    }
+}

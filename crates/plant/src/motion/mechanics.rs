@@ -1,0 +1,179 @@
+//! A machine behind a runtime number of axes, and what follows from its equations of motion at a
+//! position.
+
+use std::array::from_fn;
+use std::fmt::Debug;
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::motion::Moving;
+use crate::motion::equations::{Drive, Links, Machine};
+use crate::motion::integrator::Motion;
+use crate::state_space::StateSpace;
+
+/// Drives on links, whatever they are and on however many axes. Slices hold one value for each
+/// axis; others panic.
+pub(crate) trait Mechanics: Debug {
+    /// The drives.
+    fn drives(&self) -> &[Drive];
+
+    /// Mass matrix of the links in kg m^2.
+    fn mass_matrix(&self, position_rad: &[f64]) -> DMatrix<f64>;
+
+    /// Torques in N m that keep the links at constant velocities.
+    fn bias_nm(&self, position_rad: &[f64], velocity_rad_s: &[f64]) -> Vec<f64>;
+
+    /// Derivative of the torques against gravity with respect to the positions in N m/rad.
+    fn gravity_gradient(&self, position_rad: &[f64]) -> DMatrix<f64>;
+
+    /// Accelerations of the links in rad/s^2 under torques in N m.
+    fn acceleration(
+        &self,
+        position_rad: &[f64],
+        velocity_rad_s: &[f64],
+        torque_nm: &[f64],
+    ) -> Vec<f64>;
+
+    /// Potential energy of the links in J, but for a constant.
+    fn potential_j(&self, position_rad: &[f64]) -> f64;
+
+    /// Sets the machine in motion as [`Motion::start`] does.
+    fn start(self: Box<Self>, position_rad: &[f64], velocity_rad_s: &[f64]) -> Box<dyn Moving>;
+}
+
+fn dense<const A: usize>(rows: [[f64; A]; A]) -> DMatrix<f64> {
+    DMatrix::from_fn(A, A, |i, j| rows[i][j])
+}
+
+fn array<const A: usize>(values: &[f64]) -> [f64; A] {
+    from_fn(|axis| values[axis])
+}
+
+impl<K: Links<A> + Debug + 'static, const A: usize> Mechanics for Machine<K, A> {
+    fn drives(&self) -> &[Drive] {
+        &self.drives
+    }
+
+    fn mass_matrix(&self, position_rad: &[f64]) -> DMatrix<f64> {
+        dense(self.links.mass(array(position_rad)))
+    }
+
+    fn bias_nm(&self, position_rad: &[f64], velocity_rad_s: &[f64]) -> Vec<f64> {
+        self.links
+            .holding(array(position_rad), array(velocity_rad_s))
+            .to_vec()
+    }
+
+    fn gravity_gradient(&self, position_rad: &[f64]) -> DMatrix<f64> {
+        dense(self.links.gravity_gradient(array(position_rad)))
+    }
+
+    fn acceleration(
+        &self,
+        position_rad: &[f64],
+        velocity_rad_s: &[f64],
+        torque_nm: &[f64],
+    ) -> Vec<f64> {
+        self.links
+            .acceleration::<f64>(array(position_rad), array(velocity_rad_s), array(torque_nm))
+            .to_vec()
+    }
+
+    fn potential_j(&self, position_rad: &[f64]) -> f64 {
+        self.links.potential_j(array(position_rad))
+    }
+
+    fn start(self: Box<Self>, position_rad: &[f64], velocity_rad_s: &[f64]) -> Box<dyn Moving> {
+        Box::new(Motion::start(
+            *self,
+            array(position_rad),
+            array(velocity_rad_s),
+        ))
+    }
+}
+
+impl dyn Mechanics {
+    /// The linear model about rest at a position: states (qm, dq, qm', qo'), outputs (qm', qm).
+    /// With F the viscous friction and G the gradient of gravity, J_m qm'' = u - F qm' - K dq - D
+    /// (qm' - qo'), M qo'' = K dq + D (qm' - qo') - G (qm - dq). K has the slopes on which the
+    /// gears rest under gravity.
+    pub fn state_space(&self, position_rad: &[f64]) -> StateSpace {
+        let n = self.drives().len();
+        let gravity_nm = self.bias_nm(position_rad, &vec![0.0; n]);
+        let slope = |(drive, torque): (&Drive, &f64)| {
+            drive
+                .spring
+                .line(drive.spring.branch(drive.spring.deflection_rad(*torque)))
+                .0
+        };
+        let stiffness = DMatrix::from_diagonal(&DVector::from_iterator(
+            n,
+            self.drives().iter().zip(&gravity_nm).map(slope),
+        ));
+        let damping = self.diagonal(|drive| drive.damping_nms_per_rad);
+        let viscous = self.diagonal(|drive| drive.friction.viscous_nms_per_rad);
+        let motors = self.diagonal(|drive| 1.0 / drive.motor_inertia_kg_m2);
+        let gradient = self.gravity_gradient(position_rad);
+        let mass = self.mass_matrix(position_rad).lu();
+        let links = |force: DMatrix<f64>| {
+            mass.solve(&force)
+                .unwrap_or_else(|| DMatrix::from_element(n, n, f64::NAN))
+        };
+        let one = DMatrix::identity(n, n);
+        let (mut a, mut b, mut c) = (
+            DMatrix::zeros(4 * n, 4 * n),
+            DMatrix::zeros(4 * n, n),
+            DMatrix::zeros(2 * n, 4 * n),
+        );
+        let blocks = [
+            (0, 2, one.clone()),
+            (1, 2, one.clone()),
+            (1, 3, -&one),
+            (2, 1, -&motors * &stiffness),
+            (2, 2, -&motors * (&damping + viscous)),
+            (2, 3, &motors * &damping),
+            (3, 0, links(-&gradient)),
+            (3, 1, links(stiffness + gradient)),
+            (3, 2, links(damping.clone())),
+            (3, 3, links(-damping)),
+        ];
+        for (row, column, block) in blocks {
+            a.view_mut((row * n, column * n), (n, n)).copy_from(&block);
+        }
+        b.rows_mut(2 * n, n).copy_from(&motors);
+        c.view_mut((0, 2 * n), (n, n)).copy_from(&one);
+        c.view_mut((n, 0), (n, n)).copy_from(&one);
+        StateSpace {
+            a,
+            b,
+            c,
+            d: DMatrix::zeros(2 * n, n),
+        }
+    }
+
+    /// A diagonal matrix of one number of each drive.
+    fn diagonal(&self, number: impl Fn(&Drive) -> f64) -> DMatrix<f64> {
+        DMatrix::from_diagonal(&DVector::from_iterator(
+            self.drives().len(),
+            self.drives().iter().map(number),
+        ))
+    }
+
+    /// Eigenvalues, rising, of C (M^-1 + J^-1) with C a diagonal matrix of one number of each
+    /// drive, J^-1 the mobility of the motors (0 for locked ones).
+    pub fn eigenvalues(
+        &self,
+        position_rad: &[f64],
+        number: impl Fn(&Drive) -> f64,
+        motor_mobility: impl Fn(&Drive) -> f64,
+    ) -> Vec<f64> {
+        let root = self.diagonal(|drive| number(drive).sqrt());
+        let Some(links) = self.mass_matrix(position_rad).try_inverse() else {
+            return vec![f64::NAN; root.nrows()];
+        };
+        let mut values =
+            (&root * (links + self.diagonal(motor_mobility)) * &root).symmetric_eigenvalues();
+        values.as_mut_slice().sort_by(f64::total_cmp);
+        values.as_slice().to_vec()
+    }
+}

@@ -1,0 +1,41 @@
+//! The number type of the dynamics: one f64 today, several realizations side by side when batching
+//! comes.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+/// What the dynamics ask of a number. Nothing branches on it: within a mode (stuck or slipping, on
+/// one branch of the spring) the right-hand side is one formula, and what differs from mode to mode
+/// is a lane value too ([`Regime`](crate::motion::equations::Regime)).
+pub trait Lane:
+    Copy
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<Output = Self>
+    + Div<Output = Self>
+    + Neg<Output = Self>
+{
+    /// The same value in every lane.
+    fn splat(value: f64) -> Self;
+
+    /// Sine, lane by lane (torque ripple).
+    #[must_use]
+    fn sin(self) -> Self;
+
+    /// Sine and cosine, lane by lane (joint angles).
+    #[must_use]
+    fn sin_cos(self) -> (Self, Self);
+}
+
+impl Lane for f64 {
+    fn splat(value: f64) -> Self {
+        value
+    }
+
+    fn sin(self) -> Self {
+        self.sin()
+    }
+
+    fn sin_cos(self) -> (Self, Self) {
+        self.sin_cos()
+    }
+}

@@ -1,0 +1,81 @@
+//! What a simulation knows: the true motion, before any sensor.
+
+use ndarray::{Array2, s};
+
+use crate::motion::Moving;
+
+/// The true motion at the sample instants, `(channel, sample)`, and how long the motors were stuck.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trajectory {
+    /// Sample time in s.
+    pub sample_time_s: f64,
+    /// Motor position in rad.
+    pub motor_position_rad: Array2<f64>,
+    /// Motor velocity in rad/s, exactly 0 while stuck.
+    pub motor_velocity_rad_s: Array2<f64>,
+    /// Deflection of the gear in rad.
+    pub deflection_rad: Array2<f64>,
+    /// Link velocity in rad/s.
+    pub link_velocity_rad_s: Array2<f64>,
+    /// Share of the time that each motor was stuck, exact, from 0 to 1.
+    pub stuck_share: Vec<f64>,
+}
+
+impl Trajectory {
+    /// Room for the motion of `n_axes` over `n_samples`.
+    pub(crate) fn zeros(sample_time_s: f64, n_axes: usize, n_samples: usize) -> Self {
+        let zeros = || Array2::zeros((n_axes, n_samples));
+        Self {
+            sample_time_s,
+            motor_position_rad: zeros(),
+            motor_velocity_rad_s: zeros(),
+            deflection_rad: zeros(),
+            link_velocity_rad_s: zeros(),
+            stuck_share: vec![0.0; n_axes],
+        }
+    }
+
+    /// Writes the motion at a sample.
+    pub(crate) fn set(&mut self, sample: usize, motion: &dyn Moving) {
+        let signals = [
+            (&mut self.motor_position_rad, motion.motor_position_rad()),
+            (
+                &mut self.motor_velocity_rad_s,
+                motion.motor_velocity_rad_s(),
+            ),
+            (&mut self.deflection_rad, motion.deflection_rad()),
+            (&mut self.link_velocity_rad_s, motion.link_velocity_rad_s()),
+        ];
+        for (signal, values) in signals {
+            signal
+                .column_mut(sample)
+                .iter_mut()
+                .zip(values)
+                .for_each(|(x, value)| *x = *value);
+        }
+    }
+
+    /// Keeps the first samples, as many as are asked for.
+    pub(crate) fn truncate(&mut self, n_samples: usize) {
+        for signal in [
+            &mut self.motor_position_rad,
+            &mut self.motor_velocity_rad_s,
+            &mut self.deflection_rad,
+            &mut self.link_velocity_rad_s,
+        ] {
+            *signal = signal.slice(s![.., ..n_samples]).to_owned();
+        }
+    }
+
+    /// Writes the share of the time that each motor has been stuck.
+    pub(crate) fn set_stuck(&mut self, motion: &dyn Moving) {
+        let duration_s = motion.time_s();
+        for (share, stuck_s) in self.stuck_share.iter_mut().zip(motion.stuck_s()) {
+            *share = if duration_s > 0.0 {
+                stuck_s / duration_s
+            } else {
+                0.0
+            };
+        }
+    }
+}

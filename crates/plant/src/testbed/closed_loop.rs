@@ -1,0 +1,448 @@
+//! The closed-loop testbed: the reference is the motor velocity, a sampled PI controller makes the
+//! torque.
+
+use std::sync::Arc;
+
+use frfid_signals::{Record, Run, SignalError, Testbed, TestbedError};
+
+use crate::control::pi::{PiAxis, PiController, PiOutput};
+use crate::control::sensor::Sensor;
+use crate::control::watch::{Reached, Watch};
+use crate::error::PlantError;
+use crate::motion::Moving;
+use crate::motion::trajectory::Trajectory;
+use crate::robot::Robot;
+use crate::testbed::run_loop::{Command, Rig};
+
+/// A robot under velocity control.
+///
+/// At t_k the controller reads the sensors and sets the torque that is held on `[t_k, t_k + T)`
+/// (later by its delay). The run starts at its place with motors and links at the run's constant
+/// velocity v and the controller holding them: its integral is F_c sgn(v) + F_v v and what the
+/// gears transmit. Reaching a limit of the controller is logged as an event, once until the torque
+/// is free of it again, and does not stop the run; only a [`Watch`] does.
+#[derive(Debug, Clone)]
+pub struct ClosedLoop {
+    /// The robot.
+    pub robot: Arc<dyn Robot>,
+    /// Its controller.
+    pub controller: PiController,
+    /// Sensors and torque resolution, one per axis.
+    pub sensors: Vec<Sensor>,
+    /// What stops a run before its end; `None` if nothing does.
+    pub watch: Option<Watch>,
+    /// Longest step of the integrator in s; [`Robot::default_step_s`] if `None`.
+    pub max_step_s: Option<f64>,
+    /// Seed of the sensors' noise.
+    pub seed: u64,
+}
+
+/// The controllers of all axes at work.
+struct Controllers(Vec<PiAxis>);
+
+impl Controllers {
+    /// Controllers that hold a robot as it moves.
+    fn holding(controller: &PiController, motion: &dyn Moving) -> Self {
+        let held = motion
+            .holding_nm()
+            .into_iter()
+            .zip(motion.motor_position_rad());
+        Self(
+            held.enumerate()
+                .map(|(axis, (torque_nm, &rad))| controller.axis(axis, torque_nm, rad))
+                .collect(),
+        )
+    }
+}
+
+impl Command for Controllers {
+    fn torque(
+        &mut self,
+        axis: usize,
+        reference: f64,
+        (position, velocity): (f64, f64),
+    ) -> (f64, Option<Reached>) {
+        let PiOutput { torque_nm, reached } = self.0[axis].step(reference, position, velocity);
+        (torque_nm, reached)
+    }
+}
+
+impl ClosedLoop {
+    /// A robot with ideal sensors, not watched.
+    #[must_use]
+    pub fn new(robot: Arc<dyn Robot>, controller: PiController) -> Self {
+        let sensors = vec![Sensor::default(); robot.n_axes()];
+        Self {
+            robot,
+            controller,
+            sensors,
+            watch: None,
+            max_step_s: None,
+            seed: 0,
+        }
+    }
+
+    /// Does one run; returns the true motion beside what the sensors recorded.
+    ///
+    /// # Errors
+    /// [`PlantError`]; a run with another sample time than the controller's is refused.
+    pub fn simulate(&self, run: &Run) -> Result<(Record, Trajectory), PlantError> {
+        self.controller.check(self.robot.n_axes())?;
+        if run.sample_time_s != self.controller.sample_time_s {
+            let needed = "the controller's sample time";
+            return Err(SignalError::Parameter {
+                name: "sample_time_s",
+                found: run.sample_time_s,
+                needed,
+            }
+            .into());
+        }
+        let rig = Rig {
+            robot: &*self.robot,
+            sensors: &self.sensors,
+            watch: self.watch.as_ref(),
+            max_step_s: self.max_step_s,
+            seed: self.seed,
+            gains: &self.controller.gain,
+        };
+        rig.run(run, |motion| Controllers::holding(&self.controller, motion))
+    }
+}
+
+impl Testbed for ClosedLoop {
+    fn n_inputs(&self) -> usize {
+        self.robot.n_axes()
+    }
+
+    fn run(&self, run: &Run) -> Result<Record, TestbedError> {
+        self.simulate(run)
+            .map(|(record, _)| record)
+            .map_err(|error| error.in_run(run.id, &self.controller.gain))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::single_joint::SingleJoint;
+    use frfid_signals::{Event, EventKind, RunId, RunKind};
+    use ndarray::{Array2, s};
+    use std::f64::consts::TAU;
+
+    fn controller() -> PiController {
+        PiController {
+            gain: vec![2000.0],
+            integral_gain: vec![16000.0],
+            position_gain: None,
+            sample_time_s: 1e-3,
+            delay_samples: 0,
+            max_torque_nm: None,
+            max_torque_rate_nm_per_s: None,
+        }
+    }
+
+    fn run(velocity: f64, amplitude: f64) -> Run {
+        let reference = |(_, n)| velocity + amplitude * (TAU * 3.0 * n as f64 * 1e-3).sin();
+        Run {
+            id: RunId {
+                kind: RunKind::Excitation,
+                realization: 0,
+                experiment: 0,
+                repetition: 0,
+            },
+            sample_time_s: 1e-3,
+            reference: Array2::from_shape_fn((1, 1000), reference),
+            velocity_rad_s: vec![velocity],
+            start_rad: vec![0.0],
+        }
+    }
+
+    #[test]
+    fn a_constant_velocity_is_held_against_friction_from_the_first_sample() {
+        let joint = SingleJoint {
+            coulomb_nm: 50.0,
+            viscous_nms_per_rad: 20.0,
+            ..SingleJoint::default()
+        };
+        for velocity in [0.1, -0.1] {
+            let record = ClosedLoop::new(Arc::new(joint.clone()), controller())
+                .run(&run(velocity, 0.0))
+                .expect("sound");
+            assert!(record.y.iter().all(|y| (y - velocity).abs() < 1e-12));
+            assert!(record.u.iter().all(|u| (u - 520.0 * velocity).abs() < 1e-9));
+            assert_eq!(record.check(), Ok(()));
+        }
+    }
+
+    #[test]
+    fn the_recorded_torque_makes_the_recorded_motion() {
+        let joint = SingleJoint {
+            coulomb_nm: 50.0,
+            ..SingleJoint::default()
+        };
+        let (record, truth) = ClosedLoop::new(Arc::new(joint.clone()), controller())
+            .simulate(&run(0.0, 0.1))
+            .expect("sound");
+        let again = crate::testbed::simulate::simulate(
+            &joint,
+            crate::testbed::simulate::Torque::Zoh(record.u.view()),
+            1e-3,
+            0.0,
+            None,
+        )
+        .expect("sound");
+        assert_eq!(again, truth);
+        assert!(
+            truth.stuck_share[0] > 0.0 && truth.stuck_share[0] < 0.2,
+            "{:?}",
+            truth.stuck_share
+        );
+    }
+
+    #[test]
+    fn reaching_the_torque_limit_is_an_event_and_not_an_error() {
+        let limited = PiController {
+            max_torque_nm: Some(vec![100.0]),
+            ..controller()
+        };
+        let record = ClosedLoop::new(Arc::new(SingleJoint::default()), limited)
+            .run(&run(0.0, 0.1))
+            .expect("sound");
+        assert!(record.u.iter().all(|u| u.abs() <= 100.0));
+        // a sine of 3 Hz over 1 s meets the limit once per half-wave
+        assert!(
+            (3..=12).contains(&record.events.len()),
+            "{:?}",
+            record.events
+        );
+        let EventKind::Limit {
+            channel: 0,
+            value,
+            limit,
+            ..
+        } = &record.events[0].kind
+        else {
+            panic!("no limit")
+        };
+        assert!(value.abs() > *limit && *limit == 100.0);
+    }
+
+    #[test]
+    fn an_unstable_loop_says_where_it_left_the_numbers() {
+        let wild = PiController {
+            gain: vec![1e9],
+            ..controller()
+        };
+        let error = ClosedLoop::new(Arc::new(SingleJoint::default()), wild)
+            .run(&run(0.0, 0.1))
+            .expect_err("unstable");
+        assert!(
+            matches!(
+                error,
+                TestbedError::Diverged {
+                    quantity: "motor velocity",
+                    channel: 0,
+                    ..
+                }
+            ),
+            "{error}"
+        );
+        let told = error.to_string();
+        assert!(
+            told.contains("axis 1") && told.ends_with("is 1000000000 N m s/rad: lower the gains"),
+            "{told}"
+        );
+    }
+
+    #[test]
+    fn runs_that_do_not_fit_are_refused() {
+        let testbed = ClosedLoop::new(Arc::new(SingleJoint::default()), controller());
+        let refused = |run: Run| testbed.run(&run).expect_err("does not fit").to_string();
+        assert!(
+            refused(Run {
+                sample_time_s: 2e-3,
+                ..run(0.0, 0.1)
+            })
+            .contains("controller's sample time")
+        );
+        assert!(
+            refused(Run {
+                velocity_rad_s: vec![],
+                ..run(0.0, 0.1)
+            })
+            .starts_with("velocity_rad_s has shape [0]")
+        );
+        assert!(
+            refused(Run {
+                reference: Array2::zeros((2, 5)),
+                ..run(0.0, 0.1)
+            })
+            .starts_with("reference has shape")
+        );
+        assert!(
+            refused(Run {
+                reference: Array2::from_elem((1, 5), f64::NAN),
+                ..run(0.0, 0.1)
+            })
+            .contains("NaN")
+        );
+    }
+
+    /// What stopped a run and the times in s of the excess and of the stop.
+    fn stop(record: &Record) -> (&str, f64, f64) {
+        let Some(Event {
+            time_s,
+            kind:
+                EventKind::Stopped {
+                    reason,
+                    since_s: Some(since_s),
+                },
+        }) = record.events.last()
+        else {
+            panic!("not stopped: {:?}", record.events)
+        };
+        (reason, *since_s, *time_s)
+    }
+
+    #[test]
+    fn an_excess_brings_the_reference_smoothly_to_zero_and_ends_the_record_there() {
+        let watch = |watch: Watch| {
+            Some(Watch {
+                ramp_s: 0.1,
+                ..watch
+            })
+        };
+        let none = || Watch {
+            max_effort_nm: None,
+            max_velocity_rad_s: None,
+            max_travel_rad: None,
+            ramp_s: 0.1,
+        };
+        let free = ClosedLoop::new(Arc::new(SingleJoint::default()), controller());
+        let planned = Run {
+            start_rad: vec![-0.02],
+            ..run(0.2, 0.1)
+        };
+        let whole = free.run(&planned).expect("sound");
+        let position = whole.position_rad.as_ref().expect("recorded");
+        let peaks = [&whole.u, &whole.y, position]
+            .map(|x| x.iter().fold(0.0, |peak: f64, x| peak.max(x.abs())));
+        let limits = peaks.map(|peak| Some(vec![0.8 * peak]));
+        for (word, signal, limited) in [
+            (
+                "effort",
+                &whole.u,
+                Watch {
+                    max_effort_nm: limits[0].clone(),
+                    ..none()
+                },
+            ),
+            (
+                "velocity",
+                &whole.y,
+                Watch {
+                    max_velocity_rad_s: limits[1].clone(),
+                    ..none()
+                },
+            ),
+            (
+                "travel",
+                position,
+                Watch {
+                    max_travel_rad: limits[2].clone(),
+                    ..none()
+                },
+            ),
+        ] {
+            let peak = signal.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
+            let first = signal
+                .iter()
+                .position(|x| x.abs() > 0.8 * peak)
+                .expect("0.8 of the peak is exceeded");
+            let record = ClosedLoop {
+                watch: watch(limited),
+                ..free.clone()
+            }
+            .run(&planned)
+            .expect("sound");
+            let (reason, since_s, time_s) = stop(&record);
+            assert!(
+                reason.starts_with(&format!("axis 1: {word} "))
+                    && reason.contains("gain 2000 N m s/rad"),
+                "{reason}"
+            );
+            assert!(
+                (since_s - 1e-3 * first as f64).abs() < 1e-9
+                    && (time_s - since_s - 0.1).abs() < 1e-9,
+                "{reason}"
+            );
+            assert_eq!(
+                (record.n_steady_samples(), record.n_samples()),
+                (first, first + 101)
+            );
+            assert_eq!(record.check(), Ok(()));
+            let Event {
+                kind:
+                    EventKind::Limit {
+                        channel: 0,
+                        quantity,
+                        ..
+                    },
+                ..
+            } = &record.events[0]
+            else {
+                panic!("{:?}", record.events)
+            };
+            assert!(quantity.starts_with(word));
+            let r = record.r.as_ref().expect("recorded").row(0).to_owned();
+            assert_eq!(
+                r.slice(s![..=first]),
+                planned.reference.slice(s![0, ..=first])
+            );
+            assert_eq!(
+                record.u.slice(s![.., ..=first]),
+                whole.u.slice(s![.., ..=first])
+            );
+            assert!(
+                r[first + 100].abs() < 1e-15
+                    && (r[first + 50] / planned.reference[[0, first + 50]] - 0.5).abs() < 1e-12
+            );
+        }
+    }
+
+    #[test]
+    fn an_unstable_loop_is_cut_off_at_the_first_limit() {
+        let wild = PiController {
+            gain: vec![1e9],
+            ..controller()
+        };
+        let watch = Watch {
+            max_effort_nm: Some(vec![1000.0]),
+            max_velocity_rad_s: None,
+            max_travel_rad: None,
+            ramp_s: 0.5,
+        };
+        let testbed = ClosedLoop {
+            watch: Some(watch),
+            ..ClosedLoop::new(Arc::new(SingleJoint::default()), wild)
+        };
+        let record = testbed.run(&run(0.0, 0.1)).expect("stopped, not lost");
+        assert_eq!(
+            (
+                record.n_samples(),
+                record.n_steady_samples(),
+                record.check()
+            ),
+            (2, 1, Ok(()))
+        );
+        let (reason, ..) = stop(&record);
+        for part in [
+            "axis 1: effort ",
+            "limit 1000 N m, at 0.0010 s",
+            "gain 1000000000 N m s/rad",
+            "lower the gains",
+        ] {
+            assert!(reason.contains(part), "{reason}");
+        }
+    }
+}

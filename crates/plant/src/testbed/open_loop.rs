@@ -1,0 +1,360 @@
+//! The open-loop testbed: the reference is the motor torque (SK15 section 6.1).
+
+use std::sync::Arc;
+
+use frfid_signals::{Record, Run, Testbed, TestbedError};
+
+use crate::control::sensor::Sensor;
+use crate::control::watch::{Reached, Watch};
+use crate::error::PlantError;
+use crate::motion::trajectory::Trajectory;
+use crate::robot::Robot;
+use crate::state_space::Hold;
+use crate::testbed::run_loop::{Command, Rig};
+
+/// A robot driven by its motor torques.
+///
+/// The torque that acts, and is recorded, is the reference plus what holds the robot at the start
+/// of the run: the run's constant velocity v against friction, F_c sgn(v) + F_v v, and the links
+/// against gravity; all rounded to the torque resolution. The run starts at its place with motors
+/// and links at velocity v.
+#[derive(Debug, Clone)]
+pub struct OpenLoop {
+    /// The robot.
+    pub robot: Arc<dyn Robot>,
+    /// Sensors and torque resolution, one per axis.
+    pub sensors: Vec<Sensor>,
+    /// What the torque does between samples: [`Hold::Zoh`] or [`Hold::Linear`].
+    pub hold: Hold,
+    /// What stops a run before its end; `None` if nothing does.
+    pub watch: Option<Watch>,
+    /// Longest step of the integrator in s; [`Robot::default_step_s`] if `None`.
+    pub max_step_s: Option<f64>,
+    /// Seed of the sensors' noise.
+    pub seed: u64,
+}
+
+impl OpenLoop {
+    /// A robot with ideal sensors, its torque held between samples, not watched.
+    #[must_use]
+    pub fn new(robot: Arc<dyn Robot>) -> Self {
+        let sensors = vec![Sensor::default(); robot.n_axes()];
+        Self {
+            robot,
+            sensors,
+            hold: Hold::Zoh,
+            watch: None,
+            max_step_s: None,
+            seed: 0,
+        }
+    }
+
+    /// Does one run; returns the true motion beside what the sensors recorded.
+    ///
+    /// # Errors
+    /// [`PlantError`].
+    pub fn simulate(&self, run: &Run) -> Result<(Record, Trajectory), PlantError> {
+        if self.hold == Hold::Continuous {
+            return Err(PlantError::NoHold);
+        }
+        let rig = Rig {
+            robot: &*self.robot,
+            sensors: &self.sensors,
+            watch: self.watch.as_ref(),
+            max_step_s: self.max_step_s,
+            seed: self.seed,
+            gains: &[],
+        };
+        rig.run(run, |motion| Torques {
+            holding_nm: motion.holding_nm(),
+            hold: self.hold,
+        })
+    }
+}
+
+/// Reference torques on top of those that hold the robot at the start.
+struct Torques {
+    holding_nm: Vec<f64>,
+    hold: Hold,
+}
+
+impl Command for Torques {
+    fn torque(
+        &mut self,
+        axis: usize,
+        reference: f64,
+        _reading: (f64, f64),
+    ) -> (f64, Option<Reached>) {
+        (self.holding_nm[axis] + reference, None)
+    }
+
+    fn ahead(&self, axis: usize, next_reference: f64) -> Option<f64> {
+        (self.hold == Hold::Linear).then(|| self.holding_nm[axis] + next_reference)
+    }
+}
+
+impl Testbed for OpenLoop {
+    fn n_inputs(&self) -> usize {
+        self.robot.n_axes()
+    }
+
+    fn run(&self, run: &Run) -> Result<Record, TestbedError> {
+        self.simulate(run)
+            .map(|(record, _)| record)
+            .map_err(|error| error.in_run(run.id, &[]))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::control::sensor::Velocity;
+    use crate::single_joint::SingleJoint;
+    use frfid_signals::{EventKind, InputKind, RunId, RunKind, SignalError};
+    use ndarray::{Array2, s};
+    use std::f64::consts::TAU;
+
+    const ID: RunId = RunId {
+        kind: RunKind::Excitation,
+        realization: 0,
+        experiment: 0,
+        repetition: 0,
+    };
+
+    fn run(velocity: f64, amplitude: f64) -> Run {
+        let reference = Array2::from_shape_fn((1, 2000), |(_, n)| {
+            amplitude * (TAU * 7.0 * n as f64 * 1e-3).sin()
+        });
+        Run {
+            id: ID,
+            sample_time_s: 1e-3,
+            reference,
+            velocity_rad_s: vec![velocity],
+            start_rad: vec![0.0],
+        }
+    }
+
+    fn joint() -> SingleJoint {
+        SingleJoint {
+            coulomb_nm: 50.0,
+            viscous_nms_per_rad: 20.0,
+            ..SingleJoint::default()
+        }
+    }
+
+    #[test]
+    fn riding_on_a_constant_velocity_friction_is_invisible() {
+        let free = OpenLoop::new(Arc::new(SingleJoint {
+            coulomb_nm: 0.0,
+            ..joint()
+        }));
+        for velocity in [0.4, -0.4] {
+            let record = OpenLoop::new(Arc::new(joint()))
+                .run(&run(velocity, 100.0))
+                .expect("sound");
+            let still = free.run(&run(0.0, 100.0)).expect("sound");
+            let holding = 50.0 * velocity.signum() + 20.0 * velocity;
+            assert!(
+                (&record.u - &still.u - holding)
+                    .iter()
+                    .all(|difference| difference.abs() < 1e-9)
+            );
+            assert!(
+                (&record.y - &still.y - velocity)
+                    .iter()
+                    .all(|difference| difference.abs() < 1e-10)
+            );
+            assert_eq!(record.r, Some(run(velocity, 100.0).reference));
+        }
+    }
+
+    #[test]
+    fn sensors_see_increments_quanta_and_noise() {
+        let sensor = Sensor {
+            velocity: Velocity::Differenced,
+            position_increment_rad: Some(1e-6),
+            torque_quantum_nm: Some(0.5),
+            torque_noise_nm: Some(0.3),
+            ..Sensor::default()
+        };
+        let testbed = OpenLoop {
+            sensors: vec![sensor],
+            seed: 3,
+            ..OpenLoop::new(Arc::new(joint()))
+        };
+        let (record, truth) = testbed.simulate(&run(0.0, 100.0)).expect("sound");
+        assert_eq!(record.check(), Ok(()));
+        assert_eq!(record.input_kind, InputKind::Measured);
+        assert_eq!(
+            record,
+            testbed
+                .run(&run(0.0, 100.0))
+                .expect("the same seed gives the same record")
+        );
+        let position = record.position_rad.expect("positions are recorded");
+        for n in 1..2000 {
+            let difference = (position[[0, n]] - position[[0, n - 1]]) / 1e-3;
+            assert!((record.y[[0, n]] - difference).abs() < 1e-15);
+            assert!((position[[0, n]] - truth.motor_position_rad[[0, n]]).abs() <= 0.5e-6 + 1e-15);
+        }
+    }
+
+    #[test]
+    fn runs_and_settings_that_do_not_fit_are_refused() {
+        let refused =
+            |testbed: OpenLoop, run: Run| testbed.run(&run).expect_err("does not fit").to_string();
+        let testbed = || OpenLoop::new(Arc::new(joint()));
+        assert!(
+            refused(
+                OpenLoop {
+                    hold: Hold::Continuous,
+                    ..testbed()
+                },
+                run(0.0, 1.0)
+            )
+            .contains("continuous")
+        );
+        assert!(
+            refused(
+                OpenLoop {
+                    sensors: vec![],
+                    ..testbed()
+                },
+                run(0.0, 1.0)
+            )
+            .starts_with("sensors has shape [0]")
+        );
+        assert!(
+            refused(
+                OpenLoop {
+                    max_step_s: Some(0.0),
+                    ..testbed()
+                },
+                run(0.0, 1.0)
+            )
+            .starts_with("max_step_s is 0")
+        );
+        assert!(
+            refused(
+                OpenLoop {
+                    max_step_s: Some(1e-12),
+                    ..testbed()
+                },
+                run(0.0, 1.0)
+            )
+            .contains("too stiff")
+        );
+        let joint = SingleJoint {
+            motor_inertia_kg_m2: -35.0,
+            ..joint()
+        };
+        assert!(
+            refused(OpenLoop::new(Arc::new(joint)), run(0.0, 1.0))
+                .starts_with("motor_inertia_kg_m2 is -35")
+        );
+        let mut holed = run(0.0, 1.0);
+        holed.reference[[0, 17]] = f64::NAN;
+        let error = OpenLoop::new(Arc::new(SingleJoint::default()))
+            .run(&holed)
+            .expect_err("NaN");
+        assert!(
+            matches!(
+                error,
+                TestbedError::Run(SignalError::NotFinite { sample: 17, .. })
+            ),
+            "{error}"
+        );
+        assert!(
+            refused(
+                testbed(),
+                Run {
+                    velocity_rad_s: vec![f64::NAN],
+                    ..run(0.0, 1.0)
+                }
+            )
+            .starts_with("velocity_rad_s is NaN")
+        );
+    }
+
+    #[test]
+    fn steps_too_long_for_the_joint_are_reported_with_their_run() {
+        let reported = |coulomb_nm: f64| {
+            let joint = SingleJoint {
+                motor_inertia_kg_m2: 1e-4,
+                coulomb_nm,
+                ..joint()
+            }; // its resonance lies at 6 kHz
+            let testbed = OpenLoop {
+                max_step_s: Some(1e-3),
+                ..OpenLoop::new(Arc::new(joint))
+            };
+            let error = testbed.run(&run(0.0, 100.0)).expect_err("RK4 is unstable");
+            assert!(error.to_string().starts_with("run p000-m0-q0: "), "{error}");
+            error
+        };
+        assert!(matches!(
+            reported(0.0),
+            TestbedError::Diverged { channel: 0, .. }
+        ));
+        assert!(reported(50.0).to_string().ends_with("lower max_step_s"));
+    }
+
+    #[test]
+    fn an_excess_takes_the_excitation_away_and_leaves_what_holds_the_robot() {
+        let watch = Watch {
+            max_effort_nm: None,
+            max_velocity_rad_s: Some(vec![0.42]),
+            max_travel_rad: None,
+            ramp_s: 0.05,
+        };
+        for hold in [Hold::Zoh, Hold::Linear] {
+            let free = OpenLoop {
+                hold,
+                ..OpenLoop::new(Arc::new(joint()))
+            };
+            let (whole, record) = (
+                free.run(&run(0.4, 100.0)),
+                OpenLoop {
+                    watch: Some(watch.clone()),
+                    ..free
+                }
+                .run(&run(0.4, 100.0)),
+            );
+            let (whole, record) = (whole.expect("sound"), record.expect("stopped, not lost"));
+            let first = whole
+                .y
+                .iter()
+                .position(|y| y.abs() > 0.42)
+                .expect("the sine moves the motor by more than 0.02");
+            assert_eq!(
+                (
+                    record.n_steady_samples(),
+                    record.n_samples(),
+                    record.check()
+                ),
+                (first, first + 51, Ok(()))
+            );
+            assert_eq!(
+                record.y.slice(s![.., ..=first]),
+                whole.y.slice(s![.., ..=first])
+            );
+            assert!((record.u[[0, first + 50]] - (50.0 + 20.0 * 0.4)).abs() < 1e-12);
+            let kinds: Vec<&EventKind> = record.events.iter().map(|event| &event.kind).collect();
+            let [
+                EventKind::Limit {
+                    channel: 0,
+                    limit: 0.42,
+                    ..
+                },
+                EventKind::Stopped { reason, .. },
+            ] = kinds[..]
+            else {
+                panic!("{kinds:?}")
+            };
+            assert!(
+                reason.starts_with("axis 1: velocity ") && reason.ends_with("; brought to rest"),
+                "{reason}"
+            );
+        }
+    }
+}

@@ -1,0 +1,139 @@
+//! Images: grids of coloured cells, for spectrograms and colour bars.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use kuva::backend::raster::RasterBackend;
+use kuva::render::color::Color;
+use kuva::render::render::{Primitive, Scene};
+
+use crate::error::ReportError;
+use crate::figure::Rect;
+
+/// A colour as red, green, blue.
+pub(crate) type Rgb = [u8; 3];
+
+/// Coloured cells of equal size that fill a rectangle, row by row from its upper left corner.
+#[derive(Debug, Clone)]
+pub(crate) struct Image {
+    rect: Rect,
+    columns: usize,
+    rows: usize,
+    cells: Vec<Rgb>,
+    /// The cells as a PNG file, one pixel each.
+    png: Vec<u8>,
+}
+
+impl Image {
+    /// Lays a grid of cells over the rectangle; `color` is asked for every (row, column).
+    ///
+    /// # Errors
+    /// [`ReportError::Png`].
+    pub fn new(
+        rect: Rect,
+        (rows, columns): (usize, usize),
+        color: impl Fn(usize, usize) -> Rgb,
+    ) -> Result<Self, ReportError> {
+        let place = |k: usize| (k / columns, k % columns);
+        let cells: Vec<Rgb> = (0..rows * columns)
+            .map(place)
+            .map(|(row, column)| color(row, column))
+            .collect();
+        let pixel = Rect {
+            x: 0.0,
+            y: 0.0,
+            width: columns as f64,
+            height: rows as f64,
+        };
+        let mut scene = Scene::new(pixel.width, pixel.height);
+        scene.elements = vec![batch(pixel, (rows, columns), &cells)];
+        let png = RasterBackend::new()
+            .with_scale(1.0)
+            .render_scene(&scene)
+            .map_err(ReportError::Png)?;
+        Ok(Self {
+            rect,
+            columns,
+            rows,
+            cells,
+            png,
+        })
+    }
+
+    /// The cells as one shape each, for the rasteriser.
+    pub fn cells(&self) -> Primitive {
+        batch(self.rect, (self.rows, self.columns), &self.cells)
+    }
+
+    /// A rectangle filled with the pattern of that name, for SVG: some ten thousand cells would be
+    /// megabytes there.
+    pub fn rectangle(&self, id: &str) -> Primitive {
+        let Rect {
+            x,
+            y,
+            width,
+            height,
+        } = self.rect;
+        let fill = Color::Css(format!("url(#{id})").into());
+        Primitive::Rect {
+            x,
+            y,
+            width,
+            height,
+            fill,
+            stroke: None,
+            stroke_width: None,
+            opacity: None,
+        }
+    }
+
+    /// The pattern that holds the cells as an embedded PNG.
+    pub fn pattern(&self, id: &str) -> String {
+        let (
+            Rect {
+                x,
+                y,
+                width,
+                height,
+            },
+            data,
+        ) = (self.rect, STANDARD.encode(&self.png));
+        format!(
+            "<pattern id=\"{id}\" patternUnits=\"userSpaceOnUse\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\">\
+             <image width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" \
+             href=\"data:image/png;base64,{data}\"/></pattern>"
+        )
+    }
+}
+
+/// One rectangle per cell. Each reaches a pixel below the next ones, which are drawn over it: edges
+/// between neighbours would let the background through where they are smoothed.
+fn batch(
+    Rect {
+        x,
+        y,
+        width,
+        height,
+    }: Rect,
+    (rows, columns): (usize, usize),
+    cells: &[Rgb],
+) -> Primitive {
+    let (cell_width, cell_height) = (width / columns as f64, height / rows as f64);
+    let place = |k: usize| {
+        (
+            x + (k % columns) as f64 * cell_width,
+            y + (k / columns) as f64 * cell_height,
+        )
+    };
+    let places = || (0..cells.len()).map(place);
+    Primitive::RectBatch {
+        x: places().map(|(left, _)| left).collect(),
+        y: places().map(|(_, top)| top).collect(),
+        w: places()
+            .map(|(left, _)| (cell_width + 1.0).min(x + width - left))
+            .collect(),
+        h: places()
+            .map(|(_, top)| (cell_height + 1.0).min(y + height - top))
+            .collect(),
+        fills: cells.iter().map(|&[r, g, b]| Color::Rgb(r, g, b)).collect(),
+    }
+}

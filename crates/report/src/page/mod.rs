@@ -1,0 +1,156 @@
+//! The report: one HTML file that needs no network, for a browser or for print.
+
+pub(crate) mod claim;
+pub(crate) mod html;
+pub(crate) mod payload;
+pub(crate) mod section;
+pub(crate) mod table;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use frfid_files::Check;
+use sha2::{Digest, Sha256};
+
+use crate::diagrams::curve;
+use crate::error::ReportError;
+use crate::page::claim::Claim;
+use crate::page::html::{badge, escaped, filled, section, table, table_row};
+use crate::page::section::{Part, Responses};
+
+const TEMPLATE: &str = include_str!("report.html");
+const STYLE: &str = include_str!("report.css");
+/// One function for each diagram of the page, so that several do not meet.
+const SCRIPT: &str = concat!(
+    "\"use strict\";\nfunction responses(root, data) {\n",
+    include_str!("curves.js"),
+    include_str!("draw.js"),
+    include_str!("controls.js"),
+    "}\n",
+    include_str!("start.js")
+);
+
+/// Everything a report shows; what is empty is left out.
+#[derive(Debug, Clone, Default)]
+pub struct Report<'a> {
+    /// Title of the page.
+    pub title: String,
+    /// Claims of the paper beside our numbers.
+    pub claims: Vec<Claim>,
+    /// What was checked.
+    pub checks: Vec<Check>,
+    /// The parts, one after the other.
+    pub parts: Vec<Part<'a>>,
+    /// Where the results come from: names and values (versions, seeds, hashes, files).
+    pub provenance: Vec<(String, String)>,
+}
+
+impl<'a> Report<'a> {
+    /// The report as a self-contained HTML page.
+    ///
+    /// The page loads nothing and, by its content security policy, could not; its tables and
+    /// figures also work without scripts. Every string is shown as text, whatever it holds.
+    ///
+    /// # Errors
+    /// [`ReportError`] if the curves of a part differ in size, their labels do not fit, or a
+    /// frequency is not above zero.
+    pub fn html(&self) -> Result<String, ReportError> {
+        let responses: Vec<&Responses<'a>> = self
+            .parts
+            .iter()
+            .filter_map(|part| part.responses.as_ref())
+            .collect();
+        for Responses { curves, labels, .. } in &responses {
+            curve::check("the report", curves, labels)?;
+        }
+        // Browsers hash what they parsed, with line feeds only.
+        let (style, script) = (STYLE.replace('\r', ""), SCRIPT.replace('\r', ""));
+        Ok(filled(TEMPLATE, |name| match name {
+            "title" => escaped(&self.title),
+            "version" => env!("CARGO_PKG_VERSION").to_owned(),
+            "style_hash" => hash(&style),
+            "script_hash" => hash(&script),
+            "style" => style.clone(),
+            "script" => script.clone(),
+            "data" => payload::json(&responses),
+            "verdict" => self.verdict(),
+            "claims" => self.claims(),
+            "checks" => self.checks(),
+            "parts" => self.parts.iter().map(Part::html).collect(),
+            "provenance" => self.provenance(),
+            other => unreachable!("the template has no place {other}"),
+        }))
+    }
+
+    fn verdict(&self) -> String {
+        let mut text = String::new();
+        let mut count = |all: usize, good: usize, what: &str| {
+            if all > 0 {
+                let class = if all == good { "good" } else { "bad" };
+                text.push_str(&format!(
+                    "<p><span class=\"{class}\">{good} of {all}</span> {what}</p>\n"
+                ));
+            }
+        };
+        count(
+            self.claims.len(),
+            self.claims.iter().filter(|row| row.holds).count(),
+            "claims of the paper hold",
+        );
+        count(
+            self.checks.len(),
+            self.checks.iter().filter(|row| row.passed).count(),
+            "checks passed",
+        );
+        text
+    }
+
+    fn claims(&self) -> String {
+        let rows = self.claims.iter().map(|row| {
+            let verdict = badge(row.holds, "holds", "does not hold");
+            table_row(
+                &format!("{} {}", row.id, row.statement),
+                &[escaped(row.expected), escaped(&row.found), verdict],
+            )
+        });
+        let columns = [
+            "Claim",
+            "Expected (the paper in quotation marks)",
+            "Found",
+            "Verdict",
+        ];
+        section("Claims", &table(&columns, rows))
+    }
+
+    fn checks(&self) -> String {
+        let rows = self.checks.iter().map(|row| {
+            let verdict = badge(row.passed, "passed", "failed");
+            let advice = if row.passed { "" } else { &row.advice };
+            table_row(
+                &row.name,
+                &[
+                    verdict,
+                    escaped(&row.found),
+                    escaped(&row.needed),
+                    escaped(advice),
+                ],
+            )
+        });
+        section(
+            "Checks",
+            &table(&["Check", "Verdict", "Found", "Needed", "Advice"], rows),
+        )
+    }
+
+    fn provenance(&self) -> String {
+        let rows = self
+            .provenance
+            .iter()
+            .map(|(name, value)| table_row(name, &[escaped(value)]));
+        section("Provenance", &table(&[], rows))
+    }
+}
+
+/// The source expression that lets one inline style or script through a content security policy.
+fn hash(text: &str) -> String {
+    format!("sha256-{}", STANDARD.encode(Sha256::digest(text)))
+}

@@ -1,0 +1,91 @@
+//! A part of a report: what it says, in words, tables, an interactive diagram and figures.
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+
+use crate::diagrams::curve::{Curve, Labels};
+use crate::figure::Figure;
+use crate::page::html::{escaped, section, table, table_row};
+use crate::page::table::Table;
+
+/// FRFs of equal size to look into: an interactive matrix of Bode diagrams.
+#[derive(Debug, Clone)]
+pub struct Responses<'a> {
+    /// Title above the diagram.
+    pub title: String,
+    /// The FRFs.
+    pub curves: Vec<Curve<'a>>,
+    /// Names of their channels and the unit of the gain.
+    pub labels: Labels,
+}
+
+/// One part of a report; what is empty is left out.
+#[derive(Debug, Clone, Default)]
+pub struct Part<'a> {
+    /// Title.
+    pub title: String,
+    /// Paragraphs of plain text.
+    pub notes: Vec<String>,
+    /// Tables.
+    pub tables: Vec<Table>,
+    /// FRFs to look into.
+    pub responses: Option<Responses<'a>>,
+    /// Pictures with their captions.
+    pub figures: Vec<(String, Figure)>,
+}
+
+impl Part<'_> {
+    /// The part as HTML.
+    pub(crate) fn html(&self) -> String {
+        let notes: String = self
+            .notes
+            .iter()
+            .map(|note| format!("<p>{}</p>\n", escaped(note)))
+            .collect();
+        let tables: String = self.tables.iter().map(table_html).collect();
+        let responses = self
+            .responses
+            .as_ref()
+            .map(responses_html)
+            .unwrap_or_default();
+        let figures: String = self
+            .figures
+            .iter()
+            .map(|(caption, figure)| figure_html(caption, figure))
+            .collect();
+        section(&self.title, &[notes, tables, responses, figures].concat())
+    }
+}
+
+fn table_html(content: &Table) -> String {
+    let columns: Vec<&str> = content.columns.iter().map(String::as_str).collect();
+    let rows = content.rows.iter().map(|(name, cells)| {
+        table_row(
+            name,
+            &cells.iter().map(|cell| escaped(cell)).collect::<Vec<_>>(),
+        )
+    });
+    format!(
+        "<h3>{}</h3>\n{}",
+        escaped(&content.title),
+        table(&columns, rows)
+    )
+}
+
+fn responses_html(responses: &Responses) -> String {
+    let (title, unit) = (
+        escaped(&responses.title),
+        escaped(&responses.labels.gain_unit),
+    );
+    format!(include_str!("responses.html"), title = title, unit = unit)
+}
+
+/// A picture as an image: it cannot run scripts, and the ids inside one cannot meet those of
+/// another.
+fn figure_html(caption: &str, figure: &Figure) -> String {
+    let (image, caption) = (STANDARD.encode(figure.svg()), escaped(caption));
+    format!(
+        "<figure><img src=\"data:image/svg+xml;base64,{image}\" alt=\"{caption}\">\
+         <figcaption>{caption}</figcaption></figure>\n"
+    )
+}

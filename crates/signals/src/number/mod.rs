@@ -1,0 +1,5 @@
+//! Numbers: ranges that parameters must lie in, named streams of chance, power of signals.
+
+pub mod checks;
+pub mod power;
+pub mod random;

@@ -1,0 +1,326 @@
+//! The experiment plan: which runs are done, and what each of them injects.
+
+pub(crate) mod testbed;
+#[cfg(test)]
+mod tests;
+
+use ndarray::{Array2, Array3, Axis, s};
+use serde::{Deserialize, Serialize};
+
+use crate::error::SignalError;
+use crate::excitation::multisine::Draw;
+use crate::excitation::phasing::Phasing;
+use crate::excitation::{Excitation, Injection};
+use crate::number::checks::{LONGEST_SIGNAL, at_most, positive};
+use crate::plan::testbed::{Run, RunId, RunKind};
+
+/// Most runs that a plan may have: a year of them would take 30 s each.
+const MOST_RUNS: f64 = 1e6;
+
+/// A campaign: realizations x experiments x repetitions, each run a lead-in and one or more periods
+/// back to back.
+///
+/// The plan is a description: [`Plan::run`] makes the signals from the seed when they are needed,
+/// so a campaign of any length costs the memory of one realization.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// Seed of the random phases.
+    pub seed: u64,
+    /// Sample time in s.
+    pub sample_time_s: f64,
+    /// Number of inputs of the machine.
+    pub n_inputs: usize,
+    /// What excites the machine.
+    pub excitation: Excitation,
+    /// Phases between channels and experiments.
+    pub phasing: Phasing,
+    /// What the reference stands for.
+    pub injection: Injection,
+    /// Draws of the random phases, n_p; 1 for a chirp.
+    pub n_realizations: usize,
+    /// Separate runs of the same reference.
+    pub n_repetitions: usize,
+    /// Measured periods back to back in each run; 1 for a chirp. The estimator's n_q is
+    /// `n_repetitions n_periods`.
+    pub n_periods: usize,
+    /// Samples before the first measured period: the multisine's own continuation backwards, rest
+    /// before a chirp.
+    pub lead_in_samples: usize,
+    /// Constant velocity in rad/s on which every run rides, per channel; zeros for none.
+    pub velocity_rad_s: Vec<f64>,
+    /// Runs of the constant velocity alone; 0 for none.
+    pub n_glides: usize,
+}
+
+impl Plan {
+    /// Checks every number of the plan against the others.
+    ///
+    /// # Errors
+    /// [`SignalError`] naming the first value out of range.
+    pub fn check(&self) -> Result<(), SignalError> {
+        positive("sample_time_s", self.sample_time_s)?;
+        let counts = [
+            ("n_inputs", self.n_inputs),
+            ("realizations", self.n_realizations),
+            ("repetitions", self.n_repetitions),
+            ("periods", self.n_periods),
+        ];
+        for (name, count) in counts {
+            positive(name, count as f64)?;
+        }
+        let runs = self.n_realizations as f64 * self.n_inputs as f64 * self.n_repetitions as f64
+            + self.n_glides as f64;
+        at_most(
+            "number of runs",
+            runs,
+            MOST_RUNS,
+            "at most 10^6: fewer realizations or repetitions",
+        )?;
+        if self.velocity_rad_s.len() != self.n_inputs
+            || self.velocity_rad_s.iter().any(|v| !v.is_finite())
+        {
+            let needed = format!(
+                "one finite velocity for each of the {} inputs",
+                self.n_inputs
+            );
+            return Err(SignalError::Shape {
+                name: "velocity_rad_s",
+                found: vec![self.velocity_rad_s.len()],
+                needed,
+            });
+        }
+        self.check_excitation()?;
+        let samples =
+            self.lead_in_samples as f64 + self.n_periods as f64 * self.period_samples()? as f64;
+        at_most(
+            "samples of a run",
+            samples,
+            LONGEST_SIGNAL,
+            "at most 2^26: fewer periods or a shorter lead-in",
+        )
+    }
+
+    fn check_excitation(&self) -> Result<(), SignalError> {
+        match &self.excitation {
+            Excitation::Multisine { peak, .. } if peak.len() != self.n_inputs => {
+                let needed = format!("one peak for each of the {} inputs", self.n_inputs);
+                Err(SignalError::Shape {
+                    name: "peak",
+                    found: vec![peak.len()],
+                    needed,
+                })
+            }
+            Excitation::Multisine { signal, .. } => signal.grid.check(),
+            Excitation::Chirp(chirp) => {
+                for (name, count) in [
+                    ("realizations", self.n_realizations),
+                    ("periods", self.n_periods),
+                ] {
+                    if count != 1 {
+                        return Err(SignalError::Parameter {
+                            name,
+                            found: count as f64,
+                            needed: "1 with a chirp: it has no random phases and no period",
+                        });
+                    }
+                }
+                chirp.check()
+            }
+        }
+    }
+
+    /// Experiments per realization: the columns of U, as many as inputs.
+    #[must_use]
+    pub fn n_experiments(&self) -> usize {
+        self.n_inputs
+    }
+
+    /// Samples of one period (of the whole chirp with its tail).
+    ///
+    /// # Errors
+    /// [`SignalError`] for a chirp of impossible length.
+    pub fn period_samples(&self) -> Result<usize, SignalError> {
+        match &self.excitation {
+            Excitation::Multisine { signal, .. } => Ok(signal.grid.n_samples),
+            Excitation::Chirp(chirp) => chirp.n_samples(self.sample_time_s),
+        }
+    }
+
+    /// Samples of one run, lead-in included.
+    ///
+    /// # Errors
+    /// As [`Plan::period_samples`].
+    pub fn run_samples(&self) -> Result<usize, SignalError> {
+        Ok(self.lead_in_samples + self.n_periods * self.period_samples()?)
+    }
+
+    /// Every run, glides first, then realization by realization.
+    pub fn run_ids(&self) -> impl Iterator<Item = RunId> + use<> {
+        let (n_experiments, n_repetitions) = (self.n_experiments(), self.n_repetitions);
+        let glides = (0..self.n_glides).map(|repetition| RunId {
+            kind: RunKind::Glide,
+            realization: 0,
+            experiment: 0,
+            repetition,
+        });
+        let runs = (0..self.n_realizations).flat_map(move |realization| {
+            (0..n_experiments).flat_map(move |experiment| {
+                (0..n_repetitions).map(move |repetition| RunId {
+                    kind: RunKind::Excitation,
+                    realization,
+                    experiment,
+                    repetition,
+                })
+            })
+        });
+        glides.chain(runs)
+    }
+
+    /// Number of runs, glides included.
+    #[must_use]
+    pub fn n_runs(&self) -> usize {
+        self.n_glides + self.n_realizations * self.n_experiments() * self.n_repetitions
+    }
+
+    /// Time on the robot in s: all runs, without the way back to the start.
+    ///
+    /// # Errors
+    /// As [`Plan::period_samples`].
+    pub fn robot_time_s(&self) -> Result<f64, SignalError> {
+        Ok(self.n_runs() as f64 * self.run_samples()? as f64 * self.sample_time_s)
+    }
+
+    /// One period of every experiment of a realization, `(experiment, input, sample)`, without the
+    /// constant velocity.
+    ///
+    /// # Errors
+    /// [`SignalError`] if the plan's numbers do not fit together.
+    pub fn period(&self, realization: usize) -> Result<Array3<f64>, SignalError> {
+        self.check()?;
+        match &self.excitation {
+            Excitation::Multisine { signal, peak } => {
+                let draw = Draw {
+                    seed: self.seed,
+                    realization,
+                    phasing: self.phasing,
+                    peak,
+                };
+                Ok(signal.realize(&draw)?.signal)
+            }
+            Excitation::Chirp(chirp) => {
+                chirp.sample(self.sample_time_s, self.n_inputs, self.phasing)
+            }
+        }
+    }
+
+    /// The run of this name, with its reference from lead-in to end.
+    ///
+    /// # Errors
+    /// [`SignalError::NoSuchRun`], or [`SignalError`] if the plan's numbers do not fit together.
+    pub fn run(&self, id: RunId) -> Result<Run, SignalError> {
+        let count = match id.kind {
+            RunKind::Excitation => [
+                self.n_realizations,
+                self.n_experiments(),
+                self.n_repetitions,
+            ],
+            RunKind::Glide => [1, 1, self.n_glides],
+        };
+        if id.realization >= count[0] || id.experiment >= count[1] || id.repetition >= count[2] {
+            return Err(self.no_such_run(id));
+        }
+        let reference = match id.kind {
+            RunKind::Excitation => self.extended(
+                &self
+                    .period(id.realization)?
+                    .index_axis_move(Axis(0), id.experiment),
+            ),
+            RunKind::Glide => Array2::zeros((self.n_inputs, self.run_samples()?)),
+        };
+        Ok(self.riding(id, reference))
+    }
+
+    /// All runs of one realization, by experiment and repetition: the phases are drawn once.
+    ///
+    /// # Errors
+    /// As [`Plan::run`].
+    pub fn realization_runs(&self, realization: usize) -> Result<Vec<Run>, SignalError> {
+        let period = self.period(realization)?;
+        let ids = self
+            .run_ids()
+            .filter(|id| id.kind == RunKind::Excitation && id.realization == realization);
+        Ok(ids
+            .map(|id| {
+                self.riding(
+                    id,
+                    self.extended(&period.index_axis(Axis(0), id.experiment).to_owned()),
+                )
+            })
+            .collect())
+    }
+
+    /// Lead-in and periods from one period.
+    fn extended(&self, period: &Array2<f64>) -> Array2<f64> {
+        let n = period.ncols();
+        let lead_in = self.lead_in_samples;
+        let mut reference = Array2::zeros((self.n_inputs, lead_in + self.n_periods * n));
+        let periodic = matches!(self.excitation, Excitation::Multisine { .. });
+        for (k, mut column) in reference.axis_iter_mut(Axis(1)).enumerate() {
+            if periodic || k >= lead_in {
+                // backwards from the first measured period: sample lead_in is sample 0 of the
+                // period
+                column.assign(&period.slice(s![.., (k + n - lead_in % n) % n]));
+            }
+        }
+        reference
+    }
+
+    fn riding(&self, id: RunId, mut reference: Array2<f64>) -> Run {
+        if self.injection == Injection::Velocity {
+            for (mut row, velocity) in reference.rows_mut().into_iter().zip(&self.velocity_rad_s) {
+                row += *velocity;
+            }
+        }
+        let start_rad = self.start_before(reference.ncols());
+        let velocity_rad_s = self.velocity_rad_s.clone();
+        Run {
+            id,
+            sample_time_s: self.sample_time_s,
+            reference,
+            velocity_rad_s,
+            start_rad,
+        }
+    }
+
+    /// Where every run starts, in rad from the pose, one for each channel.
+    ///
+    /// # Errors
+    /// As [`Plan::period_samples`].
+    pub fn start_rad(&self) -> Result<Vec<f64>, SignalError> {
+        Ok(self.start_before(self.run_samples()?))
+    }
+
+    /// The way of a run lies symmetrically about the pose, so that it stays as near to it as it
+    /// can.
+    fn start_before(&self, run_samples: usize) -> Vec<f64> {
+        let half_way_s = 0.5 * run_samples as f64 * self.sample_time_s;
+        self.velocity_rad_s
+            .iter()
+            .map(|velocity| 0.0 - velocity * half_way_s)
+            .collect()
+    }
+
+    fn no_such_run(&self, id: RunId) -> SignalError {
+        SignalError::NoSuchRun {
+            id: id.to_string(),
+            n_realizations: self.n_realizations,
+            n_experiments: self.n_experiments(),
+            n_repetitions: self.n_repetitions,
+            glides: if self.n_glides > 0 {
+                " and glides"
+            } else {
+                ", no glides"
+            },
+        }
+    }
+}

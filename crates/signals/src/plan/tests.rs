@@ -1,0 +1,152 @@
+//! Plans: what each run injects, and what is refused.
+
+use ndarray::{Axis, s};
+
+use crate::error::SignalError;
+use crate::excitation::chirp::Chirp;
+use crate::excitation::grid::{GridDesign, GridKind};
+use crate::excitation::multisine::{Multisine, Phases};
+use crate::excitation::phasing::Phasing;
+use crate::excitation::profile::Profile;
+use crate::excitation::{Excitation, Injection};
+use crate::plan::Plan;
+use crate::plan::testbed::{RunId, RunKind};
+
+fn plan() -> Plan {
+    let design = GridDesign {
+        low_hz: 1.0,
+        high_hz: 60.0,
+        sample_time_s: 1e-3,
+        resolution_hz: 1.0,
+        n_lines: Some(20),
+        kind: GridKind::Odd,
+        seed: 0,
+    };
+    let grid = design.design().expect("sound");
+    let signal = Multisine {
+        grid,
+        shape: Profile::constant(1.0),
+        phases: Phases::Random,
+    };
+    Plan {
+        seed: 3,
+        sample_time_s: 1e-3,
+        n_inputs: 2,
+        excitation: Excitation::Multisine {
+            signal,
+            peak: vec![1.0, 2.0],
+        },
+        phasing: Phasing::Orthogonal,
+        injection: Injection::Torque,
+        n_realizations: 3,
+        n_repetitions: 2,
+        n_periods: 2,
+        lead_in_samples: 100,
+        velocity_rad_s: vec![0.0, 0.0],
+        n_glides: 1,
+    }
+}
+
+#[test]
+fn a_run_is_its_period_continued_both_ways() {
+    let (plan, n) = (plan(), plan().period_samples().expect("sound"));
+    let id = RunId {
+        kind: RunKind::Excitation,
+        realization: 1,
+        experiment: 1,
+        repetition: 0,
+    };
+    let (run, period) = (
+        plan.run(id).expect("in the plan"),
+        plan.period(1).expect("sound"),
+    );
+    assert_eq!(run.reference.ncols(), 100 + 2 * n);
+    for (k, column) in run.reference.axis_iter(Axis(1)).enumerate() {
+        assert_eq!(column, period.slice(s![1, .., (k + n - 100) % n]));
+    }
+    let all = plan.realization_runs(1).expect("sound");
+    assert_eq!((all.len(), &all[2]), (4, &run));
+    assert_eq!((plan.run_ids().count(), plan.n_runs()), (13, 13));
+}
+
+#[test]
+fn a_chirp_rests_before_its_start_and_rides_on_the_velocity() {
+    let chirp = Chirp {
+        low_hz: 1.0,
+        high_hz: 60.0,
+        duration_s: 2.0,
+        amplitude: vec![Profile::constant(0.1)],
+        fade_s: 0.0,
+        tail_s: 0.5,
+    };
+    let plan = Plan {
+        excitation: Excitation::Chirp(chirp),
+        injection: Injection::Velocity,
+        n_realizations: 1,
+        n_periods: 1,
+        velocity_rad_s: vec![0.25, 0.0],
+        ..plan()
+    };
+    let run = plan
+        .run(RunId {
+            kind: RunKind::Excitation,
+            realization: 0,
+            experiment: 0,
+            repetition: 0,
+        })
+        .expect("in the plan");
+    assert_eq!(run.reference.ncols(), 2600);
+    assert!(run.reference.slice(s![0, ..101]).iter().all(|&r| r == 0.25));
+    assert_eq!(run.reference[[1, 2599]], 0.0);
+    let glide = plan
+        .run(RunId {
+            kind: RunKind::Glide,
+            realization: 0,
+            experiment: 0,
+            repetition: 0,
+        })
+        .expect("in the plan");
+    assert!(glide.reference.row(0).iter().all(|&r| r == 0.25));
+}
+
+#[test]
+fn runs_and_numbers_that_do_not_fit_are_refused() {
+    let missing = RunId {
+        kind: RunKind::Excitation,
+        realization: 3,
+        experiment: 0,
+        repetition: 0,
+    };
+    assert!(matches!(
+        plan().run(missing),
+        Err(SignalError::NoSuchRun { .. })
+    ));
+    for bad in [
+        Plan {
+            n_inputs: 1,
+            ..plan()
+        },
+        Plan {
+            n_realizations: 0,
+            ..plan()
+        },
+        Plan {
+            n_realizations: usize::MAX,
+            ..plan()
+        },
+        Plan {
+            n_periods: usize::MAX,
+            ..plan()
+        },
+        Plan {
+            lead_in_samples: usize::MAX,
+            ..plan()
+        },
+        Plan {
+            velocity_rad_s: vec![f64::NAN, 0.0],
+            ..plan()
+        },
+    ] {
+        assert!(bad.check().is_err());
+    }
+}
