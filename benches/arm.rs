@@ -8,7 +8,7 @@ use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
-use frfid::estimate::{LineDft, ShapeLimits, ShapeOptions, Shaper, Transform};
+use frfid::estimate::{LineDft, ShapeOptions, Shaper, Transform};
 use frfid::experiment::{Experiment, RobotTable};
 use frfid::plant::{Arm, LoopFrf};
 use frfid::signals::random::{normal, stream};
@@ -158,17 +158,8 @@ fn shaping(criterion: &mut Criterion) {
             .sample(SAMPLE_TIME_S, 3, Phasing::SignFlip)
             .expect("sound")
     };
-    let (gain, none) = (
-        500.0,
-        ShapeLimits {
-            max_torque_nm: None,
-            max_velocity_rad_s: None,
-            max_travel_rad: None,
-            ..ShapeLimits::default()
-        },
-    );
+    let gain = 500.0;
     let options = ShapeOptions {
-        limits: none,
         good_enough: 1e-9,
         ..ShapeOptions::default()
     };

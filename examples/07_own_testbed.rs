@@ -7,7 +7,7 @@ use std::path::Path;
 
 use frfid::experiment::{Experiment, predict, silent};
 use frfid::plant::{SingleJoint, Torque, simulate};
-use frfid::signals::{InputKind, Record, Run, Testbed, TestbedError};
+use frfid::signals::{InputKind, Limit, Record, Run, Testbed, TestbedError};
 
 /// Anything with `run(reference) -> Record`. Here it is a simulation; a driver of a real robot
 /// looks the same.
@@ -56,10 +56,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         plan.robot_time_s()?,
         plan.run(first)?.reference.dim()
     );
-    let peaks = predict(&experiment, 0, &silent)?.peaks;
+    let peaks = predict(&experiment, 0, &silent)?.load.peaks;
+    let peak = |limit| peaks.get(limit).map_or(f64::NAN, |peaks| peaks[0]);
     println!(
         "predicted peaks: {:.0} N m, {:.3} rad/s",
-        peaks.effort_nm[0], peaks.velocity_rad_s[0]
+        peak(Limit::Torque),
+        peak(Limit::Velocity)
     );
 
     let robot = MyRobot {
@@ -68,7 +70,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             ..SingleJoint::default()
         },
     };
-    let frf = experiment.measure(&robot, 0, &silent)?.frf;
+    let frf = experiment.measure(&robot, 0, &silent)?.result.frf;
     let hz = &frf.frequency_hz;
     println!(
         "FRF at {} frequencies from {:.4} Hz to {:.4} Hz",
@@ -87,7 +89,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         provenance["seed"], provenance["config_sha256"]
     );
 
-    let same = experiment.measure(&*experiment.testbed()?, 0, &silent)?.frf; // the simulated robot that is described
+    let described = experiment.testbed()?; // the simulated robot
+    let same = experiment.measure(&*described, 0, &silent)?.result.frf;
     println!(
         "the simulated robot gives the same FRF to the last bit: {}",
         same.response == frf.response

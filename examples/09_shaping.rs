@@ -6,10 +6,10 @@
 use std::error::Error;
 use std::path::Path;
 
-use frfid::estimate::{ShapeLimits, ShapeOptions, Shaped, Step, shape};
+use frfid::estimate::{ShapeOptions, Shaped, Step, shape};
 use frfid::experiment::RobotTable;
 use frfid::plant::{ClosedLoop, PiController};
-use frfid::signals::{Chirp, Phasing, Profile, SignalError};
+use frfid::signals::{Chirp, Limit, Phasing, Profile, SignalError};
 use ndarray::Array3;
 
 const T: f64 = 1e-3;
@@ -36,10 +36,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let options = ShapeOptions {
             step,
             coulomb_nm: Some(vec![42.0, 105.0, 42.0]),
-            limits: ShapeLimits {
-                max_travel_rad: Some(vec![0.07; 3]),
-                ..ShapeLimits::default()
-            },
+            limits: [(Limit::Travel, vec![0.07; 3])].into_iter().collect(),
             ..ShapeOptions::default()
         };
         let start = chirps([0.006, 0.006, 0.012])?; // rad/s: friction holds every axis

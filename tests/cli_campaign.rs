@@ -181,7 +181,7 @@ fn a_design_outside_its_limits_is_refused_with_the_amplitude_that_fits() {
     assert!(stdout(&design).contains("125 %"), "{}", stdout(&design));
     let run = frfid(folder.path(), &["run", "x.toml", "-o", "logs"]);
     assert!(
-        code(&run) == 3 && stderr(&run).contains("stopped: axis 1: effort"),
+        code(&run) == 3 && stderr(&run).contains("stopped: axis 1: torque"),
         "{}",
         stderr(&run)
     );

@@ -7,7 +7,7 @@ use std::sync::Arc;
 use frfid::estimate::{Note, ShapeOptions, Shaped, Shaper, Step, shape};
 use frfid::experiment::Experiment;
 use frfid::plant::{ClosedLoop, PiController, SingleJoint};
-use frfid::signals::{Chirp, Phasing, Profile, Testbed};
+use frfid::signals::{Chirp, Limit, Phasing, Profile, Testbed};
 use rayon::prelude::*;
 
 /// Shapes an experiment of examples/ with some of its lines replaced.
@@ -60,7 +60,8 @@ fn claim_7_the_r3_gets_the_torque_asked_for_in_six_iterations_within_its_limits(
             assert!(i.within_limits, "{mimo}: {:?}", i.notes);
             assert!(
                 i.peaks
-                    .travel_rad
+                    .get(Limit::Travel)
+                    .expect("measured")
                     .iter()
                     .all(|&travel| travel < 4f64.to_radians()),
                 "{mimo}: {:?}",

@@ -77,13 +77,13 @@ fn the_multisine_campaign_finds_the_36_entries() {
     let testbed = experiment.testbed().expect("described");
     let found = experiment.measure(&*testbed, 0, &silent).expect("measured");
     assert_eq!(
-        (found.frf.response.dim(), found.missing.len()),
-        ((66, AXES, AXES), 0)
+        (found.result.frf.response.dim(), found.is_lossy),
+        ((66, AXES, AXES), false)
     );
     let truth = experiment
-        .truth(&found.frf.frequency_hz, Hold::Zoh, true)
+        .truth(&found.result.frf.frequency_hz, Hold::Zoh, true)
         .expect("sound");
-    let [own, coupled] = median_errors(&found.frf, &truth);
+    let [own, coupled] = median_errors(&found.result.frf, &truth);
     print(
         "median error of the multisine's FRF, of each entry itself",
         &own,

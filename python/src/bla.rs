@@ -16,20 +16,34 @@ const CAMPAIGN: Axes = &["realization", "experiment", "period", "channel", "samp
 /// ``u`` does not bias. The noise variance is None with one period, the total variance with one
 /// realization.
 ///
-/// Parameters ---------- u, y : array_like, shape (realization, experiment, period, channel,
-/// sample) Plant input and output, whole periods in the steady state; at least as many experiments
-/// as inputs. sample_time_s : float Sample time in s. harmonics : sequence of int Lines of the DFT
-/// of the period to estimate, rising: ``multisine.harmonics``. r : array_like, shape as u, optional
-/// Reference. average : {"frfs", "spectra"}, optional What is averaged over periods without ``r``:
-/// FRFs as the paper does, or spectra, better where ``u`` is noisy. max_condition : float, optional
-/// Largest condition number of U, rows scaled, at which a line is still inverted.
+/// Parameters
+/// ----------
+/// u, y : array_like, shape (realization, experiment, period, channel, sample)
+///     Plant input and output, whole periods in the steady state; at least as many experiments as
+///     inputs.
+/// sample_time_s : float
+///     Sample time in s.
+/// harmonics : sequence of int
+///     Lines of the DFT of the period to estimate, rising: ``multisine.harmonics``.
+/// r : array_like, shape as u, optional
+///     Reference.
+/// average : {"frfs", "spectra"}, optional
+///     What is averaged over periods without ``r``: FRFs as the paper does, or spectra, better
+///     where ``u`` is noisy.
+/// max_condition : float, optional
+///     Largest condition number of U, rows scaled, at which a line is still inverted.
 ///
 /// Returns
 /// -------
 /// Frf
 ///
-/// Raises ------ ValueError For shapes that do not fit, samples that are not finite, lines off the
-/// grid, fewer experiments than inputs. NumericalError For lines on which U cannot be inverted.
+/// Raises
+/// ------
+/// ValueError
+///     For shapes that do not fit, samples that are not finite, lines off the grid, fewer
+///     experiments than inputs.
+/// NumericalError
+///     For lines on which U cannot be inverted.
 #[pyfunction]
 #[pyo3(signature = (u, y, *, sample_time_s, harmonics, r = None, average = "frfs", max_condition = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]

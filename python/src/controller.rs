@@ -14,14 +14,23 @@ use crate::record::Record;
 /// ``integral_gain e sample_time_s`` per sample; ``e = r - y``, plus ``position_gain`` times the
 /// error of the position where there is a position loop.
 ///
-/// Parameters ---------- gain : float or sequence of float Proportional gain of each axis in N m
-/// s/rad; the longest of the sequences says how many axes there are. integral_gain : float or
-/// sequence of float Integral gain of each axis in N m/rad. sample_time_s : float Sample time in s.
-/// delay_samples : int, optional Whole samples from reading the velocity to the torque's acting.
-/// max_torque_nm : float or sequence of float, optional Torque limit of each axis in N m.
-/// max_torque_rate_nm_per_s : float or sequence of float, optional Largest change of each axis'
-/// torque in N m/s. position_gain : float or sequence of float, optional Gain of the position loop
-/// of each axis in 1/s; no position loop without it.
+/// Parameters
+/// ----------
+/// gain : float or sequence of float
+///     Proportional gain of each axis in N m s/rad; the longest of the sequences says how many axes
+///     there are.
+/// integral_gain : float or sequence of float
+///     Integral gain of each axis in N m/rad.
+/// sample_time_s : float
+///     Sample time in s.
+/// delay_samples : int, optional
+///     Whole samples from reading the velocity to the torque's acting.
+/// max_torque_nm : float or sequence of float, optional
+///     Torque limit of each axis in N m.
+/// max_torque_rate_nm_per_s : float or sequence of float, optional
+///     Largest change of each axis' torque in N m/s.
+/// position_gain : float or sequence of float, optional
+///     Gain of the position loop of each axis in 1/s; no position loop without it.
 ///
 /// Raises
 /// ------
@@ -167,8 +176,11 @@ impl PiController {
 /// progress : callable, optional
 ///     Called with (done, total), from (0, total) on; an exception from it stops the simulation.
 ///
-/// Returns ------- Record ``u`` is the torque that acted, ``y`` the velocity reading in rad/s;
-/// limits that were reached are among its events.
+/// Returns
+/// -------
+/// Record
+///     ``u`` is the torque that acted, ``y`` the velocity reading in rad/s; limits that were
+///     reached are among its events.
 ///
 /// Raises
 /// ------

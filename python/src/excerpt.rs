@@ -42,9 +42,13 @@ const RECORDINGS: [Axes; 2] = [
 /// Frf
 ///     Repeats give the noise variance; with one recording it is None.
 ///
-/// Raises ------ ValueError For shapes that do not fit, samples that are not finite, and
-/// frequencies that the chirp does not pass. NumericalError For frequencies at which U cannot be
-/// inverted.
+/// Raises
+/// ------
+/// ValueError
+///     For shapes that do not fit, samples that are not finite, and frequencies that the chirp does
+///     not pass.
+/// NumericalError
+///     For frequencies at which U cannot be inverted.
 #[pyfunction]
 #[pyo3(signature = (u, y, *, chirp, sample_time_s, frequencies_hz, method = "excerpt", r = None, start_s = 0.0,
                     max_condition = None))]

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use frfid_files::{Overwrite, ResultFile, write_result};
+use frfid_report::result_figure;
 use frfid_signals::Frf as Response;
 use ndarray::Array1;
 use pyo3::prelude::*;
@@ -13,7 +14,7 @@ use crate::choice::{from_python, to_python};
 use crate::error;
 use crate::frf_parts::{Arrays, PARTS, channels, per_frequency, uncertainty};
 use crate::pickle::{NewArguments, attributes};
-use crate::result::{described, svg};
+use crate::result::described;
 
 /// A frequency response matrix with what is known about its uncertainty.
 ///
@@ -21,18 +22,27 @@ use crate::result::{described, svg};
 /// not measured is None. Variances are those of the averaged response, E|dG|^2, real and imaginary
 /// part together.
 ///
-/// Parameters ---------- frequency_hz : array_like, shape (frequency,) Frequencies in Hz. response
-/// : array_like, shape (frequency, output, input) Response; rad/s per N m for motor torque to motor
-/// velocity. noise_covariance, total_covariance : array_like, shape (frequency, n_outputs *
-/// n_inputs, same), optional Covariance of vec(G), its columns stacked, from noise alone, and from
-/// noise and nonlinear distortion. noise_degrees_of_freedom, total_degrees_of_freedom : int,
-/// optional Complex degrees of freedom behind them. condition : array_like, shape (frequency,),
-/// optional Condition number of U. relative_resolution : float, optional Half width, relative to
-/// the frequency, of the band over which each value blurs the response. input_names, output_names,
-/// input_units, output_units : list of str, optional Names and SI units of the channels. checks :
-/// list of dict, optional What was checked: ``name``, ``passed``, ``found``, ``needed`` and
-/// ``advice``. provenance : dict of str, optional Where it comes from: versions, seeds, hashes,
-/// amplitudes, limits.
+/// Parameters
+/// ----------
+/// frequency_hz : array_like, shape (frequency,)
+///     Frequencies in Hz.
+/// response : array_like, shape (frequency, output, input)
+///     Response; rad/s per N m for motor torque to motor velocity.
+/// noise_covariance, total_covariance : array_like, shape (frequency, n_outputs * n_inputs, same), optional
+///     Covariance of vec(G), its columns stacked, from noise alone, and from noise and nonlinear
+///     distortion.
+/// noise_degrees_of_freedom, total_degrees_of_freedom : int, optional
+///     Complex degrees of freedom behind them.
+/// condition : array_like, shape (frequency,), optional
+///     Condition number of U.
+/// relative_resolution : float, optional
+///     Half width, relative to the frequency, of the band over which each value blurs the response.
+/// input_names, output_names, input_units, output_units : list of str, optional
+///     Names and SI units of the channels.
+/// checks : list of dict, optional
+///     What was checked: ``name``, ``passed``, ``found``, ``needed`` and ``advice``.
+/// provenance : dict of str, optional
+///     Where it comes from: versions, seeds, hashes, amplitudes, limits.
 ///
 /// Raises
 /// ------
@@ -112,6 +122,8 @@ impl Frf {
                 .map_or_else(|| Ok(Vec::new()), |checks| from_python("checks", checks))?,
             provenance: provenance
                 .map_or_else(|| Ok(unnamed.provenance), |p| from_python("provenance", p))?,
+            torque_rms_nm: None,
+            flagged: None,
             frf: unnamed.frf,
         }))
     }
@@ -351,7 +363,8 @@ impl Frf {
     /// ValueError
     ///     For a frequency that is not above 0.
     fn to_svg(&self, py: Python<'_>) -> PyResult<String> {
-        py.detach(|| svg(&self.result)).map_err(error::report)
+        let figure = py.detach(|| result_figure("G", &self.result));
+        Ok(figure.map_err(error::report)?.svg())
     }
 
     /// Plots: ``frf.plot.bode()``, with matplotlib.

@@ -33,8 +33,11 @@ use crate::record::Record;
 /// Record
 ///     ``u``, ``y`` and ``r`` without the glide; the position stays that of the run.
 ///
-/// Raises ------ ValueError For records that do not fit each other, a glide in another direction,
-/// or positions that the glide did not reach.
+/// Raises
+/// ------
+/// ValueError
+///     For records that do not fit each other, a glide in another direction, or positions that the
+///     glide did not reach.
 #[pyfunction]
 #[pyo3(signature = (run, glide, *, by = "time", plant = None))]
 pub fn subtract_glide(

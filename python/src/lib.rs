@@ -20,7 +20,6 @@ mod loop_frf;
 mod multisine;
 mod pickle;
 mod plan;
-mod plan_result;
 mod plant;
 mod profile;
 mod record;

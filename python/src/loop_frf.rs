@@ -25,12 +25,18 @@ use crate::plant::Plant;
 /// hz : array_like, shape (frequency,)
 ///     Frequencies in Hz, below half the controller's rate.
 ///
-/// Returns ------- dict of Frf ``sensitivity`` S = (I + L K)^-1; ``r_to_u`` from reference velocity
-/// to motor torque; ``r_to_y`` from reference velocity to velocity reading; ``u_to_y``, the plant
-/// as its sensors see it.
+/// Returns
+/// -------
+/// dict of Frf
+///     ``sensitivity`` S = (I + L K)^-1; ``r_to_u`` from reference velocity to motor torque;
+///     ``r_to_y`` from reference velocity to velocity reading; ``u_to_y``, the plant as its sensors
+///     see it.
 ///
-/// Raises ------ ValueError For frequencies out of range, a controller of another number of axes,
-/// or a frequency at which the loop has a pole.
+/// Raises
+/// ------
+/// ValueError
+///     For frequencies out of range, a controller of another number of axes, or a frequency at
+///     which the loop has a pole.
 #[pyfunction]
 pub fn loop_frf(plant: &Plant, controller: &PiController, hz: &Bound<'_, PyAny>) -> PyResult<Loop> {
     let hz = real::<Ix1>("hz", hz, &[&["frequency"]])?

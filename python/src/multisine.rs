@@ -68,15 +68,26 @@ impl Multisine {
     /// The period is at least ``1 / resolution_hz``: a power of two of samples of the analysis,
     /// whose sample time is ``1 / (5 high_hz)`` rounded down to a multiple of ``sample_time_s``.
     ///
-    /// Parameters ---------- low_hz, high_hz : float Band in Hz; ``high_hz`` below Nyquist.
-    /// sample_time_s : float Sample time of the controller in s. resolution_hz : float Largest
-    /// spacing of the lines in Hz. n_lines : int, optional Number of logarithmically spaced
-    /// frequencies, each moved to the nearest line, duplicates merged; every line of the band if
-    /// left out. grid : {"odd", "full", "odd-random"}, optional Odd multiples of the fundamental,
-    /// all of them, or odd ones with one of four left out at random. seed : int, optional Seed for
-    /// the lines left out by "odd-random". shape : float or list of (hz, value), optional Amplitude
-    /// over frequency; only ratios count. phases : {"random", "low-crest"}, optional Random phases,
-    /// a new draw per realization, or phases chosen for a low crest factor.
+    /// Parameters
+    /// ----------
+    /// low_hz, high_hz : float
+    ///     Band in Hz; ``high_hz`` below Nyquist.
+    /// sample_time_s : float
+    ///     Sample time of the controller in s.
+    /// resolution_hz : float
+    ///     Largest spacing of the lines in Hz.
+    /// n_lines : int, optional
+    ///     Number of logarithmically spaced frequencies, each moved to the nearest line, duplicates
+    ///     merged; every line of the band if left out.
+    /// grid : {"odd", "full", "odd-random"}, optional
+    ///     Odd multiples of the fundamental, all of them, or odd ones with one of four left out at
+    ///     random.
+    /// seed : int, optional
+    ///     Seed for the lines left out by "odd-random".
+    /// shape : float or list of (hz, value), optional
+    ///     Amplitude over frequency; only ratios count.
+    /// phases : {"random", "low-crest"}, optional
+    ///     Random phases, a new draw per realization, or phases chosen for a low crest factor.
     ///
     /// Returns
     /// -------
@@ -119,12 +130,19 @@ impl Multisine {
     /// One factor over all channels and experiments makes the largest channel reach its peak; no
     /// channel exceeds its own. The same seed and realization give the same bytes.
     ///
-    /// Parameters ---------- seed : int Seed of the random phases. n_inputs : int, optional Number
-    /// of inputs, and so of experiments. peak : float or sequence of float, optional Largest value
-    /// of each channel, between the samples too; one number stands for all. mimo : {"orthogonal",
-    /// "sign-flip", "independent"}, optional Phases between channels and experiments: SK15 (9),
-    /// SK15 (26), or (9) on top of random phases for each channel. realization : int, optional
-    /// Number of the draw.
+    /// Parameters
+    /// ----------
+    /// seed : int
+    ///     Seed of the random phases.
+    /// n_inputs : int, optional
+    ///     Number of inputs, and so of experiments.
+    /// peak : float or sequence of float, optional
+    ///     Largest value of each channel, between the samples too; one number stands for all.
+    /// mimo : {"orthogonal", "sign-flip", "independent"}, optional
+    ///     Phases between channels and experiments: SK15 (9), SK15 (26), or (9) on top of random
+    ///     phases for each channel.
+    /// realization : int, optional
+    ///     Number of the draw.
     ///
     /// Returns
     /// -------

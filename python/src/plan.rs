@@ -13,7 +13,6 @@ use crate::choice::to_python;
 use crate::error;
 use crate::frf::Frf;
 use crate::interrupt::interruptible;
-use crate::plan_result::result_of;
 use crate::record::Record;
 use crate::runs::{one_by_one, records_of};
 use crate::testbed::PythonTestbed;
@@ -81,8 +80,11 @@ impl Plan {
     /// progress : callable, optional
     ///     Called with (done, total), from (0, total) on; an exception from it stops the work.
     ///
-    /// Returns ------- dict ``peaks`` of torque, its rate, velocity and travel per axis,
-    /// ``crest_factor``, and ``excesses`` over the limits.
+    /// Returns
+    /// -------
+    /// dict
+    ///     ``peaks`` of torque, its rate, velocity and travel per axis, ``crest_factor``, and
+    ///     ``excesses`` over the limits.
     ///
     /// Raises
     /// ------
@@ -110,11 +112,16 @@ impl Plan {
     /// them one by one and keep what each returns: ``testbed.run(plan.reference(k))`` for each
     /// ``k`` of ``range(len(plan))``.
     ///
-    /// Parameters ---------- testbed : object, optional Anything with ``run(reference) -> Record``,
-    /// called on this thread for one run after the other with the reference of shape (channel,
-    /// sample); the simulated robot of the experiment if left out. progress : callable, optional
-    /// Called with (done, total), from (0, total) on; an exception from it stops the work. jobs :
-    /// int, optional Threads for the simulation, 0 for one on each core.
+    /// Parameters
+    /// ----------
+    /// testbed : object, optional
+    ///     Anything with ``run(reference) -> Record``, called on this thread for one run after the
+    ///     other with the reference of shape (channel, sample); the simulated robot of the
+    ///     experiment if left out.
+    /// progress : callable, optional
+    ///     Called with (done, total), from (0, total) on; an exception from it stops the work.
+    /// jobs : int, optional
+    ///     Threads for the simulation, 0 for one on each core.
     ///
     /// Returns
     /// -------
@@ -154,9 +161,11 @@ impl Plan {
 
     /// The FRF from the records of all runs.
     ///
-    /// Parameters ---------- records : sequence of Record or None In the order of ``names``; None
-    /// for a run that is missing. Periods of which an experiment is missing are left out, with a
-    /// warning.
+    /// Parameters
+    /// ----------
+    /// records : sequence of Record or None
+    ///     In the order of ``names``; None for a run that is missing. Periods of which an
+    ///     experiment is missing are left out, with a warning.
     ///
     /// Returns
     /// -------
@@ -190,21 +199,13 @@ impl Plan {
                 },
             )
             .collect::<PyResult<_>>()?;
-        let (result, missing) =
-            interruptible(py, None, |_| result_of(&self.description, &measured))?
-                .map_err(error::experiment)?;
-        if missing > 0 {
-            let message = format!(
-                "{missing} periods are missing; others of the same experiments were left out with them"
-            );
-            PyErr::warn(
-                py,
-                &py.get_type::<PyUserWarning>(),
-                &CString::new(message)?,
-                1,
-            )?;
+        let outcome = interruptible(py, None, |_| self.description.estimate(&measured))?;
+        let outcome = outcome.map_err(error::experiment)?;
+        let category = py.get_type::<PyUserWarning>();
+        for warning in outcome.warnings {
+            PyErr::warn(py, &category, &CString::new(warning)?, 1)?;
         }
-        Ok(Frf::of(result))
+        Ok(Frf::of(outcome.result))
     }
 
     fn __len__(&self) -> usize {

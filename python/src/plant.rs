@@ -45,21 +45,32 @@ impl Plant {
     ///
     /// Without arguments the paper's example with its nonlinearities off and ideal sensors.
     ///
-    /// Parameters ---------- motor_inertia_kg_m2, link_inertia_kg_m2 : float, optional Inertias in
-    /// kg m^2. damping_nms_per_rad : float, optional Damping of the gear in N m s/rad.
-    /// stiffness_nm_per_rad : float, optional Stiffness of the gear in N m/rad, up to the knee.
-    /// stiffness_beyond_nm_per_rad : float, optional Stiffness beyond the knee in N m/rad; the same
-    /// as before it if left out. knee_rad : float, optional Deflection in rad at which the
-    /// stiffness changes. coulomb_nm : float, optional Coulomb friction of the motor in N m; it
-    /// sticks while the net torque is below. viscous_nms_per_rad : float, optional Viscous friction
-    /// of the motor in N m s/rad. ripple : list of dict, optional Harmonics of the torque ripple:
-    /// ``{"cycles_per_turn": 12.0, "amplitude_nm": 3.0, "phase_rad": 0.0}``.
-    /// velocity_by_differencing : bool, optional The velocity reading is the difference of the last
-    /// two positions over the sample time. position_increment_rad, position_noise_rad,
-    /// velocity_noise_rad_s, torque_quantum_nm, torque_noise_nm : float, optional Encoder count,
-    /// rms of the white noise on position and velocity, resolution of the torque, rms of the noise
-    /// on its reading; whatever is left out is ideal. velocity_filter_hz : float, optional Corner
-    /// of a low-pass of first order on the velocity reading.
+    /// Parameters
+    /// ----------
+    /// motor_inertia_kg_m2, link_inertia_kg_m2 : float, optional
+    ///     Inertias in kg m^2.
+    /// damping_nms_per_rad : float, optional
+    ///     Damping of the gear in N m s/rad.
+    /// stiffness_nm_per_rad : float, optional
+    ///     Stiffness of the gear in N m/rad, up to the knee.
+    /// stiffness_beyond_nm_per_rad : float, optional
+    ///     Stiffness beyond the knee in N m/rad; the same as before it if left out.
+    /// knee_rad : float, optional
+    ///     Deflection in rad at which the stiffness changes.
+    /// coulomb_nm : float, optional
+    ///     Coulomb friction of the motor in N m; it sticks while the net torque is below.
+    /// viscous_nms_per_rad : float, optional
+    ///     Viscous friction of the motor in N m s/rad.
+    /// ripple : list of dict, optional
+    ///     Harmonics of the torque ripple: ``{"cycles_per_turn": 12.0, "amplitude_nm": 3.0,
+    ///     "phase_rad": 0.0}``.
+    /// velocity_by_differencing : bool, optional
+    ///     The velocity reading is the difference of the last two positions over the sample time.
+    /// position_increment_rad, position_noise_rad, velocity_noise_rad_s, torque_quantum_nm, torque_noise_nm : float, optional
+    ///     Encoder count, rms of the white noise on position and velocity, resolution of the
+    ///     torque, rms of the noise on its reading; whatever is left out is ideal.
+    /// velocity_filter_hz : float, optional
+    ///     Corner of a low-pass of first order on the velocity reading.
     ///
     /// Returns
     /// -------
@@ -127,19 +138,28 @@ impl Plant {
     /// Reads a robot file, such as ``examples/robots/manutec_r3.toml``: a single joint, or an arm
     /// of any number of axes.
     ///
-    /// Parameters ---------- path : str or path-like The TOML file; URDF that it names is looked up
-    /// beside it. pose_rad : sequence of float, optional Pose of an arm, one link position in rad
-    /// for each axis; that of the file if left out. challenges : dict of bool, optional Challenges
-    /// to switch on or off, those that are not named as the file says: ``gear_load_limit``,
-    /// ``coulomb_friction``, ``stiffening``, ``position_dependence``, ``torque_ripple``,
-    /// ``sensing``, ``gravity``.
+    /// Parameters
+    /// ----------
+    /// path : str or path-like
+    ///     The TOML file; URDF that it names is looked up beside it.
+    /// pose_rad : sequence of float, optional
+    ///     Pose of an arm, one link position in rad for each axis; that of the file if left out.
+    /// challenges : dict of bool, optional
+    ///     Challenges to switch on or off, those that are not named as the file says:
+    ///     ``gear_load_limit``, ``coulomb_friction``, ``stiffening``, ``position_dependence``,
+    ///     ``torque_ripple``, ``sensing``, ``gravity``.
     ///
     /// Returns
     /// -------
     /// Plant
     ///
-    /// Raises ------ OSError If the file cannot be read. ValueError With file, line and caret of an
-    /// unknown key or wrong type, or the parameter that is out of range.
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be read.
+    /// ValueError
+    ///     With file, line and caret of an unknown key or wrong type, or the parameter that is out
+    ///     of range.
     #[staticmethod]
     #[pyo3(signature = (path, *, pose_rad = None, challenges = None))]
     fn load(
@@ -214,11 +234,17 @@ impl Plant {
     /// Linearised truth from motor torque to motor velocity: gear damping and viscous friction are
     /// in it; Coulomb friction, ripple, quantisation and the stiffness beyond the knee are not.
     ///
-    /// Parameters ---------- hz : array_like, shape (frequency,) Frequencies in Hz. hold : {"zoh",
-    /// "linear", "continuous"}, optional What the torque does between samples; "continuous" for the
-    /// transfer function itself. sample_time_s : float, optional Sample time in s; needed by all
-    /// but the plain transfer function. sensor : bool, optional Whether the velocity is the reading
-    /// of the plant's sensors: differenced positions and filters, where it has them.
+    /// Parameters
+    /// ----------
+    /// hz : array_like, shape (frequency,)
+    ///     Frequencies in Hz.
+    /// hold : {"zoh", "linear", "continuous"}, optional
+    ///     What the torque does between samples; "continuous" for the transfer function itself.
+    /// sample_time_s : float, optional
+    ///     Sample time in s; needed by all but the plain transfer function.
+    /// sensor : bool, optional
+    ///     Whether the velocity is the reading of the plant's sensors: differenced positions and
+    ///     filters, where it has them.
     ///
     /// Returns
     /// -------
@@ -260,16 +286,28 @@ impl Plant {
 
     /// Simulates in open loop, from the pose.
     ///
-    /// Parameters ---------- u : array_like, shape (input, sample) or (batch, input, sample) Motor
-    /// torque in N m. sample_time_s : float Sample time in s. hold : {"zoh", "linear"}, optional
-    /// What the torque does between samples. velocity_rad_s : float or sequence of float, optional
-    /// Constant velocity in rad/s with which motors and links start; the torques that hold it
-    /// against friction, and the links against gravity, are added. seed : int, optional Seed of the
-    /// sensors' noise. progress : callable, optional Called with (done, total), from (0, total) on;
-    /// an exception from it stops the simulation.
+    /// Parameters
+    /// ----------
+    /// u : array_like, shape (input, sample) or (batch, input, sample)
+    ///     Motor torque in N m.
+    /// sample_time_s : float
+    ///     Sample time in s.
+    /// hold : {"zoh", "linear"}, optional
+    ///     What the torque does between samples.
+    /// velocity_rad_s : float or sequence of float, optional
+    ///     Constant velocity in rad/s with which motors and links start; the torques that hold it
+    ///     against friction, and the links against gravity, are added.
+    /// seed : int, optional
+    ///     Seed of the sensors' noise.
+    /// progress : callable, optional
+    ///     Called with (done, total), from (0, total) on; an exception from it stops the
+    ///     simulation.
     ///
-    /// Returns ------- Record ``u`` is the torque that acted, ``y`` the velocity reading in rad/s,
-    /// ``r`` the torque that was asked for.
+    /// Returns
+    /// -------
+    /// Record
+    ///     ``u`` is the torque that acted, ``y`` the velocity reading in rad/s, ``r`` the torque
+    ///     that was asked for.
     ///
     /// Raises
     /// ------
@@ -349,8 +387,11 @@ impl Plant {
 
     /// Accelerations of an arm's links: M^-1 (torque - C qd - g).
     ///
-    /// Parameters ---------- q, qd, torque : array_like, shape (axis,) or (batch, axis) Link
-    /// positions in rad, velocities in rad/s, and the torques in N m that the gears transmit.
+    /// Parameters
+    /// ----------
+    /// q, qd, torque : array_like, shape (axis,) or (batch, axis)
+    ///     Link positions in rad, velocities in rad/s, and the torques in N m that the gears
+    ///     transmit.
     ///
     /// Returns
     /// -------

@@ -17,13 +17,19 @@ const SHAPES: [Axes; 2] = [&["channel", "sample"], &["batch", "channel", "sample
 ///
 /// ``y[..., k]`` is what the sensor says at ``k * sample_time_s``, just before ``u[..., k]`` acts.
 ///
-/// Parameters ---------- sample_time_s : float Sample time in s. u, y : array_like, shape (channel,
-/// sample) or (batch, channel, sample) Plant input (motor torque in N m) and output (motor velocity
-/// in rad/s). r, position_rad : array_like, same number of samples, optional Reference that was
-/// injected, and motor position in rad. input_kind : {"commanded", "measured"}, optional Whether
-/// ``u`` is the command or a measurement. events : list of dict, optional What happened, in order
-/// of time: ``{"time_s": 0.5, "event": "stopped", "reason": "..."}``; a list of these per run for a
-/// batch.
+/// Parameters
+/// ----------
+/// sample_time_s : float
+///     Sample time in s.
+/// u, y : array_like, shape (channel, sample) or (batch, channel, sample)
+///     Plant input (motor torque in N m) and output (motor velocity in rad/s).
+/// r, position_rad : array_like, same number of samples, optional
+///     Reference that was injected, and motor position in rad.
+/// input_kind : {"commanded", "measured"}, optional
+///     Whether ``u`` is the command or a measurement.
+/// events : list of dict, optional
+///     What happened, in order of time: ``{"time_s": 0.5, "event": "stopped", "reason": "..."}``; a
+///     list of these per run for a batch.
 ///
 /// Raises
 /// ------

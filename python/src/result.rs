@@ -3,7 +3,6 @@
 use std::path::PathBuf;
 
 use frfid_files::{ResultFile, read_result};
-use frfid_report::{Band, Curve, Labels, ReportError, Style, bode, bode_matrix};
 use frfid_signals::{Frf as Response, Uncertainty};
 use pyo3::prelude::*;
 
@@ -25,6 +24,8 @@ impl From<Response> for Frf {
             output_names: numbered("output", n_outputs),
             input_units: vec![String::new(); n_inputs],
             output_units: vec![String::new(); n_outputs],
+            torque_rms_nm: None,
+            flagged: None,
             checks: Vec::new(),
             provenance: [(
                 "frfid_version".to_owned(),
@@ -77,47 +78,4 @@ pub fn described(frf: &Response) -> String {
         measured(&frf.noise),
         measured(&frf.total)
     )
-}
-
-/// The Bode diagram of a result as SVG, with the 95 % region of the largest variance that was
-/// measured.
-pub fn svg(result: &ResultFile) -> Result<String, ReportError> {
-    let ResultFile {
-        frf,
-        input_names,
-        output_names,
-        input_units,
-        output_units,
-        ..
-    } = result;
-    let band = if frf.total.is_some() {
-        Band::Total
-    } else {
-        Band::Noise
-    };
-    let curves = [Curve {
-        label: "G".into(),
-        frf,
-        style: Style::Line,
-        band,
-        flagged: None,
-    }];
-    let gain_unit = match (output_units.first(), input_units.first()) {
-        (Some(output), Some(input)) if !output.is_empty() && !input.is_empty() => {
-            format!("{output} per {input}")
-        }
-        _ => "output per input".to_owned(),
-    };
-    let labels = Labels {
-        inputs: input_names.clone(),
-        outputs: output_names.clone(),
-        gain_unit,
-    };
-    let single = (frf.n_outputs(), frf.n_inputs()) == (1, 1);
-    let figure = if single {
-        bode(&curves, 0, 0, &labels)?
-    } else {
-        bode_matrix(&curves, &labels, true, &[])?
-    };
-    Ok(figure.svg())
 }

@@ -1,10 +1,8 @@
 //! Doing runs on a testbed: simulated ones side by side while the interpreter goes on, those of
 //! Python one by one.
 
-use std::collections::BTreeMap;
-use std::sync::{Mutex, PoisonError};
-
-use frfid_experiment::{ExperimentError, run_all};
+use frfid_experiment::ExperimentError;
+use frfid_experiment::{Steps, for_each};
 use frfid_signals::{Record, Run, RunId, Testbed};
 use pyo3::prelude::*;
 
@@ -20,27 +18,15 @@ pub fn records_of(
     jobs: usize,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<Record>> {
-    let records: Mutex<BTreeMap<RunId, Record>> = Mutex::default();
-    let keep = |run: &Run, record: Record| {
-        records
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .insert(run.id, record);
-        Ok(())
-    };
     interruptible(py, progress, |progress| {
-        run_all(
-            ids,
-            reference,
-            testbed,
-            jobs,
-            &|done, total| progress.report(done, total),
-            &keep,
-        )
+        let steps = Steps {
+            progress: &|done, total| progress.report(done, total),
+            before: 0,
+            total: ids.len(),
+        };
+        for_each(ids, jobs, steps, |id| Ok(testbed.run(&reference(*id)?)?))
     })?
-    .map_err(error::experiment)?;
-    let mut records = records.into_inner().unwrap_or_else(PoisonError::into_inner);
-    Ok(ids.iter().filter_map(|id| records.remove(id)).collect())
+    .map_err(error::experiment)
 }
 
 /// The records of the runs `ids`, done one after the other on the calling thread: a testbed written

@@ -1,10 +1,11 @@
 //! `frfid.shape`.
 
 use frfid_estimate::{
-    ShapeError, ShapeLimits, ShapeOptions, Shaped as Shaping, Shaper, Step, Target,
+    Driver, Iteration, ShapeError, ShapeOptions, Shaped as Shaping, Shaper, Step, Target,
     shape as shape_on,
 };
-use frfid_signals::{Record, Run, Testbed};
+use frfid_signals::checks::positive;
+use frfid_signals::{Limit, Limits, Record, Testbed};
 use ndarray::{Array3, Ix3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -28,34 +29,59 @@ const SIGNALS: [Axes; 1] = [&["experiment", "channel", "sample"]];
 /// what should lead to the desired torque; its peaks are predicted and kept inside the limits
 /// before it is applied.
 ///
-/// Parameters ---------- testbed : object or (Plant, PiController) Anything with ``run(reference)
-/// -> Record``, called on this thread for one run after the other with the reference in rad/s of
-/// shape (channel, sample); or a plant and its controller, simulated with all experiments side by
-/// side. desired : array_like, shape (experiment, channel, sample) What the target is to be, tail
-/// included; as many experiments as channels. start : array_like, same shape Reference of the first
-/// iteration in rad/s. sample_time_s : float Sample time in s. low_hz, high_hz : float, optional
-/// Band that is shaped, in Hz. target : {"torque", "velocity"}, optional Which measured signal is
-/// to follow ``desired``. step : {"damped", "paper"}, optional Correct a share of what is missing,
-/// or the paper's fixed point, which friction pushes apart. damping : float, optional That share;
-/// halved where the error rises. smoothing_bins : int, optional Lines over which the damped step
-/// smooths the response. n_iterations : int, optional Most iterations. good_enough : float,
-/// optional Relative error, rms over the band, at which to stop. largest_change : float, optional
-/// Largest growth of a reference's peak from one iteration to the next. max_torque_nm,
-/// max_velocity_rad_s, max_travel_rad : float or sequence of float, optional Limits of each axis
-/// that no reference may exceed. max_stuck_share : float, optional Largest share of the time that
-/// an axis may be stuck. still_rad_s : float, optional Velocity reading up to which an axis counts
-/// as stuck. coulomb_nm : float or sequence of float, optional Coulomb friction of each axis in N
-/// m, to be named beside an axis that sticks. seed : int, optional Seed of the sensors' noise of a
-/// simulated plant. progress : callable, optional Called with (done, total) iterations, from (0,
-/// total) on; an exception from it stops the work.
+/// Parameters
+/// ----------
+/// testbed : object or (Plant, PiController)
+///     Anything with ``run(reference) -> Record``, called on this thread for one run after the
+///     other with the reference in rad/s of shape (channel, sample); or a plant and its controller,
+///     simulated with all experiments side by side.
+/// desired : array_like, shape (experiment, channel, sample)
+///     What the target is to be, tail included; as many experiments as channels.
+/// start : array_like, same shape
+///     Reference of the first iteration in rad/s.
+/// sample_time_s : float
+///     Sample time in s.
+/// low_hz, high_hz : float, optional
+///     Band that is shaped, in Hz.
+/// target : {"torque", "velocity"}, optional
+///     Which measured signal is to follow ``desired``.
+/// step : {"damped", "paper"}, optional
+///     Correct a share of what is missing, or the paper's fixed point, which friction pushes apart.
+/// damping : float, optional
+///     That share; halved where the error rises.
+/// smoothing_bins : int, optional
+///     Lines over which the damped step smooths the response.
+/// n_iterations : int, optional
+///     Most iterations.
+/// good_enough : float, optional
+///     Relative error, rms over the band, at which to stop.
+/// largest_change : float, optional
+///     Largest growth of a reference's peak from one iteration to the next.
+/// max_torque_nm, max_velocity_rad_s, max_travel_rad : float or sequence of float, optional
+///     Limits of each axis that no reference may exceed.
+/// max_stuck_share : float, optional
+///     Largest share of the time that an axis may be stuck.
+/// still_rad_s : float, optional
+///     Velocity reading up to which an axis counts as stuck.
+/// coulomb_nm : float or sequence of float, optional
+///     Coulomb friction of each axis in N m, to be named beside an axis that sticks.
+/// seed : int, optional
+///     Seed of the sensors' noise of a simulated plant.
+/// progress : callable, optional
+///     Called with (done, total) iterations, from (0, total) on; an exception from it stops the
+///     work.
 ///
 /// Returns
 /// -------
 /// Shaped
 ///
-/// Raises ------ ValueError For shapes and numbers that do not fit, a first reference that is too
-/// large, a target that does not respond. NumericalError If a simulation diverges or a response
-/// cannot be inverted.
+/// Raises
+/// ------
+/// ValueError
+///     For shapes and numbers that do not fit, a first reference that is too large, a target that
+///     does not respond.
+/// NumericalError
+///     If a simulation diverges or a response cannot be inverted.
 #[pyfunction]
 #[pyo3(signature = (testbed, *, desired, start, sample_time_s, low_hz = 2.0, high_hz = 60.0, target = "torque",
                     step = "damped", damping = 0.9, smoothing_bins = 30, n_iterations = 6, good_enough = 0.05,
@@ -93,6 +119,19 @@ pub fn shape(
     let per_axis = |name, value: Option<&Bound<'_, PyAny>>| {
         value.map(|v| per_channel(name, v, n_axes)).transpose()
     };
+    let mut limits = Limits::default();
+    for (limit, name, values) in [
+        (Limit::Torque, "max_torque_nm", max_torque_nm),
+        (Limit::Velocity, "max_velocity_rad_s", max_velocity_rad_s),
+        (Limit::Travel, "max_travel_rad", max_travel_rad),
+    ] {
+        if let Some(values) = per_axis(name, values)? {
+            for &value in &values {
+                positive(name, value).map_err(error::signal)?;
+            }
+            limits.set(limit, values);
+        }
+    }
     let options = ShapeOptions {
         target: one_of(
             "target",
@@ -120,12 +159,8 @@ pub fn shape(
         n_iterations,
         good_enough,
         largest_change,
-        limits: ShapeLimits {
-            max_torque_nm: per_axis("max_torque_nm", max_torque_nm)?,
-            max_velocity_rad_s: per_axis("max_velocity_rad_s", max_velocity_rad_s)?,
-            max_travel_rad: per_axis("max_travel_rad", max_travel_rad)?,
-            ..ShapeLimits::default()
-        },
+        limits,
+        margin: ShapeOptions::default().margin,
         max_stuck_share,
         still_rad_s,
         coulomb_nm: per_axis("coulomb_nm", coulomb_nm)?,
@@ -178,22 +213,58 @@ fn measured(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Shaping> {
     let total = options.n_iterations;
-    let tell =
-        |done: usize| progress.map_or(Ok(()), |callable| callable.call1((done, total)).map(drop));
-    tell(0)?;
-    let mut shaper = Shaper::new(desired, start, options).map_err(error::shape)?;
-    while shaper.stop().is_none() {
-        let iterated = py.detach(|| {
-            let records = shaper
-                .runs()
-                .iter()
-                .map(|run: &Run| testbed.run(run))
-                .collect::<Result<Vec<Record>, _>>()?;
-            Ok::<_, ShapeError>(shaper.measured(records)?.number)
-        });
-        tell(iterated.map_err(error::shape)?)?;
+    let mut turns = Turns {
+        py,
+        testbed,
+        progress,
+        total,
+    };
+    turns.tell(0)?;
+    let shaper = Shaper::new(desired, start, options).map_err(error::shape)?;
+    shaper.drive(&mut turns).map_err(|Failed(error)| error)
+}
+
+/// Runs done one after the other on the calling thread.
+struct Turns<'a, 'py> {
+    py: Python<'py>,
+    testbed: &'a PythonTestbed,
+    progress: Option<&'a Bound<'py, PyAny>>,
+    total: usize,
+}
+
+/// Why a shaping on a machine of Python's failed.
+struct Failed(PyErr);
+
+impl From<ShapeError> for Failed {
+    fn from(error: ShapeError) -> Self {
+        Self(error::shape(error))
     }
-    shaper.finish().map_err(error::shape)
+}
+
+impl Turns<'_, '_> {
+    fn tell(&self, done: usize) -> PyResult<()> {
+        let call = |callable: &Bound<'_, PyAny>| callable.call1((done, self.total)).map(drop);
+        self.progress.map_or(Ok(()), call)
+    }
+}
+
+impl Driver for Turns<'_, '_> {
+    type Error = Failed;
+
+    fn records(&mut self, shaper: &Shaper) -> Result<Vec<Record>, Failed> {
+        let testbed = self.testbed;
+        let runs = shaper.runs();
+        let records = self.py.detach(|| {
+            let records = runs.iter().map(|run| testbed.run(run));
+            records.collect::<Result<Vec<Record>, _>>()
+        });
+        Ok(records.map_err(ShapeError::from)?)
+    }
+
+    fn iterated(&mut self, iteration: &Iteration) -> Result<bool, Failed> {
+        self.tell(iteration.number).map_err(Failed)?;
+        Ok(true)
+    }
 }
 
 /// The choice of this name.

@@ -2,12 +2,13 @@
 
 use std::fmt::Write as _;
 
-use frfid_estimate::{Peaks as Peak, Shaped as Shaping, Summary};
+use frfid_estimate::{Shaped as Shaping, Summary};
 use ndarray::Array1;
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
 
 use crate::array::c_ordered;
+use crate::choice::to_python;
 use crate::frf::Frf;
 use crate::record::Record;
 
@@ -113,12 +114,8 @@ impl Shaped {
     /// Every iteration as a dict: errors, stuck share, damping, peaks predicted and measured,
     /// notes.
     #[getter]
-    fn iterations(&self) -> Vec<Iteration> {
-        self.shaping
-            .iterations
-            .iter()
-            .map(Iteration::from)
-            .collect()
+    fn iterations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.shaping.iterations)
     }
 
     /// What is worth saying of the iterations, in sentences.
@@ -188,58 +185,5 @@ impl Shaped {
             .map(|record| Py::new(py, Record::of(py, vec![record], false)?))
             .collect::<PyResult<_>>()?;
         Ok(Self { shaping, records })
-    }
-}
-
-/// One iteration, as a dict.
-#[derive(IntoPyObject)]
-struct Iteration {
-    number: usize,
-    error: Option<f64>,
-    channel_error: Option<Vec<f64>>,
-    stuck_share: Vec<f64>,
-    damping: Option<f64>,
-    predicted: Option<Peaks>,
-    peaks: Peaks,
-    within_limits: bool,
-    notes: Vec<String>,
-}
-
-/// Largest magnitudes per axis, as a dict.
-#[derive(IntoPyObject)]
-struct Peaks {
-    torque_nm: Vec<f64>,
-    velocity_rad_s: Vec<f64>,
-    travel_rad: Vec<f64>,
-}
-
-impl From<&Summary> for Iteration {
-    fn from(summary: &Summary) -> Self {
-        Self {
-            number: summary.number,
-            error: summary.error,
-            channel_error: summary.channel_error.clone(),
-            stuck_share: summary.stuck_share.clone(),
-            damping: summary.damping,
-            predicted: summary.predicted.as_ref().map(Peaks::from),
-            peaks: (&summary.peaks).into(),
-            within_limits: summary.within_limits,
-            notes: summary.notes.iter().map(ToString::to_string).collect(),
-        }
-    }
-}
-
-impl From<&Peak> for Peaks {
-    fn from(peaks: &Peak) -> Self {
-        let Peak {
-            torque_nm,
-            velocity_rad_s,
-            travel_rad,
-        } = peaks.clone();
-        Self {
-            torque_nm,
-            velocity_rad_s,
-            travel_rad,
-        }
     }
 }

@@ -9,9 +9,7 @@ mod interrupt;
 mod log_map;
 mod options;
 mod progress;
-mod report;
-mod summary;
-mod table;
+mod text;
 
 use std::ffi::OsString;
 use std::io::Write;

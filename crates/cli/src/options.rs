@@ -3,9 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use anstream::ColorChoice;
-use clap::builder::{FalseyValueParser, PathBufValueParser, TypedValueParser};
+use clap::builder::{
+    FalseyValueParser, PathBufValueParser, PossibleValue, PossibleValuesParser, TypedValueParser,
+};
 use clap::{Args, ValueEnum};
 use frfid_files::{FileError, Overwrite, check_free};
+use schemars::{JsonSchema, SchemaGenerator};
+use serde::de::DeserializeOwned;
+use serde_json::Value;
 
 /// Options of every command.
 #[derive(Debug, Clone, Copy, Args)]
@@ -70,4 +75,24 @@ pub(crate) fn existing_path() -> impl TypedValueParser<Value = PathBuf> {
         Ok(_) => Ok(path),
         Err(error) => Err(format!("{error}; check the name")),
     })
+}
+
+/// A value by the name that files give it, described in the help as in the schema.
+pub(crate) fn named<T>() -> impl TypedValueParser<Value = T>
+where
+    T: DeserializeOwned + JsonSchema + Clone + Send + Sync + 'static,
+{
+    let schema = SchemaGenerator::default().into_root_schema_for::<T>();
+    let variants = schema
+        .get("oneOf")
+        .and_then(Value::as_array)
+        .into_iter()
+        .flatten();
+    let text = |variant: &Value, key: &str| variant[key].as_str().unwrap_or_default().to_owned();
+    let names = variants.map(|variant| {
+        let help = text(variant, "description");
+        PossibleValue::new(text(variant, "const")).help(help.trim_end_matches('.').to_owned())
+    });
+    let names = PossibleValuesParser::new(names.collect::<Vec<_>>());
+    names.try_map(|name| serde_json::from_value::<T>(name.into()))
 }

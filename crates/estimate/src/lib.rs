@@ -18,9 +18,10 @@ mod spectrogram;
 #[cfg(test)]
 mod testing;
 
+pub use compare::change::{Change, Side, Sides};
 pub use compare::resonance::{Feature, FeatureKind, find_features};
 pub use compare::verdict::Verdict;
-pub use compare::{Change, CompareOptions, Comparison, EntryComparison, Side, compare};
+pub use compare::{CompareOptions, Comparison, EntryComparison, compare};
 pub use error::{Deficiency, DeficientLine, EstimateError};
 pub use excitation_strength::warnings::strength_warnings;
 pub use excitation_strength::{AxisStrength, BandStrength, pooled_strength, strength};
@@ -36,12 +37,11 @@ pub use recording::lines::{find_lines, lines_at};
 pub use recording::period::find_period;
 pub use recording::transient::count_transient_periods;
 pub use shape::error::ShapeError;
-pub use shape::iteration::{Estimate, Iteration, Note, Peaks, Shaped, Stop, Summary};
-pub use shape::limits::{Quantity, ShapeLimits};
+pub use shape::iteration::{Estimate, Iteration, Note, ShapePeaks, Shaped, Stop, Summary};
 pub use shape::options::{ShapeOptions, Step, Target};
 pub use shape::shaper::Shaper;
 pub use shape::sticking::{BandMotion, Sticking};
-pub use shape::{Watcher, shape};
+pub use shape::{Driver, Watcher, shape};
 pub use spectra::campaign::{Campaign, Place, RunSpectra, Transform};
 pub use spectra::excerpt::{ExcerptOptions, Excerpts};
 pub use spectra::line_dft::LineDft;

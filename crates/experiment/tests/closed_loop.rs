@@ -1,8 +1,8 @@
 //! Experiments on arms: the numbers of their designs, limits of robot and experiment together, and
 //! what is refused.
 
-use frfid_experiment::{ConfigError, Experiment, Peaks, Source, Template, predict, silent};
-use frfid_signals::{Excitation, RunId, RunKind};
+use frfid_experiment::{ConfigError, Experiment, Load, Source, Template, predict, silent};
+use frfid_signals::{Excitation, Limit, RunId, RunKind};
 
 /// The template `kind` with every `from` replaced by its `to`.
 fn described(kind: &str, changes: &[(&str, &str)]) -> Result<Experiment, ConfigError> {
@@ -75,21 +75,23 @@ fn the_design_of_section_7_stays_inside_its_limits() {
     ];
     let prediction = predict(&experiment("r3-multisine", &few), 0, &silent).expect("simulated");
     assert_eq!(prediction.excesses, vec![]);
-    let travel = prediction.peaks.travel_rad.as_ref().expect("measured");
+    let travel = prediction.load.peaks.get(Limit::Travel).expect("measured");
     assert!(
         travel.iter().all(|travel| (0.06..0.0698).contains(travel)),
         "{travel:?}"
     );
-    let lowest = prediction.peaks.lowest_rad.as_ref().expect("measured");
+    let lowest = prediction.load.peaks.get(Limit::LowestPosition);
+    let lowest = lowest.expect("measured");
     assert!(
         (lowest[0] + 60.0_f64.to_radians() + travel[0]).abs() < 2e-3,
         "{lowest:?}"
     );
     // gravity pulls axis 2 along with 460.57 N m at the pose, of which friction takes 105 N m;
     // ripple comes on top
-    let resting = prediction.baseline.effort_nm[1];
+    let torque = |load: &Load| load.peaks.get(Limit::Torque).expect("measured")[1];
+    let resting = torque(&prediction.baseline);
     assert!(
-        (355.0..440.0).contains(&resting) && resting < prediction.peaks.effort_nm[1],
+        (355.0..440.0).contains(&resting) && resting < torque(&prediction.load),
         "{resting}"
     );
 }
@@ -101,22 +103,25 @@ fn the_tighter_limit_binds_and_says_how_much_is_left() {
         ("repetitions = 5", "repetitions = 1"),
     ];
     let free = predict(&experiment("r3-multisine", &few), 0, &silent).expect("simulated");
-    let jerk = |peaks: &Peaks| peaks.jerk_rad_s3.as_ref().expect("predicted")[2];
-    let middle = 0.5 * (jerk(&free.baseline) + jerk(&free.peaks));
+    let jerk = |load: &Load| load.peaks.get(Limit::Jerk).expect("predicted")[2];
+    let middle = 0.5 * (jerk(&free.baseline) + jerk(&free.load));
     let limits = format!(
         "[limits]\nmax_effort = [5000.0, 800.0, 5000.0]\nmax_jerk = [inf, inf, {middle}]\n"
     );
     let limited = experiment("r3-multisine", &[few[0], few[1], ("[limits]\n", &limits)]);
     assert_eq!(
-        limited.limits().max_effort,
-        Some(vec![1098.0, 800.0, 627.0])
+        limited.limits().get(Limit::Torque),
+        Some(&[1098.0, 800.0, 627.0][..])
     );
-    assert!(limited.is_robots("max_effort", 0) && !limited.is_robots("max_effort", 1));
+    assert!(
+        limited.limit_is_robots_own(Limit::Torque, 0)
+            && !limited.limit_is_robots_own(Limit::Torque, 1)
+    );
     let prediction = predict(&limited, 0, &silent).expect("simulated");
     let excess = prediction.binding().expect("a jerk beyond its limit");
     assert_eq!(
         (excess.axis, excess.limit, excess.allowed),
-        (2, "max_jerk", middle)
+        (2, Limit::Jerk, middle)
     );
     assert!(
         (prediction.feasible_factor().expect("likewise") - 0.5).abs() < 1e-9,

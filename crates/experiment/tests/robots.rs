@@ -4,6 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use frfid_experiment::{ConfigError, InertiaTable, RobotTable};
+use frfid_signals::Limit;
 
 fn robots() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../../examples/robots")
@@ -83,7 +84,10 @@ fn the_manutec_r3_has_the_numbers_of_its_source() {
 #[test]
 fn one_arm_from_toml_and_from_urdf_is_the_same() {
     let (tables, urdf) = (load("six_axis.toml"), load("six_axis_flexibility.toml"));
-    let limits = |robot: &RobotTable| (robot.limits().max_effort, robot.limits().max_velocity);
+    let limits = |robot: &RobotTable| {
+        let limits = robot.limits();
+        [Limit::Torque, Limit::Velocity].map(|limit| limits.get(limit).map(<[f64]>::to_vec))
+    };
     assert_eq!(
         limits(&tables),
         limits(&urdf),

@@ -125,18 +125,7 @@ impl Paper {
 fn result(frf: &Frf, joints: &[String]) -> ResultFile {
     let version = env!("CARGO_PKG_VERSION").to_owned();
     ResultFile {
-        frf: frf.clone(),
-        input_names: joints
-            .iter()
-            .map(|joint| format!("{joint} torque"))
-            .collect(),
-        output_names: joints
-            .iter()
-            .map(|joint| format!("{joint} velocity"))
-            .collect(),
-        input_units: vec!["N m".into(); joints.len()],
-        output_units: vec!["rad/s".into(); joints.len()],
-        checks: Vec::new(),
         provenance: [("frfid_version".to_owned(), version)].into(),
+        ..ResultFile::torque_to_velocity(frf.clone(), joints)
     }
 }

@@ -3,6 +3,8 @@
 
 use thiserror::Error;
 
+use crate::limits::Limit;
+
 /// Errors of the `signals` crate. Every variant says what was found and what was needed.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SignalError {
@@ -15,6 +17,18 @@ pub enum SignalError {
         found: f64,
         /// The range or property needed.
         needed: &'static str,
+    },
+    /// Limits that do not fit the axes.
+    #[error("{} is {found:?}, needed: {number} for each of the {n_axes} axes", limit.key())]
+    Limit {
+        /// Which limit.
+        limit: Limit,
+        /// The values given.
+        found: Vec<f64>,
+        /// What each must be.
+        number: &'static str,
+        /// Number of axes.
+        n_axes: usize,
     },
     /// One of several parts of the same kind has a parameter that does not fit.
     #[error("{part}: {source}")]

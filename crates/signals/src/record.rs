@@ -4,6 +4,7 @@ use ndarray::{Array2, ArrayView2, s};
 use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
+use crate::limits::Limit;
 use crate::number::checks::positive;
 
 /// Whether the recorded plant input is what the controller commanded or what the drive measured.
@@ -40,12 +41,14 @@ pub enum EventKind {
     Limit {
         /// Channel, from 0.
         channel: usize,
-        /// Which quantity, with unit: `effort_nm`, `velocity_rad_s`, ...
-        quantity: String,
+        /// Which limit; files name the quantity it bounds.
+        #[serde(rename = "quantity", with = "quantity_key")]
+        limit: Limit,
         /// The value reached.
         value: f64,
-        /// The limit.
-        limit: f64,
+        /// What is allowed.
+        #[serde(rename = "limit")]
+        allowed: f64,
     },
     /// The run was stopped before its end.
     Stopped {
@@ -56,6 +59,26 @@ pub enum EventKind {
         #[serde(default, skip_serializing_if = "Option::is_none")]
         since_s: Option<f64>,
     },
+}
+
+/// A limit by the key of the quantity it bounds.
+mod quantity_key {
+    use serde::de::{Deserialize, Deserializer, Error};
+    use serde::ser::Serializer;
+
+    use crate::limits::Limit;
+
+    pub(super) fn serialize<S: Serializer>(
+        limit: &Limit,
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(limit.quantity_key())
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(text: D) -> Result<Limit, D::Error> {
+        let key = String::deserialize(text)?;
+        Limit::named(&key, Limit::quantity_key).map_err(D::Error::custom)
+    }
 }
 
 /// What one run measured: `(channel, sample)` arrays on a common clock.
@@ -226,9 +249,9 @@ mod tests {
     fn a_stopped_run_is_steady_until_the_instant_that_led_to_the_stop() {
         let limit = EventKind::Limit {
             channel: 0,
-            quantity: "effort_nm".into(),
+            limit: Limit::Torque,
             value: 2.0,
-            limit: 1.0,
+            allowed: 1.0,
         };
         let stopped = |since_s| {
             let stop = EventKind::Stopped {

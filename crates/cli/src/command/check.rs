@@ -9,7 +9,7 @@ use crate::command::design::warn;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::Options;
-use crate::summary::{plan_as_json, plan_as_text};
+use crate::text::plan::{plan_as_json, plan_as_text};
 
 /// Check a description, and tell what its experiment will cost
 #[derive(Debug, Args)]

@@ -2,17 +2,15 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use frfid_estimate::{
-    Change, CompareOptions, Comparison, EntryComparison, Feature, FeatureKind, Side, compare,
-};
+use clap::Args;
+use frfid_estimate::{CompareOptions, EntryComparison, Side, Sides, compare};
 use frfid_files::{ResultFile, read_result};
-use serde_json::{Value, json};
+use serde_json::json;
 
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
-use crate::options::{Options, existing_path};
-use crate::table::{significant, table};
+use crate::options::{Options, existing_path, named};
+use crate::text::table::{significant, table};
 
 /// Compare two FRFs: shifts of resonances and antiresonances, damping, and what it says about
 /// stiffness and friction
@@ -30,17 +28,11 @@ pub(crate) struct Arguments {
     b: PathBuf,
     /// Which was measured with the stronger excitation: tells stiffness that grows from one that
     /// falls; without this, the one with the larger torques, where both results know theirs
-    #[arg(long, value_enum, value_name = "WHICH")]
-    stronger: Option<Stronger>,
+    #[arg(long, value_parser = named::<Side>(), value_name = "WHICH")]
+    stronger: Option<Side>,
     /// Least height of a resonance, or depth of an antiresonance, in dB
     #[arg(long, value_name = "DB", default_value_t = CompareOptions::default().prominence_db)]
     prominence_db: f64,
-}
-
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Stronger {
-    A,
-    B,
 }
 
 pub(crate) fn run(
@@ -49,11 +41,7 @@ pub(crate) fn run(
     console: &mut Console,
 ) -> Result<Exit, Failure> {
     let (a, b) = (read_result(&arguments.a)?, read_result(&arguments.b)?);
-    let stronger = match arguments.stronger {
-        Some(Stronger::A) => Some(Side::A),
-        Some(Stronger::B) => Some(Side::B),
-        None => stronger(&a, &b),
-    };
+    let stronger = arguments.stronger.or_else(|| stronger(&a, &b));
     let settings = CompareOptions {
         stronger,
         prominence_db: arguments.prominence_db,
@@ -62,7 +50,8 @@ pub(crate) fn run(
     let comparison =
         compare(&a.frf, &b.frf, &settings).map_err(|error| Failure::of(Exit::Failed, &error))?;
     if options.json {
-        console.json(&as_json(&comparison))?;
+        let (low, high) = comparison.band_hz;
+        console.json(&json!({ "low_hz": low, "high_hz": high, "entries": comparison.entries }))?;
         return Ok(Exit::Done);
     }
     let (low, high) = comparison.band_hz;
@@ -93,13 +82,10 @@ pub(crate) fn run(
 /// not known.
 fn stronger(a: &ResultFile, b: &ResultFile) -> Option<Side> {
     const CLEARLY: f64 = 1.1;
-    let rms = |result: &ResultFile| -> Option<Vec<f64>> {
-        serde_json::from_str(result.provenance.get("effort_rms_nm")?).ok()
-    };
-    let (a, b) = (rms(a)?, rms(b)?);
+    let (a, b) = (a.torque_rms_nm.as_ref()?, b.torque_rms_nm.as_ref()?);
     let larger =
         |x: &[f64], y: &[f64]| x.len() == y.len() && x.iter().zip(y).all(|(x, y)| *x > CLEARLY * y);
-    match (larger(&a, &b), larger(&b, &a)) {
+    match (larger(a, b), larger(b, a)) {
         (true, false) => Some(Side::A),
         (false, true) => Some(Side::B),
         _ => None,
@@ -121,7 +107,7 @@ fn as_text(entry: &EntryComparison) -> String {
     };
     for change in &entry.changes {
         rows.push(vec![
-            kind(&change.a).to_owned(),
+            change.a.kind.name().to_owned(),
             number(Some(change.a.frequency_hz), " Hz"),
             number(change.b.map(|b| b.frequency_hz), " Hz"),
             change
@@ -136,12 +122,15 @@ fn as_text(entry: &EntryComparison) -> String {
     }
     for feature in &entry.only_in_b {
         let mut row = vec!["-".to_owned(); 7];
-        row[0] = kind(feature).to_owned();
+        row[0] = feature.kind.name().to_owned();
         row[2] = number(Some(feature.frequency_hz), " Hz");
         row[5] = number(feature.damping, "");
         rows.push(row);
     }
-    let (a_phase, b_phase) = entry.phase_range_deg;
+    let Sides {
+        a: a_phase,
+        b: b_phase,
+    } = entry.phase_range_deg;
     let mut text = table(&rows);
     text += &format!(
         "  over the band, B/A: median {:+.2} dB, median size {:.2} dB; phase spans {a_phase:.0} deg in A, {b_phase:.0} deg in B\n",
@@ -152,53 +141,5 @@ fn as_text(entry: &EntryComparison) -> String {
     }
     entry.verdicts.iter().fold(text, |text, verdict| {
         format!("{text}  verdict: {verdict}\n")
-    })
-}
-
-fn kind(feature: &Feature) -> &'static str {
-    match feature.kind {
-        FeatureKind::Resonance => "resonance",
-        FeatureKind::Antiresonance => "antiresonance",
-    }
-}
-
-fn as_json(comparison: &Comparison) -> Value {
-    let entries = comparison.entries.iter().map(|entry| {
-        let (a_phase, b_phase) = entry.phase_range_deg;
-        json!({
-            "output": entry.output,
-            "input": entry.input,
-            "changes": entry.changes.iter().map(change_as_json).collect::<Vec<_>>(),
-            "only_in_b": entry.only_in_b.iter().map(feature_as_json).collect::<Vec<_>>(),
-            "level_db": entry.level_db,
-            "difference_db": entry.difference_db,
-            "phase_range_deg": { "a": a_phase, "b": b_phase },
-            "verdicts": entry.verdicts.iter().map(ToString::to_string).collect::<Vec<_>>(),
-        })
-    });
-    let (low, high) = comparison.band_hz;
-    json!({ "low_hz": low, "high_hz": high, "entries": entries.collect::<Vec<_>>() })
-}
-
-fn change_as_json(change: &Change) -> Value {
-    json!({
-        "a": feature_as_json(&change.a),
-        "b": change.b.as_ref().map(feature_as_json),
-        "shift_hz": change.shift_hz(),
-        "shift_percent": change.shift_percent(),
-        "damping_ratio": change.damping_ratio(),
-        "level_db": change.level_db,
-        "has_moved": change.has_moved(),
-    })
-}
-
-fn feature_as_json(feature: &Feature) -> Value {
-    json!({
-        "kind": kind(feature),
-        "frequency_hz": feature.frequency_hz,
-        "resolution_hz": feature.resolution_hz,
-        "magnitude_db": feature.magnitude_db,
-        "prominence_db": feature.prominence_db,
-        "damping": feature.damping,
     })
 }

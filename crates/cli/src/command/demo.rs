@@ -13,7 +13,7 @@ use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::Options;
 use crate::progress::watched;
-use crate::table::significant;
+use crate::text::table::significant;
 
 /// Pixels of the PNGs for each unit of the drawing.
 const PNG_SCALE: f64 = 2.0;

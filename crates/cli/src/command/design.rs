@@ -1,17 +1,20 @@
 //! `frfid design`: the excitation of every run, inside the limits, as a plan file.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
-use frfid_experiment::{ConfigError, Excess, Experiment, LimitsTable, Prediction, predict};
+use frfid_experiment::{ConfigError, Experiment, Prediction, predict};
+use frfid_signals::{Excess, Limit, Limits};
 use serde_json::json;
 
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::Options;
 use crate::progress::watched;
-use crate::summary::{peaks_as_text, plan_as_json, plan_as_text};
-use crate::table::significant;
+use crate::text::load::load_as_text;
+use crate::text::plan::{plan_as_json, plan_as_text};
+use crate::text::table::significant;
 
 /// Design the excitation of every run inside the limits, and write it as a plan
 #[derive(Debug, Args)]
@@ -103,7 +106,7 @@ pub(crate) fn tell(
     if options.json {
         let plan = plan_as_json(&experiment.plan)?;
         return console.json(
-            &json!({ "plan": plan, "prediction": prediction, "limits": experiment.limits() }),
+            &json!({ "plan": plan, "prediction": prediction, "limits": by_key(&experiment.limits()) }),
         );
     }
     let crest = prediction
@@ -111,13 +114,21 @@ pub(crate) fn tell(
         .iter()
         .map(|crest| significant(*crest, 4))
         .collect();
-    let peaks = peaks_as_text(
+    let peaks = load_as_text(
         "predicted",
-        &prediction.peaks,
+        &prediction.load,
         &experiment.limits(),
         &[("torque, crest factor", crest)],
     );
     console.data(&format!("{}\n{peaks}", plan_as_text(&experiment.plan)?))
+}
+
+/// Every limit by its key, those that are not given as nothing.
+fn by_key(limits: &Limits) -> BTreeMap<&'static str, Option<&[f64]>> {
+    Limit::ALL
+        .iter()
+        .map(|&limit| (limit.key(), limits.get(limit)))
+        .collect()
 }
 
 /// The limit that binds most, if any is exceeded, at its place in the description.
@@ -126,16 +137,16 @@ fn outside(experiment: &Experiment, prediction: &Prediction) -> Option<ConfigErr
     let (found, allowed) = (significant(worst.found, 4), significant(worst.allowed, 4));
     let (axis, whose, advice) = (
         worst.axis + 1,
-        experiment.whose(worst),
+        experiment.limit_owner(worst),
         advice(experiment, prediction, worst),
     );
-    let unit = LimitsTable::unit(worst.limit);
+    let unit = worst.limit.unit();
     let message =
         format!("axis {axis} would reach {found} {unit}, {whose} is {allowed} {unit}; {advice}");
     Some(
         experiment
             .source
-            .error(&experiment.place_of(worst), message),
+            .error(&experiment.limit_key(worst), message),
     )
 }
 

@@ -2,9 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use frfid_experiment::{Average, Estimate, EstimateOptions, EstimateTable, estimate_logs};
+use clap::Args;
+use frfid_experiment::{Average, EstimateOptions, EstimateTable, Outcome, estimate_logs};
 use frfid_files::{ResultFile, write_bytes, write_result};
+use frfid_report::result_page;
 use frfid_signals::Uncertainty;
 use ndarray::Array3;
 use serde_json::{Value, json};
@@ -12,11 +13,11 @@ use serde_json::{Value, json};
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::log_map::MapOptions;
-use crate::options::{Options, existing_path};
+use crate::options::{Options, existing_path, named};
 use crate::progress::watched;
-use crate::report;
-use crate::summary::{checks_as_text, strength_as_text, warn_of_failed};
-use crate::table::{list, significant};
+use crate::text::checks::{checks_as_text, warn_of_failed};
+use crate::text::strength::strength_as_text;
+use crate::text::table::{list, significant};
 
 /// Estimate the FRF from logs, with variances and checks
 #[derive(Debug, Args)]
@@ -51,8 +52,8 @@ pub(crate) struct Arguments {
 #[command(next_help_heading = "Estimator, in place of the experiment's [estimate] table")]
 struct EstimatorOptions {
     /// What is averaged over periods
-    #[arg(long, value_enum)]
-    average: Option<Averaged>,
+    #[arg(long, value_parser = named::<Average>())]
+    average: Option<Average>,
     /// Estimate through the reference, which noise on the input does not bias
     #[arg(long)]
     indirect: bool,
@@ -61,23 +62,12 @@ struct EstimatorOptions {
     n_frequencies: Option<usize>,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Averaged {
-    /// The FRFs of single periods, as in the paper
-    Frfs,
-    /// The spectra, before dividing: better when the input is noisy
-    Spectra,
-}
-
 impl EstimatorOptions {
     fn table(&self) -> Option<EstimateTable> {
         let given = self.average.is_some() || self.indirect || self.n_frequencies.is_some();
         let default = EstimateTable::default();
         given.then(|| EstimateTable {
-            average: match self.average {
-                Some(Averaged::Spectra) => Average::Spectra,
-                Some(Averaged::Frfs) | None => Average::Frfs,
-            },
+            average: self.average.unwrap_or(default.average),
             indirect: self.indirect,
             n_frequencies: self.n_frequencies.unwrap_or(default.n_frequencies),
             ..default
@@ -111,7 +101,7 @@ pub(crate) fn run(
             .file_stem()
             .unwrap_or_default()
             .to_string_lossy();
-        let page = report::html(&title, &estimate.result, estimate.warnings.clone())?;
+        let page = result_page(&title, &estimate.result, estimate.warnings.clone())?;
         write_bytes(path, options.overwrite(), page.as_bytes())?;
     }
     tell(arguments, &estimate, options, console)?;
@@ -125,7 +115,7 @@ pub(crate) fn run(
 
 fn tell(
     arguments: &Arguments,
-    estimate: &Estimate,
+    estimate: &Outcome,
     options: &Options,
     console: &mut Console,
 ) -> Result<(), Failure> {
@@ -226,7 +216,7 @@ fn relative_deviation(result: &ResultFile, variance: &Array3<f64>) -> Option<f64
     ratios.get(ratios.len() / 2).copied()
 }
 
-fn as_json(arguments: &Arguments, estimate: &Estimate) -> Value {
+fn as_json(arguments: &Arguments, estimate: &Outcome) -> Value {
     let (result, frf) = (&estimate.result, &estimate.result.frf);
     let known = |uncertainty: Option<&Uncertainty>, variance: Option<Array3<f64>>| {
         let (uncertainty, variance) = (uncertainty?, variance?);

@@ -9,7 +9,7 @@ use serde_json::json;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::{Options, existing_path};
-use crate::table::count;
+use crate::text::table::count;
 
 /// Salvage a damaged or half-written log: everything readable goes into a new file
 #[derive(Debug, Args)]

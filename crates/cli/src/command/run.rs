@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use frfid_experiment::{
-    Experiment, Order, RunOptions, RunSummary, Strength, predict, run_to_folder,
+    Experiment, Load, Order, RunOptions, RunSummary, Strength, predict, run_to_folder,
 };
 use frfid_signals::{Event, EventKind};
 use serde_json::json;
@@ -14,8 +14,9 @@ use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::{Options, existing_path};
 use crate::progress::watched;
-use crate::summary::{excess_in_words, peaks_as_text, strength_rows};
-use crate::table::{count, significant};
+use crate::text::load::{excess_in_words, load_as_text};
+use crate::text::strength::strength_rows;
+use crate::text::table::{count, significant};
 
 /// Do the runs of a description or a plan in simulation, one MCAP each; runs that are there already
 /// are skipped
@@ -109,17 +110,13 @@ fn report(
     console: &mut Console,
 ) -> Result<Exit, Failure> {
     let limits = &experiment.limits();
-    let peaks = summary
-        .written
-        .iter()
-        .map(|run| run.peaks.clone())
-        .reduce(|a, b| a.max(&b));
+    let load = Load::largest(summary.written.iter().map(|run| run.load.clone()));
     let events = summary.written.iter().flat_map(|run| {
         run.events
             .iter()
             .map(|event| format!("{}: {}", run.path.display(), told(event)))
     });
-    let excesses = peaks.iter().flat_map(|peaks| peaks.excesses(limits));
+    let excesses = load.iter().flat_map(|load| limits.exceeded(&load.peaks));
     let beyond = excesses.map(|excess| excess_in_words(&excess));
     let before = summary.stopped_before.iter().map(|path| {
         format!(
@@ -145,12 +142,12 @@ fn report(
             folder.display(),
             count(written, "run")
         ))?;
-        if let Some(peaks) = &peaks {
+        if let Some(load) = &load {
             let others = [
                 vec![("standing still", standing_still(summary))],
                 strength_rows(summary.strength.as_ref()),
             ];
-            console.data(&peaks_as_text("reached", peaks, limits, &others.concat()))?;
+            console.data(&load_as_text("reached", load, limits, &others.concat()))?;
         }
         console.hint(format_args!(
             "frfid estimate {} -o frf.json --report frf.html",
@@ -195,15 +192,13 @@ fn told(event: &Event) -> String {
         EventKind::PeriodStart { period } => format!("period {period} begins"),
         EventKind::Limit {
             channel,
-            quantity,
-            value,
             limit,
+            value,
+            allowed,
         } => {
-            let [value, limit] = [value, limit].map(|number| significant(*number, 4));
-            format!(
-                "axis {} reached its limit: {quantity} {value}, allowed {limit}",
-                channel + 1
-            )
+            let [value, allowed] = [value, allowed].map(|number| significant(*number, 4));
+            let (axis, quantity, unit) = (channel + 1, limit.quantity(), limit.unit());
+            format!("axis {axis} reached its limit: {quantity} {value} {unit}, allowed {allowed}")
         }
         EventKind::Stopped { reason, .. } => format!("stopped: {reason}"),
     };

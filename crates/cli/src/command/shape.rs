@@ -14,8 +14,8 @@ use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::Options;
 use crate::progress::watched;
-use crate::summary::{checks_as_text, warn_of_failed};
-use crate::table::{significant, table};
+use crate::text::checks::{checks_as_text, warn_of_failed};
+use crate::text::table::{significant, table};
 
 /// Shape the reference of a chirp in closed loop until the motor torque is as desired, with an
 /// audit trail

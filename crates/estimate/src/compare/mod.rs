@@ -2,25 +2,19 @@
 //! friction.
 
 pub(crate) mod bode;
+pub(crate) mod change;
 pub(crate) mod resonance;
 pub(crate) mod verdict;
 
 use frfid_signals::{Frf, SignalError};
+use serde::Serialize;
 
 use crate::compare::bode::Bode;
-use crate::compare::resonance::{Feature, FeatureKind, features_of};
+use crate::compare::change::{Change, Side, Sides};
+use crate::compare::resonance::{Feature, features_of};
 use crate::compare::verdict::{Verdict, verdicts};
 use crate::error::EstimateError;
 use crate::median::median;
-
-/// One of the two FRFs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Side {
-    /// The first.
-    A,
-    /// The second.
-    B,
-}
 
 /// How two FRFs are compared.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,56 +37,8 @@ impl Default for CompareOptions {
     }
 }
 
-/// A resonance or antiresonance of A and what became of it in B.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Change {
-    /// The feature in A.
-    pub a: Feature,
-    /// The same feature in B; `None` if B has none near it.
-    pub b: Option<Feature>,
-    /// Level of B over A in dB: feature against feature, or at A's frequency where B has none;
-    /// `None` outside of B's band.
-    pub level_db: Option<f64>,
-}
-
-impl Change {
-    /// Whether it is a resonance.
-    #[must_use]
-    pub fn is_resonance(&self) -> bool {
-        self.a.kind == FeatureKind::Resonance
-    }
-
-    /// How far the frequency moved from A to B in Hz.
-    #[must_use]
-    pub fn shift_hz(&self) -> Option<f64> {
-        self.b.map(|b| b.frequency_hz - self.a.frequency_hz)
-    }
-
-    /// How far the frequency moved from A to B in percent of A's.
-    #[must_use]
-    pub fn shift_percent(&self) -> Option<f64> {
-        self.shift_hz()
-            .map(|shift| 100.0 * shift / self.a.frequency_hz)
-    }
-
-    /// Ratio of the dampings, B over A.
-    #[must_use]
-    pub fn damping_ratio(&self) -> Option<f64> {
-        Some(self.b?.damping? / self.a.damping?)
-    }
-
-    /// Whether the shift exceeds what the two frequency grids leave uncertain, and 1 %.
-    #[must_use]
-    pub fn has_moved(&self) -> bool {
-        let uncertain =
-            |b: Feature| (self.a.resolution_hz + b.resolution_hz).max(0.01 * self.a.frequency_hz);
-        self.b
-            .is_some_and(|b| (b.frequency_hz - self.a.frequency_hz).abs() > uncertain(b))
-    }
-}
-
 /// One entry of the two matrices compared, over the band they share.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct EntryComparison {
     /// Output channel.
     pub output: usize,
@@ -107,7 +53,7 @@ pub struct EntryComparison {
     /// Median size of the difference of levels in dB.
     pub difference_db: f64,
     /// Range of the phase (largest minus smallest, unwrapped) of A and of B in degrees.
-    pub phase_range_deg: (f64, f64),
+    pub phase_range_deg: Sides<f64>,
     /// What it says about the machine; empty if nothing stands out.
     pub verdicts: Vec<Verdict>,
 }
@@ -203,7 +149,10 @@ fn compare_entry(
     let b_phase = shared
         .iter()
         .filter_map(|&k| b.phase_deg_at(a.frequency_hz[k]));
-    let phase_range_deg = (range(a_phase), range(b_phase));
+    let phase_range_deg = Sides {
+        a: range(a_phase),
+        b: range(b_phase),
+    };
     EntryComparison {
         output,
         input,

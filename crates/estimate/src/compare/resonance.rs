@@ -2,11 +2,13 @@
 //! damped they are.
 
 use frfid_signals::Frf;
+use serde::Serialize;
 
 use crate::compare::bode::Bode;
 
 /// Peak or notch of the magnitude.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
 pub enum FeatureKind {
     /// A local maximum of the magnitude.
     Resonance,
@@ -14,8 +16,19 @@ pub enum FeatureKind {
     Antiresonance,
 }
 
+impl FeatureKind {
+    /// The word for it.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Resonance => "resonance",
+            Self::Antiresonance => "antiresonance",
+        }
+    }
+}
+
 /// A resonance or antiresonance.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Feature {
     /// Peak or notch.
     pub kind: FeatureKind,

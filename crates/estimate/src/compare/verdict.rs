@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use crate::compare::{Change, Side};
+use serde::{Serialize, Serializer};
+
+use crate::compare::change::{Change, Side, Sides};
 
 /// A level difference of a resonance or antiresonance that counts, in dB.
 const LEVEL_DB: f64 = 2.0;
@@ -49,6 +51,13 @@ pub enum Verdict {
         /// How much smaller its range of phase is in degrees.
         phase_range_smaller_deg: f64,
     },
+}
+
+/// As the sentence for people.
+impl Serialize for Verdict {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
 }
 
 /// The sentence for people.
@@ -103,7 +112,7 @@ impl fmt::Display for Verdict {
 /// nothing about the spring.
 pub(crate) fn verdicts(
     changes: &[Change],
-    phase_range_deg: (f64, f64),
+    phase_range_deg: Sides<f64>,
     stronger: Option<Side>,
 ) -> Vec<Verdict> {
     let friction = friction(changes, phase_range_deg);
@@ -139,7 +148,7 @@ fn stiffness(changes: &[Change], stronger: Option<Side>) -> Option<Verdict> {
 }
 
 /// Judges by the most prominent resonance and antiresonance of A.
-fn friction(changes: &[Change], (phase_a, phase_b): (f64, f64)) -> Option<Verdict> {
+fn friction(changes: &[Change], phase_range_deg: Sides<f64>) -> Option<Verdict> {
     let most_prominent = |resonance: bool| {
         let kind = changes
             .iter()
@@ -155,7 +164,7 @@ fn friction(changes: &[Change], (phase_a, phase_b): (f64, f64)) -> Option<Verdic
     };
     let resonance_down_db = -sign * resonance_db;
     let antiresonance_up_db = antiresonance_db.map(|level| sign * level);
-    let phase_range_smaller_deg = sign * (phase_a - phase_b);
+    let phase_range_smaller_deg = sign * (phase_range_deg.a - phase_range_deg.b);
     let second_mark = antiresonance_up_db.is_some_and(|up| up >= LEVEL_DB)
         || phase_range_smaller_deg >= PHASE_DEG;
     (resonance_down_db >= LEVEL_DB && second_mark).then_some(Verdict::FrictionIn {

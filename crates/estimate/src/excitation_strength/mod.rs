@@ -12,16 +12,19 @@ use std::ops::Range;
 use frfid_signals::power::{mean_power, rms};
 use frfid_signals::{Chirp, Excitation, Plan, Record, SignalError};
 use ndarray::{Array2, ArrayView1, s};
+use serde::Serialize;
 
 use crate::error::EstimateError;
 use crate::spectra::campaign::Transform;
 use crate::spectra::line_dft::LineDft;
 
 /// How one axis moved and was driven while the excitation lasted.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AxisStrength {
     /// Rms of the motor torque about its mean, in N m.
     pub rms_nm: f64,
+    /// The same over the Coulomb friction; `None` where that is not known or 0.
+    pub rms_over_coulomb: Option<f64>,
     /// Share of the samples in which the motor was stuck.
     pub stuck_share: f64,
     /// Smallest |measured velocity| in rad/s.
@@ -34,7 +37,7 @@ pub struct AxisStrength {
 }
 
 /// How one axis was driven in a band.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct BandStrength {
     /// Lower edge in Hz; a line there belongs to the band.
     pub low_hz: f64,
@@ -43,6 +46,8 @@ pub struct BandStrength {
     /// Rms of the torque in N m: of a chirp while it passes the band, about the mean of that time;
     /// of a multisine the power of its lines in the band, `sum 2|U|^2/N^2` (Parseval).
     pub rms_nm: f64,
+    /// The same over the Coulomb friction; `None` where that is not known or 0.
+    pub rms_over_coulomb: Option<f64>,
     /// Share of the samples in which the motor was stuck while a chirp passed the band; `None` for
     /// a multisine, which is in all bands at once.
     pub stuck_share: Option<f64>,
@@ -98,6 +103,7 @@ pub fn strength(
         );
         AxisStrength {
             rms_nm: rms_about_mean(record.u.slice(s![axis, window.clone()])),
+            rms_over_coulomb: None,
             stuck_share: share(stuck.slice(s![axis, window.clone()])),
             slowest_rad_s: velocity
                 .iter()
@@ -185,6 +191,7 @@ fn chirp_bands(
             low_hz,
             high_hz,
             rms_nm: rms_about_mean(record.u.slice(s![axis, time.clone()])),
+            rms_over_coulomb: None,
             stuck_share: Some(share(stuck.slice(s![axis, time.clone()]))),
         };
     let passed = || times.iter().filter(|(_, time)| time.len() > 1);
@@ -217,6 +224,7 @@ fn multisine_bands(
             low_hz,
             high_hz,
             rms_nm: square.sqrt(),
+            rms_over_coulomb: None,
             stuck_share: None,
         })
     };
@@ -233,9 +241,13 @@ fn multisine_bands(
 }
 
 /// The strength of several runs as one: mean power, mean stuck share, slowest of all, crossing if
-/// any; `None` of none. The runs must be of one plan, with the same bands.
+/// any; `None` of none. The runs must be of one plan, with the same bands. Torques are put beside the
+/// Coulomb friction in N m of every axis, where it is known.
 #[must_use]
-pub fn pooled_strength(runs: &[Vec<AxisStrength>]) -> Option<Vec<AxisStrength>> {
+pub fn pooled_strength(
+    runs: &[Vec<AxisStrength>],
+    coulomb_nm: Option<&[f64]>,
+) -> Option<Vec<AxisStrength>> {
     let mut pooled = runs.first()?.clone();
     let mean = |values: &mut dyn Iterator<Item = f64>| values.sum::<f64>() / runs.len() as f64;
     let quadratic =
@@ -255,6 +267,13 @@ pub fn pooled_strength(runs: &[Vec<AxisStrength>]) -> Option<Vec<AxisStrength>> 
             band.stuck_share = band
                 .stuck_share
                 .map(|_| mean(&mut bands().filter_map(|band| band.stuck_share)));
+        }
+        let coulomb_nm = coulomb_nm
+            .and_then(|all| all.get(axis))
+            .filter(|nm| **nm > 0.0);
+        pooled.rms_over_coulomb = coulomb_nm.map(|nm| pooled.rms_nm / nm);
+        for band in &mut pooled.bands {
+            band.rms_over_coulomb = coulomb_nm.map(|nm| band.rms_nm / nm);
         }
     }
     Some(pooled)

@@ -159,10 +159,12 @@ fn a_velocity_that_turns_back_is_found_and_runs_are_pooled() {
     record.y[[0, 700]] = 0.02;
     let turning = strength(&record, &plan, &[]).expect("sound");
     assert!(strength_warnings(&turning, &["a".into()], Some(&[1e3]))[0].contains("changes sign"));
-    let pooled = pooled_strength(&[smooth.clone(), turning]).expect("two runs");
+    let pooled = pooled_strength(&[smooth.clone(), turning], Some(&[2.0 * smooth[0].rms_nm]))
+        .expect("two runs");
     assert!(pooled[0].crosses_zero == Some(true) && pooled[0].slowest_rad_s == 0.02);
     assert!(
-        (pooled[0].rms_nm / smooth[0].rms_nm - 1.0).abs() < 1e-12 && pooled_strength(&[]).is_none()
+        (pooled[0].rms_nm / smooth[0].rms_nm - 1.0).abs() < 1e-12
+            && pooled_strength(&[], None).is_none()
     );
 }
 

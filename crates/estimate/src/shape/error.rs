@@ -2,11 +2,10 @@
 
 use std::error::Error;
 
-use frfid_signals::{SignalError, TestbedError};
+use frfid_signals::{Excess, SignalError, TestbedError};
 use thiserror::Error;
 
 use crate::error::EstimateError;
-use crate::shape::limits::Quantity;
 
 /// Errors of iterative shaping. Channels and experiments count from 0, iterations from 1.
 #[derive(Debug, Error)]
@@ -20,19 +19,13 @@ pub enum ShapeError {
     Testbed(#[from] TestbedError),
     /// The initial reference already exceeds a limit.
     #[error(
-        "the initial reference asks axis {} for a {quantity} of {found:.4}, the limit is {limit:.4}; start with a smaller amplitude",
-        axis + 1
+        "the initial reference asks axis {} for a {} in {} of {:.4}, the limit is {:.4}; start with a smaller amplitude",
+        .0.axis + 1, .0.limit.quantity(), .0.limit.unit(), .0.found, .0.allowed
     )]
-    StartTooLarge {
-        /// Axis, from 0.
-        axis: usize,
-        /// What is exceeded.
-        quantity: Quantity,
-        /// Peak of the initial reference in the unit of the quantity.
-        found: f64,
-        /// The limit.
-        limit: f64,
-    },
+    StartTooLarge(
+        /// The limit and the peak of the initial reference.
+        Excess,
+    ),
     /// The first iteration exceeded a limit or was stopped: there is nothing to go back to.
     #[error(
         "the initial reference was too much for the machine: {reason}; start with a smaller amplitude"

@@ -2,10 +2,10 @@
 
 use std::fmt;
 
-use frfid_signals::{Frf, Record};
+use frfid_signals::{Excess, Frf, Limit, Peaks, Record};
 use ndarray::{Array2, Array3};
+use serde::{Deserialize, Serialize, Serializer};
 
-use crate::shape::limits::Quantity;
 use crate::shape::sticking::{BandMotion, Sticking};
 
 /// One iteration: a reference for every experiment, what was measured, and what it says.
@@ -56,33 +56,13 @@ pub struct Estimate {
     pub condition: Vec<f64>,
 }
 
-/// Largest magnitudes per axis, over all experiments.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Peaks {
-    /// Motor torque in N m.
-    pub torque_nm: Vec<f64>,
-    /// Motor velocity in rad/s.
-    pub velocity_rad_s: Vec<f64>,
-    /// Distance from the place where the run began, in rad.
-    pub travel_rad: Vec<f64>,
-}
-
 /// Something about an iteration that its reader should know.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Note {
     /// Every axis was stuck: the response is that of the controller alone.
     AllStuck,
     /// A limit was exceeded; the iteration cannot be the best, the next step is smaller.
-    Exceeded {
-        /// Axis, from 0.
-        axis: usize,
-        /// What was exceeded.
-        quantity: Quantity,
-        /// Peak measured.
-        found: f64,
-        /// The limit.
-        limit: f64,
-    },
+    Exceeded(Excess),
     /// A run was stopped before its end.
     Stopped {
         /// Experiment, from 0.
@@ -111,8 +91,8 @@ pub enum Note {
     LimitAhead {
         /// Axis, from 0.
         axis: usize,
-        /// What would be exceeded.
-        quantity: Quantity,
+        /// Which limit would be exceeded.
+        limit: Limit,
         /// Time in s at which it would.
         time_s: f64,
         /// Share of the step that is taken there.
@@ -136,8 +116,41 @@ pub enum Stop {
     Watcher,
 }
 
+/// Peaks of a shaping as its files have them, one value for each axis.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ShapePeaks {
+    /// Motor torque in N m.
+    pub torque_nm: Vec<f64>,
+    /// Motor velocity in rad/s.
+    pub velocity_rad_s: Vec<f64>,
+    /// Way from where the runs began in rad.
+    pub travel_rad: Vec<f64>,
+}
+
+impl From<&Peaks> for ShapePeaks {
+    fn from(peaks: &Peaks) -> Self {
+        let of = |limit| peaks.get(limit).unwrap_or_default().to_vec();
+        Self {
+            torque_nm: of(Limit::Torque),
+            velocity_rad_s: of(Limit::Velocity),
+            travel_rad: of(Limit::Travel),
+        }
+    }
+}
+
+fn peaks_in_files<S: Serializer>(peaks: &Peaks, serializer: S) -> Result<S::Ok, S::Error> {
+    ShapePeaks::from(peaks).serialize(serializer)
+}
+
+fn predicted_in_files<S: Serializer>(
+    peaks: &Option<Peaks>,
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    peaks.as_ref().map(ShapePeaks::from).serialize(serializer)
+}
+
 /// The numbers of an iteration without its signals.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
     /// Number, from 1.
     pub number: usize,
@@ -150,8 +163,10 @@ pub struct Summary {
     /// Damping of the step that led here.
     pub damping: Option<f64>,
     /// Peaks predicted before.
+    #[serde(serialize_with = "predicted_in_files")]
     pub predicted: Option<Peaks>,
     /// Peaks measured.
+    #[serde(serialize_with = "peaks_in_files")]
     pub peaks: Peaks,
     /// Whether every run kept all limits to its end.
     pub within_limits: bool,
@@ -200,6 +215,13 @@ impl Iteration {
     }
 }
 
+/// In words.
+impl Serialize for Note {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
 /// In words, axes and experiments from 1.
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
@@ -208,16 +230,18 @@ impl fmt::Display for Note {
                 f,
                 "every axis was stuck: the response is that of the controller alone"
             ),
-            Self::Exceeded {
+            Self::Exceeded(Excess {
                 axis,
-                quantity,
-                found,
                 limit,
-            } => {
+                allowed,
+                found,
+            }) => {
                 write!(
                     f,
-                    "axis {}: {quantity} reached {found:.4}, the limit is {limit:.4}",
-                    axis + 1
+                    "axis {}: {} in {} reached {found:.4}, the limit is {allowed:.4}",
+                    axis + 1,
+                    limit.quantity(),
+                    limit.unit()
                 )
             }
             Self::Stopped {
@@ -249,14 +273,16 @@ impl fmt::Display for Note {
             }
             Self::LimitAhead {
                 axis,
-                quantity,
+                limit,
                 time_s,
                 share,
             } => {
                 write!(
                     f,
-                    "axis {}: its predicted {quantity} at {time_s:.2} s shortens the step to {:.0} %",
+                    "axis {}: its predicted {} in {} at {time_s:.2} s shortens the step to {:.0} %",
                     axis + 1,
+                    limit.quantity(),
+                    limit.unit(),
                     100.0 * share
                 )
             }

@@ -1,188 +1,54 @@
 //! What must not be exceeded: peaks are predicted before a reference is applied, and looked at
 //! afterwards.
 
-use std::fmt;
 use std::iter::zip;
 
-use frfid_signals::{Record, SignalError, checks};
-use ndarray::{Array3, ArrayViewMut1, Axis};
+use frfid_signals::{Excess, Limit, Limits, Peaks, Record};
+use ndarray::{Array3, ArrayView2, ArrayViewMut1, Axis};
 
-use crate::shape::iteration::{Note, Peaks};
-
-/// A limit that is only touched, but for rounding, is kept.
-const ROUNDING: f64 = 1e-9;
-
-/// Limits per axis; `None` where there is none.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ShapeLimits {
-    /// Largest motor torque in N m, what holds against gravity included.
-    pub max_torque_nm: Option<Vec<f64>>,
-    /// Largest velocity in rad/s, of motor and reference.
-    pub max_velocity_rad_s: Option<Vec<f64>>,
-    /// Largest distance in rad from the place where a run begins, of motor and integrated
-    /// reference.
-    pub max_travel_rad: Option<Vec<f64>>,
-    /// Factor above 1 by which a quantity may change more than predicted without exceeding its
-    /// limit, as long as nothing is known of how good the predictions are; later it follows what is
-    /// observed. Friction makes a machine move less than in proportion at first and more later.
-    pub margin: f64,
-}
-
-impl Default for ShapeLimits {
-    fn default() -> Self {
-        Self {
-            max_torque_nm: None,
-            max_velocity_rad_s: None,
-            max_travel_rad: None,
-            margin: 2.0,
-        }
-    }
-}
-
-/// What has a limit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
-    /// Motor torque in N m.
-    Torque,
-    /// Velocity in rad/s.
-    Velocity,
-    /// Distance from the start in rad.
-    Travel,
-}
-
-impl fmt::Display for Quantity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Torque => "torque in N m",
-            Self::Velocity => "velocity in rad/s",
-            Self::Travel => "travel in rad",
-        })
-    }
-}
+/// What is predicted and kept inside its limits: torque, what holds against gravity included;
+/// velocity, of motor and reference; travel from the place where a run begins, of motor and
+/// integrated reference.
+pub(super) const KEPT: [Limit; 3] = [Limit::Torque, Limit::Velocity, Limit::Travel];
 
 /// Factor on an observed ratio of growth to prediction: the next ratio may be that much larger.
 const LEARNT_MARGIN: f64 = 1.25;
 
-/// Factors on predicted changes, per quantity in the order of [`Quantity::ALL`], and axis.
+/// Factors on predicted changes, per quantity in the order of [`KEPT`], and axis.
 pub(super) type Margins = [Vec<f64>; 3];
 
-impl Quantity {
-    /// All of them.
-    pub(super) const ALL: [Self; 3] = [Self::Torque, Self::Velocity, Self::Travel];
+/// The peaks of torque, velocity and travel, each `(experiment, axis, sample)`.
+pub(super) fn peaks_of_signals(signals: [&Array3<f64>; 3]) -> Peaks {
+    let peak = |signal: &Array3<f64>| {
+        let largest =
+            |axis: ArrayView2<f64>| axis.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
+        signal.axis_iter(Axis(1)).map(largest).collect()
+    };
+    zip(KEPT, signals.map(peak)).collect()
 }
 
-impl ShapeLimits {
-    /// Checks every limit for `n_axes` axes.
-    ///
-    /// # Errors
-    /// [`SignalError`] for another number of axes, a limit that is not above 0, a margin below 1.
-    pub fn check(&self, n_axes: usize) -> Result<(), SignalError> {
-        checks::one_per_axis(
-            "max_torque_nm",
-            self.max_torque_nm.as_deref(),
-            n_axes,
-            checks::positive,
-        )?;
-        checks::one_per_axis(
-            "max_velocity_rad_s",
-            self.max_velocity_rad_s.as_deref(),
-            n_axes,
-            checks::positive,
-        )?;
-        checks::one_per_axis(
-            "max_travel_rad",
-            self.max_travel_rad.as_deref(),
-            n_axes,
-            checks::positive,
-        )?;
-        if self.margin >= 1.0 && self.margin.is_finite() {
-            return Ok(());
-        }
-        Err(SignalError::Parameter {
-            name: "margin",
-            found: self.margin,
-            needed: "a finite factor, 1 or above",
-        })
-    }
-
-    /// The limit of a quantity on an axis; infinite if there is none.
-    #[must_use]
-    pub fn of(&self, quantity: Quantity, axis: usize) -> f64 {
-        let limits = match quantity {
-            Quantity::Torque => &self.max_torque_nm,
-            Quantity::Velocity => &self.max_velocity_rad_s,
-            Quantity::Travel => &self.max_travel_rad,
-        };
-        limits.as_ref().map_or(f64::INFINITY, |limits| limits[axis])
-    }
-
-    /// Every peak above its limit.
-    pub(super) fn exceeded(&self, peaks: &Peaks) -> Vec<Note> {
-        let mut notes = Vec::new();
-        for quantity in Quantity::ALL {
-            for (axis, &found) in peaks.of(quantity).iter().enumerate() {
-                let limit = self.of(quantity, axis);
-                if found > limit * (1.0 + ROUNDING) {
-                    notes.push(Note::Exceeded {
-                        axis,
-                        quantity,
-                        found,
-                        limit,
-                    });
-                }
-            }
-        }
-        notes
-    }
+/// Every kept limit that the peaks exceed.
+pub(super) fn exceeded(limits: &Limits, peaks: &Peaks) -> Vec<Excess> {
+    let mut excesses = limits.exceeded(peaks);
+    excesses.retain(|excess| KEPT.contains(&excess.limit));
+    excesses
 }
 
-impl Peaks {
-    /// The peaks of a quantity, one per axis.
-    #[must_use]
-    pub fn of(&self, quantity: Quantity) -> &[f64] {
-        match quantity {
-            Quantity::Torque => &self.torque_nm,
-            Quantity::Velocity => &self.velocity_rad_s,
-            Quantity::Travel => &self.travel_rad,
-        }
-    }
-
-    /// The peaks of three signals `(experiment, axis, sample)`.
-    pub(super) fn of_signals([torque, velocity, travel]: [&Array3<f64>; 3]) -> Self {
-        let peak = |signal: &Array3<f64>| {
-            signal
-                .axis_iter(Axis(1))
-                .map(|axis| axis.iter().fold(0.0, |peak: f64, x| peak.max(x.abs())))
-                .collect()
-        };
-        Self {
-            torque_nm: peak(torque),
-            velocity_rad_s: peak(velocity),
-            travel_rad: peak(travel),
-        }
-    }
-
-    /// Learns margins from how much more these peaks grew than predicted; nothing where they grew
-    /// by less than a twentieth of the limit.
-    pub(super) fn teach(
-        &self,
-        margins: &mut Margins,
-        before: &Self,
-        predicted: &Self,
-        limits: &ShapeLimits,
-    ) {
-        for (margins, quantity) in zip(margins, Quantity::ALL) {
-            let (found, before, predicted) = (
-                self.of(quantity),
-                before.of(quantity),
-                predicted.of(quantity),
-            );
-            for (axis, margin) in margins.iter_mut().enumerate() {
-                let (grown, least) = (found[axis] - before[axis], 0.05 * limits.of(quantity, axis));
-                if grown > least {
-                    *margin = LEARNT_MARGIN
-                        * (grown / (predicted[axis] - before[axis]).max(least)).max(1.0);
-                }
+/// Learns margins from how much more the peaks found grew than predicted; nothing where they grew
+/// by less than a twentieth of the limit.
+pub(super) fn teach(
+    margins: &mut Margins,
+    [found, before, predicted]: [&Peaks; 3],
+    limits: &Limits,
+) {
+    for (margins, limit) in zip(margins, KEPT) {
+        let of = |peaks: &Peaks, axis: usize| peaks.get(limit).map_or(0.0, |values| values[axis]);
+        for (axis, margin) in margins.iter_mut().enumerate() {
+            let before = of(before, axis);
+            let (grown, least) = (of(found, axis) - before, 0.05 * limits.of(limit, axis));
+            if grown > least {
+                let foreseen = (of(predicted, axis) - before).max(least);
+                *margin = LEARNT_MARGIN * (grown / foreseen).max(1.0);
             }
         }
     }
@@ -272,18 +138,14 @@ mod tests {
 
     #[test]
     fn margins_follow_growth_that_matters() {
-        let peaks = |torque: f64| Peaks {
-            torque_nm: vec![torque],
-            velocity_rad_s: vec![1.0],
-            travel_rad: vec![1.0],
+        let peaks = |torque: f64| -> Peaks {
+            zip(KEPT, [torque, 1.0, 1.0].map(|peak| vec![peak])).collect()
         };
-        let limits = ShapeLimits {
-            max_torque_nm: Some(vec![100.0]),
-            ..ShapeLimits::default()
-        };
+        let limits: Limits = [(Limit::Torque, vec![100.0])].into_iter().collect();
         let learnt = |found, predicted| {
             let mut margins = [vec![2.0], vec![2.0], vec![2.0]];
-            peaks(found).teach(&mut margins, &peaks(20.0), &peaks(predicted), &limits);
+            let all = [&peaks(found), &peaks(20.0), &peaks(predicted)];
+            teach(&mut margins, all, &limits);
             assert_eq!((margins[1][0], margins[2][0]), (2.0, 2.0));
             margins[0][0]
         };
@@ -291,26 +153,14 @@ mod tests {
             (learnt(24.0, 20.1), learnt(38.0, 40.0)),
             (2.0, LEARNT_MARGIN)
         );
-        assert_eq!(
-            (learnt(50.0, 40.0), learnt(40.0, 20.0)),
-            (1.5 * LEARNT_MARGIN, 4.0 * LEARNT_MARGIN)
-        );
-        assert!(matches!(
-            limits.exceeded(&peaks(101.0))[..],
-            [Note::Exceeded {
-                axis: 0,
-                quantity: Quantity::Torque,
-                ..
-            }]
-        ));
-        assert!(
-            limits.check(2).is_err()
-                && ShapeLimits {
-                    margin: 0.5,
-                    ..ShapeLimits::default()
-                }
-                .check(1)
-                .is_err()
-        );
+        let (fast, faster) = (1.5 * LEARNT_MARGIN, 4.0 * LEARNT_MARGIN);
+        assert_eq!((learnt(50.0, 40.0), learnt(40.0, 20.0)), (fast, faster));
+        let beyond = Excess {
+            axis: 0,
+            limit: Limit::Torque,
+            allowed: 100.0,
+            found: 101.0,
+        };
+        assert_eq!(exceeded(&limits, &peaks(101.0)), [beyond]);
     }
 }

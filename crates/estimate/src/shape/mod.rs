@@ -23,7 +23,7 @@ mod tests;
 
 use std::error::Error;
 
-use frfid_signals::Testbed;
+use frfid_signals::{Record, Testbed};
 use ndarray::Array3;
 use rayon::prelude::*;
 
@@ -32,14 +32,46 @@ use crate::shape::iteration::{Iteration, Shaped};
 use crate::shape::options::ShapeOptions;
 use crate::shape::shaper::Shaper;
 
+/// Whoever does the runs of a shaping and sees its iterations.
+pub trait Driver {
+    /// Why it cannot go on.
+    type Error: From<ShapeError>;
+
+    /// The records of [`Shaper::runs`], in their order.
+    ///
+    /// # Errors
+    /// Whatever keeps a run from being done.
+    fn records(&mut self, shaper: &Shaper) -> Result<Vec<Record>, Self::Error>;
+
+    /// Sees an iteration; `false` ends the shaping.
+    ///
+    /// # Errors
+    /// Whatever keeps the shaping from going on.
+    fn iterated(&mut self, iteration: &Iteration) -> Result<bool, Self::Error>;
+}
+
+impl Shaper {
+    /// Goes on until it ends.
+    ///
+    /// # Errors
+    /// Those of the driver, and [`ShapeError`].
+    pub fn drive<D: Driver>(mut self, driver: &mut D) -> Result<Shaped, D::Error> {
+        while self.stop().is_none() {
+            let records = driver.records(&self)?;
+            if !driver.iterated(self.measured(records)?)? {
+                self.end();
+            }
+        }
+        Ok(self.finish()?)
+    }
+}
+
 /// Sees every iteration; `false` ends the shaping.
 pub type Watcher<'a> = dyn FnMut(&Iteration) -> Result<bool, Box<dyn Error + Send + Sync>> + 'a;
 
 /// Shapes a reference on a testbed until the target follows `desired`, from the reference `start`,
 /// both `(experiment, channel, sample)` with as many experiments as channels; `watch` sees every
 /// iteration and may end it with `false`. The experiments of an iteration run side by side.
-///
-/// This is the plain loop over [`Shaper`], which can also be fed with records from elsewhere.
 ///
 /// # Errors
 /// [`ShapeError`]; one of `watch` ends the shaping as [`ShapeError::Watch`].
@@ -50,16 +82,25 @@ pub fn shape(
     options: ShapeOptions,
     watch: &mut Watcher,
 ) -> Result<Shaped, ShapeError> {
-    let mut shaper = Shaper::new(desired, start, options)?;
-    while shaper.stop().is_none() {
-        let records = shaper
-            .runs()
-            .par_iter()
-            .map(|run| testbed.run(run))
-            .collect::<Result<_, _>>()?;
-        if !watch(shaper.measured(records)?).map_err(ShapeError::Watch)? {
-            shaper.end();
-        }
+    Shaper::new(desired, start, options)?.drive(&mut Watched { testbed, watch })
+}
+
+/// A testbed, and who watches what happens on it.
+struct Watched<'a, 'w> {
+    testbed: &'a dyn Testbed,
+    watch: &'a mut Watcher<'w>,
+}
+
+impl Driver for Watched<'_, '_> {
+    type Error = ShapeError;
+
+    fn records(&mut self, shaper: &Shaper) -> Result<Vec<Record>, ShapeError> {
+        let runs = shaper.runs();
+        let records = runs.par_iter().map(|run| self.testbed.run(run));
+        Ok(records.collect::<Result<_, _>>()?)
     }
-    shaper.finish()
+
+    fn iterated(&mut self, iteration: &Iteration) -> Result<bool, ShapeError> {
+        (self.watch)(iteration).map_err(ShapeError::Watch)
+    }
 }

@@ -1,8 +1,6 @@
 //! Options of a shaping: what to shape towards, by which step, how carefully.
 
-use frfid_signals::{SignalError, checks};
-
-use crate::shape::limits::ShapeLimits;
+use frfid_signals::{Limits, SignalError, checks};
 
 /// The measured signal that is to follow the desired one; any with an invertible path from r.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -62,8 +60,12 @@ pub struct ShapeOptions {
     pub good_enough: f64,
     /// Largest growth of a reference's peak from one iteration to the next, as a factor.
     pub largest_change: f64,
-    /// What must never be exceeded.
-    pub limits: ShapeLimits,
+    /// What must never be exceeded: limits of torque, velocity and travel.
+    pub limits: Limits,
+    /// Factor above 1 by which a quantity may change more than predicted without exceeding its
+    /// limit, as long as nothing is known of how good the predictions are; later it follows what is
+    /// observed. Friction makes a machine move less than in proportion at first and more later.
+    pub margin: f64,
     /// Largest share of the sweep that an axis may be stuck.
     pub max_stuck_share: f64,
     /// Velocity reading in rad/s up to which an axis counts as stuck, besides a position reading
@@ -85,7 +87,8 @@ impl Default for ShapeOptions {
             n_iterations: 6,
             good_enough: 0.05,
             largest_change: 3.0,
-            limits: ShapeLimits::default(),
+            limits: Limits::default(),
+            margin: 2.0,
             max_stuck_share: 0.15,
             still_rad_s: 0.0,
             coulomb_nm: None,
@@ -141,6 +144,13 @@ impl ShapeOptions {
             change,
             change > 1.0 && change.is_finite(),
             "a finite factor above 1",
+        )?;
+        let margin = self.margin;
+        needs(
+            "margin",
+            margin,
+            margin >= 1.0 && margin.is_finite(),
+            "a finite factor, 1 or above",
         )?;
         if let Step::Damped {
             damping,

@@ -3,14 +3,16 @@
 use std::f64::consts::PI;
 use std::iter::zip;
 
-use frfid_signals::{Frf, Record};
+use frfid_signals::{Frf, Limit, Peaks, Record};
 use nalgebra::DMatrix;
 use ndarray::{Array1, Array2, Array3, ArrayView1, Axis, s};
 use num_complex::Complex64;
 
 use crate::shape::error::ShapeError;
-use crate::shape::iteration::{Estimate, Iteration, Note, Peaks};
-use crate::shape::limits::{Margins, Quantity, integral, share_of_sample, travel_of};
+use crate::shape::iteration::{Estimate, Iteration, Note};
+use crate::shape::limits::{
+    KEPT, Margins, exceeded, integral, peaks_of_signals, share_of_sample, travel_of,
+};
 use crate::shape::measure::stack;
 use crate::shape::options::{ShapeOptions, Target};
 use crate::shape::spectra::Band;
@@ -38,7 +40,7 @@ pub(super) struct Proposal {
 /// A signal of the last runs and how the whole step is predicted to change it,
 /// `(experiment, axis, sample)`.
 struct Trace {
-    quantity: Quantity,
+    limit: Limit,
     from: Array3<f64>,
     change: Array3<f64>,
     /// Whether the change is known, as that of the reference is, or predicted.
@@ -49,20 +51,10 @@ impl Proposal {
     /// Refuses an initial reference that is itself beyond a limit of velocity or travel.
     pub fn check_start(start: &Array3<f64>, options: &ShapeOptions) -> Result<(), ShapeError> {
         let travel = integral(start, options.sample_time_s);
-        let peaks = Peaks::of_signals([&Array3::zeros(start.dim()), start, &travel]);
-        match options.limits.exceeded(&peaks).first() {
-            Some(&Note::Exceeded {
-                axis,
-                quantity,
-                found,
-                limit,
-            }) => Err(ShapeError::StartTooLarge {
-                axis,
-                quantity,
-                found,
-                limit,
-            }),
-            _ => Ok(()),
+        let peaks = peaks_of_signals([&Array3::zeros(start.dim()), start, &travel]);
+        match exceeded(&options.limits, &peaks).first() {
+            Some(&excess) => Err(ShapeError::StartTooLarge(excess)),
+            None => Ok(()),
         }
     }
 
@@ -127,7 +119,7 @@ impl Proposal {
         let [torque, velocity, travel, reference, _] = traces.each_ref().map(signal);
         Ok(Self {
             reference,
-            predicted: Peaks::of_signals([&torque, &velocity, &travel]),
+            predicted: peaks_of_signals([&torque, &velocity, &travel]),
             notes,
         })
     }
@@ -161,19 +153,19 @@ fn traces(
     }
     let travel_change = integral(&velocity_change, options.sample_time_s);
     let reference_travel_change = integral(&change, options.sample_time_s);
-    let trace = |quantity, from, change, exact| Trace {
-        quantity,
+    let trace = |limit, from, change, exact| Trace {
+        limit,
         from,
         change,
         exact,
     };
     [
-        trace(Quantity::Torque, torque, torque_change, false),
-        trace(Quantity::Velocity, velocity, velocity_change, false),
-        trace(Quantity::Travel, travel, travel_change, false),
-        trace(Quantity::Velocity, from.reference.clone(), change, true),
+        trace(Limit::Torque, torque, torque_change, false),
+        trace(Limit::Velocity, velocity, velocity_change, false),
+        trace(Limit::Travel, travel, travel_change, false),
+        trace(Limit::Velocity, from.reference.clone(), change, true),
         trace(
-            Quantity::Travel,
+            Limit::Travel,
             reference_travel,
             reference_travel_change,
             true,
@@ -210,24 +202,20 @@ fn share_over_time(
     let mut shares = Array1::ones(traces[0].from.len_of(Axis(2)));
     let mut binding = (1.0, None);
     for &Trace {
-        quantity,
+        limit,
         ref from,
         ref change,
         exact,
     } in traces
     {
+        let kept = KEPT
+            .iter()
+            .position(|kept| *kept == limit)
+            .unwrap_or_default();
         for (((_, axis, sample), &from), &change) in zip(from.indexed_iter(), change) {
-            let margin = if exact {
-                1.0
-            } else {
-                margins[quantity as usize][axis]
-            };
-            let share = share_of_sample(
-                from,
-                change,
-                margin,
-                room * options.limits.of(quantity, axis),
-            );
+            let margin = if exact { 1.0 } else { margins[kept][axis] };
+            let share =
+                share_of_sample(from, change, margin, room * options.limits.of(limit, axis));
             shares[sample] = share.min(shares[sample]);
             if share < binding.0 {
                 let time_s = sample as f64 * options.sample_time_s;
@@ -235,7 +223,7 @@ fn share_over_time(
                     share,
                     Some(Note::LimitAhead {
                         axis,
-                        quantity,
+                        limit,
                         time_s,
                         share,
                     }),

@@ -3,15 +3,15 @@
 //! Nothing but the records decides what follows, so that feeding the recorded iterations again
 //! leads to the same state: that is how a shaping is resumed or looked at again.
 
-use frfid_signals::{Record, Run, RunId, RunKind, SignalError};
+use frfid_signals::{Peaks, Record, Run, RunId, RunKind, SignalError};
 use nalgebra::DMatrix;
 use ndarray::{Array2, Array3, Axis};
 use num_complex::Complex64;
 
 use crate::excitation_strength::stuck_samples;
 use crate::shape::error::ShapeError;
-use crate::shape::iteration::{Estimate, Iteration, Note, Peaks, Shaped, Stop, Summary};
-use crate::shape::limits::{Margins, travel_of};
+use crate::shape::iteration::{Estimate, Iteration, Note, Shaped, Stop, Summary};
+use crate::shape::limits::{Margins, exceeded, peaks_of_signals, teach, travel_of};
 use crate::shape::measure::{estimate, stack, stopped};
 use crate::shape::options::{ShapeOptions, Step};
 use crate::shape::proposal::Proposal;
@@ -88,7 +88,7 @@ impl Shaper {
         };
         Ok(Self {
             sweep: Sweep::of(&band, &desired, &target, [options.low_hz, options.high_hz]),
-            margins: std::array::from_fn(|_| vec![options.limits.margin; n_axes]),
+            margins: std::array::from_fn(|_| vec![options.margin; n_axes]),
             next_damping: Array2::from_elem((band.frequency_hz.len(), n_axes), damping),
             stepped_from: None,
             desired: target,
@@ -224,8 +224,12 @@ impl Shaper {
             stack(&records, |record| &record.y),
         );
         let travel = travel_of(&records, &velocity, self.options.sample_time_s);
-        let peaks = Peaks::of_signals([&torque, &velocity, &travel]);
-        notes.extend(self.options.limits.exceeded(&peaks));
+        let peaks = peaks_of_signals([&torque, &velocity, &travel]);
+        notes.extend(
+            exceeded(&self.options.limits, &peaks)
+                .into_iter()
+                .map(Note::Exceeded),
+        );
         let stuck: Vec<_> = records
             .iter()
             .map(|record| stuck_samples(record, self.options.still_rad_s))
@@ -254,9 +258,8 @@ impl Shaper {
     /// Whether the iteration is the best so far; adapts damping and margins.
     fn judge(&mut self, iteration: &mut Iteration) -> Result<bool, ShapeError> {
         if let (Some((before, _)), Some(predicted)) = (&self.stepped_from, &iteration.predicted) {
-            iteration
-                .peaks
-                .teach(&mut self.margins, before, predicted, &self.options.limits);
+            let peaks = [&iteration.peaks, before, predicted];
+            teach(&mut self.margins, peaks, &self.options.limits);
         }
         let best = self.best.as_ref().and_then(Iteration::error);
         let estimate = iteration

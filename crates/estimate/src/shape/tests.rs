@@ -4,12 +4,13 @@
 use std::f64::consts::TAU;
 
 use frfid_signals::{
-    Chirp, Event, EventKind, InputKind, Phasing, Profile, Record, Run, Testbed, TestbedError,
+    Chirp, Event, EventKind, Excess, InputKind, Limit, Limits, Peaks, Phasing, Profile, Record,
+    Run, Testbed, TestbedError,
 };
 use ndarray::{Array2, Array3, Axis};
 
-use crate::shape::iteration::{Note, Peaks, Stop};
-use crate::shape::limits::{Quantity, ShapeLimits};
+use crate::shape::iteration::{Note, Stop};
+use crate::shape::limits::KEPT;
 use crate::shape::options::{Step, Target};
 use crate::shape::*;
 
@@ -122,10 +123,10 @@ fn shaped(
     })
 }
 
-fn keeps(peaks: &Peaks, limits: &ShapeLimits) -> bool {
-    Quantity::ALL
-        .iter()
-        .all(|&quantity| (0..2).all(|axis| peaks.of(quantity)[axis] <= limits.of(quantity, axis)))
+fn keeps(peaks: &Peaks, limits: &Limits) -> bool {
+    let reached = |limit, axis: usize| peaks.get(limit).expect("known")[axis];
+    KEPT.iter()
+        .all(|&limit| (0..2).all(|axis| reached(limit, axis) <= limits.of(limit, axis)))
 }
 
 #[test]
@@ -134,7 +135,13 @@ fn a_linear_machine_is_led_to_the_torque_or_the_velocity_asked_for() {
     assert_eq!(torque.stop, Stop::GoodEnough, "{:?}", torque.iterations);
     assert!(torque.sticking.is_empty() && torque.best.number == torque.iterations.len());
     let growth = |i: usize| {
-        torque.iterations[i].peaks.torque_nm[0] / torque.iterations[i - 1].peaks.torque_nm[0]
+        let peak = |i: usize| {
+            torque.iterations[i]
+                .peaks
+                .get(Limit::Torque)
+                .expect("known")[0]
+        };
+        peak(i) / peak(i - 1)
     };
     assert!(
         (1..torque.iterations.len()).all(|i| growth(i) < 3.3),
@@ -203,20 +210,11 @@ fn no_limit_is_ever_exceeded() {
         .expect("it responds")
         .best
         .peaks;
-    for quantity in Quantity::ALL {
-        let limit = Some(
-            unlimited
-                .of(quantity)
-                .iter()
-                .map(|peak| 0.7 * peak)
-                .collect(),
-        );
-        let mut limits = ShapeLimits::default();
-        match quantity {
-            Quantity::Torque => limits.max_torque_nm = limit,
-            Quantity::Velocity => limits.max_velocity_rad_s = limit,
-            Quantity::Travel => limits.max_travel_rad = limit,
-        }
+    for limited in KEPT {
+        let reached = unlimited.get(limited).expect("known");
+        let limits: Limits = [(limited, reached.iter().map(|peak| 0.7 * peak).collect())]
+            .into_iter()
+            .collect();
         for coulomb_nm in [0.0, 2.0] {
             let machine = Machine {
                 coulomb_nm,
@@ -234,13 +232,13 @@ fn no_limit_is_ever_exceeded() {
             .expect("responds");
             assert!(
                 shaped.iterations.iter().all(|i| keeps(&i.peaks, &limits)),
-                "{quantity}: {:?}",
+                "{limited:?}: {:?}",
                 shaped.iterations
             );
             let ahead = |note: &Note| matches!(note, Note::LimitAhead { .. });
             assert!(
                 shaped.iterations.iter().flat_map(|i| &i.notes).any(ahead),
-                "{quantity}"
+                "{limited:?}"
             );
         }
     }
@@ -321,10 +319,7 @@ fn what_cannot_be_shaped_is_refused() {
             ..
         })
     ));
-    let limits = ShapeLimits {
-        max_velocity_rad_s: Some(vec![0.04; 2]),
-        ..ShapeLimits::default()
-    };
+    let limits = [(Limit::Velocity, vec![0.04; 2])].into_iter().collect();
     let fast = shaped(
         &SOUND,
         10.0,
@@ -336,10 +331,10 @@ fn what_cannot_be_shaped_is_refused() {
     );
     assert!(matches!(
         fast,
-        Err(ShapeError::StartTooLarge {
-            quantity: Quantity::Velocity,
+        Err(ShapeError::StartTooLarge(Excess {
+            limit: Limit::Velocity,
             ..
-        })
+        }))
     ));
     for wrong in [
         ShapeOptions {

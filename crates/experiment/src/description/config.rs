@@ -1,11 +1,11 @@
 //! `experiment.toml`: one description of robot, excitation, averaging, limits and estimator.
 
+use frfid_signals::Limits;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::description::estimate::EstimateTable;
 use crate::description::excitation::{ChirpTable, MultisineTable};
-use crate::description::limits::LimitsTable;
 use crate::description::robot::RobotTable;
 use crate::description::robot::controller::ControllerTable;
 use crate::description::shape::ShapeTable;
@@ -35,7 +35,7 @@ pub struct Config {
     pub constant_velocity: Option<ConstantVelocityTable>,
     /// Limits that no run may exceed.
     #[serde(default)]
-    pub limits: LimitsTable,
+    pub limits: Limits,
     /// How the records become an FRF.
     #[serde(default)]
     pub estimate: EstimateTable,

@@ -1,6 +1,6 @@
 //! How the records become an FRF: the table `[estimate]`.
 
-use frfid_estimate::Averaging;
+use frfid_estimate::{Averaging, BlaOptions};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -26,6 +26,17 @@ impl Default for EstimateTable {
             glide_subtraction: GlideSubtraction::Time,
             indirect: false,
             n_frequencies: 200,
+        }
+    }
+}
+
+impl EstimateTable {
+    /// How spectra become an FRF.
+    #[must_use]
+    pub fn frf_options(&self) -> BlaOptions {
+        BlaOptions {
+            averaging: self.average.into(),
+            ..BlaOptions::default()
         }
     }
 }

@@ -3,7 +3,6 @@
 pub(crate) mod config;
 pub(crate) mod estimate;
 pub(crate) mod excitation;
-pub(crate) mod limits;
 pub(crate) mod robot;
 pub(crate) mod schema;
 pub(crate) mod shape;

@@ -1,6 +1,6 @@
 //! What a reference is shaped towards: the table `[shape]`.
 
-use frfid_estimate::{ShapeLimits, ShapeOptions, Step};
+use frfid_estimate::{ShapeOptions, Step};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -99,5 +99,5 @@ fn max_stuck_share() -> f64 {
 }
 
 fn margin() -> f64 {
-    ShapeLimits::default().margin
+    ShapeOptions::default().margin
 }

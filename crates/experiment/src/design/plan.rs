@@ -77,7 +77,10 @@ pub fn design(config: &Config, source: &Source) -> Result<Plan, ConfigError> {
     // away
     plan.period(0)
         .map_err(|error| located(source, band, &error))?;
-    config.limits.check(n_inputs, source)?;
+    config
+        .limits
+        .check(n_inputs)
+        .map_err(|error| located(source, "limits", &error))?;
     Ok(plan)
 }
 
@@ -243,6 +246,7 @@ pub(crate) fn located(source: &Source, table: &str, error: &SignalError) -> Conf
     let key = match error {
         SignalError::Parameter { name, .. } | SignalError::Shape { name, .. } => name,
         SignalError::AboveNyquist { .. } => "high_hz",
+        SignalError::Limit { limit, .. } => limit.key(),
         _ => "",
     };
     // what is a peak to the excitation is peak_nm or peak_rad_s in the text

@@ -2,10 +2,9 @@
 //! what looks like a mistake.
 
 use frfid_plant::check_stability;
+use frfid_signals::{Excess, Limit, Peaks};
 
-use crate::description::limits::LimitsTable;
 use crate::description::text::ConfigError;
-use crate::design::predict::{Excess, Peaks};
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 
@@ -42,7 +41,7 @@ impl Experiment {
         let resting = self
             .resting()
             .map_err(|error| self.source.error(&["robot"], error.to_string()))?;
-        let Some(excess) = resting.excesses(&self.limits()).into_iter().next() else {
+        let Some(excess) = self.limits().exceeded(&resting).into_iter().next() else {
             return Ok(());
         };
         let Excess {
@@ -51,35 +50,32 @@ impl Experiment {
             allowed,
             found,
         } = excess;
-        let unit = LimitsTable::unit(limit);
+        let unit = limit.unit();
         let message = format!(
             "no amplitude is left: without any excitation axis {} ({}) is at {found:.5} {unit}, {} is {allowed:.5} {unit}; \
              lower the constant velocity, shorten the runs, choose another pose, or raise the limit",
             axis + 1,
             self.config.robot.joint_names()[axis],
-            self.whose(&excess),
+            self.limit_owner(&excess),
         );
-        Err(self.source.error(&self.place_of(&excess), message))
+        Err(self.source.error(&self.limit_key(&excess), message))
     }
 
     /// The limit, and whose it is.
     #[must_use]
-    pub fn whose(&self, excess: &Excess) -> String {
-        let whose = if self.is_robots(excess.limit, excess.axis) {
-            "the robot's"
-        } else {
-            "the limit"
-        };
-        format!("{whose} {}", excess.limit)
+    pub fn limit_owner(&self, excess: &Excess) -> String {
+        let own = self.limit_is_robots_own(excess.limit, excess.axis);
+        let whose = if own { "the robot's" } else { "the limit" };
+        format!("{whose} {}", excess.limit.key())
     }
 
     /// Where the limit stands in the description.
     #[must_use]
-    pub fn place_of(&self, excess: &Excess) -> Vec<&'static str> {
-        if self.is_robots(excess.limit, excess.axis) {
+    pub fn limit_key(&self, excess: &Excess) -> Vec<&'static str> {
+        if self.limit_is_robots_own(excess.limit, excess.axis) {
             vec!["robot"]
         } else {
-            vec!["limits", excess.limit]
+            vec!["limits", excess.limit.key()]
         }
     }
 
@@ -88,33 +84,33 @@ impl Experiment {
         let (robot, velocity) = (self.robot()?, &self.plan.velocity_rad_s);
         let start = self.plan.start_rad()?;
         let end: Vec<f64> = start.iter().map(|start| -start).collect();
-        let holding = [&start, &end].map(|place| Ok(robot.start(place, velocity)?.holding_nm()));
-        let [at_start, at_end]: [Result<Vec<f64>, ExperimentError>; 2] = holding;
-        let effort_nm = at_start?
-            .iter()
-            .zip(at_end?)
-            .map(|(a, b)| a.abs().max(b.abs()))
-            .collect();
-        let way: Vec<f64> = start.iter().map(|start| start.abs()).collect();
+        let at_start = robot.start(&start, velocity)?.holding_nm();
+        let at_end = robot.start(&end, velocity)?.holding_nm();
+        let torques = at_start.iter().zip(&at_end);
+        let pose = self.config.robot.pose();
         let from_pose = |sign: f64| {
-            self.config
-                .robot
-                .pose()
-                .iter()
-                .zip(&way)
-                .map(|(q, way)| q + sign * way)
+            let ways = pose.iter().zip(&start);
+            ways.map(|(pose, start)| pose + sign * start.abs())
                 .collect()
         };
-        Ok(Peaks {
-            effort_nm,
-            effort_rate_nm_per_s: vec![0.0; way.len()],
-            velocity_rad_s: velocity.iter().map(|velocity| velocity.abs()).collect(),
-            acceleration_rad_s2: None,
-            jerk_rad_s3: None,
-            lowest_rad: Some(from_pose(-1.0)),
-            highest_rad: Some(from_pose(1.0)),
-            travel_rad: Some(way),
-            effort_rms_nm: vec![0.0; velocity.len()],
-        })
+        Ok([
+            (
+                Limit::Torque,
+                torques.map(|(a, b)| a.abs().max(b.abs())).collect(),
+            ),
+            (Limit::TorqueRate, vec![0.0; start.len()]),
+            (
+                Limit::Velocity,
+                velocity.iter().map(|velocity| velocity.abs()).collect(),
+            ),
+            (
+                Limit::Travel,
+                start.iter().map(|start| start.abs()).collect(),
+            ),
+            (Limit::LowestPosition, from_pose(-1.0)),
+            (Limit::HighestPosition, from_pose(1.0)),
+        ]
+        .into_iter()
+        .collect())
     }
 }

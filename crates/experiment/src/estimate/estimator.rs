@@ -1,9 +1,7 @@
 //! From the records of a plan to its FRF: record by record, in any order, so that no campaign is
 //! too long for the memory.
 
-use frfid_estimate::{
-    BlaOptions, Campaign, ExcerptOptions, Excerpts, LineDft, Place, RunSpectra, Transform,
-};
+use frfid_estimate::{Campaign, ExcerptOptions, Excerpts, LineDft, Place, RunSpectra, Transform};
 use frfid_signals::{Excitation, Frf, Plan, Record, RunId, RunKind, SignalError};
 use ndarray::s;
 
@@ -114,70 +112,49 @@ impl Estimator {
         })
     }
 
-    /// Whether the record of a run is needed before those of the others: that of a glide, or of a
-    /// run to learn the ripple from, one of every experiment of the first realization.
-    #[must_use]
-    pub fn comes_first(&self, id: RunId) -> bool {
-        let position =
-            self.options.glide_subtraction == GlideSubtraction::Position && self.plan.n_glides > 0;
-        id.kind == RunKind::Glide || (position && id.realization == 0 && id.repetition == 0)
-    }
-
-    /// Takes from the records that come first, in the order of their runs, what is taken off all of
-    /// them.
+    /// The same with the records of the glides: what follows from them is taken off every record
+    /// (SK15 section 4.4 E).
     ///
     /// # Errors
-    /// As [`Estimator::set_glides`] and [`Estimator::learn_ripple`].
-    pub fn prepare(&mut self, first: &[(RunId, Record)]) -> Result<(), ExperimentError> {
-        let (glides, runs): (Vec<_>, Vec<_>) =
-            first.iter().partition(|(id, _)| id.kind == RunKind::Glide);
-        self.set_glides(
-            &glides
-                .into_iter()
-                .map(|(_, record)| record)
-                .collect::<Vec<_>>(),
-        )?;
-        if self.learns_ripple() {
-            self.learn_ripple(runs)
-        } else {
-            Ok(())
+    /// [`ExperimentError::Logs`] if the plan has glides and none is given, [`ExperimentError::Signal`]
+    /// if they differ in shape.
+    pub fn with_glides(mut self, glides: &[&Record]) -> Result<Self, ExperimentError> {
+        if self.options.glide_subtraction == GlideSubtraction::None || self.plan.n_glides == 0 {
+            return Ok(self);
         }
+        self.baseline = Baseline::of_glides(glides)?;
+        if self.baseline == Baseline::None {
+            return Err(ExperimentError::Logs {
+                what: "glide runs",
+                found: "none that is readable and whole".into(),
+                needed: format!("at least one of the plan's {}", self.plan.n_glides),
+                advice: "without them nothing can be subtracted; add their records",
+            });
+        }
+        Ok(self)
     }
 
-    /// Takes the records of the glides: what follows from them is taken off every record from then
-    /// on (SK15 section 4.4 E).
-    ///
-    /// # Errors
-    /// [`ExperimentError::Signal`] if they differ in shape.
-    pub fn set_glides(&mut self, glides: &[&Record]) -> Result<(), ExperimentError> {
-        if self.options.glide_subtraction != GlideSubtraction::None {
-            self.baseline = Baseline::of_glides(glides)?;
-        }
-        Ok(())
-    }
-
-    /// Whether [`Estimator::learn_ripple`] is to be called after the glides are set.
+    /// Whether [`Estimator::with_ripple_of`] is needed before spectra are taken.
     #[must_use]
     pub fn learns_ripple(&self) -> bool {
         self.options.glide_subtraction == GlideSubtraction::Position
             && self.baseline != Baseline::None
     }
 
-    /// Learns the ripple over the motor position from the glides and one run of every experiment of
-    /// a realization: a first estimate of the plant tells what of the glide is ripple.
+    /// The same with the ripple over the motor position, learnt from the glides and one run of every
+    /// experiment of a realization: a first estimate of the plant tells what of the glide is ripple.
     ///
     /// # Errors
     /// [`ExperimentError`] for records that do not make an estimate.
-    pub fn learn_ripple<'a>(
-        &mut self,
-        runs: impl IntoIterator<Item = &'a (RunId, Record)>,
-    ) -> Result<(), ExperimentError> {
-        let mut spectra = Spectra::default();
-        for (id, record) in runs {
-            spectra.extend(self.spectra(*id, record, &|_| false)?);
+    pub fn with_ripple_of(mut self, runs: &[(RunId, &Record)]) -> Result<Self, ExperimentError> {
+        if self.learns_ripple() {
+            let mut spectra = Spectra::default();
+            for (run, record) in runs {
+                spectra.extend(self.spectra(*run, record, &|_| false)?);
+            }
+            self.baseline = self.baseline.with_ripple(&self.estimate(spectra)?.frf)?;
         }
-        self.baseline = self.baseline.with_ripple(&self.estimate(spectra)?.frf)?;
-        Ok(())
+        Ok(self)
     }
 
     /// Spectra of the complete periods of the record of run `id`, but for those that `lost` names.
@@ -238,12 +215,7 @@ impl Estimator {
     pub fn frf_of_experiments(&self, records: &[Record]) -> Result<Frf, ExperimentError> {
         let mut spectra = Spectra::default();
         for (experiment, record) in records.iter().enumerate() {
-            let id = RunId {
-                kind: RunKind::Excitation,
-                realization: 0,
-                experiment,
-                repetition: 0,
-            };
+            let id = RunId::excitation(0, experiment, 0);
             spectra.extend(self.spectra(id, record, &|_| false)?);
         }
         Ok(self.estimate(spectra)?.frf)
@@ -259,13 +231,9 @@ impl Estimator {
             campaign.insert(place, run)?;
         }
         let missing = campaign.drop_incomplete();
-        let options = BlaOptions {
-            averaging: self.options.average.into(),
-            ..BlaOptions::default()
-        };
         let frf = Frf {
             relative_resolution: self.relative_resolution,
-            ..campaign.estimate(&options)?
+            ..campaign.estimate(&self.options.frf_options())?
         };
         let ripple = self
             .residual

@@ -1,6 +1,7 @@
 //! Estimates: from the records of a plan, or of somebody else, to an FRF with its checks.
 
 pub(crate) mod estimator;
+pub(crate) mod gather;
 pub(crate) mod glide_baseline;
 pub(crate) mod others_logs;
 pub(crate) mod our_logs;
@@ -8,3 +9,48 @@ pub(crate) mod outcome;
 pub(crate) mod records;
 pub(crate) mod ripple_residual;
 pub(crate) mod strength;
+
+use std::path::PathBuf;
+
+use frfid_files::LogMap;
+
+use crate::description::estimate::EstimateTable;
+use crate::error::ExperimentError;
+use crate::estimate::others_logs::estimate_others_logs;
+use crate::estimate::our_logs::{estimate_our_logs, find_logs};
+use crate::estimate::outcome::Outcome;
+use crate::run::parallel::Progress;
+
+/// How logs become a result.
+#[derive(Debug, Clone, Default)]
+pub struct EstimateOptions {
+    /// Replaces the `[estimate]` table that travelled with our own logs; the default for foreign
+    /// ones.
+    pub estimate: Option<EstimateTable>,
+    /// Which signal is which, for recordings that frfid did not make.
+    pub map: Option<LogMap>,
+    /// Files read at once; 0: one for each core.
+    pub jobs: usize,
+}
+
+/// Estimates the FRF of the logs in files and folders: our own by what travelled with them, foreign
+/// ones by `options.map`.
+///
+/// # Errors
+/// [`ExperimentError`].
+pub fn estimate_logs(
+    paths: &[PathBuf],
+    options: &EstimateOptions,
+    progress: Progress,
+) -> Result<Outcome, ExperimentError> {
+    let paths = find_logs(paths)?;
+    let EstimateOptions {
+        estimate,
+        map,
+        jobs,
+    } = options;
+    match map {
+        Some(map) => estimate_others_logs(&paths, map, &estimate.clone().unwrap_or_default()),
+        None => estimate_our_logs(&paths, estimate.as_ref(), *jobs, progress),
+    }
+}

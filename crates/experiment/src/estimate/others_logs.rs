@@ -1,50 +1,20 @@
-//! FRFs from recordings that frfid did not make: period, transient and lines are found in the
+//! Recordings that frfid did not make, to an FRF: period, transient and lines are found in the
 //! reference.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use frfid_estimate::{
-    BlaOptions, Campaign, EstimateError, LineDft, Place, RunSpectra, count_transient_periods,
-    find_lines, find_period,
+    Campaign, EstimateError, LineDft, Place, RunSpectra, count_transient_periods, find_lines,
+    find_period,
 };
-use frfid_files::{Log, LogMap, Loss, read_log};
+use frfid_files::{Check, Log, LogMap, ResultFile, read_log};
 use frfid_signals::Frf;
 use ndarray::{Array2, ArrayView2, s};
 
 use crate::description::estimate::EstimateTable;
 use crate::error::ExperimentError;
-
-/// What was found in foreign recordings, and the FRF.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Foreign {
-    /// The FRF on the lines found.
-    pub frf: Frf,
-    /// Samples per period.
-    pub period_samples: usize,
-    /// Whole periods in each recording.
-    pub n_periods: usize,
-    /// Periods at the beginning that are still transient and were dropped.
-    pub n_transient: usize,
-    /// Samples that were lost, with the recording they are of; the periods they hit were dropped.
-    pub losses: Vec<(PathBuf, Loss)>,
-    /// What else a careful reader should know, with the recording.
-    pub warnings: Vec<(PathBuf, String)>,
-    /// Where the inputs and outputs come from, and their SI units.
-    pub names: Names,
-}
-
-/// Names and SI units of inputs and outputs.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Names {
-    /// Inputs.
-    pub inputs: Vec<String>,
-    /// Outputs.
-    pub outputs: Vec<String>,
-    /// Unit of each input.
-    pub input_units: Vec<String>,
-    /// Unit of each output.
-    pub output_units: Vec<String>,
-}
+use crate::estimate::outcome::{Outcome, condition_check, log_hashes};
 
 /// Estimates the FRF from recordings of a periodic excitation, one for each experiment: the columns
 /// of U first, then the next realization. All must have the period of the first one; without a
@@ -53,87 +23,201 @@ pub struct Names {
 /// # Errors
 /// [`ExperimentError`]: recordings that cannot be read, are not periodic or never settle, too few
 /// of them for the inputs.
-pub fn estimate_foreign(
+pub(crate) fn estimate_others_logs(
     paths: &[PathBuf],
     map: &LogMap,
     options: &EstimateTable,
-) -> Result<Foreign, ExperimentError> {
-    let mut logs = paths
-        .iter()
-        .map(|path| Ok(read_log(path, map)?))
-        .collect::<Result<Vec<Log>, ExperimentError>>()?;
-    let Some(first) = logs.first() else {
-        return Err(EstimateError::EmptyList("recordings").into());
-    };
-    let (sample_time_s, n_inputs) = (first.record.sample_time_s, first.record.u.nrows());
-    let whole = filled(reference(first));
-    let of = |path: &PathBuf, source| ExperimentError::Recording {
-        path: path.clone(),
-        source,
-    };
-    let period_samples = find_period(whole.view()).map_err(|error| of(&paths[0], error))?;
-    let lines = find_lines(whole.view(), period_samples).map_err(|error| of(&paths[0], error))?;
-    let mut n_transient = 0;
-    for (path, log) in paths.iter().zip(&logs) {
-        n_transient = n_transient
-            .max(transient(log, period_samples, &lines).map_err(|error| of(path, error))?);
+) -> Result<Outcome, ExperimentError> {
+    let recordings = Recordings::read(paths, map)?;
+    let periods = recordings.periods()?;
+    let frf = recordings.frf(&periods, options)?;
+    recordings.outcome(frf, &periods)
+}
+
+/// Recordings of one machine, in the order of their experiments.
+struct Recordings<'a> {
+    paths: &'a [PathBuf],
+    logs: Vec<Log>,
+}
+
+/// What is periodic in recordings.
+struct Periods {
+    /// Samples per period.
+    n_samples: usize,
+    /// Lines that are excited.
+    lines: Vec<usize>,
+    /// Whole periods in each recording.
+    n_periods: usize,
+    /// Periods at the beginning that are still transient and are dropped.
+    n_transient: usize,
+}
+
+impl Periods {
+    /// Number of periods that are used.
+    fn n_used(&self) -> usize {
+        self.n_periods - self.n_transient
     }
-    let dft = LineDft::new(period_samples, &lines)?;
-    let mut campaign = Campaign::new(dft.frequency_hz(sample_time_s)?)?;
-    let n_periods = logs
-        .iter()
-        .map(|log| log.record.n_samples() / period_samples)
-        .min()
-        .unwrap_or(0);
-    for (number, log) in logs.iter().enumerate() {
-        for period in n_transient..n_periods {
-            let window = s![.., period * period_samples..(period + 1) * period_samples];
-            let r = log
-                .record
-                .r
-                .as_ref()
-                .filter(|_| options.indirect)
-                .map(|r| r.slice(window));
-            let (u, y) = (log.record.u.slice(window), log.record.y.slice(window));
-            if is_whole(u) && is_whole(y) && r.is_none_or(is_whole) {
+}
+
+impl<'a> Recordings<'a> {
+    fn read(paths: &'a [PathBuf], map: &LogMap) -> Result<Self, ExperimentError> {
+        let logs = paths.iter().map(|path| Ok(read_log(path, map)?));
+        let logs = logs.collect::<Result<Vec<Log>, ExperimentError>>()?;
+        if logs.is_empty() {
+            return Err(EstimateError::EmptyList("recordings").into());
+        }
+        Ok(Self { paths, logs })
+    }
+
+    /// Finds period and lines in the first recording, the transient in all of them.
+    fn periods(&self) -> Result<Periods, ExperimentError> {
+        let in_recording = |number: usize, source| ExperimentError::Recording {
+            path: self.paths[number].clone(),
+            source,
+        };
+        let reference = filled(reference(&self.logs[0]));
+        let n_samples = find_period(reference.view()).map_err(|error| in_recording(0, error))?;
+        let lines = find_lines(reference.view(), n_samples);
+        let lines = lines.map_err(|error| in_recording(0, error))?;
+        let mut n_transient = 0;
+        for (number, log) in self.logs.iter().enumerate() {
+            let found = transient(log, n_samples, &lines);
+            n_transient = n_transient.max(found.map_err(|error| in_recording(number, error))?);
+        }
+        let n_periods = self
+            .logs
+            .iter()
+            .map(|log| log.record.n_samples() / n_samples);
+        let n_periods = n_periods.min().unwrap_or(0);
+        Ok(Periods {
+            n_samples,
+            lines,
+            n_periods,
+            n_transient,
+        })
+    }
+
+    /// The FRF from the whole periods after the transient.
+    fn frf(&self, periods: &Periods, options: &EstimateTable) -> Result<Frf, ExperimentError> {
+        let first = &self.logs[0].record;
+        let dft = LineDft::new(periods.n_samples, &periods.lines)?;
+        let mut campaign = Campaign::new(dft.frequency_hz(first.sample_time_s)?)?;
+        let n_inputs = first.u.nrows();
+        for (number, log) in self.logs.iter().enumerate() {
+            for period in periods.n_transient..periods.n_periods {
                 let place = Place {
                     realization: number / n_inputs,
                     experiment: number % n_inputs,
-                    period: period - n_transient,
+                    period: period - periods.n_transient,
                 };
-                campaign.insert(place, RunSpectra::of(&dft, u, y, r)?)?;
+                if let Some(spectra) = spectra(log, period, &dft, options)? {
+                    campaign.insert(place, spectra)?;
+                }
             }
         }
+        campaign.drop_incomplete();
+        Ok(campaign.estimate(&options.frf_options())?)
     }
-    campaign.drop_incomplete();
-    let frf = campaign.estimate(&BlaOptions {
-        averaging: options.average.into(),
-        ..BlaOptions::default()
-    })?;
-    let names = Names {
-        inputs: std::mem::take(&mut logs[0].input_names),
-        outputs: std::mem::take(&mut logs[0].output_names),
-        input_units: std::mem::take(&mut logs[0].input_units),
-        output_units: std::mem::take(&mut logs[0].output_units),
-    };
-    let (mut losses, mut warnings) = (Vec::new(), Vec::new());
-    for (path, log) in paths.iter().zip(logs) {
-        losses.extend(log.losses.into_iter().map(|loss| (path.clone(), loss)));
-        warnings.extend(
-            log.warnings
-                .into_iter()
-                .map(|warning| (path.clone(), warning)),
-        );
+
+    fn outcome(self, frf: Frf, periods: &Periods) -> Result<Outcome, ExperimentError> {
+        let in_file = |text: &str, path: &PathBuf| format!("{}: {text}", path.display());
+        let (mut losses, mut warnings) = (Vec::new(), Vec::new());
+        for (path, log) in self.paths.iter().zip(&self.logs) {
+            losses.extend(
+                log.losses
+                    .iter()
+                    .map(|loss| in_file(&loss.to_string(), path)),
+            );
+            warnings.extend(log.warnings.iter().map(|warning| in_file(warning, path)));
+        }
+        let is_lossy = !losses.is_empty();
+        let mut provenance = BTreeMap::from([
+            (
+                "frfid_version".to_owned(),
+                env!("CARGO_PKG_VERSION").to_owned(),
+            ),
+            ("period_samples".to_owned(), periods.n_samples.to_string()),
+            ("periods_used".to_owned(), periods.n_used().to_string()),
+            (
+                "transient_periods_dropped".to_owned(),
+                periods.n_transient.to_string(),
+            ),
+        ]);
+        log_hashes(self.paths, &mut provenance)?;
+        let condition = condition_check(&frf, &[]);
+        let first = self.logs.into_iter().next().expect("at least one was read");
+        let result = ResultFile {
+            frf,
+            input_names: first.input_names,
+            output_names: first.output_names,
+            input_units: first.input_units,
+            output_units: first.output_units,
+            torque_rms_nm: None,
+            flagged: None,
+            checks: vec![
+                enough_periods(periods, is_lossy),
+                settled(periods),
+                condition,
+            ],
+            provenance,
+        };
+        losses.extend(warnings);
+        Ok(Outcome {
+            result,
+            warnings: losses,
+            is_lossy,
+            strength: None,
+            load: None,
+        })
     }
-    Ok(Foreign {
-        frf,
-        period_samples,
-        n_periods,
+}
+
+fn enough_periods(periods: &Periods, is_lossy: bool) -> Check {
+    let Periods {
+        n_samples,
         n_transient,
-        losses,
-        warnings,
-        names,
-    })
+        ..
+    } = periods;
+    let used = periods.n_used();
+    Check {
+        name: "periods".into(),
+        passed: used >= 2 && !is_lossy,
+        found: format!("{used} of {n_samples} samples, after {n_transient} transient"),
+        needed: "2 or more whole ones, for the noise to be known".into(),
+        advice: "record more periods back to back".into(),
+    }
+}
+
+fn settled(periods: &Periods) -> Check {
+    Check {
+        name: "settled".into(),
+        passed: periods.n_periods >= 3,
+        found: format!("{} periods", periods.n_periods),
+        needed: "3 or more, to tell a transient from the steady state".into(),
+        advice: "record more periods back to back; until then the first one may be transient"
+            .into(),
+    }
+}
+
+/// Spectra of one period of a recording; `None` where samples of it are lost.
+fn spectra(
+    log: &Log,
+    period: usize,
+    dft: &LineDft,
+    options: &EstimateTable,
+) -> Result<Option<RunSpectra>, ExperimentError> {
+    let window = s![.., period * dft.n_samples()..(period + 1) * dft.n_samples()];
+    let record = &log.record;
+    let r = record
+        .r
+        .as_ref()
+        .filter(|_| options.indirect)
+        .map(|r| r.slice(window));
+    let (u, y) = (record.u.slice(window), record.y.slice(window));
+    if is_whole(u) && is_whole(y) && r.is_none_or(is_whole) {
+        return Ok(Some(RunSpectra::of(dft, u, y, r)?));
+    }
+    Ok(None)
 }
 
 /// The reference, or the input where none was recorded.

@@ -1,14 +1,50 @@
-//! The whole workflow without files: runs on a testbed, estimate from its records.
+//! Records without files: those of a testbed that does the runs now, and those in memory.
 
-use std::sync::Mutex;
+use std::borrow::Cow;
 
-use frfid_signals::{Plan, Record, Run, RunId, Testbed};
+use frfid_files::Loss;
+use frfid_signals::{Record, RunId, Testbed};
 
 use crate::description::estimate::EstimateTable;
 use crate::error::ExperimentError;
-use crate::estimate::estimator::{Estimated, Estimator, Spectra};
+use crate::estimate::gather::{Gathered, Records};
+use crate::estimate::outcome::{Inventory, Outcome};
 use crate::experiment::Experiment;
-use crate::run::parallel::{Progress, run_all};
+use crate::run::parallel::Progress;
+
+/// Records that come from a testbed when they are asked for.
+struct Measuring<'a> {
+    experiment: &'a Experiment,
+    testbed: &'a dyn Testbed,
+    runs: Vec<RunId>,
+}
+
+impl Records for Measuring<'_> {
+    fn runs(&self) -> &[RunId] {
+        &self.runs
+    }
+
+    fn record(&self, place: usize) -> Result<(Cow<'_, Record>, Vec<Loss>), ExperimentError> {
+        let run = self.experiment.plan.run(self.runs[place])?;
+        Ok((Cow::Owned(self.testbed.run(&run)?), Vec::new()))
+    }
+}
+
+/// Records in memory.
+struct Kept<'a> {
+    records: &'a [(RunId, Record)],
+    runs: Vec<RunId>,
+}
+
+impl Records for Kept<'_> {
+    fn runs(&self) -> &[RunId] {
+        &self.runs
+    }
+
+    fn record(&self, place: usize) -> Result<(Cow<'_, Record>, Vec<Loss>), ExperimentError> {
+        Ok((Cow::Borrowed(&self.records[place].1), Vec::new()))
+    }
+}
 
 impl Experiment {
     /// Does every run of the plan on `testbed` and estimates the FRF; only spectra are kept.
@@ -20,110 +56,69 @@ impl Experiment {
         testbed: &dyn Testbed,
         jobs: usize,
         progress: Progress,
-    ) -> Result<Estimated, ExperimentError> {
-        let [estimated] =
-            self.measure_each([&self.config.estimate], testbed, jobs, progress, &|_, _| {
-                Ok(())
-            })?;
-        Ok(estimated)
+    ) -> Result<Outcome, ExperimentError> {
+        let [outcome] = self.measure_each([&self.config.estimate], testbed, jobs, progress)?;
+        Ok(outcome)
     }
 
-    /// Does every run once and estimates the FRF in several ways, one for each table; `look` sees
-    /// every record before it goes.
+    /// Does every run once and estimates the FRF in several ways, one for each table.
     ///
     /// # Errors
-    /// As [`Experiment::measure`], and those of `look`.
+    /// As [`Experiment::measure`].
     pub fn measure_each<const N: usize>(
         &self,
         ways: [&EstimateTable; N],
         testbed: &dyn Testbed,
         jobs: usize,
         progress: Progress,
-        look: &(dyn Fn(&Run, &Record) -> Result<(), ExperimentError> + Sync),
-    ) -> Result<[Estimated; N], ExperimentError> {
-        let mut estimators = ways
-            .iter()
-            .map(|way| Estimator::new(&self.plan, way))
-            .collect::<Result<Vec<_>, ExperimentError>>()?;
-        let comes_first = |id: &RunId| {
-            estimators
-                .iter()
-                .any(|estimator| estimator.comes_first(*id))
-        };
-        let (first, rest): (Vec<RunId>, Vec<RunId>) = self.plan.run_ids().partition(comes_first);
-        let total = first.len() + rest.len();
-        let records: Mutex<Vec<(RunId, Record)>> = Mutex::default();
-        let reference = |id| Ok(self.plan.run(id)?);
-        let of_all = |done: usize, _: usize| progress(done, total);
-        run_all(
-            &first,
-            &reference,
+    ) -> Result<[Outcome; N], ExperimentError> {
+        let runs = self.plan.run_ids().collect();
+        let measuring = Measuring {
+            experiment: self,
             testbed,
-            jobs,
-            &of_all,
-            &|run, record| {
-                look(run, &record)?;
-                records
-                    .lock()
-                    .expect("no holder of the lock panics")
-                    .push((run.id, record));
-                Ok(())
-            },
-        )?;
-        let mut records = records.into_inner().expect("no holder of the lock panics");
-        // a mean over them is then the same whatever the order in which they came
-        records.sort_by_key(|(id, _)| *id);
-        estimators
-            .iter_mut()
-            .try_for_each(|estimator| estimator.prepare(&records))?;
-        let spectra: [Mutex<Spectra>; N] = std::array::from_fn(|_| Mutex::default());
-        let estimate = |id: RunId, record: &Record| {
-            for (estimator, spectra) in estimators.iter().zip(&spectra) {
-                let periods = estimator.spectra(id, record, &|_| false)?;
-                spectra
-                    .lock()
-                    .expect("no holder of the lock panics")
-                    .extend(periods);
-            }
-            Ok(())
+            runs,
         };
-        records
-            .iter()
-            .try_for_each(|(id, record)| estimate(*id, record))?;
-        drop(records);
-        let of_all = |done: usize, _: usize| progress(first.len() + done, total);
-        run_all(&rest, &reference, testbed, jobs, &of_all, &|run, record| {
-            look(run, &record)?;
-            estimate(run.id, &record)
-        })?;
-        let estimated = estimators.iter().zip(spectra).map(|(estimator, spectra)| {
-            estimator.estimate(spectra.into_inner().expect("no holder of the lock panics"))
-        });
-        let estimated = estimated.collect::<Result<Vec<_>, ExperimentError>>()?;
-        Ok(estimated.try_into().expect("one estimate for each way"))
+        let outcomes = self.outcomes(&measuring, &ways, jobs, progress)?;
+        Ok(outcomes.try_into().expect("one for each way"))
+    }
+
+    /// Estimates the FRF of the plan from records in memory, glides and runs.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for records that do not fit the plan or do not make an estimate.
+    pub fn estimate(&self, records: &[(RunId, Record)]) -> Result<Outcome, ExperimentError> {
+        let runs = records.iter().map(|(run, _)| *run).collect();
+        let kept = Kept { records, runs };
+        let ways = [&self.config.estimate];
+        let outcomes = self.outcomes(&kept, &ways, 0, &|_, _| true)?;
+        Ok(outcomes.into_iter().next().expect("one for each way"))
+    }
+
+    fn outcomes(
+        &self,
+        records: &dyn Records,
+        ways: &[&EstimateTable],
+        jobs: usize,
+        progress: Progress,
+    ) -> Result<Vec<Outcome>, ExperimentError> {
+        let gathered = self.gather(records, ways, jobs, progress)?;
+        let inventory = inventory(records.runs(), &gathered);
+        Ok(self.conclude(gathered, &inventory))
     }
 }
 
-/// Estimates the FRF of a plan from its records, glides and runs, in memory.
-///
-/// # Errors
-/// [`ExperimentError`] for records that do not fit the plan or do not make an estimate.
-pub fn estimate_records(
-    plan: &Plan,
-    options: &EstimateTable,
-    records: &[(RunId, Record)],
-) -> Result<Estimated, ExperimentError> {
-    let mut estimator = Estimator::new(plan, options)?;
-    let mut first: Vec<_> = records
+/// What is there and what is not, losses by the names of their runs.
+fn inventory(runs: &[RunId], gathered: &Gathered) -> Inventory {
+    let mut flawed: Vec<RunId> = gathered
+        .losses
         .iter()
-        .filter(|(id, _)| estimator.comes_first(*id))
-        .cloned()
+        .map(|(place, _)| runs[*place])
         .collect();
-    first.sort_by_key(|(id, _)| *id);
-    estimator.prepare(&first)?;
-    let mut spectra = Spectra::default();
-    for (id, record) in records {
-        spectra.extend(estimator.spectra(*id, record, &|_| false)?);
+    flawed.dedup();
+    let lost = |(place, loss): &(usize, Loss)| format!("run {}: {loss}", runs[*place]);
+    Inventory {
+        n_records: runs.len(),
+        n_flawed: flawed.len(),
+        losses: gathered.losses.iter().map(lost).collect(),
     }
-    estimator.estimate(spectra)
 }

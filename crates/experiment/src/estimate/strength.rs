@@ -1,9 +1,7 @@
 //! Whether the excitation of a campaign was strong enough to keep friction from hiding the
 //! resonances (SK15 footnote 2).
 
-use std::collections::BTreeMap;
-
-use frfid_estimate::{AxisStrength, BandStrength, pooled_strength, strength, strength_warnings};
+use frfid_estimate::{AxisStrength, pooled_strength, strength, strength_warnings};
 use frfid_files::Check;
 use frfid_signals::{Excitation, Record, RunId, RunKind};
 use serde::Serialize;
@@ -17,47 +15,10 @@ const PER_OCTAVE: f64 = 3.0;
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Strength {
     /// One entry for each axis.
-    pub axes: Vec<AxisReport>,
+    pub axes: Vec<AxisStrength>,
     /// What was too weak, in words; empty if nothing was.
     pub warnings: Vec<String>,
 }
-
-/// How one axis was driven and moved.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct AxisReport {
-    /// Rms of the motor torque about its mean in N m.
-    pub rms_nm: f64,
-    /// The same over the Coulomb friction; `None` where that is not known or 0.
-    pub rms_over_coulomb: Option<f64>,
-    /// Share of the samples in which the motor was stuck.
-    pub stuck_share: f64,
-    /// Smallest measured velocity, either way, in rad/s.
-    pub slowest_rad_s: f64,
-    /// Whether the measured velocity left the direction of the constant velocity; `None` without
-    /// one.
-    pub crosses_zero: Option<bool>,
-    /// The same by frequency.
-    pub bands: Vec<BandReport>,
-}
-
-/// How one axis was driven and moved in a band.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct BandReport {
-    /// Lower edge in Hz.
-    pub low_hz: f64,
-    /// Upper edge in Hz.
-    pub high_hz: f64,
-    /// Rms of the motor torque in N m.
-    pub rms_nm: f64,
-    /// The same over the Coulomb friction.
-    pub rms_over_coulomb: Option<f64>,
-    /// Share of the samples in which the motor was stuck while a chirp was in the band; `None` for
-    /// a multisine.
-    pub stuck_share: Option<f64>,
-}
-
-/// The strength of single runs, in their order.
-pub(crate) type OfRuns = BTreeMap<RunId, Vec<AxisStrength>>;
 
 impl Experiment {
     /// The strength of one run; `None` for a glide, or a run that was stopped before there was
@@ -70,24 +31,13 @@ impl Experiment {
     }
 
     /// The strength of several runs as one; `None` of none.
-    pub(crate) fn strength(&self, runs: OfRuns) -> Option<Strength> {
-        let axes = pooled_strength(&runs.into_values().collect::<Vec<_>>())?;
+    pub(crate) fn strength(&self, runs: &[Vec<AxisStrength>]) -> Option<Strength> {
         let coulomb_nm = self.coulomb_nm();
+        let axes = pooled_strength(runs, coulomb_nm.as_deref())?;
         let names: Vec<String> = (1..=axes.len())
             .map(|axis| format!("axis {axis}"))
             .collect();
         let warnings = strength_warnings(&axes, &names, coulomb_nm.as_deref());
-        let coulomb_nm = |axis: usize| {
-            coulomb_nm
-                .as_ref()
-                .and_then(|all| all.get(axis).copied())
-                .filter(|nm| *nm > 0.0)
-        };
-        let axes = axes
-            .iter()
-            .enumerate()
-            .map(|(axis, strength)| axis_report(strength, coulomb_nm(axis)))
-            .collect();
         Some(Strength { axes, warnings })
     }
 
@@ -145,28 +95,5 @@ impl Strength {
     #[must_use]
     pub fn crosses_zero(&self) -> bool {
         self.axes.iter().any(|axis| axis.crosses_zero == Some(true))
-    }
-}
-
-fn axis_report(strength: &AxisStrength, coulomb_nm: Option<f64>) -> AxisReport {
-    let band = |&BandStrength {
-                    low_hz,
-                    high_hz,
-                    rms_nm,
-                    stuck_share,
-                }: &BandStrength| BandReport {
-        low_hz,
-        high_hz,
-        rms_nm,
-        rms_over_coulomb: coulomb_nm.map(|coulomb_nm| rms_nm / coulomb_nm),
-        stuck_share,
-    };
-    AxisReport {
-        rms_nm: strength.rms_nm,
-        rms_over_coulomb: coulomb_nm.map(|coulomb_nm| strength.rms_nm / coulomb_nm),
-        stuck_share: strength.stuck_share,
-        slowest_rad_s: strength.slowest_rad_s,
-        crosses_zero: strength.crosses_zero,
-        bands: strength.bands.iter().map(band).collect(),
     }
 }

@@ -3,17 +3,17 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
 
+use frfid_estimate::AxisStrength;
 use frfid_files::{Overwrite, RunFile, create_folder, read_run, write_run};
 use frfid_signals::{Event, EventKind, Plan, Record, RunId, RunKind, Testbed};
 use serde::Serialize;
 
-use crate::design::predict::Peaks;
 use crate::error::ExperimentError;
-use crate::estimate::strength::{OfRuns, Strength};
+use crate::estimate::strength::Strength;
 use crate::experiment::Experiment;
-use crate::run::parallel::{Progress, run_all};
+use crate::run::load::Load;
+use crate::run::parallel::{Progress, Steps, for_each};
 use crate::run::planned_runs::Order;
 use crate::run::provenance::CONFIG;
 
@@ -48,7 +48,8 @@ pub struct RunReport {
     /// Its file.
     pub path: PathBuf,
     /// Largest values.
-    pub peaks: Peaks,
+    #[serde(rename = "peaks")]
+    pub load: Load,
     /// Share of the samples at which the measured velocity is exactly zero, one for each axis: with
     /// an ideal sensor the time in which friction holds the joint.
     pub standing_share: Vec<f64>,
@@ -71,25 +72,23 @@ pub fn run_to_folder(
 ) -> Result<RunSummary, ExperimentError> {
     let ids = chosen(order, options.index)?;
     let experiment = &order.experiment;
-    let metadata = experiment.provenance();
-    let config_sha256 = metadata.get(CONFIG);
-    let path_of = |id: RunId| folder.join(format!("{id}.mcap"));
-    let mut stopped_before = Vec::new();
-    let mut is_done = |id: &RunId| {
-        let whole = read_run(&path_of(*id))
-            .ok()
-            .filter(|(_, losses)| losses.is_empty());
-        let ours =
-            whole.filter(|(file, _)| file.run == *id && file.metadata.get(CONFIG) == config_sha256);
-        let Some((file, _)) = ours else { return false };
-        if file.record.stopped_at_s().is_none() {
-            return true;
-        }
-        let kept = options.overwrite != Overwrite::Replace;
-        stopped_before.extend(kept.then(|| path_of(*id)));
-        kept
+    let writer = Writer {
+        order,
+        folder,
+        overwrite: options.overwrite,
+        metadata: experiment.provenance(),
+        pose_rad: experiment.config.robot.pose(),
     };
-    let (done, open): (Vec<RunId>, Vec<RunId>) = ids.iter().partition(|id| is_done(id));
+    let (mut open, mut stopped_before) = (Vec::new(), Vec::new());
+    for id in &ids {
+        match writer.found(*id) {
+            Found::Whole => {}
+            Found::Stopped if options.overwrite != Overwrite::Replace => {
+                stopped_before.push(writer.path_of(*id));
+            }
+            Found::Stopped | Found::Nothing => open.push(*id),
+        }
+    }
     let model = if testbed.is_none() {
         Some(experiment.testbed()?)
     } else {
@@ -98,39 +97,79 @@ pub fn run_to_folder(
     let testbed = testbed
         .or(model.as_deref())
         .expect("one of the two was given");
-    let pose_rad = experiment.config.robot.pose();
-    let written: Mutex<(Vec<RunReport>, OfRuns)> = Mutex::default();
     create_folder(folder)?;
-    let progress_of_all = |now: usize, _: usize| progress(done.len() + now, ids.len());
-    run_all(
-        &open,
-        &|id| order.run(id),
-        testbed,
-        options.jobs,
-        &progress_of_all,
-        &|run, record| {
-            let file = run_file(experiment, run.id, record, metadata.clone())?;
-            let peaks = Peaks::of(&file.record, &run.start_rad, &pose_rad);
-            let report = report(path_of(run.id), peaks, &file.record);
-            write_run(&report.path, options.overwrite, &file)?;
-            let mut written = written.lock().expect("no holder of the lock panics");
-            written.0.push(report);
-            written.1.extend(
-                experiment
-                    .strength_of(run.id, &file.record)
-                    .map(|strength| (run.id, strength)),
-            );
-            Ok(())
-        },
-    )?;
-    let (mut written, strengths) = written.into_inner().expect("no holder of the lock panics");
+    let n_skipped = ids.len() - open.len();
+    let steps = Steps {
+        progress,
+        before: n_skipped,
+        total: ids.len(),
+    };
+    let written = for_each(&open, options.jobs, steps, |id| writer.done(*id, testbed))?;
+    let (mut written, strengths): (Vec<RunReport>, Vec<_>) = written.into_iter().unzip();
     written.sort_by(|a, b| a.path.cmp(&b.path));
+    let strengths: Vec<_> = strengths.into_iter().flatten().collect();
+    let strength = experiment.strength(&strengths);
     Ok(RunSummary {
         written,
-        n_skipped: done.len(),
+        n_skipped,
         stopped_before,
-        strength: experiment.strength(strengths),
+        strength,
     })
+}
+
+/// What is in the place of a run's file.
+enum Found {
+    /// Nothing, or something that is not this run's.
+    Nothing,
+    /// The run, stopped before its end.
+    Stopped,
+    /// The run.
+    Whole,
+}
+
+/// Does runs and writes their files.
+struct Writer<'a> {
+    order: &'a Order,
+    folder: &'a Path,
+    overwrite: Overwrite,
+    metadata: BTreeMap<String, String>,
+    pose_rad: Vec<f64>,
+}
+
+impl Writer<'_> {
+    fn path_of(&self, id: RunId) -> PathBuf {
+        self.folder.join(format!("{id}.mcap"))
+    }
+
+    fn found(&self, id: RunId) -> Found {
+        match read_run(&self.path_of(id)) {
+            Ok((file, losses)) if losses.is_empty() => {
+                let ours = file.metadata.get(CONFIG) == self.metadata.get(CONFIG);
+                match file.record.stopped_at_s() {
+                    _ if file.run != id || !ours => Found::Nothing,
+                    Some(_) => Found::Stopped,
+                    None => Found::Whole,
+                }
+            }
+            _ => Found::Nothing,
+        }
+    }
+
+    /// Does a run and writes it; returns what came of it, and how the axes were driven and moved.
+    fn done(
+        &self,
+        id: RunId,
+        testbed: &dyn Testbed,
+    ) -> Result<(RunReport, Option<Vec<AxisStrength>>), ExperimentError> {
+        let experiment = &self.order.experiment;
+        let run = self.order.run(id)?;
+        let record = testbed.run(&run)?;
+        let file = run_file(experiment, id, record, self.metadata.clone())?;
+        let load = Load::of(&file.record, &run.start_rad, &self.pose_rad);
+        let report = report(self.path_of(id), load, &file.record);
+        write_run(&report.path, self.overwrite, &file)?;
+        Ok((report, experiment.strength_of(id, &file.record)))
+    }
 }
 
 /// All runs, or the one at `index`.
@@ -187,14 +226,14 @@ fn period_starts(plan: &Plan, id: RunId, record: &Record) -> Result<Vec<Event>, 
         .collect())
 }
 
-fn report(path: PathBuf, peaks: Peaks, record: &Record) -> RunReport {
+fn report(path: PathBuf, load: Load, record: &Record) -> RunReport {
     let standing = |row: ndarray::ArrayView1<f64>| {
         row.iter().filter(|&&y| y == 0.0).count() as f64 / row.len().max(1) as f64
     };
     let is_start = |event: &&Event| matches!(event.kind, EventKind::PeriodStart { .. });
     RunReport {
         path,
-        peaks,
+        load,
         standing_share: record.y.rows().into_iter().map(standing).collect(),
         events: record
             .events

@@ -1,9 +1,8 @@
-//! Doing the runs of a plan on a testbed, several at once: the records do not depend on the number
-//! of jobs.
+//! Work on many runs at once: the results come in the order of the runs, whatever the number of
+//! jobs.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use frfid_signals::{Record, Run, RunId, Testbed};
 use rayon::prelude::*;
 
 use crate::error::ExperimentError;
@@ -17,50 +16,54 @@ pub fn silent(_done: usize, _total: usize) -> bool {
     true
 }
 
-/// Does the runs `ids` on `jobs` threads (0: one for each core) and hands each record to `keep`, in
-/// no particular order.
-///
-/// `reference` gives the run to an id: [`frfid_signals::Plan::run`], or a reader of a plan file.
-/// Memory is that of `jobs` records.
+/// Which steps of a longer work come next, and who is told of them.
+#[derive(Clone, Copy)]
+pub struct Steps<'a> {
+    /// Told of every step.
+    pub progress: Progress<'a>,
+    /// Steps done before.
+    pub before: usize,
+    /// Steps in all.
+    pub total: usize,
+}
+
+/// Does `work` for each of `items` on `jobs` threads (0: one for each core), a step each; the results
+/// are in the order of the items.
 ///
 /// # Errors
-/// The first error of reference, testbed or `keep`; [`ExperimentError::Interrupted`] when
-/// `progress` said so. Runs that were already under way are finished and kept.
-pub fn run_all(
-    ids: &[RunId],
-    reference: &(dyn Fn(RunId) -> Result<Run, ExperimentError> + Sync),
-    testbed: &dyn Testbed,
+/// The first error of `work`, or [`ExperimentError::Interrupted`] when the progress said so. Work
+/// that was already under way is finished.
+pub fn for_each<I: Sync, T: Send>(
+    items: &[I],
     jobs: usize,
-    progress: Progress,
-    keep: &(dyn Fn(&Run, Record) -> Result<(), ExperimentError> + Sync),
-) -> Result<(), ExperimentError> {
+    steps: Steps,
+    work: impl Fn(&I) -> Result<T, ExperimentError> + Sync,
+) -> Result<Vec<T>, ExperimentError> {
+    let Steps {
+        progress,
+        before,
+        total,
+    } = steps;
     let (done, stop) = (
-        AtomicUsize::new(0),
-        AtomicBool::new(!progress(0, ids.len())),
+        AtomicUsize::new(before),
+        AtomicBool::new(!progress(before, total)),
     );
-    let one = |&id: &RunId| {
+    let one = |item: &I| {
         if stop.load(Ordering::Relaxed) {
-            return Err(ExperimentError::Interrupted {
-                done: done.load(Ordering::Relaxed),
-                total: ids.len(),
-            });
+            let done = done.load(Ordering::Relaxed);
+            return Err(ExperimentError::Interrupted { done, total });
         }
-        let run = reference(id)?;
-        let record = testbed.run(&run)?;
-        keep(&run, record)?;
-        if !progress(1 + done.fetch_add(1, Ordering::Relaxed), ids.len()) {
+        let result = work(item)?;
+        if !progress(1 + done.fetch_add(1, Ordering::Relaxed), total) {
             stop.store(true, Ordering::Relaxed);
         }
-        Ok(())
+        Ok(result)
     };
-    in_pool(jobs, || ids.par_iter().try_for_each(one))
+    in_pool(jobs, || items.par_iter().map(one).collect())
 }
 
 /// Runs `work` in a pool of `jobs` threads (0: the common pool, one for each core).
-///
-/// # Errors
-/// Those of `work`, or [`ExperimentError::Threads`] if the threads cannot be started.
-pub fn in_pool<T: Send>(
+fn in_pool<T: Send>(
     jobs: usize,
     work: impl FnOnce() -> Result<T, ExperimentError> + Send,
 ) -> Result<T, ExperimentError> {
@@ -68,9 +71,9 @@ pub fn in_pool<T: Send>(
         return work();
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(jobs).build();
-    pool.map_err(|error| ExperimentError::Threads {
+    let pool = pool.map_err(|error| ExperimentError::Threads {
         jobs,
         reason: error.to_string(),
-    })?
-    .install(work)
+    })?;
+    pool.install(work)
 }

@@ -4,9 +4,8 @@
 use std::sync::Arc;
 
 use frfid_plant::{ClosedLoop, Hold, OpenLoop, Robot, Sensor, Trajectory, Watch};
-use frfid_signals::{Frf, Record, Run, Testbed, TestbedError};
+use frfid_signals::{Frf, Limit, Limits, Record, Run, Testbed, TestbedError};
 
-use crate::description::limits::LimitsTable;
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 
@@ -114,55 +113,40 @@ impl Experiment {
     /// The limits that bind: those of the experiment and those of the robot, the tighter of the
     /// two.
     #[must_use]
-    pub fn limits(&self) -> LimitsTable {
+    pub fn limits(&self) -> Limits {
         self.config.limits.tighter(&self.config.robot.limits())
     }
 
     /// Whether a limit of an axis is the robot's own, not that of the experiment.
     #[must_use]
-    pub fn is_robots(&self, limit: &str, axis: usize) -> bool {
-        let of = |limits: &LimitsTable| {
-            limits
-                .clone()
-                .entry(limit)
-                .as_ref()
-                .and_then(|limit| limit.get(axis).copied())
-        };
-        of(&self.config.limits) != of(&self.limits())
+    pub fn limit_is_robots_own(&self, limit: Limit, axis: usize) -> bool {
+        self.config.limits.of(limit, axis) != self.limits().of(limit, axis)
     }
 
-    /// What stops a run. A position limit nearer to the pose than the largest travel takes its
-    /// place, on either side.
+    /// What stops a run: an excess of torque, velocity or travel. A position limit nearer to the
+    /// pose than the largest travel takes its place, on either side.
     #[must_use]
     pub fn watch(&self) -> Watch {
-        // an axis without a limit has one that no number reaches
-        let watched = |limit: Vec<f64>| limit.iter().map(|limit| limit.min(f64::MAX)).collect();
-        let LimitsTable {
-            max_effort,
-            max_velocity,
-            max_travel,
-            min_position,
-            max_position,
-            ..
-        } = self.limits();
+        let all = self.limits();
         let pose_rad = self.config.robot.pose();
-        let room = |limit: Option<Vec<f64>>| {
-            limit.map(|limit| {
-                limit
-                    .iter()
-                    .zip(&pose_rad)
+        let room = |limit: Limit| -> Option<Vec<f64>> {
+            let positions = all.get(limit)?.iter().zip(&pose_rad);
+            Some(
+                positions
                     .map(|(limit, pose)| (limit - pose).abs())
-                    .collect()
-            })
+                    .collect(),
+            )
         };
-        let travels = [max_travel, room(min_position), room(max_position)]
+        let mut limits: Limits = [Limit::Torque, Limit::Velocity, Limit::Travel]
             .into_iter()
-            .flatten();
-        let nearest = |a: Vec<f64>, b: Vec<f64>| a.iter().zip(b).map(|(a, b)| a.min(b)).collect();
+            .filter_map(|limit| Some((limit, all.get(limit)?.to_vec())))
+            .collect();
+        for room in [room(Limit::LowestPosition), room(Limit::HighestPosition)] {
+            let travel = room.map(|room| (Limit::Travel, room));
+            limits = limits.tighter(&travel.into_iter().collect());
+        }
         Watch {
-            max_effort_nm: max_effort.map(watched),
-            max_velocity_rad_s: max_velocity.map(watched),
-            max_travel_rad: travels.reduce(nearest).map(watched),
+            limits,
             ramp_s: RAMP_S,
         }
     }
@@ -170,6 +154,8 @@ impl Experiment {
 
 #[cfg(test)]
 mod tests {
+    use frfid_signals::Limit;
+
     use crate::description::templates::Template;
     use crate::description::text::Source;
     use crate::experiment::Experiment;
@@ -189,7 +175,8 @@ mod tests {
             "".as_ref(),
         )
         .expect("sound");
-        let travel = experiment.watch().max_travel_rad.expect("limited");
+        let watch = experiment.watch();
+        let travel = watch.limits.get(Limit::Travel).expect("limited");
         for (found, expected) in travel.iter().zip([0.0072, 0.0109, 0.0208]) {
             assert!((found - expected).abs() < 1e-4, "{travel:?}");
         }

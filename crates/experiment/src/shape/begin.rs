@@ -1,9 +1,9 @@
 //! The shaping that a description asks for (SK15 section 5.3): from the reference of its `[chirp]`
 //! towards what its `[shape]` desires, inside its limits.
 
-use frfid_estimate::{EstimateError, ShapeError, ShapeLimits, ShapeOptions, Shaper, Target};
+use frfid_estimate::{EstimateError, ShapeError, ShapeOptions, Shaper, Target};
 use frfid_plant::{Sensor, Velocity};
-use frfid_signals::{Chirp, Excitation, Plan, Profile, RunId, RunKind};
+use frfid_signals::{Chirp, Excitation, Limit, Plan, Profile, RunId, RunKind};
 use ndarray::{Array3, Axis};
 
 use crate::description::excitation::Amplitude;
@@ -63,7 +63,7 @@ impl Experiment {
     }
 
     /// The chirp and its table, once everything stands that shaping needs.
-    pub fn shaped(&self) -> Result<(&Chirp, &ShapeTable), ConfigError> {
+    pub(crate) fn shaped(&self) -> Result<(&Chirp, &ShapeTable), ConfigError> {
         let refused = |path: &[&str], message: &str| Err(self.source.error(path, message));
         let Excitation::Chirp(chirp) = &self.plan.excitation else {
             return refused(
@@ -137,17 +137,18 @@ impl Experiment {
         key: &str,
         profiles: &[Profile],
     ) -> Result<(), ConfigError> {
-        let limits = self.limits();
-        let (name, unit, limit) = match target {
-            Target::Torque => ("max_effort", "N m", limits.max_effort),
-            Target::Velocity => ("max_velocity", "rad/s", limits.max_velocity),
+        let limit = match target {
+            Target::Torque => Limit::Torque,
+            Target::Velocity => Limit::Velocity,
         };
-        for (axis, (profile, limit)) in profiles.iter().zip(limit.iter().flatten()).enumerate() {
-            if profile.peak() > *limit {
+        let limits = self.limits();
+        for (axis, profile) in profiles.iter().enumerate() {
+            let (peak, allowed) = (profile.peak(), limits.of(limit, axis));
+            if peak > allowed {
+                let (unit, name) = (limit.unit(), limit.key());
                 let message = format!(
-                    "axis {} desires {} {unit}, beyond its {name} of {limit}; lower it",
-                    axis + 1,
-                    profile.peak()
+                    "axis {} desires {peak} {unit}, beyond its {name} of {allowed}; lower it",
+                    axis + 1
                 );
                 return Err(self.source.error(&["shape", key], message));
             }
@@ -156,7 +157,6 @@ impl Experiment {
     }
 
     fn shape_options(&self, chirp: &Chirp, table: &ShapeTable, target: Target) -> ShapeOptions {
-        let watch = self.watch();
         ShapeOptions {
             target,
             step: table.step(),
@@ -166,12 +166,8 @@ impl Experiment {
             n_iterations: table.n_iterations,
             good_enough: table.good_enough,
             largest_change: table.largest_change,
-            limits: ShapeLimits {
-                max_torque_nm: watch.max_effort_nm,
-                max_velocity_rad_s: watch.max_velocity_rad_s,
-                max_travel_rad: watch.max_travel_rad,
-                margin: table.margin,
-            },
+            limits: self.watch().limits,
+            margin: table.margin,
             max_stuck_share: table.max_stuck_share,
             still_rad_s: self.still_rad_s(),
             coulomb_nm: self.coulomb_nm(),

@@ -4,9 +4,8 @@
 
 use std::collections::BTreeMap;
 use std::path::Path;
-use std::sync::Mutex;
 
-use frfid_estimate::{Iteration, Shaped, Shaper};
+use frfid_estimate::{Driver, Iteration, Shaped, Shaper};
 use frfid_files::{
     FileError, Overwrite, check_free, create_folder, read_run, sha256_file, sha256_hex,
     write_bytes, write_result, write_run,
@@ -16,7 +15,7 @@ use frfid_signals::{Record, Run, RunId, Testbed};
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::folder::run_file;
-use crate::run::parallel::{Progress, run_all};
+use crate::run::parallel::{Progress, Steps, for_each};
 use crate::run::provenance::{CONFIG, DESIGN};
 use crate::shape::iteration_files::{IterationFiles, NAMES};
 use crate::shape::report::{FILE, IterationReport, ShapeReport};
@@ -55,7 +54,7 @@ pub fn shape_to_folder(
     options: &ShapeFolderOptions,
     progress: Progress,
 ) -> Result<ShapeReport, ExperimentError> {
-    let (mut shaper, shape_options) = experiment.shaper()?;
+    let (shaper, shape_options) = experiment.shaper()?;
     let model = if testbed.is_none() {
         Some(experiment.testbed()?)
     } else {
@@ -65,12 +64,34 @@ pub fn shape_to_folder(
         .or(model.as_deref())
         .expect("one of the two was given");
     let report = ShapeReport::begun(experiment, &shape_options);
-    let mut trail = Trail::open(experiment, folder, options, report)?;
-    while shaper.stop().is_none() {
-        let records = trail.records(&shaper, testbed, progress)?;
-        trail.keep(shaper.measured(records)?)?;
+    let trail = Trail::open(experiment, folder, options, report)?;
+    let mut player = Player {
+        trail,
+        testbed,
+        progress,
+    };
+    let shaped = shaper.drive(&mut player)?;
+    player.trail.finish(&shaped)
+}
+
+/// Does the runs of a shaping and keeps them on its trail.
+struct Player<'a> {
+    trail: Trail<'a>,
+    testbed: &'a dyn Testbed,
+    progress: Progress<'a>,
+}
+
+impl Driver for Player<'_> {
+    type Error = ExperimentError;
+
+    fn records(&mut self, shaper: &Shaper) -> Result<Vec<Record>, ExperimentError> {
+        self.trail.records(shaper, self.testbed, self.progress)
     }
-    trail.finish(&shaper.finish()?)
+
+    fn iterated(&mut self, iteration: &Iteration) -> Result<bool, ExperimentError> {
+        self.trail.keep(iteration)?;
+        Ok(true)
+    }
 }
 
 /// The folder of a shaping.
@@ -138,42 +159,28 @@ impl<'a> Trail<'a> {
                 records.insert(run.id, record);
             }
         }
-        let open: Vec<RunId> = runs
+        let open: Vec<&Run> = runs
             .iter()
-            .map(|run| run.id)
-            .filter(|id| !records.contains_key(id))
+            .filter(|run| !records.contains_key(&run.id))
             .collect();
-        let before = (iteration - 1) * runs.len() + records.len();
-        let total = self.report.n_iterations * runs.len();
-        let records = Mutex::new(records);
-        let progress = |now: usize, _: usize| progress(before + now, total);
-        let done = run_all(
-            &open,
-            &|id| Ok(runs[id.experiment].clone()),
-            testbed,
-            self.jobs,
-            &progress,
-            &|run, record| {
-                let file = run_file(self.experiment, run.id, record, self.metadata_of(run))?;
-                write_run(&path_of(run.id), Overwrite::Resume, &file)?;
-                records
-                    .lock()
-                    .expect("no holder of the lock panics")
-                    .insert(run.id, file.record);
-                Ok(())
-            },
-        );
-        done.map_err(|error| match error {
+        let steps = Steps {
+            progress,
+            before: (iteration - 1) * runs.len() + records.len(),
+            total: self.report.n_iterations * runs.len(),
+        };
+        let done = for_each(&open, self.jobs, steps, |&run| {
+            let record = testbed.run(run)?;
+            let file = run_file(self.experiment, run.id, record, self.metadata_of(run))?;
+            write_run(&path_of(run.id), Overwrite::Resume, &file)?;
+            Ok((run.id, file.record))
+        });
+        records.extend(done.map_err(|error| match error {
             ExperimentError::Interrupted { .. } => {
                 ExperimentError::ShapingInterrupted { iteration }
             }
             error => error,
-        })?;
-        Ok(records
-            .into_inner()
-            .expect("no holder of the lock panics")
-            .into_values()
-            .collect())
+        })?);
+        Ok(records.into_values().collect())
     }
 
     /// The record of a run that was done before; `None` if it was not.

@@ -6,13 +6,13 @@ use std::path::Path;
 
 use frfid_estimate as estimate;
 use frfid_files::{Check, Overwrite, ResultFile, sha256_file, write_bytes, write_result};
-use frfid_signals::{Frf, Record, RunId, RunKind};
+use frfid_signals::{Frf, Record, RunId};
 
-use crate::design::predict::Peaks;
 use crate::error::ExperimentError;
 use crate::estimate::estimator::Estimator;
 use crate::estimate::outcome::condition_check;
 use crate::experiment::Experiment;
+use crate::run::load::Load;
 
 /// FRF from motor torque to motor velocity.
 const U_TO_Y: &str = "u_to_y.json";
@@ -50,14 +50,12 @@ impl<'a> IterationFiles<'a> {
     /// Whether U of an iteration can be inverted well.
     pub fn condition_check(&self, frf: &Frf, iteration: &estimate::Iteration) -> Check {
         let still = vec![0.0; self.experiment.plan.n_inputs];
-        let peaks = iteration
+        let loads = iteration
             .records
             .iter()
-            .map(|record| Peaks::of(record, &still, &still));
-        let efforts = peaks
-            .reduce(|a, b| a.max(&b))
-            .map(|peaks| peaks.effort_rms_nm);
-        condition_check(frf, &efforts.unwrap_or_default())
+            .map(|record| Load::of(record, &still, &still));
+        let torques = Load::largest(loads).map(|load| load.torque_rms_nm);
+        condition_check(frf, &torques.unwrap_or_default())
     }
 
     /// Writes FRFs and errors beside the runs in `folder`; returns the hash of every file.
@@ -104,12 +102,15 @@ impl<'a> IterationFiles<'a> {
     ) -> Result<ResultFile, ExperimentError> {
         let pose = self.experiment.config.robot.pose();
         let start = vec![0.0; pose.len()];
-        let peaks = iteration
+        let loads = iteration
             .records
             .iter()
-            .map(|record| Peaks::of(record, &start, &pose))
-            .reduce(|a, b| a.max(&b));
-        let mut result = self.experiment.result(frf, peaks.as_ref(), checks);
+            .map(|record| Load::of(record, &start, &pose));
+        let peaks = Load::largest(loads);
+        let mut result = ResultFile {
+            checks,
+            ..self.experiment.result(frf, peaks.as_ref())
+        };
         result
             .provenance
             .insert("iteration".into(), iteration.number.to_string());
@@ -125,31 +126,25 @@ impl<'a> IterationFiles<'a> {
     /// The response from the reference to the motor torque as a result.
     fn response(&self, frf: Frf) -> ResultFile {
         let joints = self.experiment.config.robot.joint_names();
+        let named = |quantity: &str| -> Vec<String> {
+            joints
+                .iter()
+                .map(|joint| format!("{joint} {quantity}"))
+                .collect()
+        };
         ResultFile {
-            frf,
-            input_names: joints
-                .iter()
-                .map(|joint| format!("{joint} reference"))
-                .collect(),
-            output_names: joints
-                .iter()
-                .map(|joint| format!("{joint} torque"))
-                .collect(),
+            input_names: named("reference"),
+            output_names: named("torque"),
             input_units: vec!["rad/s".into(); joints.len()],
             output_units: vec!["N m".into(); joints.len()],
-            checks: Vec::new(),
             provenance: self.metadata.clone(),
+            ..ResultFile::torque_to_velocity(frf, &joints)
         }
     }
 }
 
 fn run_id(realization: usize, experiment: usize) -> RunId {
-    RunId {
-        kind: RunKind::Excitation,
-        realization,
-        experiment,
-        repetition: 0,
-    }
+    RunId::excitation(realization, experiment, 0)
 }
 
 /// Files of the runs of an iteration.

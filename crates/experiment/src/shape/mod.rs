@@ -2,5 +2,6 @@
 
 pub(crate) mod begin;
 pub(crate) mod folder;
+pub(crate) mod in_memory;
 pub(crate) mod iteration_files;
 pub(crate) mod report;

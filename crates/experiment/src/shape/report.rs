@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use frfid_estimate::{Iteration, Peaks, ShapeOptions, Shaped, Sticking, Stop, Target};
+use frfid_estimate::{Iteration, ShapeOptions, ShapePeaks, Shaped, Sticking, Stop, Target};
 use frfid_files::{Check, FileError};
 use serde::{Deserialize, Serialize};
 
@@ -80,33 +80,6 @@ pub struct IterationReport {
     pub notes: Vec<String>,
     /// SHA-256 of every file of the iteration.
     pub files: BTreeMap<String, String>,
-}
-
-/// Largest magnitudes over all experiments of an iteration, one for each axis.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ShapePeaks {
-    /// Motor torque in N m.
-    pub torque_nm: Vec<f64>,
-    /// Motor velocity in rad/s.
-    pub velocity_rad_s: Vec<f64>,
-    /// Way from where the runs began in rad.
-    pub travel_rad: Vec<f64>,
-}
-
-impl From<&Peaks> for ShapePeaks {
-    fn from(
-        Peaks {
-            torque_nm,
-            velocity_rad_s,
-            travel_rad,
-        }: &Peaks,
-    ) -> Self {
-        Self {
-            torque_nm: torque_nm.clone(),
-            velocity_rad_s: velocity_rad_s.clone(),
-            travel_rad: travel_rad.clone(),
-        }
-    }
 }
 
 impl IterationReport {

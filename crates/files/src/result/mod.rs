@@ -49,10 +49,38 @@ pub struct ResultFile {
     pub input_units: Vec<String>,
     /// SI unit of each output.
     pub output_units: Vec<String>,
+    /// Rms of the motor torque of each input in N m, where the inputs are torques and it was
+    /// measured: which of two results had the stronger excitation.
+    pub torque_rms_nm: Option<Vec<f64>>,
+    /// Whether what remains of the torque ripple exceeds the noise, frequency by frequency; `None`
+    /// where that cannot be told.
+    pub flagged: Option<Vec<bool>>,
     /// What was checked.
     pub checks: Vec<Check>,
     /// Versions, seeds, hashes, amplitudes, limits, ...
     pub provenance: BTreeMap<String, String>,
+}
+
+impl ResultFile {
+    /// An FRF from the motor torques to the motor velocities of these joints.
+    #[must_use]
+    pub fn torque_to_velocity(frf: Frf, joints: &[String]) -> Self {
+        let named = |quantity: &str| -> Vec<String> {
+            let name = |joint: &String| format!("{joint} {quantity}");
+            joints.iter().map(name).collect()
+        };
+        Self {
+            frf,
+            input_names: named("torque"),
+            output_names: named("velocity"),
+            input_units: vec!["N m".into(); joints.len()],
+            output_units: vec!["rad/s".into(); joints.len()],
+            torque_rms_nm: None,
+            flagged: None,
+            checks: Vec::new(),
+            provenance: BTreeMap::new(),
+        }
+    }
 }
 
 const FORMAT: &str = "frfid-result";
@@ -76,6 +104,10 @@ struct Json {
     condition: Option<Reals>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     relative_resolution: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    torque_rms_nm: Option<Reals>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    flagged: Option<Vec<bool>>,
     checks: Vec<Check>,
     provenance: BTreeMap<String, String>,
 }
@@ -115,6 +147,8 @@ pub fn write_result(
         total: frf.total.as_ref().map(uncertainty),
         condition: frf.condition.as_deref().map(Reals::of),
         relative_resolution: frf.relative_resolution,
+        torque_rms_nm: result.torque_rms_nm.as_deref().map(Reals::of),
+        flagged: result.flagged.clone(),
         checks: result.checks.clone(),
         provenance: result.provenance.clone(),
     };
@@ -165,6 +199,23 @@ fn check(result: &ResultFile) -> Result<(), Flaw> {
             "arrays that fit each other".into(),
         )
     })?;
+    let lengths = [
+        (
+            "torque_rms_nm",
+            result.torque_rms_nm.as_ref().map(Vec::len),
+            frf.n_inputs(),
+        ),
+        (
+            "flagged",
+            result.flagged.as_ref().map(Vec::len),
+            frf.n_frequencies(),
+        ),
+    ];
+    for (what, found, needed) in lengths {
+        if let Some(found) = found.filter(|found| *found != needed) {
+            return Err((what, found.to_string(), needed.to_string()));
+        }
+    }
     for (what, list, needed) in [
         ("input_names", &result.input_names, frf.n_inputs()),
         ("output_names", &result.output_names, frf.n_outputs()),
@@ -205,9 +256,20 @@ fn from_json(json: Json) -> Result<ResultFile, Flaw> {
         output_names: json.output_names,
         input_units: json.input_units,
         output_units: json.output_units,
+        torque_rms_nm: json
+            .torque_rms_nm
+            .map(|torque| torque.into_list("torque_rms_nm"))
+            .transpose()?
+            .or_else(|| torque_of_old(&json.provenance)),
+        flagged: json.flagged,
         checks: json.checks,
         provenance: json.provenance,
     })
+}
+
+/// The torques that results of frfid 0.1.0 hold as a text among their provenance.
+fn torque_of_old(provenance: &BTreeMap<String, String>) -> Option<Vec<f64>> {
+    serde_json::from_str(provenance.get("effort_rms_nm")?).ok()
 }
 
 fn uncertainty(known: &Uncertainty) -> UncertaintyJson {
@@ -253,6 +315,8 @@ pub(crate) mod tests {
                 needed: "2".into(),
                 advice: "measure longer".into(),
             }],
+            torque_rms_nm: Some(vec![1.0 / 3.0]),
+            flagged: Some(vec![false, true, false, false]),
             provenance: [("seed".to_string(), "1".to_string())].into(),
         }
     }

@@ -3,7 +3,7 @@
 use std::io::{self, Cursor, Write};
 use std::path::Path;
 
-use frfid_signals::{Event, EventKind, Injection, InputKind, Record, RunId, RunKind};
+use frfid_signals::{Event, EventKind, Injection, InputKind, Limit, Record, RunId, RunKind};
 use ndarray::Array2;
 
 use crate::atomic_write::Overwrite;
@@ -37,9 +37,9 @@ pub(crate) fn run(n: usize) -> RunFile {
     let event = |time_s, kind| Event { time_s, kind };
     let limit = EventKind::Limit {
         channel: 1,
-        quantity: "effort_nm".into(),
+        limit: Limit::Torque,
         value: 0.1 + 0.2,
-        limit: 0.3,
+        allowed: 0.3,
     };
     RunFile {
         joint_names: vec!["axis_1".into(), "axis_2".into()],

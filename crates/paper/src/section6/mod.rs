@@ -9,7 +9,7 @@ use frfid_experiment::{
     log_spaced,
 };
 use frfid_plant::Hold;
-use frfid_signals::{Draw, Excitation, Frf, power};
+use frfid_signals::{Draw, Excitation, Frf, Limit, power};
 
 use crate::against_truth::Measured;
 
@@ -161,7 +161,7 @@ impl Variant {
                 travel_rad: None,
                 glides: 0,
             });
-            config.limits.max_effort = None;
+            config.limits.remove(Limit::Torque);
         }
         Ok(Experiment::of(config, source)?)
     }
@@ -175,6 +175,7 @@ impl Variant {
         let experiment = self.experiment(kind)?;
         let frf = experiment
             .measure(&*experiment.testbed()?, jobs, progress)?
+            .result
             .frf;
         let truth = experiment.truth(&frf.frequency_hz, Hold::Zoh, false)?;
         Ok(Measured { frf, truth })

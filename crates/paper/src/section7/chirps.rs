@@ -1,14 +1,13 @@
 //! Section 7.2 of the paper: chirps whose references are shaped until the torque is as desired
 //! (figures 3, 7 and 9).
 
-use frfid_estimate::{Estimate, Iteration, Shaper, Summary, scaled_condition_number};
-use frfid_experiment::{Estimator, Experiment, ExperimentError, Progress, in_pool};
+use frfid_estimate::{Estimate, Summary, scaled_condition_number};
+use frfid_experiment::{Estimator, Experiment, ExperimentError, Progress};
 use frfid_plant::Hold;
-use frfid_signals::{Chirp, Frf, Plan};
+use frfid_signals::{Chirp, Excitation, Frf, Peaks, Plan};
 use nalgebra::DMatrix;
 use ndarray::Array1;
 use num_complex::Complex64;
-use rayon::prelude::*;
 
 /// Axis of figures 3 and 7, from 0.
 const SHOWN_AXIS: usize = 2;
@@ -40,7 +39,7 @@ pub struct ShapedChirps {
     /// The chirp, for its frequency over time.
     pub chirp: Chirp,
     /// Largest values of the best iteration.
-    pub peaks: frfid_estimate::Peaks,
+    pub peaks: Peaks,
     /// Number of runs.
     pub n_runs: usize,
     /// Time on the robot in s.
@@ -71,29 +70,25 @@ impl ShapedChirps {
         jobs: usize,
         progress: Progress,
     ) -> Result<Self, ExperimentError> {
-        let (plan, (chirp, _)) = (&experiment.plan, experiment.shaped()?);
+        let plan = &experiment.plan;
+        let Excitation::Chirp(chirp) = &plan.excitation else {
+            unreachable!("the template is a chirp")
+        };
         let estimator = Estimator::new(plan, &experiment.config.estimate)?;
         let mut first = None;
-        let shaper = shaped(experiment, jobs, progress, &mut |iteration| {
+        let shaped = experiment.shape_in_memory(jobs, progress, &mut |iteration| {
             if first.is_none() && iteration.stuck_share.iter().all(|share| *share < 1.0) {
-                first = Some((
-                    iteration.number,
-                    estimator.frf_of_experiments(&iteration.records)?,
-                ));
+                let frf = estimator.frf_of_experiments(&iteration.records)?;
+                first = Some((iteration.number, frf));
             }
             Ok(())
         })?;
-        let (desired, sample_time_s) = (experiment.desired_signal()?, plan.sample_time_s);
-        let shaped = shaper.finish()?;
+        let desired = experiment.desired_signal()?;
         let frf = estimator.frf_of_experiments(&shaped.best.records)?;
         let (first, first_frf) = first.unwrap_or_else(|| (shaped.best.number, frf.clone()));
         let axis = SHOWN_AXIS.min(plan.n_inputs - 1);
-        let conditions = shaped
-            .best
-            .estimate
-            .as_ref()
-            .map(|estimate| conditions(estimate, plan, chirp))
-            .transpose()?;
+        let estimate = shaped.best.estimate.as_ref();
+        let conditions = estimate.map(|estimate| conditions(estimate, plan, chirp));
         let n_runs = shaped.iterations.len() * plan.n_experiments();
         Ok(Self {
             first,
@@ -101,47 +96,18 @@ impl ShapedChirps {
             truth: experiment.truth(&frf.frequency_hz, Hold::Zoh, true)?,
             frf,
             best: shaped.best.number,
-            conditions: conditions.unwrap_or_default(),
-            sample_time_s,
+            conditions: conditions.transpose()?.unwrap_or_default(),
+            sample_time_s: plan.sample_time_s,
             torque_nm: shaped.best.records[0].u.row(axis).to_owned(),
             desired_nm: desired.slice(ndarray::s![0, axis, ..]).to_owned(),
             chirp: chirp.clone(),
             peaks: shaped.best.peaks,
             n_runs,
-            robot_time_s: n_runs as f64 * plan.run_samples()? as f64 * sample_time_s,
+            robot_time_s: n_runs as f64 * plan.run_samples()? as f64 * plan.sample_time_s,
             warnings: shaped.sticking.iter().map(ToString::to_string).collect(),
             iterations: shaped.iterations,
         })
     }
-}
-
-/// The shaper at its end; `look` sees every iteration.
-pub(super) fn shaped(
-    experiment: &Experiment,
-    jobs: usize,
-    progress: Progress,
-    look: &mut dyn FnMut(&Iteration) -> Result<(), ExperimentError>,
-) -> Result<Shaper, ExperimentError> {
-    let (mut shaper, options) = experiment.shaper()?;
-    let testbed = experiment.testbed()?;
-    while shaper.stop().is_none() {
-        let done = shaper.number() - 1;
-        if !progress(done, options.n_iterations) {
-            return Err(ExperimentError::ShapingInterrupted {
-                iteration: done + 1,
-            });
-        }
-        let runs = shaper.runs();
-        let records = in_pool(jobs, || {
-            Ok(runs
-                .par_iter()
-                .map(|run| testbed.run(run))
-                .collect::<Result<Vec<_>, _>>()?)
-        })?;
-        look(shaper.measured(records)?)?;
-    }
-    progress(options.n_iterations, options.n_iterations);
-    Ok(shaper)
 }
 
 /// cond(U) as it is, and as the references of the plan would make it through the same response.

@@ -8,11 +8,10 @@ pub(crate) mod multisine;
 
 use frfid_estimate::Summary;
 use frfid_experiment::{
-    Amplitude, Experiment, ExperimentError, LimitsTable, Progress, Source, StepName, Template,
-    log_spaced,
+    Amplitude, Experiment, ExperimentError, Progress, Source, StepName, Template, log_spaced,
 };
 use frfid_plant::Hold;
-use frfid_signals::{Frf, Phasing};
+use frfid_signals::{Frf, Limits, Phasing};
 
 use crate::section7::chirps::ShapedChirps;
 use crate::section7::multisine::MultisineCampaign;
@@ -109,10 +108,10 @@ fn paper_step(
         shape.step = StepName::Paper;
         shape.n_iterations = PAPER_ITERATIONS;
     }
-    config.limits = LimitsTable::default();
+    config.limits = Limits::default();
     let experiment = Experiment::of(config, experiment.source.clone())?;
     let mut iterations = Vec::new();
-    chirps::shaped(&experiment, jobs, progress, &mut |iteration| {
+    experiment.shape_in_memory(jobs, progress, &mut |iteration| {
         iterations.push(iteration.summary());
         Ok(())
     })?;

@@ -1,13 +1,11 @@
 //! Section 7.1 of the paper: the multisine on a constant velocity, and what becomes of the torque
 //! ripple (figures 6 and 8).
 
-use std::sync::Mutex;
-
 use frfid_experiment::{
-    EstimateTable, Experiment, ExperimentError, GlideSubtraction, Peaks, Progress,
+    EstimateTable, Experiment, ExperimentError, GlideSubtraction, Load, Progress,
 };
 use frfid_plant::Hold;
-use frfid_signals::{Frf, Record, Run, RunId, RunKind};
+use frfid_signals::{Frf, RunId};
 use ndarray::Array1;
 
 /// The campaign of section 7.1.
@@ -33,7 +31,7 @@ pub struct MultisineCampaign {
     /// Truths at poses along the way from its start to its end.
     pub along_the_way: Vec<Frf>,
     /// Largest values over all runs.
-    pub peaks: Peaks,
+    pub load: Load,
     /// Number of runs, glides included.
     pub n_runs: usize,
     /// Time on the robot in s.
@@ -64,31 +62,13 @@ impl MultisineCampaign {
             GlideSubtraction::Position,
         ]
         .map(way);
-        let (pose_rad, largest) = (config.robot.pose(), Mutex::new(None::<Peaks>));
-        let look = |run: &Run, record: &Record| {
-            let peaks = Peaks::of(record, &run.start_rad, &pose_rad);
-            Peaks::enlarge(
-                &mut largest.lock().expect("no holder of the lock panics"),
-                &peaks,
-            );
-            Ok(())
-        };
-        let estimated = experiment.measure_each(
-            ways.each_ref(),
-            &*experiment.testbed()?,
-            jobs,
-            progress,
-            &look,
-        )?;
-        let flagged = estimated[2].ripple.clone().unwrap_or_default();
-        let [uncompensated, in_time, by_position] = estimated.map(|estimated| estimated.frf);
+        let outcomes =
+            experiment.measure_each(ways.each_ref(), &*experiment.testbed()?, jobs, progress)?;
+        let flagged = outcomes[2].result.flagged.clone().unwrap_or_default();
+        let load = outcomes[2].load.clone().expect("a plan has runs");
+        let [uncompensated, in_time, by_position] = outcomes.map(|outcome| outcome.result.frf);
         let hz = &uncompensated.frequency_hz;
-        let first = RunId {
-            kind: RunKind::Excitation,
-            realization: 0,
-            experiment: 0,
-            repetition: 0,
-        };
+        let first = RunId::excitation(0, 0, 0);
         Ok(Self {
             sample_time_s: plan.sample_time_s,
             reference_rad_s: plan.run(first)?.reference.row(0).to_owned(),
@@ -99,10 +79,7 @@ impl MultisineCampaign {
             in_time,
             by_position,
             flagged,
-            peaks: largest
-                .into_inner()
-                .expect("no holder of the lock panics")
-                .expect("a plan has runs"),
+            load,
             n_runs: plan.n_runs(),
             robot_time_s: plan.robot_time_s()?,
         })

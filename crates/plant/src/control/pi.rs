@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 
-use frfid_signals::SignalError;
 use frfid_signals::checks::{not_negative, one_per_axis, positive};
+use frfid_signals::{Limit, SignalError};
 use serde::{Deserialize, Serialize};
 
 use crate::control::watch::Reached;
@@ -62,8 +62,8 @@ pub(crate) struct PiAxis {
     max_torque_nm: f64,
     /// Largest change of the torque in N m/s, infinite for none.
     max_rate_nm_per_s: f64,
-    /// The quantity that was at its limit at the sample before.
-    bound: Option<&'static str>,
+    /// The limit that bound the torque at the sample before.
+    bound: Option<Limit>,
     integral_nm: f64,
     /// q_ref in rad.
     position_rad: f64,
@@ -200,24 +200,21 @@ impl PiAxis {
         let bound = if torque_nm != within_nm {
             let rate_nm_per_s = (within_nm - self.torque_nm) / self.sample_time_s;
             Some(Reached {
-                quantity: "effort_rate_nm_per_s",
+                limit: Limit::TorqueRate,
                 value: rate_nm_per_s,
-                limit: self.max_rate_nm_per_s,
+                allowed: self.max_rate_nm_per_s,
             })
         } else if within_nm != asked_nm {
             Some(Reached {
-                quantity: "effort_nm",
+                limit: Limit::Torque,
                 value: asked_nm,
-                limit: max_nm,
+                allowed: max_nm,
             })
         } else {
             None
         };
-        let before = std::mem::replace(&mut self.bound, bound.map(|bound| bound.quantity));
-        (
-            torque_nm,
-            bound.filter(|bound| before != Some(bound.quantity)),
-        )
+        let before = std::mem::replace(&mut self.bound, bound.map(|bound| bound.limit));
+        (torque_nm, bound.filter(|bound| before != Some(bound.limit)))
     }
 }
 
@@ -285,9 +282,9 @@ mod tests {
         .axis(0, 0.0, 0.0);
         let first = axis.step(3.0, 0.0, 0.0);
         let reached = Reached {
-            quantity: "effort_rate_nm_per_s",
+            limit: Limit::TorqueRate,
             value: 6000.0,
-            limit: 1000.0,
+            allowed: 1000.0,
         };
         assert_eq!(
             first,

@@ -2,15 +2,12 @@
 
 use std::f64::consts::PI;
 
-use frfid_signals::checks::{one_per_axis, positive};
-use frfid_signals::{Event, EventKind, Record, Run, SignalError};
-use serde::{Deserialize, Serialize};
+use frfid_signals::checks::positive;
+use frfid_signals::{Event, EventKind, Limit, Limits, Record, Run, SignalError};
 
 /// Beyond this multiple of a limit no ramp helps: the run is cut off at once, as by an emergency
 /// stop.
 const CUT_OFF: f64 = 2.0;
-/// A limit that is only touched, but for rounding, is kept.
-const ROUNDING: f64 = 1e-9;
 
 /// What the readings of a run must not exceed, one value for each axis; whatever is `None` is not
 /// watched.
@@ -20,15 +17,11 @@ const ROUNDING: f64 = 1e-9;
 /// constant velocity included, in open loop the torque besides what holds the robot. There the
 /// record ends, or at once where a reading is beyond twice its limit (an unstable loop does not
 /// care for its reference).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Watch {
-    /// Largest magnitude of the torque reading in N m.
-    pub max_effort_nm: Option<Vec<f64>>,
-    /// Largest magnitude of the velocity reading in rad/s.
-    pub max_velocity_rad_s: Option<Vec<f64>>,
-    /// Farthest from the pose in rad, either way: by how much the position reading has changed
-    /// since the start of the run, and where from the pose that was.
-    pub max_travel_rad: Option<Vec<f64>>,
+    /// What the readings are held against: torque, velocity and travel, the way from the pose by
+    /// which the position reading has changed since the start of the run. Nothing else is watched.
+    pub limits: Limits,
     /// Time in s from the excess to rest.
     pub ramp_s: f64,
 }
@@ -37,28 +30,10 @@ impl Watch {
     /// Checks every limit for a robot of `n_axes`.
     ///
     /// # Errors
-    /// [`SignalError::Shape`] for another number of axes, [`SignalError::Parameter`] for a value
-    /// that is not finite and above 0.
+    /// [`SignalError`] for limits that do not fit, or a ramp that is not finite and above 0.
     pub fn check(&self, n_axes: usize) -> Result<(), SignalError> {
         positive("ramp_s", self.ramp_s)?;
-        one_per_axis(
-            "max_effort_nm",
-            self.max_effort_nm.as_deref(),
-            n_axes,
-            positive,
-        )?;
-        one_per_axis(
-            "max_velocity_rad_s",
-            self.max_velocity_rad_s.as_deref(),
-            n_axes,
-            positive,
-        )?;
-        one_per_axis(
-            "max_travel_rad",
-            self.max_travel_rad.as_deref(),
-            n_axes,
-            positive,
-        )
+        self.limits.check(n_axes)
     }
 
     /// The worst excess among the readings of a sample by comparison with its limit, and on which
@@ -69,71 +44,71 @@ impl Watch {
         record: &Record,
         sample: usize,
     ) -> Option<(usize, Reached)> {
-        let position = record.position_rad.as_ref();
-        let travel =
-            |axis| position.map_or(0.0, |q| q[[axis, sample]] - q[[axis, 0]] + start_rad[axis]);
-        let of_axis = |axis: usize| {
-            let quantities = [
-                ("effort_nm", record.u[[axis, sample]], &self.max_effort_nm),
-                (
-                    "velocity_rad_s",
-                    record.y[[axis, sample]],
-                    &self.max_velocity_rad_s,
-                ),
-                ("travel_rad", travel(axis), &self.max_travel_rad),
-            ];
-            quantities.map(|(quantity, value, limits)| {
-                limits.as_ref().map(|limits| {
-                    (
-                        axis,
-                        Reached {
-                            quantity,
-                            value,
-                            limit: limits[axis],
-                        },
-                    )
-                })
-            })
+        let reading = |limit: Limit, axis: usize| match limit {
+            Limit::Torque => Some(record.u[[axis, sample]]),
+            Limit::Velocity => Some(record.y[[axis, sample]]),
+            Limit::Travel => {
+                let position = record.position_rad.as_ref()?;
+                Some(position[[axis, sample]] - position[[axis, 0]] + start_rad[axis])
+            }
+            Limit::TorqueRate
+            | Limit::Acceleration
+            | Limit::Jerk
+            | Limit::LowestPosition
+            | Limit::HighestPosition => None,
         };
-        let watched = (0..start_rad.len()).flat_map(of_axis).flatten();
-        let beyond = watched.filter(|(_, reached)| reached.share() > 1.0 + ROUNDING);
-        beyond.max_by(|(_, a), (_, b)| a.share().total_cmp(&b.share()))
+        let beyond = |axis: usize, limit: Limit, allowed: f64| {
+            let value = reading(limit, axis)?;
+            let exceeded = limit.is_exceeded(value.abs(), allowed);
+            exceeded.then_some((
+                axis,
+                Reached {
+                    limit,
+                    value,
+                    allowed,
+                },
+            ))
+        };
+        let of_axis = |axis: usize| {
+            let limits = self.limits.iter();
+            limits.filter_map(move |(limit, allowed)| beyond(axis, limit, allowed[axis]))
+        };
+        let excesses = (0..start_rad.len()).flat_map(of_axis);
+        excesses.max_by(|(_, a), (_, b)| a.share().total_cmp(&b.share()))
     }
 }
 
 /// A limit that was reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Reached {
-    /// Which quantity, with unit.
-    pub quantity: &'static str,
-    /// Its value.
+    /// Which limit.
+    pub limit: Limit,
+    /// The value.
     pub value: f64,
     /// What is allowed.
-    pub limit: f64,
+    pub allowed: f64,
 }
 
 impl Reached {
     /// The event of it on a channel.
     pub fn event(self, channel: usize, time_s: f64) -> Event {
         let Self {
-            quantity,
-            value,
             limit,
+            value,
+            allowed,
         } = self;
-        Event {
-            time_s,
-            kind: EventKind::Limit {
-                channel,
-                quantity: quantity.into(),
-                value,
-                limit,
-            },
-        }
+        let kind = EventKind::Limit {
+            channel,
+            limit,
+            value,
+            allowed,
+        };
+        Event { time_s, kind }
     }
 
     /// The value's magnitude over the limit.
     fn share(self) -> f64 {
-        self.value.abs() / self.limit
+        self.value.abs() / self.allowed
     }
 }
 
@@ -219,33 +194,23 @@ impl<'a> Guard<'a> {
     /// The event that ends a run stopped with this sample, under controllers of these gains in N m
     /// s/rad (none in open loop).
     pub fn stopped(&self, last_sample: usize, gains: &[f64]) -> Option<Event> {
-        let Excess {
-            sample,
-            axis,
-            reached:
-                Reached {
-                    quantity,
-                    value,
-                    limit,
-                },
-            cut_off,
-        } = self.excess.as_ref()?;
-        let (word, unit) = match *quantity {
-            "effort_nm" => ("effort", "N m"),
-            "velocity_rad_s" => ("velocity", "rad/s"),
-            _ => ("travel", "rad"),
-        };
-        let since_s = *sample as f64 * self.run.sample_time_s;
-        let gain = gains
-            .get(*axis)
-            .map_or(String::new(), |gain| format!(", gain {gain} N m s/rad"));
-        let end = match cut_off {
+        let excess = self.excess.as_ref()?;
+        let Reached {
+            limit,
+            value,
+            allowed,
+        } = excess.reached;
+        let (axis, quantity, unit) = (excess.axis + 1, limit.quantity(), limit.unit());
+        let since_s = excess.sample as f64 * self.run.sample_time_s;
+        let gain = gains.get(excess.axis);
+        let gain = gain.map_or(String::new(), |gain| format!(", gain {gain} N m s/rad"));
+        let end = match excess.cut_off {
             None => "brought to rest",
             Some(_) => "cut off beyond twice a limit: lower the gains or the amplitude",
         };
-        let (axis, limit) = (axis + 1, (1e4 * limit).round() / 1e4); // no digits that nobody asked for
+        let allowed = (1e4 * allowed).round() / 1e4; // as it was given, without the digits of rounding
         let reason = format!(
-            "axis {axis}: {word} {value:.4} {unit}, limit {limit} {unit}, at {since_s:.4} s{gain}; {end}"
+            "axis {axis}: {quantity} {value:.4} {unit}, limit {allowed} {unit}, at {since_s:.4} s{gain}; {end}"
         );
         let time_s = last_sample as f64 * self.run.sample_time_s;
         Some(Event {

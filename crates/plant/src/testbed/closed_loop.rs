@@ -125,7 +125,7 @@ impl Testbed for ClosedLoop {
 mod tests {
     use super::*;
     use crate::single_joint::SingleJoint;
-    use frfid_signals::{Event, EventKind, RunId, RunKind};
+    use frfid_signals::{Event, EventKind, Limit, RunId, RunKind};
     use ndarray::{Array2, s};
     use std::f64::consts::TAU;
 
@@ -217,14 +217,14 @@ mod tests {
         );
         let EventKind::Limit {
             channel: 0,
+            limit: Limit::Torque,
             value,
-            limit,
-            ..
-        } = &record.events[0].kind
+            allowed,
+        } = record.events[0].kind
         else {
             panic!("no limit")
         };
-        assert!(value.abs() > *limit && *limit == 100.0);
+        assert!(value.abs() > allowed && allowed == 100.0);
     }
 
     #[test]
@@ -306,18 +306,6 @@ mod tests {
 
     #[test]
     fn an_excess_brings_the_reference_smoothly_to_zero_and_ends_the_record_there() {
-        let watch = |watch: Watch| {
-            Some(Watch {
-                ramp_s: 0.1,
-                ..watch
-            })
-        };
-        let none = || Watch {
-            max_effort_nm: None,
-            max_velocity_rad_s: None,
-            max_travel_rad: None,
-            ramp_s: 0.1,
-        };
         let free = ClosedLoop::new(Arc::new(SingleJoint::default()), controller());
         let planned = Run {
             start_rad: vec![-0.02],
@@ -327,40 +315,20 @@ mod tests {
         let position = whole.position_rad.as_ref().expect("recorded");
         let peaks = [&whole.u, &whole.y, position]
             .map(|x| x.iter().fold(0.0, |peak: f64, x| peak.max(x.abs())));
-        let limits = peaks.map(|peak| Some(vec![0.8 * peak]));
-        for (word, signal, limited) in [
-            (
-                "effort",
-                &whole.u,
-                Watch {
-                    max_effort_nm: limits[0].clone(),
-                    ..none()
-                },
-            ),
-            (
-                "velocity",
-                &whole.y,
-                Watch {
-                    max_velocity_rad_s: limits[1].clone(),
-                    ..none()
-                },
-            ),
-            (
-                "travel",
-                position,
-                Watch {
-                    max_travel_rad: limits[2].clone(),
-                    ..none()
-                },
-            ),
-        ] {
-            let peak = signal.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
+        let quantities = [Limit::Torque, Limit::Velocity, Limit::Travel];
+        let signals = [&whole.u, &whole.y, position];
+        for ((limited, signal), peak) in quantities.into_iter().zip(signals).zip(peaks) {
+            let watch = Watch {
+                limits: [(limited, vec![0.8 * peak])].into_iter().collect(),
+                ramp_s: 0.1,
+            };
+            let word = limited.quantity();
             let first = signal
                 .iter()
                 .position(|x| x.abs() > 0.8 * peak)
                 .expect("0.8 of the peak is exceeded");
             let record = ClosedLoop {
-                watch: watch(limited),
+                watch: Some(watch),
                 ..free.clone()
             }
             .run(&planned)
@@ -382,18 +350,15 @@ mod tests {
             );
             assert_eq!(record.check(), Ok(()));
             let Event {
-                kind:
-                    EventKind::Limit {
-                        channel: 0,
-                        quantity,
-                        ..
-                    },
+                kind: EventKind::Limit {
+                    channel: 0, limit, ..
+                },
                 ..
             } = &record.events[0]
             else {
                 panic!("{:?}", record.events)
             };
-            assert!(quantity.starts_with(word));
+            assert_eq!(*limit, limited);
             let r = record.r.as_ref().expect("recorded").row(0).to_owned();
             assert_eq!(
                 r.slice(s![..=first]),
@@ -417,9 +382,7 @@ mod tests {
             ..controller()
         };
         let watch = Watch {
-            max_effort_nm: Some(vec![1000.0]),
-            max_velocity_rad_s: None,
-            max_travel_rad: None,
+            limits: [(Limit::Torque, vec![1000.0])].into_iter().collect(),
             ramp_s: 0.5,
         };
         let testbed = ClosedLoop {
@@ -437,7 +400,7 @@ mod tests {
         );
         let (reason, ..) = stop(&record);
         for part in [
-            "axis 1: effort ",
+            "axis 1: torque ",
             "limit 1000 N m, at 0.0010 s",
             "gain 1000000000 N m s/rad",
             "lower the gains",

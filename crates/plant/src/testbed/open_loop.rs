@@ -110,7 +110,7 @@ mod tests {
     use super::*;
     use crate::control::sensor::Velocity;
     use crate::single_joint::SingleJoint;
-    use frfid_signals::{EventKind, InputKind, RunId, RunKind, SignalError};
+    use frfid_signals::{EventKind, InputKind, Limit, RunId, RunKind, SignalError};
     use ndarray::{Array2, s};
     use std::f64::consts::TAU;
 
@@ -302,9 +302,7 @@ mod tests {
     #[test]
     fn an_excess_takes_the_excitation_away_and_leaves_what_holds_the_robot() {
         let watch = Watch {
-            max_effort_nm: None,
-            max_velocity_rad_s: Some(vec![0.42]),
-            max_travel_rad: None,
+            limits: [(Limit::Velocity, vec![0.42])].into_iter().collect(),
             ramp_s: 0.05,
         };
         for hold in [Hold::Zoh, Hold::Linear] {
@@ -343,7 +341,8 @@ mod tests {
             let [
                 EventKind::Limit {
                     channel: 0,
-                    limit: 0.42,
+                    limit: Limit::Velocity,
+                    allowed: 0.42,
                     ..
                 },
                 EventKind::Stopped { reason, .. },

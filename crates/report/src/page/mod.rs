@@ -2,6 +2,7 @@
 
 pub(crate) mod claim;
 pub(crate) mod html;
+pub(crate) mod of_result;
 pub(crate) mod payload;
 pub(crate) mod section;
 pub(crate) mod table;

@@ -1,5 +1,7 @@
 //! Power, rms and crest factor of sampled signals.
 
+use ndarray::ArrayView1;
+
 /// Mean power `mean x^2` of the samples; 0 of none.
 #[must_use]
 pub fn mean_power(samples: &[f64]) -> f64 {
@@ -17,6 +19,13 @@ pub fn rms(samples: &[f64]) -> f64 {
 #[must_use]
 pub fn sample_peak(samples: &[f64]) -> f64 {
     samples.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()))
+}
+
+/// A signal without its mean.
+#[must_use]
+pub fn about_mean(signal: ArrayView1<f64>) -> Vec<f64> {
+    let mean = signal.mean().unwrap_or(0.0);
+    signal.iter().map(|x| x - mean).collect()
 }
 
 /// Crest factor `peak / rms`, as everywhere in frfid (SK15 calls the ratio of the *powers* by that

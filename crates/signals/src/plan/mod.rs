@@ -1,5 +1,6 @@
 //! The experiment plan: which runs are done, and what each of them injects.
 
+pub(crate) mod run;
 pub(crate) mod testbed;
 #[cfg(test)]
 mod tests;
@@ -12,7 +13,7 @@ use crate::excitation::multisine::Draw;
 use crate::excitation::phasing::Phasing;
 use crate::excitation::{Excitation, Injection};
 use crate::number::checks::{LONGEST_SIGNAL, at_most, positive};
-use crate::plan::testbed::{Run, RunId, RunKind};
+use crate::plan::run::{Run, RunId, RunKind};
 
 /// Most runs that a plan may have: a year of them would take 30 s each.
 const MOST_RUNS: f64 = 1e6;
@@ -157,20 +158,11 @@ impl Plan {
     /// Every run, glides first, then realization by realization.
     pub fn run_ids(&self) -> impl Iterator<Item = RunId> + use<> {
         let (n_experiments, n_repetitions) = (self.n_experiments(), self.n_repetitions);
-        let glides = (0..self.n_glides).map(|repetition| RunId {
-            kind: RunKind::Glide,
-            realization: 0,
-            experiment: 0,
-            repetition,
-        });
+        let glides = (0..self.n_glides).map(|repetition| RunId::glide(repetition));
         let runs = (0..self.n_realizations).flat_map(move |realization| {
             (0..n_experiments).flat_map(move |experiment| {
-                (0..n_repetitions).map(move |repetition| RunId {
-                    kind: RunKind::Excitation,
-                    realization,
-                    experiment,
-                    repetition,
-                })
+                (0..n_repetitions)
+                    .map(move |repetition| RunId::excitation(realization, experiment, repetition))
             })
         });
         glides.chain(runs)

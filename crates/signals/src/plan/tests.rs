@@ -10,7 +10,7 @@ use crate::excitation::phasing::Phasing;
 use crate::excitation::profile::Profile;
 use crate::excitation::{Excitation, Injection};
 use crate::plan::Plan;
-use crate::plan::testbed::{RunId, RunKind};
+use crate::plan::run::{RunId, RunKind};
 
 fn plan() -> Plan {
     let design = GridDesign {

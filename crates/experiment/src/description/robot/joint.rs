@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use frfid_plant::{FlexibleJoint, Ripple, Sensor};
-use frfid_signals::SignalError;
 use frfid_signals::checks::positive;
+use frfid_signals::{Limit, SignalError};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -117,18 +117,18 @@ impl JointTable {
         }
     }
 
-    /// The limit of this name, if there is one.
+    /// The value of a limit, if there is one.
     #[must_use]
-    pub fn limit(&self, name: &str) -> Option<f64> {
-        match name {
-            "min_position" => self.min_position,
-            "max_position" => self.max_position,
-            "max_velocity" => self.max_velocity,
-            "max_acceleration" => self.max_acceleration,
-            "max_jerk" => self.max_jerk,
-            "max_effort" => self.max_effort,
-            "max_effort_rate" => self.max_effort_rate,
-            _ => None,
+    pub fn limit(&self, limit: Limit) -> Option<f64> {
+        match limit {
+            Limit::LowestPosition => self.min_position,
+            Limit::HighestPosition => self.max_position,
+            Limit::Velocity => self.max_velocity,
+            Limit::Acceleration => self.max_acceleration,
+            Limit::Jerk => self.max_jerk,
+            Limit::Torque => self.max_effort,
+            Limit::TorqueRate => self.max_effort_rate,
+            Limit::Travel => None,
         }
     }
 
@@ -179,19 +179,11 @@ impl JointTable {
 
     /// The first limit that allows nothing, with what is wrong about it.
     fn check_limits(&self) -> Result<(), (&'static str, String)> {
-        const SIZES: [&str; 5] = [
-            "max_velocity",
-            "max_acceleration",
-            "max_jerk",
-            "max_effort",
-            "max_effort_rate",
-        ];
-        for name in SIZES {
-            if let Some(found) = self
-                .limit(name)
-                .filter(|limit| limit.is_nan() || *limit <= 0.0)
-            {
-                return Err((name, format!("{name} is {found}, needed: a number above 0")));
+        for &limit in Limit::ALL.iter().filter(|limit| limit.is_size()) {
+            let found = self.limit(limit);
+            if let Some(found) = found.filter(|found| found.is_nan() || *found <= 0.0) {
+                let key = limit.key();
+                return Err((key, format!("{key} is {found}, needed: a number above 0")));
             }
         }
         let (lowest, highest) = (self.min_position, self.max_position);

@@ -12,10 +12,10 @@ use std::path::Path;
 use std::sync::Arc;
 
 use frfid_plant::{Arm, Robot, Sensor, SingleJoint};
+use frfid_signals::{Limit, Limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::description::limits::LimitsTable;
 use crate::description::robot::arm::{BodyTable, ChallengesTable, PayloadTable};
 use crate::description::robot::joint::JointTable;
 use crate::description::robot::sensor::SensorTable;
@@ -152,26 +152,17 @@ impl RobotTable {
 
     /// The robot's own limits; without challenge A no limit on the torque.
     #[must_use]
-    pub fn limits(&self) -> LimitsTable {
-        let mut limits = LimitsTable::default();
-        for name in LimitsTable::NAMES {
-            let unlimited = if name == "min_position" {
-                f64::NEG_INFINITY
-            } else {
-                f64::INFINITY
-            };
+    pub fn limits(&self) -> Limits {
+        let of_joints = |&limit: &Limit| {
             let of_axes: Vec<Option<f64>> =
-                self.joints().map(|(_, joint)| joint.limit(name)).collect();
-            if of_axes.iter().any(Option::is_some) {
-                let values = of_axes
-                    .into_iter()
-                    .map(|limit| limit.unwrap_or(unlimited))
-                    .collect();
-                *limits.entry(name) = Some(values);
-            }
-        }
+                self.joints().map(|(_, joint)| joint.limit(limit)).collect();
+            let given = of_axes.iter().any(Option::is_some);
+            let value = |of_axis: Option<f64>| of_axis.unwrap_or(limit.unlimited());
+            given.then(|| (limit, of_axes.into_iter().map(value).collect()))
+        };
+        let mut limits: Limits = Limit::ALL.iter().filter_map(of_joints).collect();
         if !self.challenges.challenges().gear_load_limit {
-            limits.max_effort = None;
+            limits.remove(Limit::Torque);
         }
         limits
     }

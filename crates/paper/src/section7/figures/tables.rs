@@ -2,6 +2,7 @@
 
 use frfid_estimate::{Summary, median};
 use frfid_report::Table;
+use frfid_signals::{Limit, Peaks};
 
 use crate::section7::Section7;
 use crate::section7::chirps::ShapedChirps;
@@ -27,7 +28,7 @@ fn torques_and_durations(section7: &Section7) -> Table {
         row("Coulomb friction in N m", list(coulomb_nm, 0), NONE),
         row(
             "Multisine: peak torque in N m",
-            list(&multisine.peaks.effort_nm, 0),
+            list(torque(&multisine.load.peaks), 0),
             PAPER_TORQUES,
         ),
         row(
@@ -61,7 +62,7 @@ fn torques_and_durations(section7: &Section7) -> Table {
         rows.extend([
             row(
                 said("peak torque in N m"),
-                list(&peaks.torque_nm, 0),
+                list(torque(peaks), 0),
                 "100, 150, 120 desired (table 1)",
             ),
             row(said("iterations"), iterations.len().to_string(), "6"),
@@ -180,4 +181,9 @@ fn duration(time_s: f64) -> String {
 
 fn middle(values: &[f64]) -> String {
     median(values.to_vec()).map_or(NONE.into(), |value| format!("{value:.2}"))
+}
+
+/// Peak torque of every axis in N m.
+fn torque(peaks: &Peaks) -> &[f64] {
+    peaks.get(Limit::Torque).unwrap_or_default()
 }

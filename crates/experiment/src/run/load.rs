@@ -1,0 +1,81 @@
+//! Load of a run: what it asked of the robot at most.
+
+use frfid_plant::Trajectory;
+use frfid_signals::power::{about_mean, crest_factor, rms, sample_peak};
+use frfid_signals::{Limit, Peaks, Record, largest_by_axis};
+use ndarray::{Array2, s};
+use serde::Serialize;
+
+/// Largest values of a run or a campaign.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Load {
+    /// Beside the limits that bound them.
+    #[serde(flatten)]
+    pub peaks: Peaks,
+    /// Root mean square of the motor torque about its mean in N m, one for each axis: against the
+    /// Coulomb friction it tells whether the excitation is strong enough (SK15 footnote 2). What
+    /// holds a constant velocity or a weight does not count.
+    #[serde(rename = "effort_rms_nm")]
+    pub torque_rms_nm: Vec<f64>,
+}
+
+impl Load {
+    /// The load of one record that began `start_rad` from the pose `pose_rad`, one value for each
+    /// axis. Where the robot counts its positions from does not matter.
+    #[must_use]
+    pub fn of(record: &Record, start_rad: &[f64], pose_rad: &[f64]) -> Self {
+        let torque = record.u.rows().into_iter();
+        Self {
+            peaks: Peaks::of_record(record, start_rad, pose_rad),
+            torque_rms_nm: torque.map(|row| rms(&about_mean(row))).collect(),
+        }
+    }
+
+    /// The same with acceleration and jerk, sample to sample, of the true motion: in a recording
+    /// noise would be all that is left of them.
+    #[must_use]
+    pub fn with_motion(mut self, truth: &Trajectory) -> Self {
+        let slope = |signal: &Array2<f64>| {
+            let samples = signal.ncols().max(1);
+            let (after, before) = (s![.., 1..samples], s![.., ..samples - 1]);
+            (&signal.slice(after) - &signal.slice(before)) / truth.sample_time_s
+        };
+        let acceleration = slope(&truth.motor_velocity_rad_s);
+        let jerk = slope(&acceleration);
+        self.peaks
+            .set(Limit::Acceleration, largest_by_axis(&acceleration));
+        self.peaks.set(Limit::Jerk, largest_by_axis(&jerk));
+        self
+    }
+
+    /// The larger of two, axis by axis.
+    #[must_use]
+    pub fn larger(self, other: &Self) -> Self {
+        Self {
+            peaks: self.peaks.farther(&other.peaks),
+            torque_rms_nm: larger(&self.torque_rms_nm, &other.torque_rms_nm),
+        }
+    }
+
+    /// The largest of several, `None` of none.
+    #[must_use]
+    pub fn largest(loads: impl IntoIterator<Item = Self>) -> Option<Self> {
+        loads
+            .into_iter()
+            .reduce(|largest, load| largest.larger(&load))
+    }
+}
+
+/// Crest factor of the torque about its mean, one for each axis.
+pub(crate) fn crest_factors(record: &Record) -> Vec<f64> {
+    let of_axis = |row| {
+        let torque = about_mean(row);
+        crest_factor(sample_peak(&torque), rms(&torque))
+    };
+    record.u.rows().into_iter().map(of_axis).collect()
+}
+
+/// The larger of two values of every axis.
+pub(crate) fn larger(a: &[f64], b: &[f64]) -> Vec<f64> {
+    a.iter().zip(b).map(|(x, y)| x.max(*y)).collect()
+}

@@ -1,0 +1,69 @@
+//! Shaping on the description's own model, with nothing on disk.
+
+use frfid_estimate::{Driver, Iteration, Shaped, Shaper};
+use frfid_signals::{Record, Testbed};
+
+use crate::error::ExperimentError;
+use crate::experiment::Experiment;
+use crate::run::parallel::{Progress, Steps, for_each, silent};
+
+/// Sees every iteration of a shaping.
+pub type Look<'a> = dyn FnMut(&Iteration) -> Result<(), ExperimentError> + 'a;
+
+impl Experiment {
+    /// Shapes the chirp on the model; `look` sees every iteration, `progress` is told of each.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] of the description, a run or the shaping, or an interruption.
+    pub fn shape_in_memory(
+        &self,
+        jobs: usize,
+        progress: Progress,
+        look: &mut Look,
+    ) -> Result<Shaped, ExperimentError> {
+        let (shaper, options) = self.shaper()?;
+        let n_iterations = options.n_iterations;
+        let testbed = self.testbed()?;
+        let mut model = Model {
+            testbed: &*testbed,
+            jobs,
+            progress,
+            n_iterations,
+            look,
+        };
+        let shaped = shaper.drive(&mut model)?;
+        progress(n_iterations, n_iterations);
+        Ok(shaped)
+    }
+}
+
+struct Model<'a, 'l> {
+    testbed: &'a dyn Testbed,
+    jobs: usize,
+    progress: Progress<'a>,
+    n_iterations: usize,
+    look: &'a mut Look<'l>,
+}
+
+impl Driver for Model<'_, '_> {
+    type Error = ExperimentError;
+
+    fn records(&mut self, shaper: &Shaper) -> Result<Vec<Record>, ExperimentError> {
+        let iteration = shaper.number();
+        if !(self.progress)(iteration - 1, self.n_iterations) {
+            return Err(ExperimentError::ShapingInterrupted { iteration });
+        }
+        let runs = shaper.runs();
+        let steps = Steps {
+            progress: &silent,
+            before: 0,
+            total: runs.len(),
+        };
+        for_each(&runs, self.jobs, steps, |run| Ok(self.testbed.run(run)?))
+    }
+
+    fn iterated(&mut self, iteration: &Iteration) -> Result<bool, ExperimentError> {
+        (self.look)(iteration)?;
+        Ok(true)
+    }
+}

@@ -1,0 +1,121 @@
+//! Figure and page of one result: the same from the command line and from Python.
+
+use frfid_files::ResultFile;
+use frfid_signals::Frf;
+
+use crate::diagrams::bode::{bode, bode_matrix};
+use crate::diagrams::curve::{Band, Curve, Labels, Style};
+use crate::error::ReportError;
+use crate::figure::Figure;
+use crate::page::Report;
+use crate::page::section::{Part, Responses};
+
+/// More frequencies than this are drawn as a line, fewer as markers.
+const DENSE: usize = 150;
+
+/// The Bode diagram of a result, with the 95 % region of the largest variance that was measured.
+///
+/// # Errors
+/// [`ReportError`] for an FRF that cannot be drawn.
+pub fn result_figure(title: &str, result: &ResultFile) -> Result<Figure, ReportError> {
+    let (curves, labels) = (vec![curve(title, result)], labels(result));
+    let is_single = result.frf.n_outputs() * result.frf.n_inputs() == 1;
+    if is_single {
+        bode(&curves, 0, 0, &labels)
+    } else {
+        bode_matrix(&curves, &labels, true, &[])
+    }
+}
+
+/// The page of a result, with `notes` on what a careful reader should know.
+///
+/// # Errors
+/// [`ReportError`] for an FRF that cannot be drawn.
+pub fn result_page(
+    title: &str,
+    result: &ResultFile,
+    notes: Vec<String>,
+) -> Result<String, ReportError> {
+    let figure = result_figure(title, result)?;
+    let responses = Responses {
+        title: "Interactive diagram".to_owned(),
+        curves: vec![curve(title, result)],
+        labels: labels(result),
+    };
+    let part = Part {
+        title: "Frequency response".to_owned(),
+        notes,
+        tables: Vec::new(),
+        responses: Some(responses),
+        figures: vec![(caption(result), figure)],
+    };
+    // the plan follows from the description, which reads better
+    let provenance = result.provenance.clone().into_iter();
+    let report = Report {
+        title: title.to_owned(),
+        claims: Vec::new(),
+        checks: result.checks.clone(),
+        parts: vec![part],
+        provenance: provenance.filter(|(name, _)| name != "plan").collect(),
+    };
+    report.html()
+}
+
+fn curve<'a>(title: &str, result: &'a ResultFile) -> Curve<'a> {
+    let is_dense = result.frf.n_frequencies() > DENSE;
+    Curve {
+        label: title.to_owned(),
+        frf: &result.frf,
+        style: if is_dense {
+            Style::Line
+        } else {
+            Style::Markers
+        },
+        band: band(&result.frf),
+        flagged: result.flagged.clone(),
+    }
+}
+
+/// The widest region that is known.
+fn band(frf: &Frf) -> Band {
+    match (&frf.total, &frf.noise) {
+        (Some(_), _) => Band::Total,
+        (None, Some(_)) => Band::Noise,
+        (None, None) => Band::None,
+    }
+}
+
+fn caption(result: &ResultFile) -> String {
+    let shaded = match band(&result.frf) {
+        Band::Total => "; shaded: 95 % region of noise and nonlinear distortion",
+        Band::Noise => "; shaded: 95 % region of the measurement noise",
+        Band::None => "",
+    };
+    let is_flagged = result.flagged.iter().flatten().any(|flagged| *flagged);
+    let crossed = if is_flagged {
+        "; crossed: lines at which what remains of the torque ripple exceeds the noise"
+    } else {
+        ""
+    };
+    format!("Frequency response{shaded}{crossed}")
+}
+
+/// Names of the channels; one unit of the gain where all entries share it.
+fn labels(result: &ResultFile) -> Labels {
+    let one = |units: &[String]| {
+        let first = units.first().filter(|unit| !unit.is_empty())?;
+        units
+            .iter()
+            .all(|unit| unit == first)
+            .then(|| first.clone())
+    };
+    let gain_unit = match (one(&result.output_units), one(&result.input_units)) {
+        (Some(output), Some(input)) => format!("{output} per {input}"),
+        _ => "output unit per input unit".to_owned(),
+    };
+    Labels {
+        inputs: result.input_names.clone(),
+        outputs: result.output_names.clone(),
+        gain_unit,
+    }
+}
