@@ -29,14 +29,14 @@ fn closed_loop(criterion: &mut Criterion) {
     for name in ["r3_multisine", "six_axis_multisine"] {
         let experiment = Experiment::load(&examples().join(format!("experiments/{name}.toml")))
             .expect("an example");
-        let testbed = experiment.testbed().expect("described");
+        let testbed = experiment.testbed();
         let id = RunId {
             kind: RunKind::Excitation,
             realization: 0,
             experiment: 0,
             repetition: 0,
         };
-        let run = experiment.plan.run(id).expect("sound");
+        let run = experiment.plan().run(id).expect("sound");
         let work = || testbed.run(black_box(&run)).expect("stable");
         assert_follows(&experiment, &work());
         group.throughput(Throughput::Elements(run.reference.ncols() as u64));
@@ -48,21 +48,13 @@ fn closed_loop(criterion: &mut Criterion) {
 /// Ripple, noise and the travelled way put a tenth (six axes: a sixth) beside the linear loop in a
 /// single run, in the median.
 fn assert_follows(experiment: &Experiment, record: &Record) {
-    let Excitation::Multisine { signal, .. } = &experiment.plan.excitation else {
+    let Excitation::Multisine { signal, .. } = &experiment.plan().excitation else {
         panic!("a multisine")
     };
-    let controller = experiment
-        .config
-        .controller
-        .as_ref()
-        .expect("closed loop")
-        .controller(SAMPLE_TIME_S);
-    let (robot, sensors) = (
-        experiment.robot().expect("described"),
-        experiment.config.robot.sensors(),
-    );
+    let controller = experiment.controller().expect("closed loop");
+    let (robot, sensors) = (experiment.robot(), experiment.sensors());
     let linear =
-        LoopFrf::new(&*robot, &controller, &sensors, &signal.grid.lines_hz()).expect("stable");
+        LoopFrf::new(&**robot, controller, sensors, &signal.grid.lines_hz()).expect("stable");
     let dft = LineDft::new(signal.grid.n_samples, &signal.grid.excited).expect("sound");
     let last = s![.., record.n_samples() - signal.grid.n_samples..];
     let r = dft

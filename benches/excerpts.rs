@@ -6,7 +6,7 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use frfid::estimate::{ExcerptOptions, estimate_chirp};
-use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, Velocity, simulate};
+use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, simulate};
 use frfid::signals::{Chirp, Frf, Phasing, Profile};
 use ndarray::{Array4, Axis, s};
 use num_complex::Complex64;
@@ -59,7 +59,7 @@ fn recording() -> (Array4<f64>, Array4<f64>) {
 /// deg.
 fn assert_right(frf: &Frf) {
     let truth = SingleJoint::default()
-        .frf(&frf.frequency_hz, Hold::Zoh, SAMPLE_TIME_S, Velocity::True)
+        .frf(&frf.frequency_hz, Hold::Zoh, SAMPLE_TIME_S)
         .expect("sound");
     let ratio = |((line, output, input), value): ((usize, usize, usize), &Complex64)| {
         value / truth.response[[line, 0, 0]] / COUPLING[output][input]

@@ -40,8 +40,11 @@ fn torque() -> Array2<f64> {
 /// Exact motor velocity of the linear joint: a matrix exponential from sample to sample.
 fn linear_reference(u: &Array2<f64>) -> Vec<f64> {
     let joint = SingleJoint::default();
-    let (motor, link) = (joint.motor_inertia_kg_m2, joint.link_inertia_kg_m2);
-    let (d, k) = (joint.damping_nms_per_rad, joint.stiffness_nm_per_rad);
+    let (motor, link) = (joint.joint.motor_inertia_kg_m2, joint.link_inertia_kg_m2);
+    let (d, k) = (
+        joint.joint.damping_nms_per_rad,
+        joint.joint.spring.stiffness_nm_per_rad,
+    );
     #[rustfmt::skip]
     let generator = Matrix5::new(
         0.0, 0.0, 1.0, 0.0, 0.0,
@@ -65,17 +68,18 @@ fn linear_reference(u: &Array2<f64>) -> Vec<f64> {
 /// order, about 1e-9.
 fn stiffening_reference(joint: &SingleJoint, u: &Array2<f64>) -> Vec<f64> {
     let (k1, k2, knee) = (
-        joint.stiffness_nm_per_rad,
-        joint.stiffness_beyond_nm_per_rad,
-        joint.knee_rad,
+        joint.joint.spring.stiffness_nm_per_rad,
+        joint.joint.spring.stiffness_beyond_nm_per_rad,
+        joint.joint.spring.knee_rad,
     );
     let derivative = |[deflection, motor, link]: [f64; 3], torque: f64| {
         let within = deflection.clamp(-knee, knee);
-        let transmitted =
-            k1 * within + k2 * (deflection - within) + joint.damping_nms_per_rad * (motor - link);
+        let transmitted = k1 * within
+            + k2 * (deflection - within)
+            + joint.joint.damping_nms_per_rad * (motor - link);
         [
             motor - link,
-            (torque - transmitted) / joint.motor_inertia_kg_m2,
+            (torque - transmitted) / joint.joint.motor_inertia_kg_m2,
             transmitted / joint.link_inertia_kg_m2,
         ]
     };
@@ -101,14 +105,10 @@ fn stiffening_reference(joint: &SingleJoint, u: &Array2<f64>) -> Vec<f64> {
 
 fn period(criterion: &mut Criterion) {
     let u = torque();
-    let friction = SingleJoint {
-        coulomb_nm: 50.0,
-        ..SingleJoint::default()
-    };
-    let stiffening = SingleJoint {
-        stiffness_beyond_nm_per_rad: 2.55e5,
-        ..SingleJoint::default()
-    };
+    let mut friction = SingleJoint::default();
+    friction.joint.friction.coulomb_nm = 50.0;
+    let mut stiffening = SingleJoint::default();
+    stiffening.joint.spring.stiffness_beyond_nm_per_rad = 2.55e5;
     let golden = include_bytes!("../tests/golden/friction_50.f64").chunks_exact(8);
     let golden: Vec<f64> = golden
         .map(|bytes| f64::from_le_bytes(bytes.try_into().expect("eight bytes")))

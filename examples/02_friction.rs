@@ -11,7 +11,7 @@ use std::error::Error;
 use frfid::estimate::{BlaOptions, ExcerptOptions, estimate_bla, estimate_chirp};
 use frfid::experiment::log_spaced;
 use frfid::paper::Measured;
-use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, Trajectory, Velocity, simulate};
+use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, Trajectory, simulate};
 use frfid::signals::{
     Chirp, Draw, Frf, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, power::rms,
 };
@@ -20,10 +20,8 @@ use ndarray::{Array5, Axis, concatenate, s};
 const T: f64 = 1e-3;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let joint = SingleJoint {
-        coulomb_nm: 50.0,
-        ..SingleJoint::default()
-    };
+    let mut joint = SingleJoint::default();
+    joint.joint.friction.coulomb_nm = 50.0;
     let (kind, seed) = (GridKind::Odd, 0);
     let design = GridDesign {
         low_hz: 1.0,
@@ -120,6 +118,6 @@ fn at_rest(motion: &Trajectory) -> f64 {
 /// By how many dB the highest value between 8 and 16 Hz lies below that of the joint without
 /// friction.
 fn lost_db(joint: &SingleJoint, frf: Frf) -> Result<f64, Box<dyn Error>> {
-    let truth = joint.frf(&frf.frequency_hz, Hold::Zoh, T, Velocity::True)?;
+    let truth = joint.frf(&frf.frequency_hz, Hold::Zoh, T)?;
     Ok(Measured { frf, truth }.peak_deficit_db(8.0..=16.0))
 }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use frfid::estimate::{BlaOptions, estimate_bla};
 use frfid::paper::Measured;
-use frfid::plant::{Hold, OpenLoop, Robot as _, SingleJoint, Velocity};
+use frfid::plant::{Hold, OpenLoop, Robot as _, SingleJoint};
 use frfid::signals::{
     Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind,
     Testbed as _,
@@ -18,10 +18,8 @@ use ndarray::{Axis, concatenate, s};
 const T: f64 = 1e-3;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let joint = SingleJoint {
-        coulomb_nm: 50.0,
-        ..SingleJoint::default()
-    };
+    let mut joint = SingleJoint::default();
+    joint.joint.friction.coulomb_nm = 50.0;
     let testbed = OpenLoop::new(Arc::new(joint.clone()));
     let (kind, seed) = (GridKind::Odd, 0);
     let design = GridDesign {
@@ -81,7 +79,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             &multisine.grid.excited,
             &BlaOptions::default(),
         )?;
-        let truth = joint.frf(&frf.frequency_hz, Hold::Zoh, T, Velocity::True)?;
+        let truth = joint.frf(&frf.frequency_hz, Hold::Zoh, T)?;
         let worst = Measured { frf, truth }.worst_relative_error();
         let slowest = record.y.iter().copied().fold(f64::INFINITY, f64::min);
         println!(

@@ -10,7 +10,7 @@ use frfid::estimate::{
 };
 use frfid::experiment::log_spaced;
 use frfid::paper::Measured;
-use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, Velocity, simulate};
+use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, simulate};
 use frfid::signals::{Chirp, Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile};
 use ndarray::{Array5, Axis, concatenate, s};
 
@@ -19,22 +19,18 @@ const T: f64 = 1e-3;
 fn main() -> Result<(), Box<dyn Error>> {
     let hz = log_spaced(1.3, 55.0, 400)?;
     let soft = SingleJoint::default();
-    let stiffening = SingleJoint {
-        stiffness_beyond_nm_per_rad: 1.7 * 1.5e5,
-        knee_rad: 1e-3,
-        ..soft.clone()
-    };
-    let stiff = SingleJoint {
-        stiffness_nm_per_rad: 1.7 * 1.5e5,
-        ..soft.clone()
-    };
+    let mut stiffening = soft.clone();
+    stiffening.joint.spring.stiffness_beyond_nm_per_rad = 1.7 * 1.5e5;
+    stiffening.joint.spring.knee_rad = 1e-3;
+    let mut stiff = soft.clone();
+    stiff.joint.spring.stiffness_nm_per_rad = 1.7 * 1.5e5;
     let resonance_hz = |frf, truth| {
         Measured { frf, truth }
             .peak(8.0..=55.0)
             .map_or(f64::NAN, |(hz, _)| hz)
     };
     for (name, joint) in [("k1", &soft), ("1.7 k1", &stiff)] {
-        let truth = joint.frf(&hz, Hold::Zoh, T, Velocity::True)?;
+        let truth = joint.frf(&hz, Hold::Zoh, T)?;
         println!(
             "linear truth with {name}: resonance at {:.1} Hz",
             resonance_hz(truth.clone(), truth)
@@ -73,7 +69,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         0.0,
         &ExcerptOptions::default(),
     )?;
-    let truth = soft.frf(&hz, Hold::Zoh, T, Velocity::True)?;
+    let truth = soft.frf(&hz, Hold::Zoh, T)?;
     println!(
         "chirp of 150 N m: resonance at {:.1} Hz",
         resonance_hz(excerpts.clone(), truth)
@@ -119,7 +115,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         &multisine.grid.excited,
         &BlaOptions::default(),
     )?;
-    let truth = soft.frf(&bla.frequency_hz, Hold::Zoh, T, Velocity::True)?;
+    let truth = soft.frf(&bla.frequency_hz, Hold::Zoh, T)?;
     let away = Measured {
         frf: bla.clone(),
         truth,

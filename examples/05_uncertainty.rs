@@ -18,10 +18,8 @@ const N_REALIZATIONS: usize = 8;
 const N_PERIODS: usize = 6;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let joint = SingleJoint {
-        coulomb_nm: 20.0,
-        ..SingleJoint::default()
-    };
+    let mut joint = SingleJoint::default();
+    joint.joint.friction.coulomb_nm = 20.0;
     let sensor = Sensor {
         velocity_noise_rad_s: Some(1e-4),
         ..Sensor::default()

@@ -7,7 +7,7 @@ use std::error::Error;
 use std::sync::Arc;
 
 use frfid::estimate::{Averaging, BlaOptions, estimate_bla};
-use frfid::plant::{ClosedLoop, Hold, PiController, Robot as _, Sensor, SingleJoint, Velocity};
+use frfid::plant::{ClosedLoop, Hold, PiController, Robot as _, Sensor, SingleJoint};
 use frfid::signals::{
     Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind,
     Testbed as _, power::rms,
@@ -115,7 +115,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         ),
     ];
     for (name, frf) in estimates {
-        let truth = joint.frf(&frf.frequency_hz, Hold::Zoh, T, Velocity::True)?;
+        let truth = joint.frf(&frf.frequency_hz, Hold::Zoh, T)?;
         let errors = frf
             .response
             .iter()

@@ -4,6 +4,7 @@ Run: python examples/07_own_testbed.py
 """
 
 import pathlib
+import warnings
 
 import numpy as np
 
@@ -28,9 +29,12 @@ class MyRobot:
 
 
 records = plan.run(MyRobot())
-frf = plan.estimate(records)
+with warnings.catch_warnings(record=True) as said:  # what looks wrong is a UserWarning; here it is the lesson
+    warnings.simplefilter("always")
+    frf = plan.estimate(records)
+    same = plan.estimate(plan.run())  # without a testbed the described robot is simulated
 print(f"{frf!r}")
+print("\n".join(sorted({f"warned: {warning.message}" for warning in said})))
 print("made with seed", frf.provenance["seed"], "from the description with the hash", frf.provenance["config_sha256"][:12])
 
-same = plan.estimate(plan.run())  # without a testbed the described robot is simulated
 print("the simulated robot gives the same FRF to the last bit:", np.array_equal(same.response, frf.response))

@@ -48,7 +48,7 @@ impl Testbed for MyRobot {
 fn main() -> Result<(), Box<dyn Error>> {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/experiments/multisine.toml");
     let experiment = Experiment::load(&path)?;
-    let plan = &experiment.plan;
+    let plan = experiment.plan();
     let first = plan.run_ids().next().ok_or("the plan has a run")?;
     println!(
         "{} runs, {:.1} s on the robot, the first of them {first}, reference {:?} (channel, sample)",
@@ -64,13 +64,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         peak(Limit::Velocity)
     );
 
-    let robot = MyRobot {
-        joint: SingleJoint {
-            coulomb_nm: 50.0,
-            ..SingleJoint::default()
-        },
-    };
-    let frf = experiment.measure(&robot, 0, &silent)?.result.frf;
+    let mut joint = SingleJoint::default();
+    joint.joint.friction.coulomb_nm = 50.0;
+    let outcome = experiment.measure(&MyRobot { joint }, 0, &silent)?;
+    for warning in &outcome.warnings {
+        println!("warned: {warning}");
+    }
+    let frf = outcome.result.frf;
     let hz = &frf.frequency_hz;
     println!(
         "FRF at {} frequencies from {:.4} Hz to {:.4} Hz",
@@ -89,7 +89,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         provenance["seed"], provenance["config_sha256"]
     );
 
-    let described = experiment.testbed()?; // the simulated robot
+    let described = experiment.testbed(); // the simulated robot
     let same = experiment.measure(&*described, 0, &silent)?.result.frf;
     println!(
         "the simulated robot gives the same FRF to the last bit: {}",

@@ -8,8 +8,8 @@ use std::path::Path;
 use std::sync::Arc;
 
 use frfid::estimate::{BlaOptions, estimate_bla};
-use frfid::experiment::{ChallengesTable, RobotTable};
-use frfid::plant::{Arm, ClosedLoop, Hold, PiController, Robot as _, Velocity};
+use frfid::experiment::RobotTable;
+use frfid::plant::{Arm, Challenges, ClosedLoop, Hold, PiController, Robot as _};
 use frfid::signals::{
     Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind,
     Testbed as _,
@@ -51,19 +51,21 @@ fn main() -> Result<(), Box<dyn Error>> {
     );
 
     let hz = [2.0, 10.0, 60.0];
-    let truth = arm.frf(&hz, Hold::Zoh, T, Velocity::True)?.response;
+    let truth = arm.frf(&hz, Hold::Zoh, T)?.response;
     let coupling =
         [0, 1, 2].map(|line| 20.0 * (truth[[line, 1, 2]] / truth[[line, 1, 1]]).norm().log10());
     let [a, b, c] = coupling.map(|db| format!("{db:+.0} dB"));
     println!("a torque on axis 3 moves axis 2 by {a}, {b}, {c} more than one on axis 2 does");
-    let seen = arm.frf_seen(&hz, Hold::Zoh, T, &file.sensors())?.response;
+    let seen = arm
+        .frf_through_sensors(&hz, Hold::Zoh, T, &file.sensors())?
+        .response;
     let lag = -(seen[[2, 0, 0]] / truth[[2, 0, 0]]).arg().to_degrees();
     println!("velocities by differencing lag by {lag:.1} deg at 60 Hz");
 
     // A small excitation of an arm without friction, ripple and sensors under its controller finds
     // this matrix.
     let off = Some(false);
-    let linear = ChallengesTable {
+    let linear = Challenges {
         coulomb_friction: off,
         torque_ripple: off,
         sensing: off,
@@ -146,9 +148,7 @@ fn small_experiment(arm: &Arm, peak: f64) -> Result<f64, Box<dyn Error>> {
         &multisine.grid.excited,
         &BlaOptions::default(),
     )?;
-    let truth = arm
-        .frf(&frf.frequency_hz, Hold::Zoh, T, Velocity::True)?
-        .response;
+    let truth = arm.frf(&frf.frequency_hz, Hold::Zoh, T)?.response;
     let error = (&frf.response - &truth)
         .iter()
         .map(|x| x.norm())

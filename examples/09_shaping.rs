@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         max_torque_nm: None,
         max_torque_rate_nm_per_s: None,
     };
-    let arm = file.robot().ok_or("the file describes an arm")?;
+    let arm = file.robot()?;
     let testbed = ClosedLoop {
         sensors: file.sensors(),
         ..ClosedLoop::new(arm, controller)

@@ -14,8 +14,13 @@ use ndarray::{Array3, Axis, Zip};
 /// do not depend on position.
 fn campaign(position_dependence: bool) -> MultisineCampaign {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/experiments/r3_multisine.toml");
-    let mut experiment = Experiment::load(&path).expect("an example");
-    experiment.config.robot.challenges.position_dependence = Some(position_dependence);
+    let experiment = Experiment::load(&path)
+        .and_then(|experiment| {
+            experiment.with(|config| {
+                config.robot.challenges.position_dependence = Some(position_dependence);
+            })
+        })
+        .expect("an example");
     MultisineCampaign::run(&experiment, 0, &silent).expect("the model runs")
 }
 

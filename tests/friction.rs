@@ -5,7 +5,7 @@
 use std::f64::consts::TAU;
 use std::path::PathBuf;
 
-use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, Trajectory, Velocity, simulate};
+use frfid::plant::{Hold, Robot as _, Sensor, SingleJoint, Torque, Trajectory, simulate};
 use ndarray::{Array2, s};
 use num_complex::Complex64;
 
@@ -93,15 +93,14 @@ fn error(trajectory: &Trajectory, case: &str) -> f64 {
 
 /// The golden cases: F_c and spring, and the share of time stuck that the reference prints.
 fn cases() -> [(&'static str, SingleJoint, f64); 3] {
-    let with = |coulomb_nm| SingleJoint {
-        coulomb_nm,
-        ..SingleJoint::default()
+    let with = |coulomb_nm| {
+        let mut robot = SingleJoint::default();
+        robot.joint.friction.coulomb_nm = coulomb_nm;
+        robot
     };
-    let knee = SingleJoint {
-        stiffness_beyond_nm_per_rad: 2.55e5,
-        knee_rad: 2e-4,
-        ..with(20.0)
-    };
+    let mut knee = with(20.0);
+    knee.joint.spring.stiffness_beyond_nm_per_rad = 2.55e5;
+    knee.joint.spring.knee_rad = 2e-4;
     [
         ("50", with(50.0), 0.518_649),
         ("120", with(120.0), 0.993_554),
@@ -162,7 +161,7 @@ fn without_friction_a_steady_period_gives_the_truth_and_a_sample_s_shift_does_no
     for (line, _) in multisine() {
         let hz = line as f64 / (PERIOD as f64 * SAMPLE_TIME_S);
         let truth = joint
-            .frf(&[hz], Hold::Zoh, SAMPLE_TIME_S, Velocity::True)
+            .frf(&[hz], Hold::Zoh, SAMPLE_TIME_S)
             .expect("sound")
             .response[[0, 0, 0]];
         let found = dft(&y, line) / dft(&u, line);
@@ -190,21 +189,23 @@ fn the_linear_truth_is_scipy_s_under_every_hold() {
             _ => Hold::Linear,
         };
         let numbers: Vec<f64> = row[1..].iter().map(|text| number(text)).collect();
-        let joint = SingleJoint {
-            viscous_nms_per_rad: numbers[0],
-            ..SingleJoint::default()
-        };
+        let mut joint = SingleJoint::default();
+        joint.joint.friction.viscous_nms_per_rad = numbers[0];
         let hz = numbers[1];
-        for (velocity, value) in [Velocity::True, Velocity::Differenced]
-            .into_iter()
-            .zip(numbers[2..].chunks(2))
-        {
+        for (differenced, value) in [false, true].into_iter().zip(numbers[2..].chunks(2)) {
+            let sensor = Sensor {
+                velocity_by_differencing: differenced,
+                ..Sensor::default()
+            };
             let found = joint
-                .frf(&[hz], hold, SAMPLE_TIME_S, velocity)
+                .frf_through_sensors(&[hz], hold, SAMPLE_TIME_S, &[sensor])
                 .expect("sound")
                 .response[[0, 0, 0]];
             let error = (found / Complex64::new(value[0], value[1]) - 1.0).norm();
-            assert!(error < 1e-12, "{hold:?}, {velocity:?}, {hz} Hz: {error}");
+            assert!(
+                error < 1e-12,
+                "{hold:?}, differenced: {differenced}, {hz} Hz: {error}"
+            );
         }
     }
 }

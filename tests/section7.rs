@@ -31,9 +31,7 @@ fn example(name: &str, change: impl FnOnce(&mut Config)) -> Experiment {
         .join("examples/experiments")
         .join(name);
     let experiment = Experiment::load(&path).expect("an example");
-    let mut config = experiment.config;
-    change(&mut config);
-    Experiment::of(config, experiment.source).expect("still sound")
+    experiment.with(change).expect("still sound")
 }
 
 #[test]

@@ -18,12 +18,12 @@ fn r3(replace: &[(&str, &str)]) -> Shaped {
         assert!(text.contains(from), "{from}");
         text = text.replace(from, to);
     }
-    let source = frfid::experiment::Source {
+    let source = frfid::experiment::TomlText {
         name: "r3_chirp.toml".into(),
         text,
     };
     let experiment = Experiment::new(source, &folder).expect("a sound experiment");
-    let testbed = experiment.testbed().expect("a sound robot");
+    let testbed = experiment.testbed();
     finish(&*testbed, experiment.shaper().expect("a sound [shape]").0)
 }
 
@@ -157,10 +157,8 @@ fn claim_7_the_single_joint_gets_its_torque_too() {
         max_torque_nm: None,
         max_torque_rate_nm_per_s: None,
     };
-    let joint = SingleJoint {
-        coulomb_nm: 50.0,
-        ..SingleJoint::default()
-    };
+    let mut joint = SingleJoint::default();
+    joint.joint.friction.coulomb_nm = 50.0;
     let testbed = ClosedLoop::new(Arc::new(joint), controller);
     let sample = |amplitude: f64| {
         let amplitude = vec![Profile::constant(amplitude)];

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use cli_binary::{code, frfid, replaced, stderr, stdout};
 use frfid::estimate::Shaped;
-use frfid::experiment::{Experiment, Source, silent};
+use frfid::experiment::{Experiment, TomlText, silent};
 use frfid::plant::Hold;
 use frfid::signals::Frf;
 use rayon::prelude::*;
@@ -26,7 +26,7 @@ fn example(name: &str, replacements: &[(&str, &str)]) -> String {
 
 fn experiment(name: &str, replacements: &[(&str, &str)]) -> Experiment {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/experiments");
-    let source = Source {
+    let source = TomlText {
         name: name.into(),
         text: example(name, replacements),
     };
@@ -74,7 +74,7 @@ fn the_multisine_campaign_finds_the_36_entries() {
         ("glides = 5", "glides = 2"),
     ];
     let experiment = experiment("six_axis_multisine.toml", &fewer);
-    let testbed = experiment.testbed().expect("described");
+    let testbed = experiment.testbed();
     let found = experiment.measure(&*testbed, 0, &silent).expect("measured");
     assert_eq!(
         (found.result.frf.response.dim(), found.is_lossy),
@@ -114,7 +114,7 @@ fn the_chirps_are_shaped_on_all_axes_inside_all_limits() {
     ];
     let experiment = experiment("six_axis_chirp.toml", &shorter);
     let (mut shaper, _) = experiment.shaper().expect("sound");
-    let testbed = experiment.testbed().expect("described");
+    let testbed = experiment.testbed();
     while shaper.stop().is_none() {
         let records = shaper
             .runs()

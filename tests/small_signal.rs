@@ -5,8 +5,8 @@
 use std::path::Path;
 
 use frfid::estimate::{BlaOptions, estimate_bla};
-use frfid::experiment::{Experiment, Source};
-use frfid::plant::{ClosedLoop, LoopFrf, Sensor, Velocity};
+use frfid::experiment::{Experiment, TomlText};
+use frfid::plant::{ClosedLoop, LoopFrf, Sensor};
 use frfid::signals::{Excitation, Frf};
 use ndarray::{Array5, s};
 
@@ -68,40 +68,35 @@ fn errors(found: &Frf, truth: &Frf) -> Errors {
 
 /// Three experiments whose references stay below a peak in rad/s; the integrator's steps at most
 /// `max_step_s`.
-fn experiment(peak_rad_s: f64, max_step_s: Option<f64>, velocity: Velocity) -> Found {
+fn experiment(peak_rad_s: f64, max_step_s: Option<f64>, velocity_by_differencing: bool) -> Found {
     let text = DESCRIPTION.replace(
         "PEAK",
         &[peak_rad_s; 3].map(|peak| format!("{peak:e}")).join(", "),
     );
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
-    let source = Source {
+    let source = TomlText {
         name: "small_signal.toml".into(),
         text,
     };
     let experiment = Experiment::new(source, &examples).expect("sound");
-    let robot = experiment.robot().expect("described");
-    let controller = experiment
-        .config
-        .controller
-        .as_ref()
-        .expect("described")
-        .controller(1e-3);
+    let robot = experiment.robot();
+    let controller = experiment.controller().expect("described").clone();
     let testbed = ClosedLoop {
         max_step_s,
         sensors: vec![
             Sensor {
-                velocity,
+                velocity_by_differencing,
                 ..Sensor::default()
             };
             3
         ],
         ..ClosedLoop::new(robot.clone(), controller)
     };
-    let n = experiment.plan.period_samples().expect("sound");
+    let n = experiment.plan().period_samples().expect("sound");
     let [mut r, mut u, mut y] = [(); 3].map(|()| Array5::<f64>::zeros((1, 3, 1, 3, n)));
-    for id in experiment.plan.run_ids() {
+    for id in experiment.plan().run_ids() {
         let (record, _) = testbed
-            .simulate(&experiment.plan.run(id).expect("sound"))
+            .simulate(&experiment.plan().run(id).expect("sound"))
             .expect("stable");
         for (all, signal) in [
             (&mut r, record.r.as_ref().expect("recorded")),
@@ -119,7 +114,7 @@ fn experiment(peak_rad_s: f64, max_step_s: Option<f64>, velocity: Velocity) -> F
             .map(|u| u.fold(0.0, |peak: f64, x| peak.max((x - u.sum() / n as f64).abs())))
             .fold(0.0, f64::max)
     });
-    let Excitation::Multisine { signal, .. } = &experiment.plan.excitation else {
+    let Excitation::Multisine { signal, .. } = &experiment.plan().excitation else {
         panic!("a multisine")
     };
     let frf = |from: &Array5<f64>, to: &Array5<f64>| {
@@ -134,7 +129,7 @@ fn experiment(peak_rad_s: f64, max_step_s: Option<f64>, velocity: Velocity) -> F
         .expect("regular")
     };
     let truth = LoopFrf::new(
-        &*robot,
+        &**robot,
         &testbed.controller,
         &testbed.sensors,
         &signal.grid.lines_hz(),
@@ -158,7 +153,7 @@ const FINE_STEP_S: Option<f64> = Some(5e-5);
 #[test]
 fn the_errors_fall_with_the_amplitude_below_1e_5() {
     let peaks = [1e-3, 1e-4, 3e-6];
-    let found = peaks.map(|peak| experiment(peak, FINE_STEP_S, Velocity::True));
+    let found = peaks.map(|peak| experiment(peak, FINE_STEP_S, false));
     for (peak, Found { torque_nm, errors }) in peaks.iter().zip(&found) {
         println!(
             "{peak} rad/s, {torque_nm:.4?} N m: u to y {:?}, r to u {:?}, r to y {:?}",
@@ -209,7 +204,7 @@ fn the_errors_fall_with_the_amplitude_below_1e_5() {
 /// resonances; it is linear.
 #[test]
 fn the_default_step_leaves_less_than_a_millionth_and_differenced_readings_are_in_the_truth() {
-    for velocity in [Velocity::True, Velocity::Differenced] {
+    for velocity in [false, true] {
         let Found { torque_nm, errors } = experiment(1e-5, None, velocity);
         println!("{velocity:?}, default step, {torque_nm:.4?} N m: {errors:?}");
         assert!(errors.iter().all(|errors| errors.line < 1e-6), "{errors:?}");

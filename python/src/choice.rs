@@ -5,11 +5,11 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde::Serialize;
 use serde::de::DeserializeOwned;
+use serde_json::{Map, Value};
 
 /// The value called `name`; `ValueError` names the argument and what it may be.
 pub fn choice<T: DeserializeOwned>(argument: &str, name: &str) -> PyResult<T> {
-    serde_json::from_value(name.into())
-        .map_err(|error| PyValueError::new_err(format!("{argument}: {error}")))
+    from_json(argument, name)
 }
 
 /// A value as strings, numbers, lists and dicts.
@@ -21,11 +21,39 @@ pub fn to_python<'py, T: Serialize>(py: Python<'py>, value: &T) -> PyResult<Boun
 
 /// A value from strings, numbers, lists and dicts; `ValueError` names the argument.
 pub fn from_python<T: DeserializeOwned>(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<T> {
-    let json: String = value
-        .py()
-        .import("json")?
-        .call_method1("dumps", (value,))?
-        .extract()?;
+    from_json(argument, json_value(argument, value)?)
+}
+
+/// Strings, numbers, lists and dicts as JSON, which knows no NaN; `ValueError` names the argument.
+pub fn json_value(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
+    if let Ok(number) = value.extract::<f64>()
+        && !number.is_finite()
+    {
+        return Err(PyValueError::new_err(format!(
+            "{argument} is {number}, needed: a finite number"
+        )));
+    }
+    let dumps = value.py().import("json")?.getattr("dumps")?;
+    let json: String = dumps.call1((value,))?.extract()?;
     serde_json::from_str(&json)
         .map_err(|error| PyValueError::new_err(format!("{argument}: {error}")))
+}
+
+/// A structure as a JSON object.
+pub fn json_object<T: Serialize>(value: &T) -> PyResult<Map<String, Value>> {
+    match serde_json::to_value(value) {
+        Ok(Value::Object(object)) => Ok(object),
+        other => unreachable!("a structure is an object in JSON: {other:?}"),
+    }
+}
+
+/// A value from JSON; `ValueError` names the argument and the place in it.
+pub fn from_json<T: DeserializeOwned>(argument: &str, json: impl Into<Value>) -> PyResult<T> {
+    serde_path_to_error::deserialize(json.into()).map_err(|error| {
+        let place = match error.path().to_string().as_str() {
+            "." => argument.to_owned(),
+            path => format!("{argument}: {path}"),
+        };
+        PyValueError::new_err(format!("{place}: {}", error.inner()))
+    })
 }

@@ -57,8 +57,8 @@ impl Experiment {
     fn __repr__(&self) -> String {
         format!(
             "<frfid.Experiment: {}, {} runs>",
-            self.description.source.name,
-            self.description.plan.n_runs()
+            self.description.text().name,
+            self.description.plan().n_runs()
         )
     }
 }

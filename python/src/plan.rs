@@ -35,7 +35,10 @@ impl Plan {
     /// Time on the robot in s, without the way back to the start.
     #[getter]
     fn robot_time_s(&self) -> PyResult<f64> {
-        self.description.plan.robot_time_s().map_err(error::signal)
+        self.description
+            .plan()
+            .robot_time_s()
+            .map_err(error::signal)
     }
 
     /// Reference of one run, from lead-in to end.
@@ -66,7 +69,7 @@ impl Plan {
         Ok(c_ordered(
             py,
             self.description
-                .plan
+                .plan()
                 .run(id)
                 .map_err(error::signal)?
                 .reference,
@@ -142,14 +145,14 @@ impl Plan {
         progress: Option<&Bound<'_, PyAny>>,
         jobs: usize,
     ) -> PyResult<Vec<Record>> {
-        let (ids, run) = (self.ids(), |id| Ok(self.description.plan.run(id)?));
+        let (ids, run) = (self.ids(), |id| Ok(self.description.plan().run(id)?));
         let records = match testbed {
             Some(object) => {
-                let testbed = PythonTestbed::new(object, self.description.plan.n_inputs)?;
+                let testbed = PythonTestbed::new(object, self.description.plan().n_inputs)?;
                 one_by_one(py, &ids, &run, &testbed, progress)?
             }
             None => {
-                let testbed = self.description.testbed().map_err(error::experiment)?;
+                let testbed = self.description.testbed();
                 records_of(py, &ids, &run, &*testbed, jobs, progress)?
             }
         };
@@ -209,11 +212,11 @@ impl Plan {
     }
 
     fn __len__(&self) -> usize {
-        self.description.plan.n_runs()
+        self.description.plan().n_runs()
     }
 
     fn __repr__(&self) -> PyResult<String> {
-        let (runs, time_s) = (self.description.plan.n_runs(), self.robot_time_s()?);
+        let (runs, time_s) = (self.description.plan().n_runs(), self.robot_time_s()?);
         Ok(format!(
             "<frfid.Plan: {runs} runs, {time_s:.1} s on the robot>"
         ))
@@ -222,6 +225,6 @@ impl Plan {
 
 impl Plan {
     fn ids(&self) -> Vec<RunId> {
-        self.description.plan.run_ids().collect()
+        self.description.plan().run_ids().collect()
     }
 }

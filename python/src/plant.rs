@@ -3,10 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
-use frfid_experiment::{
-    ChallengesTable, RippleTable, RobotTable, SensorTable, SingleJointTable, Source,
-};
-use frfid_plant::{Arm, Hold, OpenLoop, Robot, Sensor, Velocity};
+use frfid_experiment::{RobotTable, SingleJointTable, TomlText};
+use frfid_plant::{Arm, Challenges, Hold, OpenLoop, Robot, Sensor};
 use ndarray::Ix1;
 use numpy::PyArrayDyn;
 use pyo3::exceptions::PyValueError;
@@ -15,7 +13,7 @@ use pyo3::types::PyDict;
 
 use crate::array::real;
 use crate::batch::simulate;
-use crate::choice::{choice, from_python, to_python};
+use crate::choice::{choice, from_json, from_python, json_object, json_value, to_python};
 use crate::error;
 use crate::frf::Frf;
 use crate::record::Record;
@@ -33,7 +31,7 @@ pub struct Plant {
 /// Plants are the same if they move and measure in the same way, however they are written.
 impl PartialEq for Plant {
     fn eq(&self, other: &Self) -> bool {
-        let machine = |table: &RobotTable| (table.joint(), table.arm(), table.sensors());
+        let machine = |table: &RobotTable| (table.single_joint(), table.arm(), table.sensors());
         machine(&self.table) == machine(&other.table)
     }
 }
@@ -81,56 +79,22 @@ impl Plant {
     /// ValueError
     ///     For a parameter out of range.
     #[staticmethod]
-    #[pyo3(signature = (*, motor_inertia_kg_m2 = 35.0, link_inertia_kg_m2 = 150.0, damping_nms_per_rad = 400.0,
-                        stiffness_nm_per_rad = 1.5e5, stiffness_beyond_nm_per_rad = None, knee_rad = 1e-3,
-                        coulomb_nm = 0.0, viscous_nms_per_rad = 0.0, ripple = None, velocity_by_differencing = false,
-                        position_increment_rad = None, position_noise_rad = None, velocity_noise_rad_s = None,
-                        velocity_filter_hz = None, torque_quantum_nm = None, torque_noise_nm = None))]
-    #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
-    fn single_joint(
-        motor_inertia_kg_m2: f64,
-        link_inertia_kg_m2: f64,
-        damping_nms_per_rad: f64,
-        stiffness_nm_per_rad: f64,
-        stiffness_beyond_nm_per_rad: Option<f64>,
-        knee_rad: f64,
-        coulomb_nm: f64,
-        viscous_nms_per_rad: f64,
-        ripple: Option<&Bound<'_, PyAny>>,
-        velocity_by_differencing: bool,
-        position_increment_rad: Option<f64>,
-        position_noise_rad: Option<f64>,
-        velocity_noise_rad_s: Option<f64>,
-        velocity_filter_hz: Option<f64>,
-        torque_quantum_nm: Option<f64>,
-        torque_noise_nm: Option<f64>,
-    ) -> PyResult<Self> {
-        let ripple: Option<Vec<RippleTable>> = ripple
-            .map(|ripple| from_python("ripple", ripple))
-            .transpose()?;
-        let joint = SingleJointTable {
-            motor_inertia_kg_m2,
-            link_inertia_kg_m2,
-            damping_nms_per_rad,
-            stiffness_nm_per_rad,
-            stiffness_beyond_nm_per_rad,
-            knee_rad,
-            coulomb_nm,
-            viscous_nms_per_rad,
-            ripple: ripple.unwrap_or_default(),
-        };
-        let sensor = SensorTable {
-            velocity_by_differencing,
-            position_increment_rad,
-            position_noise_rad,
-            velocity_noise_rad_s,
-            velocity_filter_hz,
-            torque_quantum_nm,
-            torque_noise_nm,
-        };
+    #[pyo3(signature = (**parameters))]
+    fn single_joint(parameters: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+        let mut joint = json_object(&SingleJointTable::default())?;
+        let mut sensor = json_object(&Sensor::default())?;
+        for (key, value) in parameters.into_iter().flatten() {
+            let key: String = key.extract()?;
+            let value = json_value(&key, &value)?;
+            if sensor.contains_key(&key) {
+                sensor.insert(key, value);
+            } else {
+                joint.insert(key, value);
+            }
+        }
         Self::of(RobotTable {
-            single_joint: Some(joint),
-            sensor: Some(sensor),
+            single_joint: Some(from_json("single_joint", joint)?),
+            sensor: Some(from_json("sensor", sensor)?),
             ..RobotTable::default()
         })
     }
@@ -169,7 +133,7 @@ impl Plant {
     ) -> PyResult<Self> {
         path.metadata()?;
         let table = RobotTable::load(&path).map_err(error::config)?;
-        let challenges: Option<ChallengesTable> = challenges
+        let challenges: Option<Challenges> = challenges
             .map(|challenges| from_python("challenges", challenges))
             .transpose()?;
         if pose_rad.is_some() && table.arm().is_none() {
@@ -201,11 +165,8 @@ impl Plant {
     ///     As ``load``.
     #[staticmethod]
     fn from_toml(text: String) -> PyResult<Self> {
-        let source = Source {
-            name: "robot".into(),
-            text,
-        };
-        Self::of(source.parse().map_err(error::config)?)
+        let text = TomlText::new("robot", text);
+        Self::of(text.parse().map_err(error::config)?)
     }
 
     /// The plant as the text of a robot file that stands alone.
@@ -277,9 +238,10 @@ impl Plant {
             }
         };
         let frf = if sensor {
-            self.robot.frf_seen(&hz, hold, sample_time_s, &self.sensors)
+            self.robot
+                .frf_through_sensors(&hz, hold, sample_time_s, &self.sensors)
         } else {
-            self.robot.frf(&hz, hold, sample_time_s, Velocity::True)
+            self.robot.frf(&hz, hold, sample_time_s)
         };
         Ok(frf.map_err(error::signal)?.into())
     }
@@ -457,7 +419,7 @@ impl Plant {
         let joint = self.table.single_joint.as_ref().ok_or_else(arm)?;
         let parameters = to_python(py, joint)?.cast_into::<PyDict>()?;
         let sensor =
-            to_python(py, &self.table.sensor.clone().unwrap_or_default())?.cast_into::<PyDict>()?;
+            to_python(py, &self.table.sensor.unwrap_or_default())?.cast_into::<PyDict>()?;
         parameters.update(sensor.as_mapping())?;
         Ok(parameters)
     }
@@ -493,13 +455,8 @@ impl Plant {
 
     /// The robot that the tables describe, once every number is found sound.
     fn of(table: RobotTable) -> PyResult<Self> {
-        let none = "no robot: a table [single_joint] or [[body]] is needed";
-        let robot = table.robot().ok_or_else(|| PyValueError::new_err(none))?;
+        let robot = table.robot().map_err(error::config)?;
         let sensors = table.sensors();
-        robot
-            .check()
-            .and_then(|()| sensors.iter().try_for_each(Sensor::check))
-            .map_err(error::signal)?;
         Ok(Self {
             table,
             robot,

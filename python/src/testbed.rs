@@ -69,7 +69,7 @@ impl Testbed for PythonTestbed {
         if drift > 0.5 {
             let (name, found) = ("sample_time_s of the record", record.sample_time_s);
             return Err(SignalError::Parameter {
-                name,
+                key: name,
                 found,
                 needed: "the sample time of the plan",
             }

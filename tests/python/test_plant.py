@@ -135,7 +135,8 @@ def test_the_closed_loop_is_numpy_s(scipy_joint, limit):
     [
         (lambda: frfid.Plant.single_joint(coulomb_nm=-1.0), "coulomb_nm is -1"),
         (lambda: frfid.Plant.single_joint(torque_quantum_nm=float("nan")), "torque_quantum_nm is NaN"),
-        (lambda: frfid.Plant.single_joint(ripple=[{"cycles": 1.0}]), "ripple: "),
+        (lambda: frfid.Plant.single_joint(ripple=[{"cycles": 1.0}]), r"ripple\[0\].cycles: unknown field"),
+        (lambda: frfid.Plant.single_joint(stifness=1.0), "unknown field `stifness`"),
         (lambda: frfid.Plant.single_joint().frf([0.0], sample_time_s=T), "hz is 0"),
         (lambda: frfid.Plant.single_joint().frf([1.0]), "sample_time_s is needed"),
         (lambda: frfid.Plant.single_joint().frf([1.0], hold="zoo", sample_time_s=T), "hold: unknown variant `zoo`"),

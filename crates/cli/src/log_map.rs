@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use frfid_experiment::Source;
+use frfid_experiment::TomlText;
 use frfid_files::{LogMap, Signal};
 use frfid_signals::InputKind;
 
@@ -44,7 +44,7 @@ impl MapOptions {
     /// [`Failure`] with line and caret for a file that is no map.
     pub fn log_map(&self) -> Result<Option<LogMap>, Failure> {
         if let Some(path) = &self.map {
-            return Ok(Some(Source::read(path)?.parse()?));
+            return Ok(Some(TomlText::read(path)?.parse()?));
         }
         Ok((!self.u.is_empty()).then(|| LogMap {
             u: self.u.clone(),

@@ -65,7 +65,7 @@ pub fn spectrogram(
     if !(4.0..=signal.len() as f64).contains(&length) {
         let needed = "four samples or more, and no longer than the signal";
         return Err(SignalError::Parameter {
-            name: "window_s",
+            key: "window_s",
             found: options.window_s,
             needed,
         }

@@ -1,22 +1,35 @@
-//! An experiment: its description, read and checked, and the plan that follows from it.
+//! Experiment: its description, read, checked and resolved once, and the plan that follows from it.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use frfid_signals::Plan;
+use frfid_plant::{PiController, Robot, Sensor};
+use frfid_signals::{Limit, Limits, Plan};
 
 use crate::description::config::Config;
-use crate::description::text::{ConfigError, Source};
+use crate::description::templates::Template;
+use crate::description::text::{ConfigError, TomlText};
 use crate::design::plan::design;
 
-/// A description that was read and found sound.
-#[derive(Debug, Clone, PartialEq)]
+/// A description that was read and found sound, and everything that it describes.
+#[derive(Debug, Clone)]
 pub struct Experiment {
-    /// The text it was read from.
-    pub source: Source,
-    /// What the text says, the robot's file read in.
-    pub config: Config,
-    /// The runs that follow from it.
-    pub plan: Plan,
+    pub(crate) text: TomlText,
+    pub(crate) config: Config,
+    pub(crate) robot: Arc<dyn Robot>,
+    pub(crate) joint_names: Vec<String>,
+    pub(crate) pose_rad: Vec<f64>,
+    pub(crate) sensors: Vec<Sensor>,
+    pub(crate) controller: Option<PiController>,
+    pub(crate) limits: Limits,
+    pub(crate) plan: Plan,
+}
+
+/// Everything else follows from the description.
+impl PartialEq for Experiment {
+    fn eq(&self, other: &Self) -> bool {
+        self.config == other.config
+    }
 }
 
 impl Experiment {
@@ -26,38 +39,123 @@ impl Experiment {
     /// [`ConfigError`]: the file cannot be read, or the place and reason of what is wrong in it.
     pub fn load(path: &Path) -> Result<Self, ConfigError> {
         let folder = path.parent().unwrap_or(Path::new(""));
-        Self::new(Source::read(path)?, folder)
+        Self::new(TomlText::read(path)?, folder)
     }
 
     /// Reads a text; a robot file that it names is looked up in `folder`.
     ///
     /// # Errors
     /// As [`Experiment::load`].
-    pub fn new(source: Source, folder: &Path) -> Result<Self, ConfigError> {
-        let mut config: Config = source.parse()?;
-        config.robot.read_files(&source, folder)?;
-        Self::of(config, source)
+    pub fn new(text: TomlText, folder: &Path) -> Result<Self, ConfigError> {
+        let mut config: Config = text.parse()?;
+        config.robot.read_files(&text, folder)?;
+        Self::of(config, text)
     }
 
-    /// Checks a configuration and makes its plan; `source` is where errors point.
+    /// The experiment of a template.
     ///
     /// # Errors
-    /// [`ConfigError`].
-    pub fn of(config: Config, source: Source) -> Result<Self, ConfigError> {
-        config.robot.check(&source)?;
-        let n_axes = config.robot.n_axes();
-        config
-            .controller
-            .iter()
-            .try_for_each(|table| table.check(config.sample_time_s, n_axes, &source))?;
-        let plan = design(&config, &source)?;
+    /// None of the templates that are built in.
+    pub fn of_template(template: &Template) -> Result<Self, ConfigError> {
+        Self::new(TomlText::new(template.kind, template.text()), Path::new(""))
+    }
+
+    /// The same experiment with another description.
+    ///
+    /// # Errors
+    /// [`ConfigError`] where the changed description is not sound.
+    pub fn with(&self, change: impl FnOnce(&mut Config)) -> Result<Self, ConfigError> {
+        let mut config = self.config.clone();
+        change(&mut config);
+        Self::of(config, self.text.clone())
+    }
+
+    /// Checks a description and resolves it; errors point into `text`.
+    fn of(config: Config, text: TomlText) -> Result<Self, ConfigError> {
+        let robot = config
+            .robot
+            .resolve()
+            .map_err(|fault| text.locate(&["robot"], fault))?;
+        let controller = config.controller.as_ref();
+        controller
+            .map_or(Ok(()), |table| {
+                table.check(config.sample_time_s, robot.n_axes())
+            })
+            .map_err(|fault| text.locate(&["controller"], fault))?;
         let experiment = Self {
-            source,
+            joint_names: config.robot.joint_names(),
+            pose_rad: config.robot.pose(),
+            sensors: config.robot.sensors(),
+            controller: controller.map(|table| table.controller(config.sample_time_s)),
+            limits: config.limits.tighter(&config.robot.limits()),
+            plan: design(&config).map_err(|fault| text.locate(&[], fault))?,
+            text,
             config,
-            plan,
+            robot,
         };
         experiment.check_feasible()?;
         Ok(experiment)
+    }
+
+    /// The text it was read from.
+    #[must_use]
+    pub fn text(&self) -> &TomlText {
+        &self.text
+    }
+
+    /// What the text says, the robot's file read in.
+    #[must_use]
+    pub fn config(&self) -> &Config {
+        &self.config
+    }
+
+    /// The robot to be simulated, without the challenges that are switched off.
+    #[must_use]
+    pub fn robot(&self) -> &Arc<dyn Robot> {
+        &self.robot
+    }
+
+    /// Names of the joints, as they stand in the logs.
+    #[must_use]
+    pub fn joint_names(&self) -> &[String] {
+        &self.joint_names
+    }
+
+    /// The pose in rad, one position for each axis.
+    #[must_use]
+    pub fn pose_rad(&self) -> &[f64] {
+        &self.pose_rad
+    }
+
+    /// The sensor of every axis.
+    #[must_use]
+    pub fn sensors(&self) -> &[Sensor] {
+        &self.sensors
+    }
+
+    /// The controller; `None` in open loop.
+    #[must_use]
+    pub fn controller(&self) -> Option<&PiController> {
+        self.controller.as_ref()
+    }
+
+    /// The limits that bind: those of the experiment and those of the robot, the tighter of the
+    /// two.
+    #[must_use]
+    pub fn limits(&self) -> &Limits {
+        &self.limits
+    }
+
+    /// Whether a limit of an axis is the robot's own, not that of the experiment.
+    #[must_use]
+    pub fn limit_is_robots_own(&self, limit: Limit, axis: usize) -> bool {
+        self.config.limits.of(limit, axis) != self.limits.of(limit, axis)
+    }
+
+    /// The runs that follow from the description.
+    #[must_use]
+    pub fn plan(&self) -> &Plan {
+        &self.plan
     }
 
     /// The description as one TOML text that stands alone: it travels with every plan, record and

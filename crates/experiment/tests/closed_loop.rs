@@ -1,7 +1,7 @@
 //! Experiments on arms: the numbers of their designs, limits of robot and experiment together, and
 //! what is refused.
 
-use frfid_experiment::{ConfigError, Experiment, Load, Source, Template, predict, silent};
+use frfid_experiment::{ConfigError, Experiment, Load, Template, TomlText, predict, silent};
 use frfid_signals::{Excitation, Limit, RunId, RunKind};
 
 /// The template `kind` with every `from` replaced by its `to`.
@@ -12,7 +12,7 @@ fn described(kind: &str, changes: &[(&str, &str)]) -> Result<Experiment, ConfigE
         text = text.replacen(from, to, 1);
     }
     Experiment::new(
-        Source {
+        TomlText {
             name: "x.toml".into(),
             text,
         },
@@ -27,7 +27,7 @@ fn experiment(kind: &str, changes: &[(&str, &str)]) -> Experiment {
 #[test]
 fn the_multisines_of_section_7_ride_on_a_velocity_whose_sign_they_never_change() {
     let experiment = experiment("r3-multisine", &[]);
-    let plan = &experiment.plan;
+    let plan = experiment.plan();
     let Excitation::Multisine { signal, peak } = &plan.excitation else {
         panic!("a multisine")
     };
@@ -38,7 +38,7 @@ fn the_multisines_of_section_7_ride_on_a_velocity_whose_sign_they_never_change()
     assert!((signal.grid.period_s() - 12.288).abs() < 1e-12);
     let run_s = plan.run_samples().expect("sound") as f64 * 1e-3;
     let travel = experiment
-        .config
+        .config()
         .constant_velocity
         .as_ref()
         .and_then(|table| table.travel_rad.clone())
@@ -258,7 +258,7 @@ fn a_description_that_was_written_out_stands_alone_and_is_the_same() {
         let experiment = experiment(kind, &[]);
         let text = experiment.to_toml();
         let again = Experiment::new(
-            Source {
+            TomlText {
                 name: "again".into(),
                 text,
             },
@@ -266,8 +266,8 @@ fn a_description_that_was_written_out_stands_alone_and_is_the_same() {
         )
         .expect("sound");
         assert_eq!(
-            (again.config, again.plan),
-            (experiment.config, experiment.plan)
+            (again.config(), again.plan()),
+            (experiment.config(), experiment.plan())
         );
     }
 }

@@ -3,7 +3,8 @@
 
 use std::path::{Path, PathBuf};
 
-use frfid_experiment::{ConfigError, InertiaTable, RobotTable};
+use frfid_experiment::{ConfigError, RobotTable};
+use frfid_plant::Inertia;
 use frfid_signals::Limit;
 
 fn robots() -> PathBuf {
@@ -32,11 +33,11 @@ fn the_manutec_r3_has_the_numbers_of_its_source() {
     // that code spreads the moment of inertia of the simplified first body over its three axes, and
     // has no point masses
     robot.body[0].inertia_kg_m2.iyy /= 3.0;
-    let speck = InertiaTable {
+    let speck = Inertia {
         ixx: 1e-5,
         iyy: 1e-5,
         izz: 1e-5,
-        ..InertiaTable::default()
+        ..Inertia::default()
     };
     robot.body[5].inertia_kg_m2 = speck;
     robot.payload.as_mut().expect("the load").inertia_kg_m2 = speck;
@@ -65,7 +66,7 @@ fn the_manutec_r3_has_the_numbers_of_its_source() {
     close(
         &joints
             .iter()
-            .map(|joint| joint.viscous_nms_per_rad)
+            .map(|joint| joint.friction.viscous_nms_per_rad)
             .collect::<Vec<_>>(),
         &[8.958, 33.92, 5.538],
         0.5001e-2,

@@ -1,6 +1,6 @@
 //! What a stopped run leaves to the estimator: the periods that were complete before the stop.
 
-use frfid_experiment::{Estimator, Experiment, Source, Template};
+use frfid_experiment::{Estimator, Experiment, Template, TomlText};
 use frfid_signals::{Event, EventKind, InputKind, Record};
 use ndarray::Array2;
 
@@ -10,13 +10,13 @@ fn periods_after_the_instant_that_led_to_a_stop_are_not_used() {
         .expect("built in")
         .text()
         .replace("periods = 1", "periods = 3");
-    let source = Source {
+    let source = TomlText {
         name: "x.toml".into(),
         text,
     };
     let experiment = Experiment::new(source, "nowhere".as_ref()).expect("sound");
-    let plan = &experiment.plan;
-    let estimator = Estimator::new(plan, &experiment.config.estimate).expect("sound");
+    let plan = experiment.plan();
+    let estimator = Estimator::new(plan, &experiment.config().estimate).expect("sound");
     let (period, lead_in) = (plan.period_samples().expect("sound"), plan.lead_in_samples);
     let periods_of = |n_samples: usize, since_s: Option<f64>| {
         let signal = Array2::from_shape_fn((1, n_samples), |(_, k)| (k as f64).sin());

@@ -3,13 +3,13 @@
 
 use std::fmt::Debug;
 
+use frfid_signals::checks::of_axes;
 use frfid_signals::{Frf, SignalError};
 
-use crate::control::sensor::{Sensor, Velocity};
+use crate::control::sensor::Sensor;
 use crate::error::PlantError;
-use crate::motion::Moving;
+use crate::motion::Motion;
 use crate::state_space::{Hold, StateSpace};
-use crate::testbed::recorder::of_axes;
 
 /// A robot in software: the description of a machine that can be set in motion and linearised.
 pub trait Robot: Debug + Send + Sync {
@@ -35,39 +35,30 @@ pub trait Robot: Debug + Send + Sync {
         &self,
         start_rad: &[f64],
         velocity_rad_s: &[f64],
-    ) -> Result<Box<dyn Moving>, PlantError>;
+    ) -> Result<Box<dyn Motion>, PlantError>;
 
     /// The linear model at the pose from motor torques to motor velocities and motor positions,
     /// outputs in this order. Gear damping, viscous friction and the gradient of gravity are in it;
     /// Coulomb friction, ripple and the stiffness beyond the knee are not.
     fn state_space(&self) -> StateSpace;
 
-    /// The exact FRF in rad/s per N m from motor torques to the velocity readings at the pose,
-    /// `(frequency, output, input)`, through a hold of `sample_time_s`; every axis read alike and
-    /// without a filter.
+    /// Coulomb friction in N m of every axis.
+    fn coulomb_nm(&self) -> Vec<f64>;
+
+    /// What is possible but looks like a mistake, in words.
+    fn warnings(&self) -> Vec<String> {
+        Vec::new()
+    }
+
+    /// The exact FRF in rad/s per N m from motor torques to the true motor velocities at the pose,
+    /// `(frequency, output, input)`, through a hold of `sample_time_s`.
     ///
     /// # Errors
     /// [`SignalError::Parameter`] for a parameter of the robot, a frequency or a sample time out of
     /// range.
-    fn frf(
-        &self,
-        hz: &[f64],
-        hold: Hold,
-        sample_time_s: f64,
-        velocity: Velocity,
-    ) -> Result<Frf, SignalError> {
-        self.frf_seen(
-            hz,
-            hold,
-            sample_time_s,
-            &vec![
-                Sensor {
-                    velocity,
-                    ..Sensor::default()
-                };
-                self.n_axes()
-            ],
-        )
+    fn frf(&self, hz: &[f64], hold: Hold, sample_time_s: f64) -> Result<Frf, SignalError> {
+        let ideal = vec![Sensor::default(); self.n_axes()];
+        self.frf_through_sensors(hz, hold, sample_time_s, &ideal)
     }
 
     /// [`Robot::frf`] as each axis' own sensor sees it, filter included.
@@ -77,7 +68,7 @@ pub trait Robot: Debug + Send + Sync {
     ///
     /// # Errors
     /// As [`Robot::frf`]; [`SignalError::Shape`] unless there is a sensor for each axis.
-    fn frf_seen(
+    fn frf_through_sensors(
         &self,
         hz: &[f64],
         hold: Hold,
@@ -90,14 +81,15 @@ pub trait Robot: Debug + Send + Sync {
             .iter()
             .try_for_each(Sensor::check)?;
         let StateSpace { a, b, c, d } = self.state_space();
-        let rows: Vec<usize> = sensors
-            .iter()
-            .enumerate()
-            .map(|(axis, sensor)| match sensor.velocity {
-                Velocity::True => axis,
-                Velocity::Differenced => n_axes + axis,
-            })
-            .collect();
+        // differences are taken of positions, the rows after those of the velocities
+        let row = |(axis, sensor): (usize, &Sensor)| {
+            axis + if sensor.velocity_by_differencing {
+                n_axes
+            } else {
+                0
+            }
+        };
+        let rows: Vec<usize> = sensors.iter().enumerate().map(row).collect();
         let mut frf = StateSpace {
             a,
             b,

@@ -71,7 +71,7 @@ impl StateSpace {
             let drive = gamma.zip_map(&lead, |gamma, lead| gamma + (p - 1.0) * lead);
             let needed = "a frequency at which the model has no pole";
             let x = pencil.lu().solve(&drive).ok_or(SignalError::Parameter {
-                name: "hz",
+                key: "hz",
                 found: f,
                 needed,
             })?;

@@ -3,8 +3,8 @@
 
 mod manutec_r3;
 
-use frfid_plant::{Arm, Body, BodyJoint, Challenges, Payload, Robot as _, SingleJoint};
-use manutec_r3::{IDENTITY, each_joint, manutec_r3};
+use frfid_plant::{Arm, Body, BodyJoint, Challenges, Inertia, Payload, Robot as _, SingleJoint};
+use manutec_r3::{ball, each_joint, manutec_r3};
 use nalgebra::DVector;
 use serde_json::Value;
 
@@ -26,8 +26,8 @@ fn difference<'a>(found: impl IntoIterator<Item = &'a f64>, printed: &[f64]) -> 
 fn the_r3_has_the_mass_matrix_gravity_and_modes_of_the_tables() {
     let mut arm = manutec_r3();
     assert_eq!(arm.warnings(), Vec::<String>::new());
-    arm.bodies[0].inertia_kg_m2[1][1] = 1.16 / 3.0;
-    arm.bodies[5].inertia_kg_m2 = IDENTITY.map(|row| row.map(|value| 1e-5 * value));
+    arm.bodies[0].inertia_kg_m2.iyy = 1.16 / 3.0;
+    arm.bodies[5].inertia_kg_m2 = ball(1e-5);
     arm.payload.as_mut().expect("the load").inertia_kg_m2 = arm.bodies[5].inertia_kg_m2;
     let mass = arm.mass_matrix(&arm.pose_rad).expect("sound");
     let printed = [
@@ -77,7 +77,19 @@ fn vector(value: &Value) -> [f64; 3] {
     numbers(value).try_into().expect("three numbers")
 }
 
-fn tensor(value: &Value) -> [[f64; 3]; 3] {
+fn inertia(value: &Value) -> Inertia {
+    let [[ixx, ixy, ixz], [_, iyy, iyz], [_, _, izz]] = matrix(value);
+    Inertia {
+        ixx,
+        iyy,
+        izz,
+        ixy,
+        ixz,
+        iyz,
+    }
+}
+
+fn matrix(value: &Value) -> [[f64; 3]; 3] {
     [0, 1, 2].map(|row| vector(&value[row]))
 }
 
@@ -85,7 +97,7 @@ fn mass(value: &Value) -> Payload {
     Payload {
         mass_kg: value["mass_kg"].as_f64().expect("a number"),
         center_of_mass_m: vector(&value["center_of_mass_m"]),
-        inertia_kg_m2: tensor(&value["inertia_kg_m2"]),
+        inertia_kg_m2: inertia(&value["inertia_kg_m2"]),
     }
 }
 
@@ -97,14 +109,14 @@ fn drawn_arm(golden: &Value) -> Arm {
             center_of_mass_m,
             inertia_kg_m2,
         } = mass(value);
-        let moving = || BodyJoint::Flexible(SingleJoint::default().flexible_joint());
+        let moving = || BodyJoint::Flexible(SingleJoint::default().joint);
         let joint = value["position_rad"]
             .as_f64()
             .map_or_else(moving, |position_rad| BodyJoint::Locked { position_rad });
         Body {
             name: value["name"].to_string(),
             offset_m: vector(&value["offset_m"]),
-            rotation: tensor(&value["rotation"]),
+            rotation: matrix(&value["rotation"]),
             axis: vector(&value["axis"]),
             mass_kg,
             center_of_mass_m,
@@ -215,11 +227,11 @@ fn coriolis_torques_do_the_work_that_the_mass_matrix_asks_for() {
 fn without_gravity_there_is_no_bias_and_without_position_dependence_one_mass_matrix() {
     let mut arm = manutec_r3();
     let (there, fast) = ([0.4, -0.3, 0.2], [1.0, 2.0, -3.0]);
-    arm.challenges.gravity = false;
+    arm.challenges.gravity = Some(false);
     assert_eq!(arm.bias_nm(&there, &fast), Ok(vec![0.0; 3]));
     assert_ne!(arm.mass_matrix(&there), arm.mass_matrix(&arm.pose_rad));
     arm.challenges = Challenges {
-        position_dependence: false,
+        position_dependence: Some(false),
         ..Challenges::default()
     };
     assert_eq!(
@@ -247,12 +259,12 @@ fn what_cannot_be_is_refused_by_name_and_value() {
         );
     };
     expect(
-        &|arm| arm.bodies[3].inertia_kg_m2[2][2] = -2.0,
+        &|arm| arm.bodies[3].inertia_kg_m2.izz = -2.0,
         &["body b4", "principal moment is -2,"],
     );
     expect(
-        &|arm| arm.bodies[1].inertia_kg_m2[0][1] = 5.0,
-        &["body b2", "transpose is 5.46"],
+        &|arm| arm.bodies[1].inertia_kg_m2.ixy = f64::NAN,
+        &["body b2: inertia_kg_m2 is NaN"],
     );
     expect(
         &|arm| arm.bodies[3].mass_kg = -1.0,
@@ -291,7 +303,7 @@ fn what_cannot_be_is_refused_by_name_and_value() {
         &|arm| {
             each_joint(arm, |axis, joint| {
                 if axis == 1 {
-                    joint.stiffness_nm_per_rad = 0.0;
+                    joint.spring.stiffness_nm_per_rad = 0.0;
                 }
             });
         },
@@ -312,7 +324,7 @@ fn what_cannot_be_is_refused_by_name_and_value() {
         arm.payload = None;
         arm.bodies.truncate(3);
         let body = &mut arm.bodies[2];
-        (body.mass_kg, body.inertia_kg_m2, body.axis) = (0.0, [[0.0; 3]; 3], axis);
+        (body.mass_kg, body.inertia_kg_m2, body.axis) = (0.0, Inertia::default(), axis);
     };
     expect(&massless, &["smallest eigenvalue", "above 0"]);
 }

@@ -49,7 +49,7 @@ fn at_rest_the_controller_holds_the_arm_against_gravity_from_the_first_sample() 
     for coulomb_friction in [true, false] {
         let mut arm = manutec_r3();
         arm.challenges = Challenges {
-            coulomb_friction,
+            coulomb_friction: Some(coulomb_friction),
             ..arm.challenges
         };
         let gravity = arm.gravity_torque_nm(&arm.pose_rad).expect("sound");
@@ -72,7 +72,7 @@ fn at_rest_the_controller_holds_the_arm_against_gravity_from_the_first_sample() 
 fn a_small_motion_of_one_axis_moves_all_torques_and_axes_as_the_linear_loop_says() {
     let mut arm = manutec_r3();
     arm.challenges = Challenges {
-        coulomb_friction: false,
+        coulomb_friction: Some(false),
         ..arm.challenges
     };
     let lines = [1, 4, 7, 12, 15, 21, 29]; // of 2 Hz

@@ -4,11 +4,11 @@
 mod manutec_r3;
 
 use frfid_plant::{
-    Acting, Arm, Body, BodyJoint, Challenges, Hold, Moving, Ripple, Robot as _, SingleJoint,
-    Torque, Velocity, simulate,
+    Acting, Arm, Body, BodyJoint, Challenges, Hold, Motion, Ripple, Robot as _, SingleJoint,
+    Torque, simulate,
 };
 use frfid_signals::random::{normal, stream};
-use manutec_r3::{IDENTITY, each_joint, manutec_r3, with_ripple};
+use manutec_r3::{IDENTITY, ball, each_joint, manutec_r3, with_ripple};
 use nalgebra::{DMatrix, DVector};
 use ndarray::Array2;
 use num_complex::Complex64;
@@ -19,8 +19,8 @@ fn lossless() -> Arm {
     each_joint(&mut arm, |_, joint| {
         (
             joint.damping_nms_per_rad,
-            joint.coulomb_nm,
-            joint.viscous_nms_per_rad,
+            joint.friction.coulomb_nm,
+            joint.friction.viscous_nms_per_rad,
         ) = (0.0, 0.0, 0.0);
     });
     arm
@@ -47,7 +47,7 @@ fn energy_error(arm: &Arm, step_s: f64) -> (f64, f64) {
     worst
 }
 
-fn link_position(motion: &dyn Moving) -> Vec<f64> {
+fn link_position(motion: &dyn Motion) -> Vec<f64> {
     motion
         .motor_position_rad()
         .iter()
@@ -64,7 +64,7 @@ fn energy_is_kept_to_the_fifth_power_of_the_step() {
     let oscillation: f64 = arm
         .joints()
         .zip(&gravity)
-        .map(|(joint, g)| 0.5 * g * g / joint.stiffness_nm_per_rad)
+        .map(|(joint, g)| 0.5 * g * g / joint.spring.stiffness_nm_per_rad)
         .sum();
     let errors = [4e-4, 2e-4, 1e-4].map(|step| energy_error(&arm, step).0);
     for pair in errors.windows(2) {
@@ -84,13 +84,13 @@ fn energy_is_kept_to_the_fifth_power_of_the_step() {
 fn held_under_gravity_the_arm_rests() {
     let mut stiffening = with_ripple(manutec_r3());
     each_joint(&mut stiffening, |_, joint| {
-        joint.knee_rad = 1e-3; // 460 N m deflect the second gear by 1.3 mrad
-        joint.stiffness_beyond_nm_per_rad *= 1.7;
+        joint.spring.knee_rad = 1e-3; // 460 N m deflect the second gear by 1.3 mrad
+        joint.spring.stiffness_beyond_nm_per_rad *= 1.7;
     });
     let mut smooth = stiffening.clone();
     smooth.challenges = Challenges {
-        coulomb_friction: false,
-        torque_ripple: false,
+        coulomb_friction: Some(false),
+        torque_ripple: Some(false),
         ..Challenges::default()
     };
     for arm in [stiffening, smooth] {
@@ -171,9 +171,9 @@ fn turntable(joint: &SingleJoint) -> Arm {
         axis: [0.0, 0.0, 2.0],
         mass_kg,
         center_of_mass_m: [0.3, 0.4, 0.7],
-        inertia_kg_m2: [[own, 0.0, 0.0], [0.0, own, 0.0], [0.0, 0.0, own]],
+        inertia_kg_m2: ball(own),
         simplified: false,
-        joint: BodyJoint::Flexible(joint.flexible_joint()),
+        joint: BodyJoint::Flexible(joint.joint.clone()),
     };
     Arm {
         bodies: vec![body],
@@ -186,18 +186,16 @@ fn turntable(joint: &SingleJoint) -> Arm {
 
 #[test]
 fn one_body_about_a_vertical_axis_is_the_single_joint() {
-    let joint = SingleJoint {
-        coulomb_nm: 50.0,
-        viscous_nms_per_rad: 20.0,
-        stiffness_beyond_nm_per_rad: 2.55e5,
-        knee_rad: 4e-4,
-        ripple: vec![Ripple {
-            cycles_per_turn: 120.0,
-            amplitude_nm: 3.0,
-            phase_rad: 0.1,
-        }],
-        ..SingleJoint::default()
-    };
+    let mut joint = SingleJoint::default();
+    joint.joint.friction.coulomb_nm = 50.0;
+    joint.joint.friction.viscous_nms_per_rad = 20.0;
+    joint.joint.spring.stiffness_beyond_nm_per_rad = 2.55e5;
+    joint.joint.spring.knee_rad = 4e-4;
+    joint.joint.ripple = vec![Ripple {
+        cycles_per_turn: 120.0,
+        amplitude_nm: 3.0,
+        phase_rad: 0.1,
+    }];
     let arm = turntable(&joint);
     let mut rng = stream(1, "arm", &[]);
     let torque = Array2::from_shape_fn((1, 2000), |_| 200.0 * normal(&mut rng));
@@ -240,9 +238,9 @@ fn sampled(arm: &Arm, sample_time_s: f64, n_steps: Option<usize>) -> (DMatrix<f6
 fn linear() -> Arm {
     let mut arm = with_ripple(manutec_r3());
     arm.challenges = Challenges {
-        position_dependence: false,
-        coulomb_friction: false,
-        torque_ripple: false,
+        position_dependence: Some(false),
+        coulomb_friction: Some(false),
+        torque_ripple: Some(false),
         ..Challenges::default()
     };
     arm
@@ -277,10 +275,7 @@ fn without_position_dependence_the_linear_truth_holds_however_far_the_arm_travel
 fn the_default_step_keeps_the_frf_within_a_millionth() {
     let arm = linear();
     let hz: Vec<f64> = (4..=600).map(|k| 0.1 * f64::from(k)).collect();
-    let truth = arm
-        .frf(&hz, Hold::Zoh, 1e-3, Velocity::True)
-        .expect("sound")
-        .response;
+    let truth = arm.frf(&hz, Hold::Zoh, 1e-3).expect("sound").response;
     let error = |n_steps: usize| {
         let (phi, gamma) = sampled(&arm, 1e-3, Some(n_steps));
         let mut worst = 0.0_f64;
@@ -315,7 +310,10 @@ fn the_default_step_keeps_the_frf_within_a_millionth() {
 fn gears_beyond_their_knee_under_gravity_are_as_stiff_as_there_in_the_truth() {
     let mut arm = manutec_r3();
     each_joint(&mut arm, |_, joint| {
-        (joint.knee_rad, joint.stiffness_beyond_nm_per_rad) = (1.25e-3, 1e6)
+        (
+            joint.spring.knee_rad,
+            joint.spring.stiffness_beyond_nm_per_rad,
+        ) = (1.25e-3, 1e6)
     });
     // motor: -k / J in the column of the deflection; axis 2 rests at 1.306 mrad, axis 3 at 1.228
     // mrad, axis 1 at 0
@@ -339,7 +337,7 @@ fn gears_beyond_their_knee_under_gravity_are_as_stiff_as_there_in_the_truth() {
         "{:?}",
         slopes(&arm)
     );
-    arm.challenges.stiffening = false;
+    arm.challenges.stiffening = Some(false);
     assert!(
         near(slopes(&arm), [474_075.0, 352_800.0, 208_800.0]),
         "{:?}",

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use frfid_plant::{
-    ClosedLoop, Hold, LoopFrf, PiController, PlantError, Robot, Sensor, SingleJoint, Velocity,
+    ClosedLoop, Hold, LoopFrf, PiController, PlantError, Robot, Sensor, SingleJoint,
     check_stability, loop_poles,
 };
 use frfid_signals::{Run, RunId, RunKind, Testbed};
@@ -29,10 +29,11 @@ fn controller() -> PiController {
 }
 
 fn joint() -> SingleJoint {
-    SingleJoint {
-        damping_nms_per_rad: 800.0,
-        viscous_nms_per_rad: 30.0,
-        ..SingleJoint::default()
+    {
+        let mut robot = SingleJoint::default();
+        robot.joint.damping_nms_per_rad = 800.0;
+        robot.joint.friction.viscous_nms_per_rad = 30.0;
+        robot
     }
 }
 
@@ -75,7 +76,7 @@ fn a_steady_period_of_the_loop_has_its_analytic_frfs() {
             ..controller()
         };
         let sensor = Sensor {
-            velocity: [Velocity::True, Velocity::Differenced][case / 6 % 2],
+            velocity_by_differencing: [false, true][case / 6 % 2],
             velocity_filter_hz: (case / 12 == 1).then_some(200.0),
             ..Sensor::default()
         };
@@ -125,12 +126,7 @@ fn without_a_position_loop_the_sensitivity_is_what_is_left_of_the_reference() {
         let left = 1.0 - reference_to_velocity.response[[line, 0, 0]];
         assert!((sensitivity.response[[line, 0, 0]] - left).norm() < 1e-12);
     }
-    assert_eq!(
-        plant,
-        joint()
-            .frf(&hz, Hold::Zoh, T, Velocity::True)
-            .expect("sound")
-    );
+    assert_eq!(plant, joint().frf(&hz, Hold::Zoh, T).expect("sound"));
 }
 
 /// Growth per sample of the loop's motion, measured over the samples from `from` on.
@@ -152,7 +148,7 @@ fn growth(controller: &PiController, sensors: &[Sensor], [from, to]: [usize; 2])
 #[test]
 fn a_loop_grows_in_simulation_as_its_poles_say() {
     let sensors = [Sensor {
-        velocity: Velocity::Differenced,
+        velocity_by_differencing: true,
         velocity_filter_hz: Some(200.0),
         ..Sensor::default()
     }];
@@ -201,7 +197,7 @@ fn velocity_control_leaves_the_position_free_and_is_stable() {
     for sensors in [
         [Sensor::default()],
         [Sensor {
-            velocity: Velocity::Differenced,
+            velocity_by_differencing: true,
             ..Sensor::default()
         }],
     ] {

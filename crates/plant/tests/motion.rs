@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use frfid_plant::{Hold, Ripple, Robot as _, SingleJoint, Torque, Trajectory, Velocity, simulate};
+use frfid_plant::{Hold, Ripple, Robot as _, SingleJoint, Torque, Trajectory, simulate};
 use frfid_signals::random::{normal, stream, uniform};
 use ndarray::Array2;
 
@@ -28,17 +28,17 @@ fn kick(torque: f64, on: usize, n: usize) -> Vec<f64> {
 
 fn energy(joint: &SingleJoint, x: &Trajectory, n: usize) -> f64 {
     let kinetic = |inertia: f64, v: f64| 0.5 * inertia * v * v;
-    kinetic(joint.motor_inertia_kg_m2, x.motor_velocity_rad_s[[0, n]])
-        + kinetic(joint.link_inertia_kg_m2, x.link_velocity_rad_s[[0, n]])
-        + joint.spring().energy_j(x.deflection_rad[[0, n]])
+    kinetic(
+        joint.joint.motor_inertia_kg_m2,
+        x.motor_velocity_rad_s[[0, n]],
+    ) + kinetic(joint.link_inertia_kg_m2, x.link_velocity_rad_s[[0, n]])
+        + joint.joint.spring.energy_j(x.deflection_rad[[0, n]])
 }
 
 #[test]
 fn momentum_grows_by_the_torque_less_the_friction() {
-    let joint = SingleJoint {
-        coulomb_nm: 50.0,
-        ..SingleJoint::default()
-    };
+    let mut joint = SingleJoint::default();
+    joint.joint.friction.coulomb_nm = 50.0;
     let x = held(&joint, 0.5, &[150.0; 500]);
     for n in 0..500 {
         let momentum =
@@ -49,12 +49,10 @@ fn momentum_grows_by_the_torque_less_the_friction() {
 
 #[test]
 fn an_undamped_joint_keeps_its_energy_through_both_knees() {
-    let joint = SingleJoint {
-        damping_nms_per_rad: 0.0,
-        stiffness_beyond_nm_per_rad: 2.55e5,
-        knee_rad: 4e-4,
-        ..SingleJoint::default()
-    };
+    let mut joint = SingleJoint::default();
+    joint.joint.damping_nms_per_rad = 0.0;
+    joint.joint.spring.stiffness_beyond_nm_per_rad = 2.55e5;
+    joint.joint.spring.knee_rad = 4e-4;
     let x = held(&joint, 0.0, &kick(150.0, 30, 1000));
     let start = energy(&joint, &x, 30);
     assert!((30..1000).all(|n| (energy(&joint, &x, n) / start - 1.0).abs() < 1e-8));
@@ -65,18 +63,16 @@ fn an_undamped_joint_keeps_its_energy_through_both_knees() {
             (low.min(dq), high.max(dq))
         });
     assert!(
-        low < -1.2 * joint.knee_rad && high > 1.2 * joint.knee_rad,
+        low < -1.2 * joint.joint.spring.knee_rad && high > 1.2 * joint.joint.spring.knee_rad,
         "{low} {high}"
     );
 }
 
 #[test]
 fn friction_takes_its_torque_times_the_way_and_nothing_when_stuck() {
-    let joint = SingleJoint {
-        damping_nms_per_rad: 0.0,
-        coulomb_nm: 20.0,
-        ..SingleJoint::default()
-    };
+    let mut joint = SingleJoint::default();
+    joint.joint.damping_nms_per_rad = 0.0;
+    joint.joint.friction.coulomb_nm = 20.0;
     let x = held(&joint, 0.0, &kick(150.0, 40, 1500));
     let (v, q) = (&x.motor_velocity_rad_s, &x.motor_position_rad);
     let mut kinds = [0; 2];
@@ -95,10 +91,8 @@ fn friction_takes_its_torque_times_the_way_and_nothing_when_stuck() {
 
 #[test]
 fn a_stuck_motor_rests_exactly_until_friction_is_overcome() {
-    let joint = SingleJoint {
-        coulomb_nm: 50.0,
-        ..SingleJoint::default()
-    };
+    let mut joint = SingleJoint::default();
+    joint.joint.friction.coulomb_nm = 50.0;
     for torque in [50.0, -50.0, 0.0] {
         let x = held(&joint, 0.0, &[torque; 300]);
         assert!(
@@ -115,10 +109,8 @@ fn a_stuck_motor_rests_exactly_until_friction_is_overcome() {
 
 #[test]
 fn a_strong_reversal_does_not_stick_and_a_weak_one_does() {
-    let joint = SingleJoint {
-        coulomb_nm: 50.0,
-        ..SingleJoint::default()
-    };
+    let mut joint = SingleJoint::default();
+    joint.joint.friction.coulomb_nm = 50.0;
     let reversal = |torque: f64| held(&joint, 0.005, &vec![-torque; 400]);
     let strong = reversal(400.0);
     assert_eq!(strong.stuck_share[0], 0.0);
@@ -130,10 +122,8 @@ fn a_strong_reversal_does_not_stick_and_a_weak_one_does() {
 fn a_step_hides_no_break_away_and_no_reversal() {
     // one step of 1 ms; the torque crosses F_c upwards and downwards within it, seen at both ends
     // below it
-    let joint = SingleJoint {
-        coulomb_nm: 50.0,
-        ..SingleJoint::default()
-    };
+    let mut joint = SingleJoint::default();
+    joint.joint.friction.coulomb_nm = 50.0;
     let pulse = |time: f64, _| 50.5 - 4e6 * (time - 0.5e-3).powi(2);
     let torque = Torque::Analytic {
         torque: &pulse,
@@ -154,10 +144,8 @@ fn a_step_hides_no_break_away_and_no_reversal() {
     );
 
     // a velocity that dips below 0 within the step: slow forward motion, braked, then driven on
-    let joint = SingleJoint {
-        coulomb_nm: 5.0,
-        ..SingleJoint::default()
-    };
+    let mut joint = SingleJoint::default();
+    joint.joint.friction.coulomb_nm = 5.0;
     let brake = |time: f64, _| -400.0 * (1.0 - 2.0 * time / 1e-3);
     let torque = Torque::Analytic {
         torque: &brake,
@@ -173,19 +161,17 @@ fn chance_finds_no_chatter_and_a_coarse_step_agrees_with_a_fine_one() {
     for seed in 0..200 {
         let mut rng = stream(seed, "joints", &[]);
         let mut between = |low: f64, high: f64| low * (high / low).powf(uniform(&mut rng));
-        let joint = SingleJoint {
-            damping_nms_per_rad: between(1.0, 1e4),
-            coulomb_nm: between(0.1, 100.0),
-            stiffness_beyond_nm_per_rad: between(1e5, 5e5),
-            knee_rad: between(1e-6, 1e-3),
-            viscous_nms_per_rad: between(0.1, 100.0),
-            ripple: vec![Ripple {
-                cycles_per_turn: between(1.0, 1e4),
-                amplitude_nm: between(0.01, 10.0),
-                phase_rad: 0.0,
-            }],
-            ..SingleJoint::default()
-        };
+        let mut joint = SingleJoint::default();
+        joint.joint.damping_nms_per_rad = between(1.0, 1e4);
+        joint.joint.friction.coulomb_nm = between(0.1, 100.0);
+        joint.joint.spring.stiffness_beyond_nm_per_rad = between(1e5, 5e5);
+        joint.joint.spring.knee_rad = between(1e-6, 1e-3);
+        joint.joint.friction.viscous_nms_per_rad = between(0.1, 100.0);
+        joint.joint.ripple = vec![Ripple {
+            cycles_per_turn: between(1.0, 1e4),
+            amplitude_nm: between(0.01, 10.0),
+            phase_rad: 0.0,
+        }];
         let strength = between(1.0, 500.0);
         let torque = Array2::from_shape_fn((1, 500), |_| (strength * normal(&mut rng)).round());
         for torque in [Torque::Zoh(torque.view()), Torque::Linear(torque.view())] {
@@ -215,14 +201,12 @@ fn ripple_shows_at_its_cycles_times_the_speed_with_the_truth_s_gain() {
         amplitude_nm: 0.01,
         phase_rad: 0.3,
     }];
-    let joint = SingleJoint {
-        ripple,
-        ..SingleJoint::default()
-    };
+    let mut joint = SingleJoint::default();
+    joint.joint.ripple = ripple;
     let x = held(&joint, speed, &[0.0; 4000]);
     let hz = cycles * speed / TAU;
     let truth = joint
-        .frf(&[hz], Hold::Continuous, SAMPLE_TIME_S, Velocity::True)
+        .frf(&[hz], Hold::Continuous, SAMPLE_TIME_S)
         .expect("sound")
         .response[[0, 0, 0]];
     // after 2 s the transient is gone: nothing is left but the sine -0.01 |P| sin(2 pi f t + 0.3 +
@@ -257,7 +241,7 @@ fn an_analytic_torque_meets_the_continuous_truth() {
         // 60 Hz
         let x = simulate(&joint, torque, SAMPLE_TIME_S, 0.0, Some(5e-5)).expect("sound");
         let truth = joint
-            .frf(&[hz], Hold::Continuous, SAMPLE_TIME_S, Velocity::True)
+            .frf(&[hz], Hold::Continuous, SAMPLE_TIME_S)
             .expect("sound")
             .response[[0, 0, 0]];
         let steady =

@@ -9,11 +9,23 @@ use crate::limits::Limit;
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SignalError {
     /// A parameter lies outside its range, is NaN or infinite.
-    #[error("{name} is {found}, needed: {needed}")]
+    #[error("{key} is {found}, needed: {needed}")]
     Parameter {
-        /// The parameter's name, unit included.
-        name: &'static str,
+        /// Name of the field, unit included; its key in files too.
+        key: &'static str,
         /// The value given.
+        found: f64,
+        /// The range or property needed.
+        needed: &'static str,
+    },
+    /// What follows from a parameter lies outside its range.
+    #[error("{quantity} is {found}, needed: {needed}")]
+    Derived {
+        /// Name of the field it follows from.
+        key: &'static str,
+        /// What follows, in words, unit included.
+        quantity: &'static str,
+        /// Its value.
         found: f64,
         /// The range or property needed.
         needed: &'static str,
@@ -33,8 +45,10 @@ pub enum SignalError {
     /// One of several parts of the same kind has a parameter that does not fit.
     #[error("{part}: {source}")]
     In {
-        /// Which part, by its name or number.
+        /// Which part, in words.
         part: String,
+        /// Where its fields are: keys of tables and numbers in lists.
+        path: Vec<String>,
         /// What does not fit.
         source: Box<SignalError>,
     },
@@ -117,4 +131,37 @@ pub enum SignalError {
         /// Says whether glide runs exist.
         glides: &'static str,
     },
+}
+
+impl SignalError {
+    /// The same error of one of several parts, with the keys of the tables and the numbers in lists
+    /// that lead to the part.
+    #[must_use]
+    pub fn within(self, part: impl Into<String>, path: Vec<String>) -> Self {
+        let part = part.into();
+        Self::In {
+            part,
+            path,
+            source: Box::new(self),
+        }
+    }
+
+    /// Where the value stands that is wrong: keys of tables and numbers in lists, the field last.
+    /// Empty where no one value is wrong.
+    #[must_use]
+    pub fn path(&self) -> Vec<&str> {
+        match self {
+            Self::Parameter { key, .. } | Self::Derived { key, .. } => vec![key],
+            Self::Shape { name, .. } => vec![name],
+            Self::Limit { limit, .. } => vec![limit.key()],
+            Self::AboveNyquist { .. } | Self::EmptyBand { .. } => vec!["high_hz"],
+            Self::In { path, source, .. } => {
+                let within = path.iter().map(String::as_str);
+                within.chain(source.path()).collect()
+            }
+            Self::LineOffGrid { .. } | Self::NotFinite { .. } | Self::NoSuchRun { .. } => {
+                Vec::new()
+            }
+        }
+    }
 }

@@ -29,18 +29,18 @@ pub(crate) fn run(
     console: &mut Console,
 ) -> Result<Exit, Failure> {
     let experiment = Experiment::load(&arguments.experiment)?;
-    let is_shaped = experiment.config.shape.is_some();
+    let is_shaped = experiment.config().shape.is_some();
     if is_shaped {
         experiment.shaper()?; // refuses what cannot be shaped
     }
     warn(&experiment, console);
     if options.json {
-        console.json(&plan_as_json(&experiment.plan)?)?;
+        console.json(&plan_as_json(experiment.plan())?)?;
     } else {
         console.data(&format!(
             "{} is sound\n{}",
-            experiment.source.name,
-            plan_as_text(&experiment.plan)?
+            experiment.text().name,
+            plan_as_text(experiment.plan())?
         ))?;
         let path = arguments.experiment.display();
         console.hint(if is_shaped {

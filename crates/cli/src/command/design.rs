@@ -78,14 +78,8 @@ pub(crate) fn with_seed(
     seed: Option<u64>,
 ) -> Result<Experiment, ConfigError> {
     match seed {
-        Some(seed) if seed != experiment.config.seed => {
-            let Experiment {
-                source, mut config, ..
-            } = experiment;
-            config.seed = seed;
-            Experiment::of(config, source)
-        }
-        _ => Ok(experiment),
+        Some(seed) => experiment.with(|config| config.seed = seed),
+        None => Ok(experiment),
     }
 }
 
@@ -104,9 +98,9 @@ pub(crate) fn tell(
     console: &mut Console,
 ) -> Result<(), Failure> {
     if options.json {
-        let plan = plan_as_json(&experiment.plan)?;
+        let plan = plan_as_json(experiment.plan())?;
         return console.json(
-            &json!({ "plan": plan, "prediction": prediction, "limits": by_key(&experiment.limits()) }),
+            &json!({ "plan": plan, "prediction": prediction, "limits": by_key(experiment.limits()) }),
         );
     }
     let crest = prediction
@@ -117,10 +111,10 @@ pub(crate) fn tell(
     let peaks = load_as_text(
         "predicted",
         &prediction.load,
-        &experiment.limits(),
+        experiment.limits(),
         &[("torque, crest factor", crest)],
     );
-    console.data(&format!("{}\n{peaks}", plan_as_text(&experiment.plan)?))
+    console.data(&format!("{}\n{peaks}", plan_as_text(experiment.plan())?))
 }
 
 /// Every limit by its key, those that are not given as nothing.
@@ -143,33 +137,25 @@ fn outside(experiment: &Experiment, prediction: &Prediction) -> Option<ConfigErr
     let unit = worst.limit.unit();
     let message =
         format!("axis {axis} would reach {found} {unit}, {whose} is {allowed} {unit}; {advice}");
-    Some(
-        experiment
-            .source
-            .error(&experiment.limit_key(worst), message),
-    )
+    Some(experiment.error_at_limit(worst, message))
 }
 
 /// What to do about the limit that binds most.
 fn advice(experiment: &Experiment, prediction: &Prediction, worst: &Excess) -> String {
     let glides = experiment
-        .plan
+        .plan()
         .velocity_rad_s
         .iter()
         .any(|velocity| *velocity != 0.0);
     // rounded down, so that the advice is inside the limit
     let factor = (prediction.feasible_factor().unwrap_or(1.0) * 1000.0).floor() / 1000.0;
     if factor > 0.0 {
-        let peaks = experiment.plan.excitation.peaks();
+        let peaks = experiment.plan().excitation.peaks();
         let best: Vec<String> = peaks
             .iter()
             .map(|peak| significant(factor * peak, 3))
             .collect();
-        let unit = if experiment.config.controller.is_some() {
-            "rad/s"
-        } else {
-            "N m"
-        };
+        let unit = experiment.plan().injection.unit();
         let factor = significant(factor, 3);
         return format!(
             "multiply the amplitudes by {factor} or less (to {} {unit}), or raise the limit",

@@ -140,9 +140,9 @@ fn torque_over_time(glide: &Record, plant: &Frf) -> Result<Array2<f64>, Estimate
     let inertia = ApparentInertia::of(plant, glide.u.nrows())?;
     let n = glide.n_samples();
     if n < 3 {
-        let (name, found) = ("samples of the glide", n as f64);
+        let (key, found) = ("samples of the glide", n as f64);
         return Err(SignalError::Parameter {
-            name,
+            key,
             found,
             needed: "3 or more",
         }

@@ -36,9 +36,9 @@ pub fn subtract_glide(run: &Record, glide: &Record) -> Result<Record, EstimateEr
 /// Same sample time, same channels, glide not shorter.
 fn check_same_clock(run: &Record, glide: &Record) -> Result<(), EstimateError> {
     if !same_clock(glide.sample_time_s, run.sample_time_s, run.n_samples()) {
-        let (name, found) = ("sample_time_s of the glide", glide.sample_time_s);
+        let (key, found) = ("sample_time_s of the glide", glide.sample_time_s);
         return Err(SignalError::Parameter {
-            name,
+            key,
             found,
             needed: "the sample time of the run",
         }

@@ -163,12 +163,12 @@ impl FreeLines {
     pub fn level(&self, repetitions: &[Array2<Complex64>]) -> Result<ResidualLevel, EstimateError> {
         let n_q = repetitions.len() as f64;
         let [first, _, ..] = repetitions else {
-            let (name, needed) = (
+            let (key, needed) = (
                 "repetitions of one reference",
                 "2 or more, or what repeats cannot be told from noise",
             );
             return Err(SignalError::Parameter {
-                name,
+                key,
                 found: n_q,
                 needed,
             }

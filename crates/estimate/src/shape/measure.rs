@@ -43,9 +43,9 @@ pub(super) fn stopped(
     for (experiment, record) in records.iter().enumerate() {
         record.check()?;
         if !same_clock(record.sample_time_s, sample_time_s, n_samples) {
-            let (name, found) = ("sample_time_s of a record", record.sample_time_s);
+            let (key, found) = ("sample_time_s of a record", record.sample_time_s);
             return Err(SignalError::Parameter {
-                name,
+                key,
                 found,
                 needed: "that of the reference",
             }

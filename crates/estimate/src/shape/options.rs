@@ -126,7 +126,7 @@ impl ShapeOptions {
                 Ok(())
             } else {
                 Err(SignalError::Parameter {
-                    name,
+                    key: name,
                     found,
                     needed,
                 })

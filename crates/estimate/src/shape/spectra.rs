@@ -89,8 +89,9 @@ impl Band {
         if frequency_hz.len() < 2 {
             let needed = "at least 2 lines of the record with power in the band: a longer record or a wider band";
             let found = frequency_hz.len() as f64;
-            return Err(SignalError::Parameter {
-                name: "lines in the band",
+            return Err(SignalError::Derived {
+                key: "high_hz",
+                quantity: "lines in the band",
                 found,
                 needed,
             }

@@ -77,7 +77,7 @@ impl Excerpts {
         positive("samples_per_period", options.samples_per_period)?;
         if !start_s.is_finite() {
             return Err(SignalError::Parameter {
-                name: "start_s",
+                key: "start_s",
                 found: start_s,
                 needed: "a finite number",
             }

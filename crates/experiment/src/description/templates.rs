@@ -121,13 +121,13 @@ fn table_within_robot(line: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::description::text::Source;
+    use crate::description::text::TomlText;
     use crate::experiment::Experiment;
 
     #[test]
     fn every_template_stands_alone_and_is_sound() {
         for template in TEMPLATES {
-            let source = Source {
+            let source = TomlText {
                 name: template.kind.into(),
                 text: template.text(),
             };

@@ -1,15 +1,16 @@
-//! The text of a TOML file, and errors that point into it: file, line, caret, reason and remedy.
+//! TOML texts, and errors that point into them: file, line, caret, reason and remedy.
 
 use std::fmt;
 use std::ops::Range;
 use std::path::Path;
 
+use frfid_signals::SignalError;
 use serde::de::DeserializeOwned;
 use toml::de::{DeTable, DeValue};
 
 /// A configuration text and the name it goes by in messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Source {
+pub struct TomlText {
     /// File name, or another name for texts that are no file.
     pub name: String,
     /// The TOML text.
@@ -22,14 +23,14 @@ pub struct ConfigError {
     /// File name.
     pub file: String,
     /// Where: line and column from 1, the line's text, and how many columns to underline.
-    pub place: Option<Place>,
+    pub place: Option<TextSpan>,
     /// What was found, what was needed, what to do.
     pub message: String,
 }
 
 /// A place in a configuration text.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Place {
+pub struct TextSpan {
     /// Line, from 1.
     pub line: usize,
     /// Column in characters, from 1.
@@ -40,11 +41,72 @@ pub struct Place {
     pub width: usize,
 }
 
+/// What is wrong in a table, and where: keys from that table inwards, in lists the number from 0.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Fault {
+    path: Vec<String>,
+    message: String,
+}
+
+impl Fault {
+    pub fn new(path: &[&str], message: impl Into<String>) -> Self {
+        let path = path.iter().map(|&key| key.to_owned()).collect();
+        Self {
+            path,
+            message: message.into(),
+        }
+    }
+
+    /// The same fault seen from farther out: the table lies at `path`.
+    pub fn within(mut self, path: &[&str]) -> Self {
+        self.path
+            .splice(0..0, path.iter().map(|&key| key.to_owned()));
+        self
+    }
+
+    /// The same fault at another place.
+    pub fn at(self, path: &[&str]) -> Self {
+        Self::new(path, self.message)
+    }
+
+    /// The same fault seen from the table of this key, or as it is where it does not lie in it.
+    pub fn inside(mut self, key: &str) -> Result<Self, Self> {
+        if self.path.first().is_none_or(|first| first != key) {
+            return Err(self);
+        }
+        self.path.remove(0);
+        Ok(self)
+    }
+
+    /// The fault as an error, where no text shows its place.
+    pub fn without_text(self, name: &str) -> ConfigError {
+        let file = name.to_owned();
+        ConfigError {
+            file,
+            place: None,
+            message: self.message,
+        }
+    }
+
+    /// The same fault, the message saying of which part it is.
+    pub fn of(self, part: &str) -> Self {
+        let message = format!("{part}: {}", self.message);
+        Self { message, ..self }
+    }
+}
+
+/// The names of the fields are the keys of the tables.
+impl From<SignalError> for Fault {
+    fn from(error: SignalError) -> Self {
+        Self::new(&error.path(), error.to_string())
+    }
+}
+
 impl std::error::Error for ConfigError {}
 
 impl fmt::Display for ConfigError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Some(Place {
+        let Some(TextSpan {
             line,
             column,
             text,
@@ -66,7 +128,14 @@ impl fmt::Display for ConfigError {
     }
 }
 
-impl Source {
+impl TomlText {
+    /// A text and the name it goes by.
+    #[must_use]
+    pub fn new(name: impl Into<String>, text: impl Into<String>) -> Self {
+        let (name, text) = (name.into(), text.into());
+        Self { name, text }
+    }
+
     /// Reads a file.
     ///
     /// # Errors
@@ -100,10 +169,11 @@ impl Source {
         self.error_at(self.span_of(path), message.into())
     }
 
-    /// Whether the whole of `path` exists.
-    #[must_use]
-    pub(crate) fn has(&self, path: &[&str]) -> bool {
-        self.walk(path).len() == path.len()
+    /// The fault of a table at `table`, with its place.
+    pub(crate) fn locate(&self, table: &[&str], fault: impl Into<Fault>) -> ConfigError {
+        let Fault { path, message } = fault.into().within(table);
+        let path: Vec<&str> = path.iter().map(String::as_str).collect();
+        self.error(&path, message)
     }
 
     fn error_at(&self, span: Option<Range<usize>>, message: String) -> ConfigError {
@@ -151,13 +221,13 @@ impl Source {
         spans
     }
 
-    fn place(&self, span: &Range<usize>) -> Place {
+    fn place(&self, span: &Range<usize>) -> TextSpan {
         let start = self.text[..span.start]
             .rfind('\n')
             .map_or(0, |newline| newline + 1);
         let text = self.text[start..].lines().next().unwrap_or_default();
         let end = span.end.min(start + text.len());
-        Place {
+        TextSpan {
             line: 1 + self.text[..start].matches('\n').count(),
             column: 1 + self.text[start..span.start].chars().count(),
             width: self
@@ -181,8 +251,8 @@ mod tests {
         peak_nm: f64,
     }
 
-    fn source(text: &str) -> Source {
-        Source {
+    fn toml(text: &str) -> TomlText {
+        TomlText {
             name: "x.toml".into(),
             text: text.into(),
         }
@@ -190,7 +260,7 @@ mod tests {
 
     #[test]
     fn an_unknown_key_is_underlined_and_the_known_ones_are_named() {
-        let error = source("# comment\npeak_Nm = 3.0\n")
+        let error = toml("# comment\npeak_Nm = 3.0\n")
             .parse::<Table>()
             .expect_err("misspelt")
             .to_string();
@@ -203,7 +273,7 @@ mod tests {
 
     #[test]
     fn an_error_of_our_own_points_at_the_value() {
-        let text = source("seed = 1\n[multisine]\nlow_hz = 1.0\n\thigh_hz = 600.0 # too high\n");
+        let text = toml("seed = 1\n[multisine]\nlow_hz = 1.0\n\thigh_hz = 600.0 # too high\n");
         let place = text
             .error(&["multisine", "high_hz"], "above Nyquist")
             .place
@@ -228,10 +298,10 @@ mod tests {
             "\u{feff}peak_nm = 1",
             "peak_nm = nan\npeak_nm = 2",
         ] {
-            let _ = source(text)
+            let _ = toml(text)
                 .parse::<Table>()
                 .map_err(|error| error.to_string());
-            let _ = source(text).error(&["a", "b"], "x").to_string();
+            let _ = toml(text).error(&["a", "b"], "x").to_string();
         }
     }
 }

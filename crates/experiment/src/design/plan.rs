@@ -1,6 +1,7 @@
 //! From `experiment.toml` to the plan: excitation, phasing, averaging, all checked against each
 //! other.
 
+use frfid_signals::checks::positive;
 use frfid_signals::{
     Chirp, Excitation, GridDesign, Injection, Multisine, Plan, Profile, SignalError,
 };
@@ -8,28 +9,28 @@ use frfid_signals::{
 use crate::description::config::Config;
 use crate::description::estimate::GlideSubtraction;
 use crate::description::excitation::{Amplitude, ChirpTable, MultisineTable};
-use crate::description::text::{ConfigError, Source};
+use crate::description::text::Fault;
 
 /// The plan that a configuration describes.
 ///
 /// # Errors
-/// [`ConfigError`] with the place of the value that does not fit.
-pub fn design(config: &Config, source: &Source) -> Result<Plan, ConfigError> {
+/// [`Fault`] with the place of the value that does not fit.
+pub fn design(config: &Config) -> Result<Plan, Fault> {
     let (excitation, phasing, band) = match (&config.multisine, &config.chirp) {
         (Some(multisine), None) => (
-            multisine_of(config, multisine, source)?,
+            multisine_of(config, multisine)?,
             multisine.mimo,
             "multisine",
         ),
-        (None, Some(chirp)) => (chirp_of(config, chirp, source)?, chirp.mimo, "chirp"),
+        (None, Some(chirp)) => (chirp_of(config, chirp)?, chirp.mimo, "chirp"),
         (Some(_), Some(_)) => {
-            return Err(source.error(
+            return Err(Fault::new(
                 &["chirp"],
                 "both [multisine] and [chirp] are given; keep one of them",
             ));
         }
         (None, None) => {
-            return Err(source.error(
+            return Err(Fault::new(
                 &[],
                 "no excitation: a table [multisine] or [chirp] is needed",
             ));
@@ -42,7 +43,7 @@ pub fn design(config: &Config, source: &Source) -> Result<Plan, ConfigError> {
     });
     let lead_in = lead_in_s / config.sample_time_s;
     if !(0.0..=1e8).contains(&lead_in) {
-        return Err(source.error(
+        return Err(Fault::new(
             &["averaging", "lead_in_s"],
             format!("lead_in_s is {lead_in_s}, needed: 0 to 10^8 samples"),
         ));
@@ -68,25 +69,24 @@ pub fn design(config: &Config, source: &Source) -> Result<Plan, ConfigError> {
             .as_ref()
             .map_or(0, |table| table.glides),
     };
-    ride(&mut plan, config, source)?;
+    ride(&mut plan, config)?;
     if config.estimate.glide_subtraction == GlideSubtraction::Position && plan.n_glides == 0 {
         let message = "subtraction by position needs glides; give their number, [constant_velocity] glides, or leave it out";
-        return Err(source.error(&["estimate", "glide_subtraction"], message));
+        return Err(Fault::new(&["estimate", "glide_subtraction"], message));
     }
     // one draw shows whether amplitudes, phasing and inputs fit together; its numbers are thrown
     // away
-    plan.period(0)
-        .map_err(|error| located(source, band, &error))?;
+    plan.period(0).map_err(|error| located(band, &error))?;
     config
         .limits
         .check(n_inputs)
-        .map_err(|error| located(source, "limits", &error))?;
+        .map_err(|error| located("limits", &error))?;
     Ok(plan)
 }
 
 /// Puts the runs on their constant velocity, and a multisine whose peak is a share of it to its
 /// peak.
-fn ride(plan: &mut Plan, config: &Config, source: &Source) -> Result<(), ConfigError> {
+fn ride(plan: &mut Plan, config: &Config) -> Result<(), Fault> {
     if let Some(table) = &config.constant_velocity {
         plan.velocity_rad_s = match (&table.velocity_rad_s, &table.travel_rad) {
             (Some(velocity), None) => velocity.clone(),
@@ -95,12 +95,12 @@ fn ride(plan: &mut Plan, config: &Config, source: &Source) -> Result<(), ConfigE
                 let message = format!(
                     "travel_rad has {found} entries, needed: one for each of the {needed} axes"
                 );
-                return Err(source.error(&["constant_velocity", "travel_rad"], message));
+                return Err(Fault::new(&["constant_velocity", "travel_rad"], message));
             }
             (None, Some(travel)) => {
                 let samples = plan
                     .run_samples()
-                    .map_err(|error| located(source, "constant_velocity", &error))?;
+                    .map_err(|error| located("constant_velocity", &error))?;
                 travel
                     .iter()
                     .map(|way| way / (samples as f64 * plan.sample_time_s))
@@ -108,7 +108,7 @@ fn ride(plan: &mut Plan, config: &Config, source: &Source) -> Result<(), ConfigE
             }
             _ => {
                 let message = "give the velocity (velocity_rad_s) or the way of a run (travel_rad), one of the two";
-                return Err(source.error(&["constant_velocity"], message));
+                return Err(Fault::new(&["constant_velocity"], message));
             }
         };
     }
@@ -128,30 +128,28 @@ fn ride(plan: &mut Plan, config: &Config, source: &Source) -> Result<(), ConfigE
                  [constant_velocity] on every axis",
                 plan.velocity_rad_s
             );
-            return Err(source.error(&["multisine", "peak_of_velocity"], message));
+            return Err(Fault::new(&["multisine", "peak_of_velocity"], message));
         }
     }
     Ok(())
 }
 
-fn multisine_of(
-    config: &Config,
-    table: &MultisineTable,
-    source: &Source,
-) -> Result<Excitation, ConfigError> {
+fn multisine_of(config: &Config, table: &MultisineTable) -> Result<Excitation, Fault> {
     let (names, values) = (
         ["peak_nm", "peak_rad_s"],
         [&table.peak_nm, &table.peak_rad_s],
     );
     let peak = match table.peak_of_velocity {
-        None => of_injection(config, source, "multisine", names, values)?,
+        None => of_injection(config, "multisine", names, values, |&peak| {
+            positive("peak", peak)
+        })?,
         // put in its place when the velocity is known
         Some(_) if config.controller.is_some() && values == [&None, &None] => {
             vec![1.0; config.robot.n_axes()]
         }
         Some(_) => {
             let message = "a share of the velocity is for experiments with a [controller], and instead of another peak";
-            return Err(source.error(&["multisine", "peak_of_velocity"], message));
+            return Err(Fault::new(&["multisine", "peak_of_velocity"], message));
         }
     };
     let design = GridDesign {
@@ -165,7 +163,7 @@ fn multisine_of(
     };
     let grid = design
         .design()
-        .map_err(|error| located(source, "multisine", &error))?;
+        .map_err(|error| located("multisine", &error))?;
     let shape = table
         .shape
         .clone()
@@ -180,17 +178,13 @@ fn multisine_of(
     })
 }
 
-fn chirp_of(
-    config: &Config,
-    table: &ChirpTable,
-    source: &Source,
-) -> Result<Excitation, ConfigError> {
+fn chirp_of(config: &Config, table: &ChirpTable) -> Result<Excitation, Fault> {
     let amplitude = of_injection(
         config,
-        source,
         "chirp",
         ["amplitude_nm", "amplitude_rad_s"],
         [&table.amplitude_nm, &table.amplitude_rad_s],
+        |amplitude: &Amplitude| amplitude.profile().check(),
     )?;
     let chirp = Chirp {
         low_hz: table.low_hz,
@@ -207,11 +201,11 @@ fn chirp_of(
 /// for each input.
 fn of_injection<T: Clone>(
     config: &Config,
-    source: &Source,
     table: &str,
     names: [&str; 2],
     values: [&Option<Vec<T>>; 2],
-) -> Result<Vec<T>, ConfigError> {
+    check: impl Fn(&T) -> Result<(), SignalError>,
+) -> Result<Vec<T>, Fault> {
     let closed = usize::from(config.controller.is_some());
     let why = [
         "no [controller]: the reference is a torque",
@@ -223,61 +217,58 @@ fn of_injection<T: Clone>(
             names[closed],
             names[1 - closed]
         );
-        return Err(source.error(&[table, names[1 - closed]], message));
+        return Err(Fault::new(&[table, names[1 - closed]], message));
     }
     let n_inputs = config.robot.n_axes();
     match values[closed] {
-        Some(value) if value.len() == n_inputs => Ok(value.clone()),
+        Some(value) if value.len() == n_inputs => {
+            let at_key = |error: SignalError| Fault::from(error).at(&[table, names[closed]]);
+            value.iter().try_for_each(check).map_err(at_key)?;
+            Ok(value.clone())
+        }
         Some(value) => {
             let message = format!(
                 "{} has {} entries, needed: one for each of the {n_inputs} axes",
                 names[closed],
                 value.len()
             );
-            Err(source.error(&[table, names[closed]], message))
+            Err(Fault::new(&[table, names[closed]], message))
         }
-        None => Err(source.error(&[table], format!("{} is missing ({why})", names[closed]))),
+        None => Err(Fault::new(
+            &[table],
+            format!("{} is missing ({why})", names[closed]),
+        )),
     }
 }
 
-/// A numeric crate's complaint, put where the value stands in the text: its parameters carry the
-/// names of the keys.
-pub(crate) fn located(source: &Source, table: &str, error: &SignalError) -> ConfigError {
-    let key = match error {
-        SignalError::Parameter { name, .. } | SignalError::Shape { name, .. } => name,
-        SignalError::AboveNyquist { .. } => "high_hz",
-        SignalError::Limit { limit, .. } => limit.key(),
-        _ => "",
+/// A numeric crate's complaint where its value stands: what it counts and the clock lie in tables
+/// of their own, everything else in `table`.
+fn located(table: &str, error: &SignalError) -> Fault {
+    let path = error.path();
+    let table: &[&str] = match path.first() {
+        Some(&("realizations" | "repetitions" | "periods")) => &["averaging"],
+        Some(&"velocity_rad_s") => &["constant_velocity"],
+        Some(&"sample_time_s") => &[],
+        _ => &[table],
     };
-    // what is a peak to the excitation is peak_nm or peak_rad_s in the text
-    let keys = [key.to_owned(), format!("{key}_nm"), format!("{key}_rad_s")];
-    let tables = [table, "averaging", "constant_velocity"];
-    let within = tables
-        .iter()
-        .flat_map(|table| keys.iter().map(move |key| vec![*table, key]));
-    let paths = keys.iter().map(|key| vec![key.as_str()]).chain(within);
-    let path = paths
-        .into_iter()
-        .find(|path| source.has(path))
-        .unwrap_or_else(|| vec![table]);
-    source.error(&path, error.to_string())
+    Fault::new(&path, error.to_string()).within(table)
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::description::templates::Template;
+    use crate::description::text::{ConfigError, TomlText};
     use crate::experiment::Experiment;
 
     /// What is said of the template `kind` with `from` replaced by `to`.
     fn complaint(kind: &str, from: &str, to: &str) -> ConfigError {
         let text = Template::named(kind).expect("built in").text();
         assert!(text.contains(from), "{from} is not in the template");
-        let source = Source {
+        let text = TomlText {
             name: "x.toml".into(),
             text: text.replace(from, to),
         };
-        Experiment::new(source, "nowhere".as_ref()).expect_err(to)
+        Experiment::new(text, "nowhere".as_ref()).expect_err(to)
     }
 
     #[test]
@@ -337,7 +328,7 @@ mod tests {
                 "realizations = 30",
                 "realizations = 9000000000",
                 "at most 10^6",
-                "multisine",
+                "9000000000",
             ),
             (
                 "multisine",
@@ -372,7 +363,7 @@ mod tests {
                 "amplitude_nm = [150.0]",
                 "amplitude_nm = [[[2.0, 1.0], [1.0, 1.0]]]",
                 "rise",
-                "chirp",
+                "[[[2.0, 1.0], [1.0, 1.0]]]",
             ),
             (
                 "constant-velocity",

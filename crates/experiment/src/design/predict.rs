@@ -33,11 +33,10 @@ pub fn predict(
     jobs: usize,
     progress: Progress,
 ) -> Result<Prediction, ExperimentError> {
-    let simulator = experiment.simulator(None)?;
-    let pose_rad = experiment.config.robot.pose();
+    let simulator = experiment.simulator(None);
     let demand = |run: &Run| -> Result<Demand, ExperimentError> {
         let (record, truth) = simulator.simulate(run)?;
-        let load = Load::of(&record, &run.start_rad, &pose_rad).with_motion(&truth);
+        let load = Load::of(&record, &run.start_rad, &experiment.pose_rad).with_motion(&truth);
         Ok(Demand {
             load,
             crest_factor: crest_factors(&record),
@@ -57,7 +56,7 @@ pub fn predict(
     let demands = for_each(&ids, jobs, steps, |id| demand(&experiment.plan.run(*id)?))?;
     let largest = demands.into_iter().reduce(Demand::larger);
     let Demand { load, crest_factor } = largest.expect("a plan has runs");
-    let excesses = experiment.limits().exceeded(&load.peaks);
+    let excesses = experiment.limits.exceeded(&load.peaks);
     Ok(Prediction {
         load,
         baseline,

@@ -13,21 +13,10 @@ impl Experiment {
     /// which the linear loop is not stable.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = self
-            .config
-            .robot
-            .arm()
-            .map_or_else(Vec::new, |arm| arm.warnings());
-        if let (Some(table), Ok(robot)) = (&self.config.controller, self.robot()) {
-            let (controller, sensors) = (
-                table.controller(self.config.sample_time_s),
-                self.config.robot.sensors(),
-            );
-            warnings.extend(
-                check_stability(&*robot, &controller, &sensors)
-                    .err()
-                    .map(|error| error.to_string()),
-            );
+        let mut warnings = self.robot.warnings();
+        if let Some(controller) = &self.controller {
+            let checked = check_stability(&*self.robot, controller, &self.sensors);
+            warnings.extend(checked.err().map(|error| error.to_string()));
         }
         warnings
     }
@@ -40,8 +29,8 @@ impl Experiment {
     pub(crate) fn check_feasible(&self) -> Result<(), ConfigError> {
         let resting = self
             .resting()
-            .map_err(|error| self.source.error(&["robot"], error.to_string()))?;
-        let Some(excess) = self.limits().exceeded(&resting).into_iter().next() else {
+            .map_err(|error| self.text.error(&["robot"], error.to_string()))?;
+        let Some(excess) = self.limits.exceeded(&resting).into_iter().next() else {
             return Ok(());
         };
         let Excess {
@@ -55,10 +44,10 @@ impl Experiment {
             "no amplitude is left: without any excitation axis {} ({}) is at {found:.5} {unit}, {} is {allowed:.5} {unit}; \
              lower the constant velocity, shorten the runs, choose another pose, or raise the limit",
             axis + 1,
-            self.config.robot.joint_names()[axis],
+            self.joint_names[axis],
             self.limit_owner(&excess),
         );
-        Err(self.source.error(&self.limit_key(&excess), message))
+        Err(self.error_at_limit(&excess, message))
     }
 
     /// The limit, and whose it is.
@@ -69,27 +58,26 @@ impl Experiment {
         format!("{whose} {}", excess.limit.key())
     }
 
-    /// Where the limit stands in the description.
+    /// An error at the place of the limit in the description.
     #[must_use]
-    pub fn limit_key(&self, excess: &Excess) -> Vec<&'static str> {
+    pub fn error_at_limit(&self, excess: &Excess, message: String) -> ConfigError {
         if self.limit_is_robots_own(excess.limit, excess.axis) {
-            vec!["robot"]
+            self.text.error(&["robot"], message)
         } else {
-            vec!["limits", excess.limit.key()]
+            self.text.error(&["limits", excess.limit.key()], message)
         }
     }
 
     /// What the runs ask of the robot without their excitation, at both ends of their way.
     fn resting(&self) -> Result<Peaks, ExperimentError> {
-        let (robot, velocity) = (self.robot()?, &self.plan.velocity_rad_s);
+        let (robot, velocity) = (&self.robot, &self.plan.velocity_rad_s);
         let start = self.plan.start_rad()?;
         let end: Vec<f64> = start.iter().map(|start| -start).collect();
         let at_start = robot.start(&start, velocity)?.holding_nm();
         let at_end = robot.start(&end, velocity)?.holding_nm();
         let torques = at_start.iter().zip(&at_end);
-        let pose = self.config.robot.pose();
         let from_pose = |sign: f64| {
-            let ways = pose.iter().zip(&start);
+            let ways = self.pose_rad.iter().zip(&start);
             ways.map(|(pose, start)| pose + sign * start.abs())
                 .collect()
         };

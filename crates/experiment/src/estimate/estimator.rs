@@ -256,7 +256,7 @@ pub fn log_spaced(low_hz: f64, high_hz: f64, count: usize) -> Result<Vec<f64>, E
     if count < 2 {
         let needed = "at least 2";
         return Err(SignalError::Parameter {
-            name: "n_frequencies",
+            key: "n_frequencies",
             found: count as f64,
             needed,
         }

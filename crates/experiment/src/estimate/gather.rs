@@ -243,7 +243,7 @@ impl<'a> Gathering<'a> {
         let plan = &experiment.plan;
         let sound = read.losses.is_empty();
         let losses: Vec<Loss> = read.losses.iter().chain(&read.stop).cloned().collect();
-        let (start, pose) = (plan.start_rad()?, experiment.config.robot.pose());
+        let (start, pose) = (plan.start_rad()?, experiment.pose_rad.clone());
         let period = plan.period_samples()?;
         let sample = |time_s: f64| (time_s / plan.sample_time_s).round() as usize;
         let is_lost = |number: usize| {

@@ -8,7 +8,7 @@ use frfid_files::{FileError, Loss, read_run, read_run_label};
 use frfid_signals::{Record, RunId};
 
 use crate::description::estimate::EstimateTable;
-use crate::description::text::Source;
+use crate::description::text::TomlText;
 use crate::error::ExperimentError;
 use crate::estimate::gather::{Gathered, Records};
 use crate::estimate::outcome::{Inventory, Outcome, log_hashes};
@@ -98,7 +98,7 @@ struct OurLogs {
     paths: Vec<PathBuf>,
     runs: Vec<RunId>,
     /// The first description that is whole, under the name by which its faults are told.
-    description: Option<Source>,
+    description: Option<TomlText>,
     /// Files that could not be read at all, with the reason.
     unreadable: Vec<(PathBuf, String)>,
 }
@@ -153,7 +153,7 @@ impl OurLogs {
             && !text.is_empty()
         {
             let name = format!("experiment.toml in {}", path.display());
-            self.description = Some(Source { name, text });
+            self.description = Some(TomlText { name, text });
         }
     }
 

@@ -130,7 +130,7 @@ impl Experiment {
         ResultFile {
             torque_rms_nm: load.map(|load| load.torque_rms_nm.clone()),
             provenance,
-            ..ResultFile::torque_to_velocity(frf, &self.config.robot.joint_names())
+            ..ResultFile::torque_to_velocity(frf, &self.joint_names)
         }
     }
 }

@@ -32,12 +32,12 @@ impl Experiment {
 
     /// The strength of several runs as one; `None` of none.
     pub(crate) fn strength(&self, runs: &[Vec<AxisStrength>]) -> Option<Strength> {
-        let coulomb_nm = self.coulomb_nm();
-        let axes = pooled_strength(runs, coulomb_nm.as_deref())?;
+        let coulomb_nm = self.robot.coulomb_nm();
+        let axes = pooled_strength(runs, Some(&coulomb_nm))?;
         let names: Vec<String> = (1..=axes.len())
             .map(|axis| format!("axis {axis}"))
             .collect();
-        let warnings = strength_warnings(&axes, &names, coulomb_nm.as_deref());
+        let warnings = strength_warnings(&axes, &names, Some(&coulomb_nm));
         Some(Strength { axes, warnings })
     }
 

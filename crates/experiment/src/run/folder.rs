@@ -77,7 +77,7 @@ pub fn run_to_folder(
         folder,
         overwrite: options.overwrite,
         metadata: experiment.provenance(),
-        pose_rad: experiment.config.robot.pose(),
+        pose_rad: experiment.pose_rad.clone(),
     };
     let (mut open, mut stopped_before) = (Vec::new(), Vec::new());
     for id in &ids {
@@ -90,7 +90,7 @@ pub fn run_to_folder(
         }
     }
     let model = if testbed.is_none() {
-        Some(experiment.testbed()?)
+        Some(experiment.testbed())
     } else {
         None
     };
@@ -199,7 +199,7 @@ pub(crate) fn run_file(
         .extend(period_starts(&experiment.plan, run, &record)?);
     record.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     Ok(RunFile {
-        joint_names: experiment.config.robot.joint_names(),
+        joint_names: experiment.joint_names.clone(),
         run,
         injection: experiment.plan.injection,
         record,

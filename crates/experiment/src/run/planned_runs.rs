@@ -6,7 +6,7 @@ use std::path::Path;
 use frfid_files::{BoxError, Overwrite, PlanFile, PlanHead, PlannedRun, write_plan};
 use frfid_signals::{Run, RunId, RunKind};
 
-use crate::description::text::Source;
+use crate::description::text::TomlText;
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::parallel::Progress;
@@ -36,7 +36,7 @@ impl Order {
             });
         }
         let plan = PlanFile::open(path)?;
-        let source = Source {
+        let source = TomlText {
             name: format!("experiment.toml in {}", path.display()),
             text: plan.head.experiment_toml.clone(),
         };
@@ -90,7 +90,7 @@ impl Experiment {
     ) -> Result<(), ExperimentError> {
         let plan = &self.plan;
         let head = PlanHead {
-            joint_names: self.config.robot.joint_names(),
+            joint_names: self.joint_names.clone(),
             sample_time_s: plan.sample_time_s,
             injection: plan.injection,
             lead_in_samples: plan.lead_in_samples,

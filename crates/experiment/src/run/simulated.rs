@@ -3,10 +3,9 @@
 
 use std::sync::Arc;
 
-use frfid_plant::{ClosedLoop, Hold, OpenLoop, Robot, Sensor, Trajectory, Watch};
-use frfid_signals::{Frf, Limit, Limits, Record, Run, Testbed, TestbedError};
+use frfid_plant::{ClosedLoop, Hold, OpenLoop, Trajectory, Watch};
+use frfid_signals::{Frf, Limit, Limits, Record, Run, SignalError, Testbed, TestbedError};
 
-use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 
 /// Time in s in which a run that exceeds a limit is brought to rest.
@@ -51,86 +50,54 @@ impl Testbed for Simulator {
 impl Experiment {
     /// The simulated robot, in open loop or under its controller if one is described. Runs that
     /// exceed a limit of torque, velocity or travel are brought to rest, and end there.
-    ///
-    /// # Errors
-    /// [`ExperimentError::Config`] where no robot is described.
-    pub fn testbed(&self) -> Result<Box<dyn Testbed>, ExperimentError> {
-        Ok(Box::new(self.simulator(Some(self.watch()))?))
+    #[must_use]
+    pub fn testbed(&self) -> Box<dyn Testbed> {
+        Box::new(self.simulator(Some(self.watch())))
     }
 
     /// The simulated robot, watched or not.
-    pub(crate) fn simulator(&self, watch: Option<Watch>) -> Result<Simulator, ExperimentError> {
-        let (robot, seed, sensors) = (self.robot()?, self.config.seed, self.config.robot.sensors());
-        Ok(match &self.config.controller {
+    pub(crate) fn simulator(&self, watch: Option<Watch>) -> Simulator {
+        let (robot, sensors) = (Arc::clone(&self.robot), self.sensors.clone());
+        let seed = self.config.seed;
+        match self.controller.clone() {
             None => Simulator::Open(OpenLoop {
                 sensors,
                 seed,
                 watch,
                 ..OpenLoop::new(robot)
             }),
-            Some(table) => {
-                let controller = table.controller(self.config.sample_time_s);
-                Simulator::Closed(ClosedLoop {
-                    sensors,
-                    seed,
-                    watch,
-                    ..ClosedLoop::new(robot, controller)
-                })
-            }
-        })
+            Some(controller) => Simulator::Closed(ClosedLoop {
+                sensors,
+                seed,
+                watch,
+                ..ClosedLoop::new(robot, controller)
+            }),
+        }
     }
 
     /// Exact FRF from motor torque to velocity at the pose of the robot without its nonlinearities;
     /// with `sensor` as the robot's sensors see it, by differencing and through a filter
-    /// ([`Robot::frf_seen`]).
+    /// ([`Robot::frf_through_sensors`]).
     ///
     /// # Errors
-    /// [`ExperimentError`] where no robot is described, or for frequencies out of range.
-    pub fn truth(&self, hz: &[f64], hold: Hold, sensor: bool) -> Result<Frf, ExperimentError> {
-        let robot = self.robot()?;
-        let sensors = if sensor {
-            self.config.robot.sensors()
+    /// [`SignalError`] for frequencies out of range.
+    pub fn truth(&self, hz: &[f64], hold: Hold, sensor: bool) -> Result<Frf, SignalError> {
+        let sample_time_s = self.config.sample_time_s;
+        if sensor {
+            self.robot
+                .frf_through_sensors(hz, hold, sample_time_s, &self.sensors)
         } else {
-            vec![Sensor::default(); robot.n_axes()]
-        };
-        Ok(robot.frf_seen(hz, hold, self.config.sample_time_s, &sensors)?)
-    }
-
-    /// The robot to be simulated, without the challenges that are switched off.
-    ///
-    /// # Errors
-    /// [`ExperimentError::Config`] where none is described.
-    pub fn robot(&self) -> Result<Arc<dyn Robot>, ExperimentError> {
-        let missing = || {
-            self.source.error(
-                &["robot"],
-                "no robot to simulate: a robot file, or tables of one, are needed",
-            )
-        };
-        Ok(self.config.robot.robot().ok_or_else(missing)?)
-    }
-
-    /// The limits that bind: those of the experiment and those of the robot, the tighter of the
-    /// two.
-    #[must_use]
-    pub fn limits(&self) -> Limits {
-        self.config.limits.tighter(&self.config.robot.limits())
-    }
-
-    /// Whether a limit of an axis is the robot's own, not that of the experiment.
-    #[must_use]
-    pub fn limit_is_robots_own(&self, limit: Limit, axis: usize) -> bool {
-        self.config.limits.of(limit, axis) != self.limits().of(limit, axis)
+            self.robot.frf(hz, hold, sample_time_s)
+        }
     }
 
     /// What stops a run: an excess of torque, velocity or travel. A position limit nearer to the
     /// pose than the largest travel takes its place, on either side.
     #[must_use]
     pub fn watch(&self) -> Watch {
-        let all = self.limits();
-        let pose_rad = self.config.robot.pose();
+        let all = &self.limits;
         let room = |limit: Limit| -> Option<Vec<f64>> {
-            let positions = all.get(limit)?.iter().zip(&pose_rad);
+            let positions = all.get(limit)?.iter().zip(&self.pose_rad);
             Some(
                 positions
                     .map(|(limit, pose)| (limit - pose).abs())
@@ -157,7 +124,7 @@ mod tests {
     use frfid_signals::Limit;
 
     use crate::description::templates::Template;
-    use crate::description::text::Source;
+    use crate::description::text::TomlText;
     use crate::experiment::Experiment;
 
     #[test]
@@ -168,7 +135,7 @@ mod tests {
             .text()
             .replace("[limits]", &format!("[limits]\n{limits}"));
         let experiment = Experiment::new(
-            Source {
+            TomlText {
                 name: "r3".into(),
                 text,
             },

@@ -2,14 +2,13 @@
 //! towards what its `[shape]` desires, inside its limits.
 
 use frfid_estimate::{EstimateError, ShapeError, ShapeOptions, Shaper, Target};
-use frfid_plant::{Sensor, Velocity};
+use frfid_plant::Sensor;
 use frfid_signals::{Chirp, Excitation, Limit, Plan, Profile, RunId, RunKind};
 use ndarray::{Array3, Axis};
 
 use crate::description::excitation::Amplitude;
 use crate::description::shape::ShapeTable;
 use crate::description::text::ConfigError;
-use crate::design::plan::located;
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 
@@ -34,11 +33,11 @@ impl Experiment {
         );
         let shaper = made.map_err(|error| match error {
             ShapeError::StartTooLarge { .. } => self
-                .source
+                .text
                 .error(&["chirp", "amplitude_rad_s"], error.to_string())
                 .into(),
             ShapeError::Estimate(EstimateError::Signal(error)) => {
-                located(&self.source, "shape", &error).into()
+                self.text.locate(&["shape"], error).into()
             }
             error => ExperimentError::from(error),
         })?;
@@ -64,7 +63,7 @@ impl Experiment {
 
     /// The chirp and its table, once everything stands that shaping needs.
     pub(crate) fn shaped(&self) -> Result<(&Chirp, &ShapeTable), ConfigError> {
-        let refused = |path: &[&str], message: &str| Err(self.source.error(path, message));
+        let refused = |path: &[&str], message: &str| Err(self.text.error(path, message));
         let Excitation::Chirp(chirp) = &self.plan.excitation else {
             return refused(
                 &["multisine"],
@@ -102,7 +101,7 @@ impl Experiment {
             (None, Some(velocity)) => (Target::Velocity, "desired_rad_s", velocity),
             _ => {
                 let message = "give the desired torque (desired_nm) or velocity (desired_rad_s), one of the two";
-                return Err(self.source.error(&["shape"], message));
+                return Err(self.text.error(&["shape"], message));
             }
         };
         let n_axes = self.plan.n_inputs;
@@ -111,19 +110,19 @@ impl Experiment {
                 "{key} has {} entries, needed: one for each of the {n_axes} axes",
                 amplitude.len()
             );
-            return Err(self.source.error(&["shape", key], message));
+            return Err(self.text.error(&["shape", key], message));
         }
         let profiles: Vec<Profile> = amplitude.iter().map(Amplitude::profile).collect();
         for (axis, profile) in profiles.iter().enumerate() {
             profile
                 .check()
-                .map_err(|error| self.source.error(&["shape", key], error.to_string()))?;
+                .map_err(|error| self.text.error(&["shape", key], error.to_string()))?;
             if profile.peak() == 0.0 {
                 let message = format!(
                     "axis {} desires nothing; needed: an amplitude above 0",
                     axis + 1
                 );
-                return Err(self.source.error(&["shape", key], message));
+                return Err(self.text.error(&["shape", key], message));
             }
         }
         self.inside_limits(target, key, &profiles)?;
@@ -141,7 +140,7 @@ impl Experiment {
             Target::Torque => Limit::Torque,
             Target::Velocity => Limit::Velocity,
         };
-        let limits = self.limits();
+        let limits = &self.limits;
         for (axis, profile) in profiles.iter().enumerate() {
             let (peak, allowed) = (profile.peak(), limits.of(limit, axis));
             if peak > allowed {
@@ -150,7 +149,7 @@ impl Experiment {
                     "axis {} desires {peak} {unit}, beyond its {name} of {allowed}; lower it",
                     axis + 1
                 );
-                return Err(self.source.error(&["shape", key], message));
+                return Err(self.text.error(&["shape", key], message));
             }
         }
         Ok(())
@@ -170,7 +169,7 @@ impl Experiment {
             margin: table.margin,
             max_stuck_share: table.max_stuck_share,
             still_rad_s: self.still_rad_s(),
-            coulomb_nm: self.coulomb_nm(),
+            coulomb_nm: Some(self.robot.coulomb_nm()),
         }
     }
 
@@ -178,27 +177,10 @@ impl Experiment {
     /// noisiest sensor, 0 without noise.
     #[must_use]
     pub fn still_rad_s(&self) -> f64 {
-        let sensors = self.config.robot.sensors();
-        sensors
+        self.sensors
             .iter()
             .map(|sensor| STILL * velocity_noise_rad_s(sensor, self.plan.sample_time_s))
             .fold(0.0, f64::max)
-    }
-
-    /// Coulomb friction in N m of each axis of the robot that is described; `None` where none is.
-    #[must_use]
-    pub fn coulomb_nm(&self) -> Option<Vec<f64>> {
-        let robot = &self.config.robot;
-        let of_joint = robot.joint().map(|joint| vec![joint.coulomb_nm]);
-        let of_arm = || {
-            let arm = robot.arm()?;
-            Some(
-                arm.joints()
-                    .map(|joint| joint.with(arm.challenges).coulomb_nm)
-                    .collect(),
-            )
-        };
-        of_joint.or_else(of_arm)
     }
 }
 
@@ -207,7 +189,7 @@ fn velocity_noise_rad_s(sensor: &Sensor, sample_time_s: f64) -> f64 {
     let own = sensor.velocity_noise_rad_s.unwrap_or(0.0);
     let position = sensor
         .position_noise_rad
-        .filter(|_| sensor.velocity == Velocity::Differenced)
+        .filter(|_| sensor.velocity_by_differencing)
         .unwrap_or(0.0);
     own.hypot(2.0_f64.sqrt() * position / sample_time_s)
 }

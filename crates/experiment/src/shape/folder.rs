@@ -56,7 +56,7 @@ pub fn shape_to_folder(
 ) -> Result<ShapeReport, ExperimentError> {
     let (shaper, shape_options) = experiment.shaper()?;
     let model = if testbed.is_none() {
-        Some(experiment.testbed()?)
+        Some(experiment.testbed())
     } else {
         None
     };

@@ -23,7 +23,7 @@ impl Experiment {
     ) -> Result<Shaped, ExperimentError> {
         let (shaper, options) = self.shaper()?;
         let n_iterations = options.n_iterations;
-        let testbed = self.testbed()?;
+        let testbed = self.testbed();
         let mut model = Model {
             testbed: &*testbed,
             jobs,

@@ -100,7 +100,7 @@ impl<'a> IterationFiles<'a> {
         folder: &Path,
         checks: Vec<Check>,
     ) -> Result<ResultFile, ExperimentError> {
-        let pose = self.experiment.config.robot.pose();
+        let pose = &self.experiment.pose_rad;
         let start = vec![0.0; pose.len()];
         let loads = iteration
             .records
@@ -125,7 +125,7 @@ impl<'a> IterationFiles<'a> {
 
     /// The response from the reference to the motor torque as a result.
     fn response(&self, frf: Frf) -> ResultFile {
-        let joints = self.experiment.config.robot.joint_names();
+        let joints = self.experiment.joint_names.clone();
         let named = |quantity: &str| -> Vec<String> {
             joints
                 .iter()

@@ -112,7 +112,7 @@ impl ShapeReport {
             version: VERSION,
             frfid_version: env!("CARGO_PKG_VERSION").into(),
             config_sha256: experiment.config_sha256(),
-            joint_names: experiment.config.robot.joint_names(),
+            joint_names: experiment.joint_names.clone(),
             target: match options.target {
                 Target::Torque => "torque".into(),
                 Target::Velocity => "velocity".into(),

@@ -5,8 +5,7 @@ pub(crate) mod claims;
 pub(crate) mod figures;
 
 use frfid_experiment::{
-    Config, ConstantVelocityTable, Experiment, ExperimentError, Progress, Source, Template,
-    log_spaced,
+    ConstantVelocityTable, Experiment, ExperimentError, Progress, Template, log_spaced,
 };
 use frfid_plant::Hold;
 use frfid_signals::{Draw, Excitation, Frf, Limit, power};
@@ -146,24 +145,21 @@ impl Variant {
     /// The experiment of the template `kind` on this joint.
     fn experiment(self, kind: &str) -> Result<Experiment, ExperimentError> {
         let template = Template::named(kind).expect("the templates of section 6 are built in");
-        let source = Source {
-            name: kind.to_owned(),
-            text: template.text(),
-        };
-        let mut config: Config = source.parse()?;
-        if let Some(joint) = &mut config.robot.single_joint {
-            joint.coulomb_nm = self.coulomb_nm;
-            joint.stiffness_beyond_nm_per_rad = Some(self.stiffness_beyond_nm_per_rad);
-        }
-        if self.velocity_rad_s > 0.0 {
-            config.constant_velocity = Some(ConstantVelocityTable {
-                velocity_rad_s: Some(vec![self.velocity_rad_s]),
-                travel_rad: None,
-                glides: 0,
-            });
-            config.limits.remove(Limit::Torque);
-        }
-        Ok(Experiment::of(config, source)?)
+        let experiment = Experiment::of_template(template)?.with(|config| {
+            if let Some(joint) = &mut config.robot.single_joint {
+                joint.coulomb_nm = self.coulomb_nm;
+                joint.stiffness_beyond_nm_per_rad = Some(self.stiffness_beyond_nm_per_rad);
+            }
+            if self.velocity_rad_s > 0.0 {
+                config.constant_velocity = Some(ConstantVelocityTable {
+                    velocity_rad_s: Some(vec![self.velocity_rad_s]),
+                    travel_rad: None,
+                    glides: 0,
+                });
+                config.limits.remove(Limit::Torque);
+            }
+        });
+        Ok(experiment?)
     }
 
     fn measure(
@@ -174,7 +170,7 @@ impl Variant {
     ) -> Result<Measured, ExperimentError> {
         let experiment = self.experiment(kind)?;
         let frf = experiment
-            .measure(&*experiment.testbed()?, jobs, progress)?
+            .measure(&*experiment.testbed(), jobs, progress)?
             .result
             .frf;
         let truth = experiment.truth(&frf.frequency_hz, Hold::Zoh, false)?;
@@ -185,9 +181,10 @@ impl Variant {
 /// Mean power of multisines over that of the chirp of equal peak, for 1000 realizations, sorted
 /// (SK15 section 6.1).
 fn power_share() -> Result<Vec<f64>, ExperimentError> {
-    let chirp = LINEAR.experiment("chirp")?.plan.period(0)?;
+    let chirp = LINEAR.experiment("chirp")?.plan().period(0)?;
     let chirp_power = power::mean_power(chirp.as_slice().unwrap_or_default());
-    let plan = LINEAR.experiment("multisine")?.plan;
+    let experiment = LINEAR.experiment("multisine")?;
+    let plan = experiment.plan();
     let Excitation::Multisine { signal, peak } = &plan.excitation else {
         return Ok(Vec::new());
     };

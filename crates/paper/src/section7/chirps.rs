@@ -70,11 +70,11 @@ impl ShapedChirps {
         jobs: usize,
         progress: Progress,
     ) -> Result<Self, ExperimentError> {
-        let plan = &experiment.plan;
+        let plan = experiment.plan();
         let Excitation::Chirp(chirp) = &plan.excitation else {
             unreachable!("the template is a chirp")
         };
-        let estimator = Estimator::new(plan, &experiment.config.estimate)?;
+        let estimator = Estimator::new(plan, &experiment.config().estimate)?;
         let mut first = None;
         let shaped = experiment.shape_in_memory(jobs, progress, &mut |iteration| {
             if first.is_none() && iteration.stuck_share.iter().all(|share| *share < 1.0) {

@@ -8,7 +8,7 @@ pub(crate) mod multisine;
 
 use frfid_estimate::Summary;
 use frfid_experiment::{
-    Amplitude, Experiment, ExperimentError, Progress, Source, StepName, Template, log_spaced,
+    Amplitude, Experiment, ExperimentError, Progress, StepName, Template, log_spaced,
 };
 use frfid_plant::Hold;
 use frfid_signals::{Frf, Limits, Phasing};
@@ -61,8 +61,8 @@ impl Section7 {
         };
         let multisine = of_template("r3-multisine")?;
         Ok(Self {
-            joint_names: multisine.config.robot.joint_names(),
-            coulomb_nm: multisine.coulomb_nm().unwrap_or_default(),
+            joint_names: multisine.joint_names().to_vec(),
+            coulomb_nm: multisine.robot().coulomb_nm(),
             truth: multisine.truth(&log_spaced(2.0, 60.0, 600)?, Hold::Zoh, true)?,
             multisine: MultisineCampaign::run(&multisine, jobs, &part(0))?,
             orthogonal: chirps(1, Phasing::Orthogonal)?,
@@ -75,22 +75,17 @@ impl Section7 {
 
 fn of_template(kind: &str) -> Result<Experiment, ExperimentError> {
     let template = Template::named(kind).expect("the templates of section 7 are built in");
-    Ok(Experiment::new(
-        Source {
-            name: kind.to_owned(),
-            text: template.text(),
-        },
-        "".as_ref(),
-    )?)
+    Ok(Experiment::of_template(template)?)
 }
 
 /// The same chirps with other phases between channels and experiments.
 fn with_phasing(experiment: &Experiment, phasing: Phasing) -> Result<Experiment, ExperimentError> {
-    let mut config = experiment.config.clone();
-    if let Some(chirp) = &mut config.chirp {
-        chirp.mimo = phasing;
-    }
-    Ok(Experiment::of(config, experiment.source.clone())?)
+    let phased = experiment.with(|config| {
+        if let Some(chirp) = &mut config.chirp {
+            chirp.mimo = phasing;
+        }
+    });
+    Ok(phased?)
 }
 
 /// Iterations of the paper's own step: enough to see where it leads.
@@ -103,13 +98,13 @@ fn paper_step(
     jobs: usize,
     progress: Progress,
 ) -> Result<Vec<Summary>, ExperimentError> {
-    let mut config = experiment.config.clone();
-    if let Some(shape) = &mut config.shape {
-        shape.step = StepName::Paper;
-        shape.n_iterations = PAPER_ITERATIONS;
-    }
-    config.limits = Limits::default();
-    let experiment = Experiment::of(config, experiment.source.clone())?;
+    let experiment = experiment.with(|config| {
+        if let Some(shape) = &mut config.shape {
+            shape.step = StepName::Paper;
+            shape.n_iterations = PAPER_ITERATIONS;
+        }
+        config.limits = Limits::default();
+    })?;
     let mut iterations = Vec::new();
     experiment.shape_in_memory(jobs, progress, &mut |iteration| {
         iterations.push(iteration.summary());
@@ -126,12 +121,12 @@ fn table1(
     progress: Progress,
 ) -> Result<Vec<String>, ExperimentError> {
     const TORQUES_NM: [f64; 3] = [100.0, 150.0, 120.0];
-    let mut config = experiment.config.clone();
-    if let Some(shape) = &mut config.shape {
-        let half_above_40_hz =
-            |torque: f64| Amplitude::Points(vec![(38.0, torque), (42.0, 0.5 * torque)]);
-        shape.desired_nm = Some(TORQUES_NM.map(half_above_40_hz).to_vec());
-    }
-    let experiment = Experiment::of(config, experiment.source.clone())?;
+    let half_above_40_hz =
+        |torque: f64| Amplitude::Points(vec![(38.0, torque), (42.0, 0.5 * torque)]);
+    let experiment = experiment.with(|config| {
+        if let Some(shape) = &mut config.shape {
+            shape.desired_nm = Some(TORQUES_NM.map(half_above_40_hz).to_vec());
+        }
+    })?;
     Ok(ShapedChirps::run(&experiment, jobs, progress)?.warnings)
 }

@@ -51,10 +51,10 @@ impl MultisineCampaign {
         jobs: usize,
         progress: Progress,
     ) -> Result<Self, ExperimentError> {
-        let Experiment { config, plan, .. } = experiment;
+        let plan = experiment.plan();
         let way = |glide_subtraction| EstimateTable {
             glide_subtraction,
-            ..config.estimate.clone()
+            ..experiment.config().estimate.clone()
         };
         let ways = [
             GlideSubtraction::None,
@@ -63,7 +63,7 @@ impl MultisineCampaign {
         ]
         .map(way);
         let outcomes =
-            experiment.measure_each(ways.each_ref(), &*experiment.testbed()?, jobs, progress)?;
+            experiment.measure_each(ways.each_ref(), &*experiment.testbed(), jobs, progress)?;
         let flagged = outcomes[2].result.flagged.clone().unwrap_or_default();
         let load = outcomes[2].load.clone().expect("a plan has runs");
         let [uncompensated, in_time, by_position] = outcomes.map(|outcome| outcome.result.frf);
@@ -88,18 +88,13 @@ impl MultisineCampaign {
 
 /// The linear truths at poses from the start of a run to its end.
 fn along_the_way(experiment: &Experiment, hz: &[f64]) -> Result<Vec<Frf>, ExperimentError> {
-    let (pose_rad, start_rad) = (experiment.config.robot.pose(), experiment.plan.start_rad()?);
+    let start_rad = experiment.plan().start_rad()?;
     let truth = |number: usize| {
         let share = 1.0 - 2.0 * number as f64 / (POSES - 1) as f64;
-        let mut config = experiment.config.clone();
-        config.robot.pose_rad = Some(
-            pose_rad
-                .iter()
-                .zip(&start_rad)
-                .map(|(pose, start)| pose + share * start)
-                .collect(),
-        );
-        Experiment::of(config, experiment.source.clone())?.truth(hz, Hold::Zoh, true)
+        let ways = experiment.pose_rad().iter().zip(&start_rad);
+        let pose_rad = ways.map(|(pose, start)| pose + share * start).collect();
+        let there = experiment.with(|config| config.robot.pose_rad = Some(pose_rad))?;
+        Ok(there.truth(hz, Hold::Zoh, true)?)
     };
     (0..POSES).map(truth).collect()
 }

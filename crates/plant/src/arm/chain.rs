@@ -11,6 +11,7 @@ use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
 use crate::arm::rigid::{Rigid, matrix};
 use crate::arm::{Arm, BodyJoint};
+use crate::challenges::is_posed;
 
 /// A link in its own frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,7 +81,7 @@ impl<const A: usize> Chain<A> {
         Some(Self {
             links,
             lift: lift.into(),
-            biased: arm.challenges.gravity,
+            biased: is_posed(arm.challenges.gravity),
         })
     }
 }
@@ -131,12 +132,12 @@ fn merged(arm: &Arm) -> Vec<Carried> {
             }
         }
         if let Some(link) = carried.last_mut() {
-            let own = Rigid::new(body.mass_kg, &body.center_of_mass_m, &body.inertia_kg_m2);
+            let own = Rigid::new(body.mass_kg, &body.center_of_mass_m, body.inertia_kg_m2);
             link.rigid += own.seen(&rotation, &origin);
         }
     }
     if let (Some(link), Some(load)) = (carried.last_mut(), &arm.payload) {
-        let own = Rigid::new(load.mass_kg, &load.center_of_mass_m, &load.inertia_kg_m2);
+        let own = Rigid::new(load.mass_kg, &load.center_of_mass_m, load.inertia_kg_m2);
         link.rigid += own.seen(&rotation, &origin);
     }
     carried

@@ -11,7 +11,7 @@ use std::array::from_fn;
 use crate::arm::chain::{Chain, Link};
 use crate::arm::positive_definite::solve;
 use crate::motion::equations::Links;
-use crate::motion::scalar::Lane;
+use crate::motion::scalar::Scalar;
 
 /// How a link stands on its parent.
 #[derive(Clone, Copy)]
@@ -45,16 +45,16 @@ struct Wrench<L> {
 }
 
 #[inline(always)]
-fn add<L: Lane>(a: [L; 3], b: [L; 3]) -> [L; 3] {
+fn add<L: Scalar>(a: [L; 3], b: [L; 3]) -> [L; 3] {
     from_fn(|k| a[k] + b[k])
 }
 
 #[inline(always)]
-fn cross<L: Lane>([ax, ay, az]: [L; 3], [bx, by, bz]: [L; 3]) -> [L; 3] {
+fn cross<L: Scalar>([ax, ay, az]: [L; 3], [bx, by, bz]: [L; 3]) -> [L; 3] {
     [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
 }
 
-impl<L: Lane> Stance<L> {
+impl<L: Scalar> Stance<L> {
     #[inline(always)]
     fn new(link: &Link, position: L) -> Self {
         let (sin, cos) = (position + L::splat(link.zero_rad)).sin_cos();
@@ -130,7 +130,7 @@ impl<L: Lane> Stance<L> {
     }
 }
 
-impl<L: Lane> Composite<L> {
+impl<L: Scalar> Composite<L> {
     #[inline(always)]
     fn own(link: &Link) -> Self {
         let ([hx, hy], [xx, yy, xy, xz, yz], zero) = (
@@ -176,7 +176,7 @@ impl<L: Lane> Composite<L> {
 impl Link {
     /// What it takes to accelerate the link's points x by a + E x.
     #[inline(always)]
-    fn wrench<L: Lane>(&self, [ax, ay, az]: [L; 3], e: &[[L; 3]; 3]) -> Wrench<L> {
+    fn wrench<L: Scalar>(&self, [ax, ay, az]: [L; 3], e: &[[L; 3]; 3]) -> Wrench<L> {
         let ([hx, hy], [xx, yy, xy, xz, yz]) =
             (self.first.map(L::splat), self.second.map(L::splat));
         Wrench {
@@ -195,7 +195,7 @@ impl Link {
 
 /// E = [w'] + [w]^2.
 #[inline(always)]
-fn spin<L: Lane>([x, y, z]: [L; 3], [dx, dy, dz]: [L; 3]) -> [[L; 3]; 3] {
+fn spin<L: Scalar>([x, y, z]: [L; 3], [dx, dy, dz]: [L; 3]) -> [[L; 3]; 3] {
     let (xx, yy, zz, xy, xz, yz) = (x * x, y * y, z * z, x * y, x * z, y * z);
     [
         [-(yy + zz), xy - dz, xz + dy],
@@ -206,13 +206,13 @@ fn spin<L: Lane>([x, y, z]: [L; 3], [dx, dy, dz]: [L; 3]) -> [[L; 3]; 3] {
 
 impl<const A: usize> Chain<A> {
     #[inline(always)]
-    fn stances<L: Lane>(&self, position: [L; A]) -> [Stance<L>; A] {
+    fn stances<L: Scalar>(&self, position: [L; A]) -> [Stance<L>; A] {
         from_fn(|i| Stance::new(&self.links[i], position[i]))
     }
 
     /// What each joint carries.
     #[inline(always)]
-    fn composites<L: Lane>(&self, stances: &[Stance<L>; A]) -> [Composite<L>; A] {
+    fn composites<L: Scalar>(&self, stances: &[Stance<L>; A]) -> [Composite<L>; A] {
         let mut composites = self.links.each_ref().map(Composite::own);
         for i in (1..A).rev() {
             composites[i - 1] = composites[i - 1].plus(stances[i].carried(composites[i]));
@@ -222,7 +222,7 @@ impl<const A: usize> Chain<A> {
 
     /// The lower triangle of the mass matrix in kg m^2.
     #[inline(always)]
-    fn lower_mass<L: Lane>(&self, stances: &[Stance<L>; A]) -> [[L; A]; A] {
+    fn lower_mass<L: Scalar>(&self, stances: &[Stance<L>; A]) -> [[L; A]; A] {
         let composites = self.composites(stances);
         let mut mass = [[L::splat(0.0); A]; A];
         for j in 0..A {
@@ -238,7 +238,7 @@ impl<const A: usize> Chain<A> {
 
     /// Torques in N m at constant velocities.
     #[inline(always)]
-    fn bias<L: Lane>(&self, stances: &[Stance<L>; A], velocity: [L; A]) -> [L; A] {
+    fn bias<L: Scalar>(&self, stances: &[Stance<L>; A], velocity: [L; A]) -> [L; A] {
         let zero = L::splat(0.0);
         if !self.biased {
             return [zero; A];
@@ -281,7 +281,12 @@ impl<const A: usize> Links<A> for Chain<A> {
     /// Not inlined: it is long, is called from many places, and its call costs less than a
     /// hundredth of its time.
     #[inline(never)]
-    fn acceleration<L: Lane>(&self, position: [L; A], velocity: [L; A], torque: [L; A]) -> [L; A] {
+    fn acceleration<L: Scalar>(
+        &self,
+        position: [L; A],
+        velocity: [L; A],
+        torque: [L; A],
+    ) -> [L; A] {
         let stances = self.stances(position);
         let bias = self.bias(&stances, velocity);
         solve(&self.lower_mass(&stances), from_fn(|i| torque[i] - bias[i]))

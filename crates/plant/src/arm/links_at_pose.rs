@@ -3,13 +3,13 @@
 use std::array::from_fn;
 
 use crate::motion::equations::Links;
-use crate::motion::scalar::Lane;
+use crate::motion::scalar::Scalar;
 
 /// Links with the mass matrix of a pose, no Coriolis torques and gravity that changes linearly
 /// about the pose: M(q0) qo'' + g(q0) + dg/dq (qo - q0) = torque. Whatever they travel, they obey
 /// the linear truth.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Frozen<const A: usize> {
+pub(crate) struct LinksAtPose<const A: usize> {
     /// The pose q0 in rad.
     pub pose: [f64; A],
     /// M(q0) in kg m^2.
@@ -22,9 +22,9 @@ pub(crate) struct Frozen<const A: usize> {
     pub gradient: [[f64; A]; A],
 }
 
-impl<const A: usize> Frozen<A> {
-    /// Freezes links at a pose in rad.
-    pub fn at(links: &impl Links<A>, pose: [f64; A]) -> Self {
+impl<const A: usize> LinksAtPose<A> {
+    /// Links as they are at a pose in rad.
+    pub fn new(links: &impl Links<A>, pose: [f64; A]) -> Self {
         let zero = [0.0; A];
         let gravity = links.holding(pose, zero);
         let unit = |j: usize| from_fn(|i| gravity[i] + f64::from(u8::from(i == j)));
@@ -40,13 +40,13 @@ impl<const A: usize> Frozen<A> {
 }
 
 #[inline(always)]
-fn product<L: Lane, const A: usize>(matrix: &[[f64; A]; A], x: &[L; A]) -> [L; A] {
+fn product<L: Scalar, const A: usize>(matrix: &[[f64; A]; A], x: &[L; A]) -> [L; A] {
     from_fn(|i| (0..A).fold(L::splat(0.0), |sum, j| sum + L::splat(matrix[i][j]) * x[j]))
 }
 
-impl<const A: usize> Frozen<A> {
+impl<const A: usize> LinksAtPose<A> {
     #[inline(always)]
-    fn gravity_nm<L: Lane>(&self, position: [L; A]) -> [L; A] {
+    fn gravity_nm<L: Scalar>(&self, position: [L; A]) -> [L; A] {
         let change = product(
             &self.gradient,
             &from_fn(|i| position[i] - L::splat(self.pose[i])),
@@ -55,9 +55,14 @@ impl<const A: usize> Frozen<A> {
     }
 }
 
-impl<const A: usize> Links<A> for Frozen<A> {
+impl<const A: usize> Links<A> for LinksAtPose<A> {
     #[inline(always)]
-    fn acceleration<L: Lane>(&self, position: [L; A], _velocity: [L; A], torque: [L; A]) -> [L; A] {
+    fn acceleration<L: Scalar>(
+        &self,
+        position: [L; A],
+        _velocity: [L; A],
+        torque: [L; A],
+    ) -> [L; A] {
         let gravity = self.gravity_nm(position);
         product(&self.mobility, &from_fn(|i| torque[i] - gravity[i]))
     }

@@ -1,17 +1,20 @@
-//! A robot arm: rigid bodies in a chain, a flexible joint in front of each that moves. The
+//! Robot arm: rigid bodies in a chain, a flexible joint in front of each that moves. The
 //! description; what follows from it is in `chain.rs` (mass matrix, gravity, Coriolis) and
-//! `arm_robot.rs` (motion, linear truth).
+//! `robot.rs` (motion, linear truth).
 
 pub(crate) mod chain;
 pub(crate) mod chain_dynamics;
+pub(crate) mod inertia;
 pub(crate) mod links_at_pose;
 pub(crate) mod positive_definite;
 pub(crate) mod rigid;
 pub(crate) mod robot;
 pub(crate) mod validation;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::arm::inertia::Inertia;
 use crate::challenges::Challenges;
 use crate::joint::flexible_joint::FlexibleJoint;
 
@@ -20,7 +23,7 @@ use crate::joint::flexible_joint::FlexibleJoint;
 /// M(qo) qo'' + C(qo, qo') qo' + g(qo) = tau_s(dq) + d dq', J_m qm'' = u - tau_f(qm') - ripple(qm)
 /// - tau_s(dq) - d dq', dq = qm - qo: the rotors turn about their own axes only (Spong's reduced
 /// model, J. Dyn. Sys. Meas. Control 109 (1987) 310).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Arm {
     /// The bodies, each hanging on the one before it, the first on the base.
     pub bodies: Vec<Body>,
@@ -36,7 +39,7 @@ pub struct Arm {
 
 /// A rigid body and the joint that carries it. The body's frame is the joint's, turned by the
 /// joint's position about its axis.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Body {
     /// Name, for messages.
     pub name: String,
@@ -52,8 +55,8 @@ pub struct Body {
     pub mass_kg: f64,
     /// Centre of mass in m in the body's frame.
     pub center_of_mass_m: [f64; 3],
-    /// Inertia tensor in kg m^2 about the centre of mass in the body's frame, symmetric.
-    pub inertia_kg_m2: [[f64; 3]; 3],
+    /// Inertia tensor in kg m^2 about the centre of mass in the body's frame.
+    pub inertia_kg_m2: Inertia,
     /// Moments of inertia that cannot move are left out: principal moments need not obey the
     /// triangle inequality.
     pub simplified: bool,
@@ -62,7 +65,7 @@ pub struct Body {
 }
 
 /// Whether and how the joint of a body moves.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum BodyJoint {
     /// Rigid, at this position.
     Locked {
@@ -74,15 +77,17 @@ pub enum BodyJoint {
 }
 
 /// A rigid load on the last body.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Payload {
     /// Mass in kg.
     pub mass_kg: f64,
     /// Centre of mass in m in the frame of the last body.
     pub center_of_mass_m: [f64; 3],
-    /// Inertia tensor in kg m^2 about the centre of mass in the frame of the last body; zeros for a
-    /// point mass.
-    pub inertia_kg_m2: [[f64; 3]; 3],
+    /// Inertia in kg m^2 about the centre of mass in the frame of the last body; a point mass
+    /// without it.
+    #[serde(default)]
+    pub inertia_kg_m2: Inertia,
 }
 
 impl Arm {

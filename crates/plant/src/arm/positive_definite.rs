@@ -1,11 +1,11 @@
 //! Linear equations with a symmetric positive definite matrix of few rows.
 
-use crate::motion::scalar::Lane;
+use crate::motion::scalar::Scalar;
 
 /// Solves M x = b for a symmetric positive definite M, of which the lower triangle is read, by M =
 /// L D L^T.
 #[inline(always)]
-pub(crate) fn solve<L: Lane, const A: usize>(mass: &[[L; A]; A], mut x: [L; A]) -> [L; A] {
+pub(crate) fn solve<L: Scalar, const A: usize>(mass: &[[L; A]; A], mut x: [L; A]) -> [L; A] {
     let (mut lower, mut scaled, mut inverse) = (*mass, *mass, [L::splat(0.0); A]); // scaled = L D
     for j in 0..A {
         for i in j..A {

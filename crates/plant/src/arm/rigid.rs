@@ -4,6 +4,8 @@ use std::ops::{AddAssign, SubAssign};
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::arm::inertia::Inertia;
+
 /// The moments of order 0, 1 and 2 of a mass distribution, about the origin of the frame they are
 /// given in. The inertia tensor about the origin is tr(second) 1 - second.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -27,8 +29,8 @@ impl Rigid {
     }
 
     /// A body of a mass in kg, a centre of mass in m and an inertia tensor in kg m^2 about it.
-    pub fn new(mass: f64, center_of_mass: &[f64; 3], inertia: &[[f64; 3]; 3]) -> Self {
-        let inertia = matrix(inertia);
+    pub fn new(mass: f64, center_of_mass: &[f64; 3], inertia: Inertia) -> Self {
+        let inertia = inertia.matrix();
         let second = Matrix3::from_diagonal_element(0.5 * inertia.trace()) - inertia;
         let about_itself = Self {
             mass,

@@ -8,10 +8,12 @@ use nalgebra::DMatrix;
 
 use crate::arm::Arm;
 use crate::arm::chain::Chain;
-use crate::arm::links_at_pose::Frozen;
+use crate::arm::links_at_pose::LinksAtPose;
+use crate::challenges::is_posed;
 use crate::error::PlantError;
-use crate::motion::Moving;
-use crate::motion::equations::{Drive, Machine};
+use crate::joint::flexible_joint::FlexibleJoint;
+use crate::motion::Motion;
+use crate::motion::equations::Machine;
 use crate::motion::mechanics::Mechanics;
 use crate::robot::Robot;
 use crate::state_space::StateSpace;
@@ -75,7 +77,7 @@ impl Arm {
     ///
     /// # Errors
     /// [`SignalError`] for a parameter out of range or a motion on another number of axes.
-    pub fn energy_j(&self, motion: &dyn Moving) -> Result<f64, SignalError> {
+    pub fn energy_j(&self, motion: &dyn Motion) -> Result<f64, SignalError> {
         let (motor, link) = (motion.motor_velocity_rad_s(), motion.link_velocity_rad_s());
         self.check_axes("motor_velocity_rad_s", motor)?;
         let mechanics = self.mechanics()?;
@@ -86,19 +88,19 @@ impl Arm {
             .zip(gears)
             .map(|(qm, dq)| qm - dq)
             .collect();
-        let drive = |((drive, v), dq): ((&Drive, &f64), &f64)| {
-            0.5 * drive.motor_inertia_kg_m2 * v * v + drive.spring.energy_j(*dq)
+        let joint = |((joint, v), dq): ((&FlexibleJoint, &f64), &f64)| {
+            0.5 * joint.motor_inertia_kg_m2 * v * v + joint.spring.energy_j(*dq)
         };
-        let drives: f64 = mechanics
-            .drives()
+        let in_joints: f64 = mechanics
+            .joints()
             .iter()
             .zip(motor)
             .zip(gears)
-            .map(drive)
+            .map(joint)
             .sum();
         let velocity = nalgebra::DVector::from_row_slice(link);
         let links = 0.5 * velocity.dot(&(mechanics.mass_matrix(&position) * &velocity));
-        Ok(drives + links + mechanics.potential_j(&position))
+        Ok(in_joints + links + mechanics.potential_j(&position))
     }
 
     /// Frequencies in Hz, rising, of the undamped elastic modes at the pose without gravity, the
@@ -107,7 +109,7 @@ impl Arm {
     /// # Errors
     /// [`SignalError`] for a parameter out of range.
     pub fn modes_hz(&self) -> Result<Vec<f64>, SignalError> {
-        self.elastic_hz(|drive| 1.0 / drive.motor_inertia_kg_m2)
+        self.elastic_hz(|joint| 1.0 / joint.motor_inertia_kg_m2)
     }
 
     /// The same with the motors locked: the zeros of the FRFs from torque to velocity taken
@@ -119,9 +121,12 @@ impl Arm {
         self.elastic_hz(|_| 0.0)
     }
 
-    fn elastic_hz(&self, motor_mobility: impl Fn(&Drive) -> f64) -> Result<Vec<f64>, SignalError> {
+    fn elastic_hz(
+        &self,
+        motor_mobility: impl Fn(&FlexibleJoint) -> f64,
+    ) -> Result<Vec<f64>, SignalError> {
         self.check()?;
-        let stiffness = |drive: &Drive| drive.spring.stiffness_nm_per_rad;
+        let stiffness = |joint: &FlexibleJoint| joint.spring.stiffness_nm_per_rad;
         let squares = self
             .mechanics()?
             .eigenvalues(&self.pose_rad, stiffness, motor_mobility);
@@ -148,20 +153,18 @@ impl Arm {
     }
 
     fn compiled<const A: usize>(&self) -> Option<Box<dyn Mechanics>> {
-        let drives: Vec<Drive> = self
+        let joints: Vec<FlexibleJoint> = self
             .joints()
-            .map(|joint| joint.with(self.challenges).drive())
+            .map(|joint| joint.with(self.challenges))
             .collect();
-        let drives: [Drive; A] = drives.try_into().ok()?;
+        let joints: [FlexibleJoint; A] = joints.try_into().ok()?;
         let links = Chain::<A>::new(self)?;
-        Some(if self.challenges.position_dependence {
-            Box::new(Machine { drives, links })
+        Some(if is_posed(self.challenges.position_dependence) {
+            Box::new(Machine { joints, links })
         } else {
             let pose = from_fn(|axis| self.pose_rad[axis]);
-            Box::new(Machine {
-                drives,
-                links: Frozen::at(&links, pose),
-            })
+            let links = LinksAtPose::new(&links, pose);
+            Box::new(Machine { joints, links })
         })
     }
 }
@@ -183,20 +186,21 @@ impl Robot for Arm {
         let Ok(mechanics) = self.mechanics() else {
             return f64::NAN;
         };
-        let mobility = |drive: &Drive| 1.0 / drive.motor_inertia_kg_m2;
-        let fastest = |number: &dyn Fn(&Drive) -> f64| {
+        let mobility = |joint: &FlexibleJoint| 1.0 / joint.motor_inertia_kg_m2;
+        let fastest = |number: &dyn Fn(&FlexibleJoint) -> f64| {
             mechanics
                 .eigenvalues(&self.pose_rad, number, mobility)
                 .into_iter()
                 .fold(0.0, f64::max)
         };
-        let stiffness = |drive: &Drive| {
-            drive
+        let stiffness = |joint: &FlexibleJoint| {
+            joint
                 .spring
                 .stiffness_nm_per_rad
-                .max(drive.spring.stiffness_beyond_nm_per_rad)
+                .max(joint.spring.stiffness_beyond_nm_per_rad)
         };
-        let decay = |drive: &Drive| drive.damping_nms_per_rad + drive.friction.viscous_nms_per_rad;
+        let decay =
+            |joint: &FlexibleJoint| joint.damping_nms_per_rad + joint.friction.viscous_nms_per_rad;
         0.0445 / fastest(&stiffness).sqrt().max(fastest(&decay))
     }
 
@@ -205,7 +209,7 @@ impl Robot for Arm {
         &self,
         start_rad: &[f64],
         velocity_rad_s: &[f64],
-    ) -> Result<Box<dyn Moving>, PlantError> {
+    ) -> Result<Box<dyn Motion>, PlantError> {
         self.check()?;
         self.check_axes("start_rad", start_rad)?;
         self.check_axes("velocity_rad_s", velocity_rad_s)?;
@@ -232,5 +236,14 @@ impl Robot for Arm {
             },
             |mechanics| mechanics.state_space(&self.pose_rad),
         )
+    }
+
+    fn coulomb_nm(&self) -> Vec<f64> {
+        let joints = self.joints().map(|joint| joint.with(self.challenges));
+        joints.map(|joint| joint.friction.coulomb_nm).collect()
+    }
+
+    fn warnings(&self) -> Vec<String> {
+        self.warnings()
     }
 }

@@ -4,11 +4,12 @@ use frfid_signals::SignalError;
 use frfid_signals::checks::{finite, not_negative, one_per_axis};
 use nalgebra::{Matrix3, Vector3};
 
+use crate::arm::inertia::Inertia;
 use crate::arm::rigid::matrix;
 use crate::arm::{Arm, Body, BodyJoint, Payload};
 
-/// How far a rotation matrix given in decimals may be from a rotation, and a tensor from symmetry,
-/// relatively.
+/// How far a rotation matrix given in decimals may be from a rotation, and a principal moment of
+/// inertia below 0 beside the largest entry.
 const ROUNDING: f64 = 1e-6;
 
 impl Arm {
@@ -27,12 +28,11 @@ impl Arm {
         if smallest > f64::EPSILON * largest {
             return Ok(());
         }
-        let name = "the smallest eigenvalue in kg m^2 of the mass matrix at the pose";
-        let needed = "above 0: every joint must move some inertia that cannot be moved without it";
-        Err(SignalError::Parameter {
-            name,
+        Err(SignalError::Derived {
+            key: "body",
+            quantity: "the smallest eigenvalue in kg m^2 of the mass matrix at the pose",
             found: smallest,
-            needed,
+            needed: "above 0: every joint must move some inertia that cannot be moved without it",
         })
     }
 
@@ -42,13 +42,13 @@ impl Arm {
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let bodies = self.bodies.iter().filter(|body| !body.simplified);
-        let tensors = bodies.map(|body| (body.part(), &body.inertia_kg_m2, " or set simplified"));
+        let tensors = bodies.map(|body| (body.part(), body.inertia_kg_m2, " or set simplified"));
         let payload = self
             .payload
             .iter()
-            .map(|payload| (PAYLOAD.into(), &payload.inertia_kg_m2, ""));
-        let warning = |(part, tensor, or): (String, _, _)| {
-            let [a, b, c] = principal_moments(tensor);
+            .map(|payload| (PAYLOAD.into(), payload.inertia_kg_m2, ""));
+        let warning = |(part, tensor, or): (String, Inertia, _)| {
+            let [a, b, c] = tensor.principal_moments();
             (c > (a + b) * (1.0 + ROUNDING)).then(|| {
                 format!(
                     "{part}: no body has the principal moments of inertia {a:.4}, {b:.4}, {c:.4} kg m^2: the largest \
@@ -67,13 +67,18 @@ impl Arm {
         self.gravity_m_s2
             .iter()
             .try_for_each(|&value| finite("gravity_m_s2", value))?;
-        for body in &self.bodies {
-            body.check().map_err(|error| within(body.part(), error))?;
+        for (index, body) in self.bodies.iter().enumerate() {
+            let path = ["body".to_owned(), index.to_string(), "joint".to_owned()];
+            body.check()
+                .map_err(|error| error.within(body.part(), path[..2].to_vec()))?;
+            body.check_joint()
+                .map_err(|error| error.within(body.part(), path.to_vec()))?;
         }
         if let Some(payload) = &self.payload {
+            let path = vec![PAYLOAD.to_owned()];
             payload
                 .check()
-                .map_err(|error| within(PAYLOAD.into(), error))?;
+                .map_err(|error| error.within(PAYLOAD, path))?;
         }
         self.check_axes("pose_rad", &self.pose_rad)
     }
@@ -85,8 +90,9 @@ impl Arm {
 
     pub(crate) fn wrong_number_of_axes(&self) -> SignalError {
         let found = self.n_axes() as f64;
-        SignalError::Parameter {
-            name: "the number of moving joints",
+        SignalError::Derived {
+            key: "body",
+            quantity: "the number of moving joints",
             found,
             needed: "1 to 7; lock the others",
         }
@@ -94,13 +100,6 @@ impl Arm {
 }
 
 const PAYLOAD: &str = "payload";
-
-fn within(part: String, error: SignalError) -> SignalError {
-    SignalError::In {
-        part,
-        source: Box::new(error),
-    }
-}
 
 impl Body {
     fn part(&self) -> String {
@@ -115,16 +114,17 @@ impl Body {
         let rotation = matrix(&self.rotation);
         let error = (rotation * rotation.transpose() - Matrix3::identity()).amax();
         if error > ROUNDING {
-            let name = "rotation times its transpose, less the identity,";
-            return Err(SignalError::Parameter {
-                name,
+            return Err(SignalError::Derived {
+                key: "rotation",
+                quantity: "rotation times its transpose, less the identity,",
                 found: error,
                 needed: "0, as of any rotation matrix",
             });
         }
         if rotation.determinant() < 0.0 {
-            return Err(SignalError::Parameter {
-                name: "rotation's determinant",
+            return Err(SignalError::Derived {
+                key: "rotation",
+                quantity: "rotation's determinant",
                 found: -1.0,
                 needed: "1: no mirror",
             });
@@ -132,13 +132,17 @@ impl Body {
         check_vector("axis", &self.axis)?;
         let length = Vector3::from(self.axis).norm();
         if !length.is_normal() {
-            return Err(SignalError::Parameter {
-                name: "axis' length",
+            return Err(SignalError::Derived {
+                key: "axis",
+                quantity: "axis' length",
                 found: length,
                 needed: "above 0",
             });
         }
-        check_mass(self.mass_kg, &self.center_of_mass_m, &self.inertia_kg_m2)?;
+        check_mass(self.mass_kg, &self.center_of_mass_m, self.inertia_kg_m2)
+    }
+
+    fn check_joint(&self) -> Result<(), SignalError> {
         match &self.joint {
             BodyJoint::Locked { position_rad } => finite("position_rad", *position_rad),
             BodyJoint::Flexible(joint) => joint.check(),
@@ -148,7 +152,7 @@ impl Body {
 
 impl Payload {
     fn check(&self) -> Result<(), SignalError> {
-        check_mass(self.mass_kg, &self.center_of_mass_m, &self.inertia_kg_m2)
+        check_mass(self.mass_kg, &self.center_of_mass_m, self.inertia_kg_m2)
     }
 }
 
@@ -156,41 +160,19 @@ fn check_vector(name: &'static str, vector: &[f64; 3]) -> Result<(), SignalError
     vector.iter().try_for_each(|&value| finite(name, value))
 }
 
-fn check_mass(
-    mass: f64,
-    center_of_mass: &[f64; 3],
-    inertia: &[[f64; 3]; 3],
-) -> Result<(), SignalError> {
+fn check_mass(mass: f64, center_of_mass: &[f64; 3], inertia: Inertia) -> Result<(), SignalError> {
     not_negative("mass_kg", mass)?;
     check_vector("center_of_mass_m", center_of_mass)?;
-    inertia
-        .iter()
-        .try_for_each(|row| check_vector("inertia_kg_m2", row))?;
-    let tensor = matrix(inertia);
-    let (skew, size) = ((tensor - tensor.transpose()).amax(), tensor.amax());
-    if skew > ROUNDING * size {
-        let needed = "a symmetric tensor";
-        return Err(SignalError::Parameter {
-            name: "inertia_kg_m2's difference from its transpose",
-            found: skew,
-            needed,
-        });
-    }
-    let smallest = principal_moments(inertia)[0];
-    if smallest < -ROUNDING * size {
-        let name = "inertia_kg_m2's smallest principal moment";
-        return Err(SignalError::Parameter {
-            name,
+    let mut entries = inertia.entries().into_iter();
+    entries.try_for_each(|entry| finite("inertia_kg_m2", entry))?;
+    let smallest = inertia.principal_moments()[0];
+    if smallest < -ROUNDING * inertia.matrix().amax() {
+        return Err(SignalError::Derived {
+            key: "inertia_kg_m2",
+            quantity: "inertia_kg_m2's smallest principal moment",
             found: smallest,
             needed: "0 or above",
         });
     }
     Ok(())
-}
-
-/// Principal moments of inertia, rising.
-fn principal_moments(inertia: &[[f64; 3]; 3]) -> [f64; 3] {
-    let mut moments: [f64; 3] = matrix(inertia).symmetric_eigenvalues().into();
-    moments.sort_by(f64::total_cmp);
-    moments
 }

@@ -83,9 +83,9 @@ impl PiController {
     pub fn check(&self, n_axes: usize) -> Result<(), SignalError> {
         positive("sample_time_s", self.sample_time_s)?;
         if self.delay_samples > MOST_DELAY {
-            let (name, found) = ("delay_samples", self.delay_samples as f64);
+            let (key, found) = ("delay_samples", self.delay_samples as f64);
             return Err(SignalError::Parameter {
-                name,
+                key,
                 found,
                 needed: "at most 100",
             });

@@ -1,4 +1,4 @@
-//! What is seen of the motion, and how finely the torque is made (SK15 section 2, challenge F).
+//! Sensors and torque resolution of an axis (SK15 section 2, challenge F).
 
 use std::f64::consts::TAU;
 
@@ -6,27 +6,19 @@ use frfid_signals::checks::positive;
 use frfid_signals::{RunId, SignalError, random};
 use num_complex::Complex64;
 use rand::rngs::ChaCha8Rng;
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Where a velocity reading comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Velocity {
-    /// The true velocity at the sample instant.
-    #[default]
-    True,
-    /// The last two position readings over the sample time,
-    /// `y[k] = (q[k] - q[k-1]) / sample_time_s`. Adds the factor (1 - e^{-s T}) / (s T) to the
-    /// continuous transfer function, 10.8 deg at 60 Hz for T = 1 ms.
-    Differenced,
-}
-
 /// Sensors and torque resolution of one axis; the default is ideal. Whatever is `None` is switched
-/// off.
-#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+/// off. Everything on the joint side of the gear.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
 pub struct Sensor {
-    /// Where the velocity reading comes from.
-    pub velocity: Velocity,
+    /// The velocity is the difference of the last two positions over the sample time,
+    /// `y[k] = (q[k] - q[k-1]) / sample_time_s`, not the true velocity at the sample instant. That
+    /// adds the factor (1 - e^{-s T}) / (s T) to the continuous transfer function, 10.8 deg at 60 Hz
+    /// for T = 1 ms.
+    pub velocity_by_differencing: bool,
     /// Position increment in rad on the joint side: one encoder count.
     pub position_increment_rad: Option<f64>,
     /// Rms of the white noise in rad on the position, before it is rounded to increments.
@@ -69,9 +61,10 @@ impl Sensor {
     #[must_use]
     pub fn response(&self, hz: f64, sample_time_s: f64) -> Complex64 {
         let before = Complex64::cis(-TAU * hz * sample_time_s);
-        let reading = match self.velocity {
-            Velocity::True => Complex64::from(1.0),
-            Velocity::Differenced => (1.0 - before) / sample_time_s,
+        let reading = if self.velocity_by_differencing {
+            (1.0 - before) / sample_time_s
+        } else {
+            Complex64::from(1.0)
         };
         let pole = self.filter_pole(sample_time_s);
         reading * (1.0 - pole) / (1.0 - pole * before)
@@ -157,9 +150,10 @@ impl Reader {
     /// Position and velocity readings of the next sample.
     pub fn motion(&mut self, position_rad: f64, velocity_rad_s: f64) -> (f64, f64) {
         let position = self.position(position_rad);
-        let velocity = match self.sensor.velocity {
-            Velocity::True => velocity_rad_s,
-            Velocity::Differenced => (position - self.last_position_rad) / self.sample_time_s,
+        let velocity = if self.sensor.velocity_by_differencing {
+            (position - self.last_position_rad) / self.sample_time_s
+        } else {
+            velocity_rad_s
         };
         self.last_position_rad = position;
         let velocity = noisy(velocity, &mut self.velocity_noise);
@@ -208,7 +202,7 @@ mod tests {
     fn positions_come_in_increments_and_velocities_in_increments_per_sample() {
         let increment = 1e-4;
         let sensor = Sensor {
-            velocity: Velocity::Differenced,
+            velocity_by_differencing: true,
             position_increment_rad: Some(increment),
             ..Sensor::default()
         };
@@ -237,7 +231,7 @@ mod tests {
     #[test]
     fn a_differenced_velocity_knows_the_motion_before_the_first_sample() {
         let sensor = Sensor {
-            velocity: Velocity::Differenced,
+            velocity_by_differencing: true,
             ..Sensor::default()
         };
         assert!((reader(sensor, RUN, 0).motion(0.0, 0.25).1 - 0.25).abs() < 1e-15);
@@ -325,7 +319,7 @@ mod tests {
             assert!(matches!(
                 sensor.check(),
                 Err(SignalError::Parameter {
-                    name: "torque_quantum_nm",
+                    key: "torque_quantum_nm",
                     ..
                 })
             ));

@@ -1,5 +1,8 @@
 //! Friction of the motor: Coulomb's set-valued law with a viscous term (SK15 eq. (1)).
 
+use frfid_signals::SignalError;
+use frfid_signals::checks::not_negative;
+
 /// tau_f = F_c sgn(v) + F_v v while the motor moves; at rest any torque in [-F_c, F_c], whatever
 /// holds the motor.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -17,13 +20,22 @@ pub enum Slip {
     Free,
     /// At rest, held by friction.
     Stuck,
-    /// Moving (or about to move) at positive velocity.
+    /// Motion (or about to move) at positive velocity.
     Forward,
-    /// Moving (or about to move) at negative velocity.
+    /// Motion (or about to move) at negative velocity.
     Backward,
 }
 
 impl Friction {
+    /// Checks every parameter.
+    ///
+    /// # Errors
+    /// [`SignalError::Parameter`] naming the first one that is not finite and 0 or above.
+    pub fn check(&self) -> Result<(), SignalError> {
+        not_negative("coulomb_nm", self.coulomb_nm)?;
+        not_negative("viscous_nms_per_rad", self.viscous_nms_per_rad)
+    }
+
     /// The branch of a velocity; at rest the motor is stuck until its net torque says otherwise.
     #[must_use]
     pub fn slip(&self, velocity_rad_s: f64) -> Slip {

@@ -1,12 +1,16 @@
 //! Torque ripple of motor and gear: periodic in the motor position (SK15 section 2, challenge E).
 
+use frfid_signals::SignalError;
+use frfid_signals::checks::{finite, not_negative};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::motion::scalar::Lane;
+use crate::motion::scalar::Scalar;
 
 /// One harmonic of the ripple: `amplitude_nm sin(cycles_per_turn q + phase_rad)` is taken from the
 /// motor torque.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct Ripple {
     /// Cycles per turn of `q`, the motor position on the joint side; behind a gear of ratio n, n
     /// times the cycles per turn of the motor shaft.
@@ -14,12 +18,23 @@ pub struct Ripple {
     /// Amplitude in N m on the joint side.
     pub amplitude_nm: f64,
     /// Phase in rad at position 0.
+    #[serde(default)]
     pub phase_rad: f64,
 }
 
 impl Ripple {
+    /// Checks every parameter.
+    ///
+    /// # Errors
+    /// [`SignalError::Parameter`] naming the first one that is not finite or out of range.
+    pub fn check(&self) -> Result<(), SignalError> {
+        not_negative("cycles_per_turn", self.cycles_per_turn)?;
+        not_negative("amplitude_nm", self.amplitude_nm)?;
+        finite("phase_rad", self.phase_rad)
+    }
+
     /// Torque in N m at a motor position in rad on the joint side.
-    pub fn torque<L: Lane>(&self, position_rad: L) -> L {
+    pub fn torque<L: Scalar>(&self, position_rad: L) -> L {
         L::splat(self.amplitude_nm)
             * (L::splat(self.cycles_per_turn) * position_rad + L::splat(self.phase_rad)).sin()
     }

@@ -1,5 +1,8 @@
 //! The gear's elasticity: a spring with two slopes (SK15 eq. (2)).
 
+use frfid_signals::SignalError;
+use frfid_signals::checks::positive;
+
 /// tau_s(dq) = k1 dq within the knee b, k1 b sgn(dq) + k2 (dq - b sgn(dq)) beyond it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spring {
@@ -23,6 +26,19 @@ pub enum Branch {
 }
 
 impl Spring {
+    /// Checks every parameter.
+    ///
+    /// # Errors
+    /// [`SignalError::Parameter`] naming the first one that is not finite and above 0.
+    pub fn check(&self) -> Result<(), SignalError> {
+        positive("stiffness_nm_per_rad", self.stiffness_nm_per_rad)?;
+        positive(
+            "stiffness_beyond_nm_per_rad",
+            self.stiffness_beyond_nm_per_rad,
+        )?;
+        positive("knee_rad", self.knee_rad)
+    }
+
     /// The branch of a deflection.
     #[must_use]
     pub fn branch(&self, deflection_rad: f64) -> Branch {

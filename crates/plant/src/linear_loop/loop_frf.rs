@@ -29,7 +29,7 @@ pub struct LoopFrf {
     pub reference_to_torque: Frf,
     /// From reference velocity r to velocity reading y, both in rad/s: P K S (1 + k_p T / (z - 1)).
     pub reference_to_velocity: Frf,
-    /// From motor torque u in N m to velocity reading y in rad/s: P, as [`Robot::frf_seen`] gives
+    /// From motor torque u in N m to velocity reading y in rad/s: P, as [`Robot::frf_through_sensors`] gives
     /// it behind a zoh.
     pub plant: Frf,
 }
@@ -49,7 +49,7 @@ impl LoopFrf {
         let n_axes = robot.n_axes();
         controller.check(n_axes)?;
         let sample_time_s = controller.sample_time_s;
-        let plant = robot.frf_seen(hz, Hold::Zoh, sample_time_s, sensors)?;
+        let plant = robot.frf_through_sensors(hz, Hold::Zoh, sample_time_s, sensors)?;
         let StateSpace { a, b, c, d } = robot.state_space();
         let positions = StateSpace {
             a,
@@ -99,7 +99,7 @@ fn at_line(
     if 2.0 * hz * sample_time_s >= 1.0 {
         let needed = "a frequency below the Nyquist frequency of the controller";
         return Err(SignalError::Parameter {
-            name: "hz",
+            key: "hz",
             found: hz,
             needed,
         });
@@ -116,7 +116,7 @@ fn at_line(
     let open = &plant + diagonal(&|gains| gains.position.into()) * position;
     let needed = "a frequency at which the loop has no pole";
     let pole = SignalError::Parameter {
-        name: "hz",
+        key: "hz",
         found: hz,
         needed,
     };

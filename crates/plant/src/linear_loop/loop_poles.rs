@@ -4,15 +4,15 @@
 use std::f64::consts::TAU;
 
 use frfid_signals::SignalError;
+use frfid_signals::checks::of_axes;
 use nalgebra::{DMatrix, DVector, Schur, linalg::balancing::balance_parlett_reinsch};
 use num_complex::Complex64;
 
 use crate::control::pi::{Gains, PiController};
-use crate::control::sensor::{Sensor, Velocity};
+use crate::control::sensor::Sensor;
 use crate::error::PlantError;
 use crate::robot::Robot;
 use crate::state_space::{Hold, StateSpace};
-use crate::testbed::recorder::of_axes;
 
 /// A pole counts as on the unit circle within this distance: it needs a million samples to grow by
 /// a factor e. Velocity control leaves positions free, which is a pole at 1 for each axis without a
@@ -47,7 +47,7 @@ pub fn loop_poles(
     let matrix = LinearLoop::new(robot, controller, sensors)?.matrix();
     let needed = "a sample time over which this robot under these gains stays in numbers";
     let refused = SignalError::Parameter {
-        name: "sample_time_s",
+        key: "sample_time_s",
         found: controller.sample_time_s,
         needed,
     };
@@ -182,9 +182,10 @@ impl<'a> LinearLoop<'a> {
         } = self.controller.gains(axis);
         let (remembered, delayed) = memory.split_at(MEMORIES);
         let [last_position, last_reading, integral] = [remembered[0], remembered[1], remembered[2]];
-        let velocity = match sensor.velocity {
-            Velocity::True => velocity,
-            Velocity::Differenced => (position - last_position) / sample_time_s,
+        let velocity = if sensor.velocity_by_differencing {
+            (position - last_position) / sample_time_s
+        } else {
+            velocity
         };
         let pole = sensor.filter_pole(sample_time_s);
         let reading = pole * last_reading + (1.0 - pole) * velocity;

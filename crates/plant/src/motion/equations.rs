@@ -1,36 +1,20 @@
-//! The equations of motion of drives, gears and links, one formula within a mode.
+//! Equations of motion of motors, gears and links, one formula within a mode.
 //!
 //! Always inlined: a call would send the state through memory, which costs a sixth of the time of a
 //! simulation with friction.
 
 use std::array::from_fn;
 
-use crate::joint::friction::{Friction, Slip};
-use crate::joint::ripple::Ripple;
-use crate::joint::spring::{Branch, Spring};
-use crate::motion::scalar::Lane;
-
-/// One axis' motor and gear; everything on the joint side.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Drive {
-    /// Inertia of the motor in kg m^2.
-    pub motor_inertia_kg_m2: f64,
-    /// Damping of the gear in N m s/rad.
-    pub damping_nms_per_rad: f64,
-    /// Elasticity of the gear.
-    pub spring: Spring,
-    /// Friction of the motor.
-    pub friction: Friction,
-    /// Harmonics of the torque ripple.
-    pub ripple: Vec<Ripple>,
-}
+use crate::joint::flexible_joint::{FlexibleJoint, Regime};
+use crate::motion::scalar::Scalar;
 
 /// What the gears drive: given link positions, velocities and the torques that the gears transmit,
 /// the accelerations.
 pub trait Links<const A: usize> {
     /// Accelerations in rad/s^2 of the links at positions in rad and velocities in rad/s under
     /// torques in N m.
-    fn acceleration<L: Lane>(&self, position: [L; A], velocity: [L; A], torque: [L; A]) -> [L; A];
+    fn acceleration<L: Scalar>(&self, position: [L; A], velocity: [L; A], torque: [L; A])
+    -> [L; A];
 
     /// Torques in N m that keep the links at constant velocities in rad/s when they pass positions
     /// in rad.
@@ -49,14 +33,14 @@ pub trait Links<const A: usize> {
 
 /// A single link on a fixed axis: J_o qo'' = torque (SK15 eq. (22)).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Inertia {
+pub struct SingleLink {
     /// 1/J_o in 1/(kg m^2).
     pub mobility: f64,
 }
 
-impl Links<1> for Inertia {
+impl Links<1> for SingleLink {
     #[inline(always)]
-    fn acceleration<L: Lane>(
+    fn acceleration<L: Scalar>(
         &self,
         _position: [L; 1],
         _velocity: [L; 1],
@@ -82,11 +66,11 @@ impl Links<1> for Inertia {
     }
 }
 
-/// Drives on links: a machine of `A` axes.
+/// Joints and what they drive: a machine of `A` axes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Machine<K, const A: usize> {
     /// Motor and gear of every axis.
-    pub drives: [Drive; A],
+    pub joints: [FlexibleJoint; A],
     /// What they move.
     pub links: K,
 }
@@ -105,30 +89,7 @@ pub struct State<L, const A: usize> {
     pub link_velocity: [L; A],
 }
 
-/// The branch of friction and spring that an axis is on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Mode {
-    /// Stuck or slipping.
-    pub slip: Slip,
-    /// Branch of the spring.
-    pub branch: Branch,
-}
-
-/// What a mode contributes to the right-hand side of an axis, as numbers, so that lanes in
-/// different modes run together.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Regime<L> {
-    /// 1/J_m in 1/(kg m^2) while the motor can move, 0 when it is stuck.
-    pub mobility: L,
-    /// Coulomb torque in N m.
-    pub coulomb_nm: L,
-    /// Slope of the spring in N m/rad.
-    pub slope_nm_per_rad: L,
-    /// Torque in N m of the spring's straight line at zero deflection.
-    pub offset_nm: L,
-}
-
-impl<L: Lane, const A: usize> State<L, A> {
+impl<L: Scalar, const A: usize> State<L, A> {
     /// The state `step` s further along a derivative.
     #[inline(always)]
     #[must_use]
@@ -143,30 +104,12 @@ impl<L: Lane, const A: usize> State<L, A> {
     }
 }
 
-impl Drive {
-    /// The numbers of a mode.
-    #[must_use]
-    pub fn regime(&self, mode: Mode) -> Regime<f64> {
-        let (slope_nm_per_rad, offset_nm) = self.spring.line(mode.branch);
-        Regime {
-            mobility: if mode.slip == Slip::Stuck {
-                0.0
-            } else {
-                1.0 / self.motor_inertia_kg_m2
-            },
-            coulomb_nm: self.friction.coulomb(mode.slip),
-            slope_nm_per_rad,
-            offset_nm,
-        }
-    }
-}
-
 impl<K: Links<A>, const A: usize> Machine<K, A> {
     /// Torque tau_s(dq) + d dq' in N m that an axis' gear transmits to its link.
     #[inline(always)]
-    pub fn transmitted<L: Lane>(&self, axis: usize, regime: &Regime<L>, x: &State<L, A>) -> L {
+    pub fn transmitted<L: Scalar>(&self, axis: usize, regime: &Regime<L>, x: &State<L, A>) -> L {
         let rate = x.motor_velocity[axis] - x.link_velocity[axis];
-        let damping = L::splat(self.drives[axis].damping_nms_per_rad);
+        let damping = L::splat(self.joints[axis].damping_nms_per_rad);
         regime.slope_nm_per_rad * x.deflection[axis] + regime.offset_nm + damping * rate
     }
 
@@ -174,29 +117,29 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
     /// What changes last within a step is subtracted last: the steps wait for each other, and this
     /// shortens the wait.
     #[inline(always)]
-    pub fn net_torque<L: Lane>(
+    pub fn net_torque<L: Scalar>(
         &self,
         axis: usize,
         regime: &Regime<L>,
         torque: L,
         x: &State<L, A>,
     ) -> L {
-        let drive = &self.drives[axis];
+        let joint = &self.joints[axis];
         let position = x.motor_position[axis];
         let rate = x.motor_velocity[axis] - x.link_velocity[axis];
-        let net = drive
+        let net = joint
             .ripple
             .iter()
             .fold(torque - regime.offset_nm, |net, ripple| {
                 net - ripple.torque(position)
             });
         net - regime.slope_nm_per_rad * x.deflection[axis]
-            - L::splat(drive.damping_nms_per_rad) * rate
+            - L::splat(joint.damping_nms_per_rad) * rate
     }
 
     /// Time derivative of the state under motor torques in N m (SK15 eqs. (20)-(22)).
     #[inline(always)]
-    pub fn derivative<L: Lane>(
+    pub fn derivative<L: Scalar>(
         &self,
         regimes: &[Regime<L>; A],
         torque: &[L; A],
@@ -209,7 +152,7 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
             motor_position: x.motor_velocity,
             deflection,
             motor_velocity: from_fn(|axis| {
-                let viscous = L::splat(self.drives[axis].friction.viscous_nms_per_rad)
+                let viscous = L::splat(self.joints[axis].friction.viscous_nms_per_rad)
                     * x.motor_velocity[axis];
                 let net = self.net_torque(
                     axis,
@@ -228,7 +171,7 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
     /// One classical Runge-Kutta step of `step` s from `x`, whose derivative is `first`, under the
     /// torques in N m at the step's middle and end.
     #[inline(always)]
-    pub fn rk4<L: Lane>(
+    pub fn rk4<L: Scalar>(
         &self,
         regimes: &[Regime<L>; A],
         [middle, end]: [&[L; A]; 2],

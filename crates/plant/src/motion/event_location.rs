@@ -8,7 +8,7 @@
 
 use crate::joint::friction::Slip;
 use crate::motion::equations::{Links, State};
-use crate::motion::integrator::Motion;
+use crate::motion::integrator::Integrator;
 use crate::motion::root::root;
 use crate::motion::segment::Segment;
 
@@ -25,7 +25,7 @@ pub enum Signal {
 
 /// The end of a mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Exit {
+pub struct ModeChange {
     /// Where in the trial step, from 0 to 1.
     pub theta: f64,
     /// On which axis.
@@ -39,7 +39,7 @@ pub struct Exit {
 /// A step that is being tried: the rest of a segment, from its share `from`.
 pub struct Trial<'a, K, const A: usize> {
     /// The motion so far.
-    pub motion: &'a Motion<K, A>,
+    pub motion: &'a Integrator<K, A>,
     /// The torque over the whole segment.
     pub torque: &'a Segment<A>,
     /// Share of the segment at which the trial starts.
@@ -98,15 +98,19 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
     }
 
     /// The first end of a mode within the trial, whose end state and its derivative are given.
-    pub fn first_exit(&self, end: &State<f64, A>, end_derivative: &State<f64, A>) -> Option<Exit> {
-        let mut first: Option<Exit> = None;
+    pub fn first_exit(
+        &self,
+        end: &State<f64, A>,
+        end_derivative: &State<f64, A>,
+    ) -> Option<ModeChange> {
+        let mut first: Option<ModeChange> = None;
         for axis in 0..A {
             for bound in self.bounds(axis) {
                 if bound.value.is_finite()
                     && let Some(theta) = self.exit(bound, end, end_derivative)
                     && first.is_none_or(|first| theta < first.theta)
                 {
-                    first = Some(Exit {
+                    first = Some(ModeChange {
                         theta,
                         axis,
                         signal: bound.signal,
@@ -120,15 +124,15 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
 
     /// The ends of the intervals in which an axis' mode holds, the infinite ones included.
     fn bounds(&self, axis: usize) -> [Bound; 4] {
-        let (drive, mode) = (&self.motion.machine.drives[axis], self.motion.modes[axis]);
+        let (joint, mode) = (&self.motion.machine.joints[axis], self.motion.modes[axis]);
         let signal = if mode.slip == Slip::Stuck {
             Signal::NetTorque
         } else {
             Signal::Velocity
         };
         let (slip, branch) = (
-            drive.friction.interval(mode.slip),
-            drive.spring.interval(mode.branch),
+            joint.friction.interval(mode.slip),
+            joint.spring.interval(mode.branch),
         );
         let bound = |signal, value, upwards| Bound {
             axis,
@@ -224,7 +228,7 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
             Signal::NetTorque => {
                 // at rest the motor torque and the gear's change, the ripple does not
                 let stiffness = self.motion.regimes[axis].slope_nm_per_rad;
-                let damping = self.motion.machine.drives[axis].damping_nms_per_rad;
+                let damping = self.motion.machine.joints[axis].damping_nms_per_rad;
                 self.torque.slope(axis, self.share(theta)) / self.step_s
                     - stiffness * derivative.deflection[axis]
                     + damping * derivative.link_velocity[axis]

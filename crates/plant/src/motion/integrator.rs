@@ -1,4 +1,4 @@
-//! Motion through the modes of friction and spring: RK4 whose steps end where a mode ends.
+//! Integrator through the modes of friction and spring: RK4 whose steps end where a mode ends.
 //!
 //! Within a mode the right-hand side is smooth, so RK4 keeps its order when no step reaches across
 //! a change of mode. A stuck motor has no mobility: its velocity is exactly 0 until the net torque
@@ -7,10 +7,11 @@
 use std::array::from_fn;
 
 use crate::error::PlantError;
+use crate::joint::flexible_joint::{Mode, Regime};
 use crate::joint::friction::Slip;
 use crate::joint::spring::Branch;
-use crate::motion::equations::{Links, Machine, Mode, Regime, State};
-use crate::motion::event_location::{Exit, Signal, Trial};
+use crate::motion::equations::{Links, Machine, State};
+use crate::motion::event_location::{ModeChange, Signal, Trial};
 use crate::motion::segment::Segment;
 
 /// Mode changes allowed per axis within one step.
@@ -18,7 +19,7 @@ const CHANGES_PER_AXIS: usize = 64;
 
 /// A machine in motion.
 #[derive(Debug, Clone)]
-pub struct Motion<K, const A: usize> {
+pub struct Integrator<K, const A: usize> {
     pub(crate) machine: Machine<K, A>,
     pub(crate) state: State<f64, A>,
     pub(crate) modes: [Mode; A],
@@ -30,13 +31,13 @@ pub struct Motion<K, const A: usize> {
     watched: bool,
 }
 
-impl<K: Links<A>, const A: usize> Motion<K, A> {
+impl<K: Links<A>, const A: usize> Integrator<K, A> {
     /// Starts with the links at positions in rad and motors and links at velocities in rad/s, the
     /// gears deflected by the torques that hold the links there.
     pub fn start(machine: Machine<K, A>, position_rad: [f64; A], velocity_rad_s: [f64; A]) -> Self {
         let transmitted = machine.links.holding(position_rad, velocity_rad_s);
         let deflection = from_fn(|axis| {
-            machine.drives[axis]
+            machine.joints[axis]
                 .spring
                 .deflection_rad(transmitted[axis])
         });
@@ -46,17 +47,17 @@ impl<K: Links<A>, const A: usize> Motion<K, A> {
             motor_velocity: velocity_rad_s,
             link_velocity: velocity_rad_s,
         };
-        let slip = |axis: usize| machine.drives[axis].friction.slip(velocity_rad_s[axis]);
-        let branch = |axis: usize| machine.drives[axis].spring.branch(deflection[axis]);
+        let slip = |axis: usize| machine.joints[axis].friction.slip(velocity_rad_s[axis]);
+        let branch = |axis: usize| machine.joints[axis].spring.branch(deflection[axis]);
         let modes = from_fn(|axis| Mode {
             slip: slip(axis),
             branch: branch(axis),
         });
-        let regimes = from_fn(|axis| machine.drives[axis].regime(modes[axis]));
+        let regimes = from_fn(|axis| machine.joints[axis].regime(modes[axis]));
         let watched = machine
-            .drives
+            .joints
             .iter()
-            .any(|drive| drive.friction.coulomb_nm > 0.0 || !drive.spring.is_linear());
+            .any(|joint| joint.friction.coulomb_nm > 0.0 || !joint.spring.is_linear());
         Self {
             machine,
             state,
@@ -87,7 +88,7 @@ impl<K: Links<A>, const A: usize> Motion<K, A> {
     /// Motor torque in N m that holds the present velocity of an axis against friction and against
     /// what the gear transmits.
     pub(crate) fn axis_holding_nm(&self, axis: usize) -> f64 {
-        let friction = self.machine.drives[axis]
+        let friction = self.machine.joints[axis]
             .friction
             .holding_nm(self.state.motor_velocity[axis]);
         friction
@@ -136,12 +137,12 @@ impl<K: Links<A>, const A: usize> Motion<K, A> {
         let net = self
             .machine
             .net_torque(axis, &self.regimes[axis], torque[axis], &self.state);
-        self.machine.drives[axis].friction.at_rest(net)
+        self.machine.joints[axis].friction.at_rest(net)
     }
 
     fn enter(&mut self, axis: usize, mode: Mode) {
         self.modes[axis] = mode;
-        self.regimes[axis] = self.machine.drives[axis].regime(mode);
+        self.regimes[axis] = self.machine.joints[axis].regime(mode);
     }
 
     /// One step, in as many pieces as modes end within it; takes and returns the derivative at its
@@ -199,12 +200,12 @@ impl<K: Links<A>, const A: usize> Motion<K, A> {
     /// Takes an axis into the mode that follows.
     fn change(
         &mut self,
-        Exit {
+        ModeChange {
             axis,
             signal,
             upwards,
             ..
-        }: Exit,
+        }: ModeChange,
         torque: &[f64; A],
     ) {
         let mode = self.modes[axis];

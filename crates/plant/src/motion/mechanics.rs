@@ -6,16 +6,17 @@ use std::fmt::Debug;
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::motion::Moving;
-use crate::motion::equations::{Drive, Links, Machine};
-use crate::motion::integrator::Motion;
+use crate::joint::flexible_joint::FlexibleJoint;
+use crate::motion::Motion;
+use crate::motion::equations::{Links, Machine};
+use crate::motion::integrator::Integrator;
 use crate::state_space::StateSpace;
 
-/// Drives on links, whatever they are and on however many axes. Slices hold one value for each
+/// Joints on links, whatever they are and on however many axes. Slices hold one value for each
 /// axis; others panic.
 pub(crate) trait Mechanics: Debug {
-    /// The drives.
-    fn drives(&self) -> &[Drive];
+    /// Motor and gear of every axis.
+    fn joints(&self) -> &[FlexibleJoint];
 
     /// Mass matrix of the links in kg m^2.
     fn mass_matrix(&self, position_rad: &[f64]) -> DMatrix<f64>;
@@ -37,8 +38,8 @@ pub(crate) trait Mechanics: Debug {
     /// Potential energy of the links in J, but for a constant.
     fn potential_j(&self, position_rad: &[f64]) -> f64;
 
-    /// Sets the machine in motion as [`Motion::start`] does.
-    fn start(self: Box<Self>, position_rad: &[f64], velocity_rad_s: &[f64]) -> Box<dyn Moving>;
+    /// Sets the machine in motion as [`Integrator::start`] does.
+    fn start(self: Box<Self>, position_rad: &[f64], velocity_rad_s: &[f64]) -> Box<dyn Motion>;
 }
 
 fn dense<const A: usize>(rows: [[f64; A]; A]) -> DMatrix<f64> {
@@ -50,8 +51,8 @@ fn array<const A: usize>(values: &[f64]) -> [f64; A] {
 }
 
 impl<K: Links<A> + Debug + 'static, const A: usize> Mechanics for Machine<K, A> {
-    fn drives(&self) -> &[Drive] {
-        &self.drives
+    fn joints(&self) -> &[FlexibleJoint] {
+        &self.joints
     }
 
     fn mass_matrix(&self, position_rad: &[f64]) -> DMatrix<f64> {
@@ -83,8 +84,8 @@ impl<K: Links<A> + Debug + 'static, const A: usize> Mechanics for Machine<K, A> 
         self.links.potential_j(array(position_rad))
     }
 
-    fn start(self: Box<Self>, position_rad: &[f64], velocity_rad_s: &[f64]) -> Box<dyn Moving> {
-        Box::new(Motion::start(
+    fn start(self: Box<Self>, position_rad: &[f64], velocity_rad_s: &[f64]) -> Box<dyn Motion> {
+        Box::new(Integrator::start(
             *self,
             array(position_rad),
             array(velocity_rad_s),
@@ -98,21 +99,21 @@ impl dyn Mechanics {
     /// (qm' - qo'), M qo'' = K dq + D (qm' - qo') - G (qm - dq). K has the slopes on which the
     /// gears rest under gravity.
     pub fn state_space(&self, position_rad: &[f64]) -> StateSpace {
-        let n = self.drives().len();
+        let n = self.joints().len();
         let gravity_nm = self.bias_nm(position_rad, &vec![0.0; n]);
-        let slope = |(drive, torque): (&Drive, &f64)| {
-            drive
+        let slope = |(joint, torque): (&FlexibleJoint, &f64)| {
+            joint
                 .spring
-                .line(drive.spring.branch(drive.spring.deflection_rad(*torque)))
+                .line(joint.spring.branch(joint.spring.deflection_rad(*torque)))
                 .0
         };
         let stiffness = DMatrix::from_diagonal(&DVector::from_iterator(
             n,
-            self.drives().iter().zip(&gravity_nm).map(slope),
+            self.joints().iter().zip(&gravity_nm).map(slope),
         ));
-        let damping = self.diagonal(|drive| drive.damping_nms_per_rad);
-        let viscous = self.diagonal(|drive| drive.friction.viscous_nms_per_rad);
-        let motors = self.diagonal(|drive| 1.0 / drive.motor_inertia_kg_m2);
+        let damping = self.diagonal(|joint| joint.damping_nms_per_rad);
+        let viscous = self.diagonal(|joint| joint.friction.viscous_nms_per_rad);
+        let motors = self.diagonal(|joint| 1.0 / joint.motor_inertia_kg_m2);
         let gradient = self.gravity_gradient(position_rad);
         let mass = self.mass_matrix(position_rad).lu();
         let links = |force: DMatrix<f64>| {
@@ -151,23 +152,23 @@ impl dyn Mechanics {
         }
     }
 
-    /// A diagonal matrix of one number of each drive.
-    fn diagonal(&self, number: impl Fn(&Drive) -> f64) -> DMatrix<f64> {
+    /// A diagonal matrix of one number of each joint.
+    fn diagonal(&self, number: impl Fn(&FlexibleJoint) -> f64) -> DMatrix<f64> {
         DMatrix::from_diagonal(&DVector::from_iterator(
-            self.drives().len(),
-            self.drives().iter().map(number),
+            self.joints().len(),
+            self.joints().iter().map(number),
         ))
     }
 
     /// Eigenvalues, rising, of C (M^-1 + J^-1) with C a diagonal matrix of one number of each
-    /// drive, J^-1 the mobility of the motors (0 for locked ones).
+    /// joint, J^-1 the mobility of the motors (0 for locked ones).
     pub fn eigenvalues(
         &self,
         position_rad: &[f64],
-        number: impl Fn(&Drive) -> f64,
-        motor_mobility: impl Fn(&Drive) -> f64,
+        number: impl Fn(&FlexibleJoint) -> f64,
+        motor_mobility: impl Fn(&FlexibleJoint) -> f64,
     ) -> Vec<f64> {
-        let root = self.diagonal(|drive| number(drive).sqrt());
+        let root = self.diagonal(|joint| number(joint).sqrt());
         let Some(links) = self.mass_matrix(position_rad).try_inverse() else {
             return vec![f64::NAN; root.nrows()];
         };

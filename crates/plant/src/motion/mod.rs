@@ -14,11 +14,12 @@ pub(crate) mod trajectory;
 
 use std::array::from_fn;
 
+use frfid_signals::checks::channels;
+
 use crate::error::PlantError;
 use crate::motion::equations::{Links, State};
-use crate::motion::integrator::Motion;
+use crate::motion::integrator::Integrator;
 use crate::motion::segment::Segment;
-use crate::testbed::recorder::channels;
 
 /// The motor torques in N m from one sample to the next, one for each axis.
 #[derive(Clone, Copy)]
@@ -33,7 +34,7 @@ pub enum Acting<'a> {
 
 /// A robot in motion. Slices hold one value for each axis, positions and torques on the joint side
 /// of the gear.
-pub trait Moving {
+pub trait Motion {
     /// Moves on by `n_steps` steps of `step_s` under motor torques that may jump before the first
     /// step but not between.
     ///
@@ -65,7 +66,7 @@ pub trait Moving {
     fn time_s(&self) -> f64;
 }
 
-impl<K: Links<A>, const A: usize> Moving for Motion<K, A> {
+impl<K: Links<A>, const A: usize> Motion for Integrator<K, A> {
     fn advance(&mut self, n_steps: usize, step_s: f64, torque: Acting) -> Result<(), PlantError> {
         match torque {
             Acting::Held(torque) => {

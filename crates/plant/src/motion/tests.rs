@@ -3,11 +3,12 @@
 use std::array::from_fn;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+use crate::joint::flexible_joint::{Mode, Regime};
 use crate::joint::friction::Slip;
 use crate::joint::ripple::Ripple;
 use crate::joint::spring::Branch;
-use crate::motion::equations::{Mode, Regime, State};
-use crate::motion::scalar::Lane;
+use crate::motion::equations::State;
+use crate::motion::scalar::Scalar;
 use crate::single_joint::SingleJoint;
 
 /// Four realizations side by side.
@@ -49,7 +50,7 @@ impl Neg for Four {
     }
 }
 
-impl Lane for Four {
+impl Scalar for Four {
     fn splat(value: f64) -> Self {
         Self([value; 4])
     }
@@ -68,12 +69,10 @@ fn lanes_in_different_modes_step_together_as_they_would_alone() {
         amplitude_nm: 3.0,
         phase_rad: 0.1,
     }];
-    let joint = SingleJoint {
-        coulomb_nm: 50.0,
-        stiffness_beyond_nm_per_rad: 2.55e5,
-        ripple,
-        ..SingleJoint::default()
-    };
+    let mut joint = SingleJoint::default();
+    joint.joint.friction.coulomb_nm = 50.0;
+    joint.joint.spring.stiffness_beyond_nm_per_rad = 2.55e5;
+    joint.joint.ripple = ripple;
     let machine = joint.machine();
     let modes = [
         (Slip::Stuck, Branch::Within),
@@ -81,7 +80,7 @@ fn lanes_in_different_modes_step_together_as_they_would_alone() {
         (Slip::Backward, Branch::Below),
         (Slip::Forward, Branch::Within),
     ];
-    let regimes = modes.map(|(slip, branch)| machine.drives[0].regime(Mode { slip, branch }));
+    let regimes = modes.map(|(slip, branch)| machine.joints[0].regime(Mode { slip, branch }));
     let velocities = [0.0, 0.1, -0.2, 0.3];
     let states = velocities.map(|v| State {
         motor_position: [v],

@@ -2,7 +2,7 @@
 
 use ndarray::{Array2, s};
 
-use crate::motion::Moving;
+use crate::motion::Motion;
 
 /// The true motion at the sample instants, `(channel, sample)`, and how long the motors were stuck.
 #[derive(Debug, Clone, PartialEq)]
@@ -36,7 +36,7 @@ impl Trajectory {
     }
 
     /// Writes the motion at a sample.
-    pub(crate) fn set(&mut self, sample: usize, motion: &dyn Moving) {
+    pub(crate) fn set(&mut self, sample: usize, motion: &dyn Motion) {
         let signals = [
             (&mut self.motor_position_rad, motion.motor_position_rad()),
             (
@@ -68,7 +68,7 @@ impl Trajectory {
     }
 
     /// Writes the share of the time that each motor has been stuck.
-    pub(crate) fn set_stuck(&mut self, motion: &dyn Moving) {
+    pub(crate) fn set_stuck(&mut self, motion: &dyn Motion) {
         let duration_s = motion.time_s();
         for (share, stuck_s) in self.stuck_share.iter_mut().zip(motion.stuck_s()) {
             *share = if duration_s > 0.0 {

@@ -9,7 +9,7 @@ use crate::control::pi::{PiAxis, PiController, PiOutput};
 use crate::control::sensor::Sensor;
 use crate::control::watch::{Reached, Watch};
 use crate::error::PlantError;
-use crate::motion::Moving;
+use crate::motion::Motion;
 use crate::motion::trajectory::Trajectory;
 use crate::robot::Robot;
 use crate::testbed::run_loop::{Command, Rig};
@@ -42,7 +42,7 @@ struct Controllers(Vec<PiAxis>);
 
 impl Controllers {
     /// Controllers that hold a robot as it moves.
-    fn holding(controller: &PiController, motion: &dyn Moving) -> Self {
+    fn holding(controller: &PiController, motion: &dyn Motion) -> Self {
         let held = motion
             .holding_nm()
             .into_iter()
@@ -91,7 +91,7 @@ impl ClosedLoop {
         if run.sample_time_s != self.controller.sample_time_s {
             let needed = "the controller's sample time";
             return Err(SignalError::Parameter {
-                name: "sample_time_s",
+                key: "sample_time_s",
                 found: run.sample_time_s,
                 needed,
             }
@@ -159,11 +159,9 @@ mod tests {
 
     #[test]
     fn a_constant_velocity_is_held_against_friction_from_the_first_sample() {
-        let joint = SingleJoint {
-            coulomb_nm: 50.0,
-            viscous_nms_per_rad: 20.0,
-            ..SingleJoint::default()
-        };
+        let mut joint = SingleJoint::default();
+        joint.joint.friction.coulomb_nm = 50.0;
+        joint.joint.friction.viscous_nms_per_rad = 20.0;
         for velocity in [0.1, -0.1] {
             let record = ClosedLoop::new(Arc::new(joint.clone()), controller())
                 .run(&run(velocity, 0.0))
@@ -176,10 +174,8 @@ mod tests {
 
     #[test]
     fn the_recorded_torque_makes_the_recorded_motion() {
-        let joint = SingleJoint {
-            coulomb_nm: 50.0,
-            ..SingleJoint::default()
-        };
+        let mut joint = SingleJoint::default();
+        joint.joint.friction.coulomb_nm = 50.0;
         let (record, truth) = ClosedLoop::new(Arc::new(joint.clone()), controller())
             .simulate(&run(0.0, 0.1))
             .expect("sound");

@@ -108,7 +108,6 @@ impl Testbed for OpenLoop {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::sensor::Velocity;
     use crate::single_joint::SingleJoint;
     use frfid_signals::{EventKind, InputKind, Limit, RunId, RunKind, SignalError};
     use ndarray::{Array2, s};
@@ -135,18 +134,20 @@ mod tests {
     }
 
     fn joint() -> SingleJoint {
-        SingleJoint {
-            coulomb_nm: 50.0,
-            viscous_nms_per_rad: 20.0,
-            ..SingleJoint::default()
+        {
+            let mut robot = SingleJoint::default();
+            robot.joint.friction.coulomb_nm = 50.0;
+            robot.joint.friction.viscous_nms_per_rad = 20.0;
+            robot
         }
     }
 
     #[test]
     fn riding_on_a_constant_velocity_friction_is_invisible() {
-        let free = OpenLoop::new(Arc::new(SingleJoint {
-            coulomb_nm: 0.0,
-            ..joint()
+        let free = OpenLoop::new(Arc::new({
+            let mut robot = joint();
+            robot.joint.friction.coulomb_nm = 0.0;
+            robot
         }));
         for velocity in [0.4, -0.4] {
             let record = OpenLoop::new(Arc::new(joint()))
@@ -171,7 +172,7 @@ mod tests {
     #[test]
     fn sensors_see_increments_quanta_and_noise() {
         let sensor = Sensor {
-            velocity: Velocity::Differenced,
+            velocity_by_differencing: true,
             position_increment_rad: Some(1e-6),
             torque_quantum_nm: Some(0.5),
             torque_noise_nm: Some(0.3),
@@ -244,10 +245,8 @@ mod tests {
             )
             .contains("too stiff")
         );
-        let joint = SingleJoint {
-            motor_inertia_kg_m2: -35.0,
-            ..joint()
-        };
+        let mut joint = joint();
+        joint.joint.motor_inertia_kg_m2 = -35.0;
         assert!(
             refused(OpenLoop::new(Arc::new(joint)), run(0.0, 1.0))
                 .starts_with("motor_inertia_kg_m2 is -35")
@@ -279,11 +278,9 @@ mod tests {
     #[test]
     fn steps_too_long_for_the_joint_are_reported_with_their_run() {
         let reported = |coulomb_nm: f64| {
-            let joint = SingleJoint {
-                motor_inertia_kg_m2: 1e-4,
-                coulomb_nm,
-                ..joint()
-            }; // its resonance lies at 6 kHz
+            let mut joint = joint();
+            joint.joint.motor_inertia_kg_m2 = 1e-4;
+            joint.joint.friction.coulomb_nm = coulomb_nm; // its resonance lies at 6 kHz
             let testbed = OpenLoop {
                 max_step_s: Some(1e-3),
                 ..OpenLoop::new(Arc::new(joint))

@@ -1,12 +1,12 @@
 //! Fills the record of a run, sample after sample, as the sensors see it.
 
-use frfid_signals::checks::{finite, one_per_axis, positive};
+use frfid_signals::checks::{finite, of_axes, one_per_axis, positive};
 use frfid_signals::{InputKind, Record, Run, SignalError, check_finite};
 use ndarray::Array2;
 
 use crate::control::sensor::{Reader, Sensor};
 use crate::control::watch::Reached;
-use crate::motion::Moving;
+use crate::motion::Motion;
 
 /// A record in the making.
 pub(crate) struct Recorder {
@@ -23,11 +23,11 @@ pub(crate) struct Recorder {
 pub(crate) fn check_run(n_axes: usize, sensors: &[Sensor], run: &Run) -> Result<(), SignalError> {
     positive("sample_time_s", run.sample_time_s)?;
     if run.reference.nrows() != n_axes {
-        return Err(shape(
-            "reference",
-            run.reference.shape().to_vec(),
-            format!("({n_axes}, sample)"),
-        ));
+        return Err(SignalError::Shape {
+            name: "reference",
+            found: run.reference.shape().to_vec(),
+            needed: format!("({n_axes}, sample)"),
+        });
     }
     check_finite("reference", run.reference.view())?;
     for (name, values) in [
@@ -43,7 +43,7 @@ pub(crate) fn check_run(n_axes: usize, sensors: &[Sensor], run: &Run) -> Result<
 
 impl Recorder {
     /// Begins the record of a run of a robot that stands at the start of it.
-    pub fn new(sensors: &[Sensor], seed: u64, run: &Run, motion: &dyn Moving) -> Self {
+    pub fn new(sensors: &[Sensor], seed: u64, run: &Run, motion: &dyn Motion) -> Self {
         let (position, velocity) = (motion.motor_position_rad(), motion.motor_velocity_rad_s());
         let reader = |(axis, sensor): (usize, &Sensor)| {
             Reader::new(
@@ -110,36 +110,5 @@ impl Recorder {
         self.record
             .events
             .extend(reached.map(|reached| reached.event(axis, time_s)));
-    }
-}
-
-/// The values, if there is one for each axis.
-pub(crate) fn of_axes<'a, T>(
-    name: &'static str,
-    values: &'a [T],
-    n_axes: usize,
-) -> Result<&'a [T], SignalError> {
-    if values.len() == n_axes {
-        Ok(values)
-    } else {
-        Err(shape(name, vec![values.len()], format!("({n_axes})")))
-    }
-}
-
-/// Exactly one value per axis.
-pub(crate) fn channels<T: Copy, const A: usize>(
-    name: &'static str,
-    values: &[T],
-) -> Result<[T; A], SignalError> {
-    values
-        .try_into()
-        .map_err(|_| shape(name, vec![values.len()], format!("({A})")))
-}
-
-fn shape(name: &'static str, found: Vec<usize>, needed: String) -> SignalError {
-    SignalError::Shape {
-        name,
-        found,
-        needed,
     }
 }

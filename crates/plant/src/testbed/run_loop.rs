@@ -7,7 +7,7 @@ use crate::control::sensor::Sensor;
 use crate::control::watch::{Guard, Reached, Watch};
 use crate::error::PlantError;
 use crate::motion::trajectory::Trajectory;
-use crate::motion::{Acting, Moving};
+use crate::motion::{Acting, Motion};
 use crate::robot::Robot;
 use crate::testbed::recorder::{Recorder, check_run};
 use crate::testbed::simulate::Clock;
@@ -55,7 +55,7 @@ impl Rig<'_> {
     pub fn run<C: Command>(
         &self,
         run: &Run,
-        command: impl FnOnce(&dyn Moving) -> C,
+        command: impl FnOnce(&dyn Motion) -> C,
     ) -> Result<(Record, Trajectory), PlantError> {
         let n_axes = self.robot.n_axes();
         check_run(n_axes, self.sensors, run)?;
@@ -109,7 +109,7 @@ impl Rig<'_> {
         command: &mut impl Command,
         recorder: &mut Recorder,
         sample: usize,
-        motion: &dyn Moving,
+        motion: &dyn Motion,
         reference: impl Fn(usize, usize) -> f64,
     ) -> Vec<f64> {
         let (position, velocity) = (motion.motor_position_rad(), motion.motor_velocity_rad_s());

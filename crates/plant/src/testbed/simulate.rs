@@ -6,7 +6,7 @@ use ndarray::ArrayView2;
 
 use crate::error::PlantError;
 use crate::motion::trajectory::Trajectory;
-use crate::motion::{Acting, Moving};
+use crate::motion::{Acting, Motion};
 use crate::robot::Robot;
 
 /// A motor torque over time.
@@ -50,7 +50,7 @@ impl Clock {
         if n_steps > MAX_STEPS {
             let needed = "a step of at least a millionth of the sample time (a plant that needs less is too stiff)";
             return Err(SignalError::Parameter {
-                name: "max_step_s",
+                key: "max_step_s",
                 found: max_step_s,
                 needed,
             });
@@ -101,7 +101,7 @@ pub fn simulate(
 /// # Errors
 /// As [`simulate`].
 fn trajectory(
-    motion: &mut dyn Moving,
+    motion: &mut dyn Motion,
     torque: Torque,
     clock: Clock,
 ) -> Result<Trajectory, PlantError> {
@@ -138,7 +138,7 @@ impl Torque<'_> {
     }
 
     /// Moves the robot from one sample to the next.
-    fn act(&self, motion: &mut dyn Moving, clock: Clock, sample: usize) -> Result<(), PlantError> {
+    fn act(&self, motion: &mut dyn Motion, clock: Clock, sample: usize) -> Result<(), PlantError> {
         let (n_steps, step_s) = (clock.n_steps, clock.step_s());
         let start_s = sample as f64 * clock.sample_time_s;
         match self {
@@ -163,12 +163,11 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    use ndarray::{Array2, s};
-    use num_complex::Complex64;
-
-    use crate::control::sensor::Velocity;
+    use crate::control::sensor::Sensor;
     use crate::single_joint::SingleJoint;
     use crate::state_space::Hold;
+    use ndarray::{Array2, s};
+    use num_complex::Complex64;
 
     const PERIOD: usize = 2000;
 
@@ -194,11 +193,9 @@ mod tests {
 
     #[test]
     fn the_frf_of_a_steady_period_is_the_truth_under_either_hold() {
-        let joint = SingleJoint {
-            damping_nms_per_rad: 800.0,
-            viscous_nms_per_rad: 3000.0,
-            ..SingleJoint::default()
-        };
+        let mut joint = SingleJoint::default();
+        joint.joint.damping_nms_per_rad = 800.0;
+        joint.joint.friction.viscous_nms_per_rad = 3000.0;
         let lines: Vec<usize> = (2..120).step_by(3).collect();
         let u = torque(&lines);
         for hold in [Hold::Zoh, Hold::Linear] {
@@ -212,18 +209,22 @@ mod tests {
             let differenced = Array2::from_shape_fn(u.dim(), |(_, n)| {
                 (q[[0, n]] - q[[0, n.saturating_sub(1)]]) / 1e-3
             });
-            for (velocity, y) in [
-                (Velocity::True, x.motor_velocity_rad_s),
-                (Velocity::Differenced, differenced),
-            ] {
+            for (differences, y) in [(false, x.motor_velocity_rad_s), (true, differenced)] {
+                let sensors = [Sensor {
+                    velocity_by_differencing: differences,
+                    ..Sensor::default()
+                }];
                 for &line in &lines {
                     let hz = line as f64 / (PERIOD as f64 * 1e-3);
                     let truth = joint
-                        .frf(&[hz], hold, 1e-3, velocity)
+                        .frf_through_sensors(&[hz], hold, 1e-3, &sensors)
                         .expect("sound")
                         .response[[0, 0, 0]];
                     let error = (dft(&y, line) / dft(&u, line) / truth - 1.0).norm();
-                    assert!(error < 1e-9, "{hold:?}, {velocity:?}, {hz} Hz: {error}");
+                    assert!(
+                        error < 1e-9,
+                        "{hold:?}, differenced: {differences}, {hz} Hz: {error}"
+                    );
                 }
             }
         }

@@ -2,7 +2,9 @@
 //! Tuerk, DLR 1988; values as in the Modelica Standard Library's RobotR3). y is up.
 
 #![allow(dead_code)] // not every test file needs every part
-use frfid_plant::{Arm, Body, BodyJoint, Challenges, FlexibleJoint, Payload, Ripple};
+use frfid_plant::{
+    Arm, Body, BodyJoint, Challenges, FlexibleJoint, Friction, Inertia, Payload, Ripple, Spring,
+};
 
 pub const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 const X: [f64; 3] = [1.0, 0.0, 0.0];
@@ -15,13 +17,27 @@ fn joint(ratio: f64, stiffness: f64, damping: f64, coulomb_nm: f64, viscous: f64
     BodyJoint::Flexible(FlexibleJoint {
         motor_inertia_kg_m2: 0.0013 * square,
         damping_nms_per_rad: damping * square,
-        stiffness_nm_per_rad: stiffness * square,
-        stiffness_beyond_nm_per_rad: stiffness * square,
-        knee_rad: 1e-2,
-        coulomb_nm,
-        viscous_nms_per_rad: viscous * square,
+        spring: Spring {
+            stiffness_nm_per_rad: stiffness * square,
+            stiffness_beyond_nm_per_rad: stiffness * square,
+            knee_rad: 1e-2,
+        },
+        friction: Friction {
+            coulomb_nm,
+            viscous_nms_per_rad: viscous * square,
+        },
         ripple: Vec::new(),
     })
+}
+
+/// The tensor of a ball with this moment of inertia in kg m^2.
+pub fn ball(moment: f64) -> Inertia {
+    Inertia {
+        ixx: moment,
+        iyy: moment,
+        izz: moment,
+        ..Inertia::default()
+    }
 }
 
 fn locked(degrees: f64) -> BodyJoint {
@@ -42,7 +58,13 @@ fn body(name: &str, axis: [f64; 3], offset_m: [f64; 3], mass: Mass, joint: BodyJ
         axis,
         mass_kg,
         center_of_mass_m,
-        inertia_kg_m2: [[xx, xy, 0.0], [xy, yy, 0.0], [0.0, 0.0, zz]],
+        inertia_kg_m2: Inertia {
+            ixx: xx,
+            iyy: yy,
+            izz: zz,
+            ixy: xy,
+            ..Inertia::default()
+        },
         simplified: name == "b1",
         joint,
     }
@@ -99,7 +121,7 @@ pub fn manutec_r3() -> Arm {
         payload: Some(Payload {
             mass_kg: 15.0,
             center_of_mass_m: [0.1, 0.25, 0.1],
-            inertia_kg_m2: [[0.0; 3]; 3],
+            inertia_kg_m2: Inertia::default(),
         }),
         gravity_m_s2: [0.0, -9.81, 0.0],
         pose_rad: [-60.0, 20.0, 90.0].map(f64::to_radians).to_vec(),

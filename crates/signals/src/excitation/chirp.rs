@@ -43,14 +43,14 @@ impl Chirp {
         not_negative("tail_s", self.tail_s)?;
         if self.high_hz <= self.low_hz {
             return Err(SignalError::Parameter {
-                name: "high_hz",
+                key: "high_hz",
                 found: self.high_hz,
                 needed: "a frequency above low_hz",
             });
         }
         if 2.0 * self.fade_s > self.duration_s {
             return Err(SignalError::Parameter {
-                name: "fade_s",
+                key: "fade_s",
                 found: self.fade_s,
                 needed: "at most half of duration_s",
             });
@@ -101,8 +101,9 @@ impl Chirp {
         if (1.0..=LONGEST_SIGNAL).contains(&found) {
             Ok(found as usize)
         } else {
-            Err(SignalError::Parameter {
-                name: "number of samples of the chirp",
+            Err(SignalError::Derived {
+                key: "duration_s",
+                quantity: "number of samples of the chirp",
                 found,
                 needed: "between 1 and 2^26",
             })
@@ -132,7 +133,7 @@ impl Chirp {
         }
         if phasing == Phasing::Independent {
             return Err(SignalError::Parameter {
-                name: "phasing `independent` of a chirp, with lines",
+                key: "phasing `independent` of a chirp, with lines",
                 found: 1.0,
                 needed: "many lines with random phases, a multisine; take `orthogonal` or `sign-flip`",
             });

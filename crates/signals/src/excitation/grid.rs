@@ -107,7 +107,7 @@ impl GridDesign {
         positive("resolution_hz", self.resolution_hz)?;
         if self.high_hz < self.low_hz {
             return Err(SignalError::Parameter {
-                name: "high_hz",
+                key: "high_hz",
                 found: self.high_hz,
                 needed: "a frequency not below low_hz",
             });
@@ -128,7 +128,7 @@ impl GridDesign {
             (1.0 / (self.resolution_hz * multiple * self.sample_time_s) * (1.0 - ROUNDING)).ceil();
         if needed * multiple > LONGEST_SIGNAL {
             return Err(SignalError::Parameter {
-                name: "resolution_hz",
+                key: "resolution_hz",
                 found: self.resolution_hz,
                 needed: "a spacing whose period is at most 2^26 samples",
             });
@@ -139,7 +139,7 @@ impl GridDesign {
     fn nearest_lines(&self, count: usize, fundamental_hz: f64) -> Result<Vec<usize>, SignalError> {
         if count == 0 {
             return Err(SignalError::Parameter {
-                name: "n_lines",
+                key: "n_lines",
                 found: 0.0,
                 needed: "at least 1",
             });
@@ -201,8 +201,9 @@ impl LineGrid {
             last = line;
         }
         if last == 0 {
-            return Err(SignalError::Parameter {
-                name: "number of excited lines",
+            return Err(SignalError::Derived {
+                key: "excited",
+                quantity: "number of excited lines",
                 found: 0.0,
                 needed: "at least 1",
             });

@@ -52,3 +52,14 @@ pub enum Injection {
     /// Reference velocity in rad/s: closed loop; a constant velocity is part of the reference.
     Velocity,
 }
+
+impl Injection {
+    /// Unit of the quantity.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Torque => "N m",
+            Self::Velocity => "rad/s",
+        }
+    }
+}

@@ -117,8 +117,9 @@ impl Multisine {
             positive("peak", peak)?;
         }
         if draw.peak.is_empty() {
-            return Err(SignalError::Parameter {
-                name: "number of peaks",
+            return Err(SignalError::Derived {
+                key: "peak",
+                quantity: "number of peaks",
                 found: 0.0,
                 needed: "one for each input, at least one",
             });
@@ -130,8 +131,9 @@ impl Multisine {
             .map(|&hz| self.shape.at(hz))
             .collect();
         if magnitudes.iter().all(|&magnitude| magnitude == 0.0) {
-            return Err(SignalError::Parameter {
-                name: "amplitude shape",
+            return Err(SignalError::Derived {
+                key: "shape",
+                quantity: "largest amplitude of the shape on an excited line",
                 found: 0.0,
                 needed: "above 0 on at least one line",
             });

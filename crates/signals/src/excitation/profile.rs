@@ -31,19 +31,21 @@ impl Profile {
     /// [`SignalError::Parameter`] with the first offending value.
     pub fn check(&self) -> Result<(), SignalError> {
         if self.points.is_empty() {
-            return Err(SignalError::Parameter {
-                name: "points of the amplitude profile",
+            return Err(SignalError::Derived {
+                key: "points",
+                quantity: "points of the amplitude profile",
                 found: 0.0,
                 needed: "at least one (Hz, amplitude)",
             });
         }
         for &(hz, amplitude) in &self.points {
-            positive("frequency of the amplitude profile in Hz", hz)?;
+            positive("points", hz)?;
             not_negative("amplitude", amplitude)?;
         }
         match self.points.windows(2).find(|pair| pair[1].0 <= pair[0].0) {
-            Some(pair) => Err(SignalError::Parameter {
-                name: "frequency of the amplitude profile in Hz",
+            Some(pair) => Err(SignalError::Derived {
+                key: "points",
+                quantity: "frequency of the amplitude profile in Hz",
                 found: pair[1].0,
                 needed: "frequencies that rise from point to point",
             }),

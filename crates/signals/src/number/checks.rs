@@ -10,24 +10,24 @@ pub(crate) const LONGEST_SIGNAL: f64 = (1u64 << 26) as f64;
 ///
 /// # Errors
 /// [`SignalError::Parameter`] with the name and the value found.
-pub fn positive(name: &'static str, found: f64) -> Result<(), SignalError> {
-    require(name, found, found > 0.0, "a finite number above 0")
+pub fn positive(key: &'static str, found: f64) -> Result<(), SignalError> {
+    require(key, found, found > 0.0, "a finite number above 0")
 }
 
 /// A parameter that must be a finite number, zero or above.
 ///
 /// # Errors
 /// [`SignalError::Parameter`] with the name and the value found.
-pub fn not_negative(name: &'static str, found: f64) -> Result<(), SignalError> {
-    require(name, found, found >= 0.0, "a finite number, 0 or above")
+pub fn not_negative(key: &'static str, found: f64) -> Result<(), SignalError> {
+    require(key, found, found >= 0.0, "a finite number, 0 or above")
 }
 
 /// A parameter that must be a finite number.
 ///
 /// # Errors
 /// [`SignalError::Parameter`] with the name and the value found.
-pub fn finite(name: &'static str, found: f64) -> Result<(), SignalError> {
-    require(name, found, true, "a finite number")
+pub fn finite(key: &'static str, found: f64) -> Result<(), SignalError> {
+    require(key, found, true, "a finite number")
 }
 
 /// Parameters of which there must be one for each axis, every one in a range; nothing to check
@@ -37,7 +37,7 @@ pub fn finite(name: &'static str, found: f64) -> Result<(), SignalError> {
 /// [`SignalError::Shape`] for another number of axes; that of `check`, e.g. [`positive`], for the
 /// first one out of range.
 pub fn one_per_axis(
-    name: &'static str,
+    key: &'static str,
     values: Option<&[f64]>,
     n_axes: usize,
     check: fn(&'static str, f64) -> Result<(), SignalError>,
@@ -45,26 +45,74 @@ pub fn one_per_axis(
     let Some(values) = values else { return Ok(()) };
     if values.len() != n_axes {
         return Err(SignalError::Shape {
-            name,
+            name: key,
             found: vec![values.len()],
             needed: format!("({n_axes})"),
         });
     }
-    values.iter().try_for_each(|&value| check(name, value))
+    values.iter().try_for_each(|&value| check(key, value))
+}
+
+/// The values, if there is one for each axis.
+///
+/// # Errors
+/// [`SignalError::Shape`] for another number of axes.
+pub fn of_axes<'a, T>(
+    key: &'static str,
+    values: &'a [T],
+    n_axes: usize,
+) -> Result<&'a [T], SignalError> {
+    if values.len() == n_axes {
+        return Ok(values);
+    }
+    let (found, needed) = (vec![values.len()], format!("({n_axes})"));
+    Err(SignalError::Shape {
+        name: key,
+        found,
+        needed,
+    })
+}
+
+/// The values as an array, if there is exactly one for each axis.
+///
+/// # Errors
+/// [`SignalError::Shape`] for another number of axes.
+pub fn channels<T: Copy, const A: usize>(
+    key: &'static str,
+    values: &[T],
+) -> Result<[T; A], SignalError> {
+    values.try_into().map_err(|_| {
+        let (found, needed) = (vec![values.len()], format!("({A})"));
+        SignalError::Shape {
+            name: key,
+            found,
+            needed,
+        }
+    })
 }
 
 /// A count, or a product of counts, that must not exceed `most`.
+/// It follows from the field `key`.
 pub(crate) fn at_most(
-    name: &'static str,
+    key: &'static str,
+    quantity: &'static str,
     found: f64,
     most: f64,
     needed: &'static str,
 ) -> Result<(), SignalError> {
-    require(name, found, found <= most, needed)
+    if found <= most {
+        return Ok(());
+    }
+    Err(SignalError::Derived {
+        key,
+        quantity,
+        found,
+        needed,
+    })
 }
 
 fn require(
-    name: &'static str,
+    key: &'static str,
     found: f64,
     fits: bool,
     needed: &'static str,
@@ -72,10 +120,6 @@ fn require(
     if fits && found.is_finite() {
         Ok(())
     } else {
-        Err(SignalError::Parameter {
-            name,
-            found,
-            needed,
-        })
+        Err(SignalError::Parameter { key, found, needed })
     }
 }

@@ -66,12 +66,13 @@ impl Plan {
             ("repetitions", self.n_repetitions),
             ("periods", self.n_periods),
         ];
-        for (name, count) in counts {
-            positive(name, count as f64)?;
+        for (key, count) in counts {
+            positive(key, count as f64)?;
         }
         let runs = self.n_realizations as f64 * self.n_inputs as f64 * self.n_repetitions as f64
             + self.n_glides as f64;
         at_most(
+            "realizations",
             "number of runs",
             runs,
             MOST_RUNS,
@@ -94,6 +95,7 @@ impl Plan {
         let samples =
             self.lead_in_samples as f64 + self.n_periods as f64 * self.period_samples()? as f64;
         at_most(
+            "periods",
             "samples of a run",
             samples,
             LONGEST_SIGNAL,
@@ -113,13 +115,13 @@ impl Plan {
             }
             Excitation::Multisine { signal, .. } => signal.grid.check(),
             Excitation::Chirp(chirp) => {
-                for (name, count) in [
+                for (key, count) in [
                     ("realizations", self.n_realizations),
                     ("periods", self.n_periods),
                 ] {
                     if count != 1 {
                         return Err(SignalError::Parameter {
-                            name,
+                            key,
                             found: count as f64,
                             needed: "1 with a chirp: it has no random phases and no period",
                         });

@@ -1,11 +1,10 @@
 //! The table of the controller.
 
 use frfid_plant::PiController;
-use frfid_signals::SignalError;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::description::text::{ConfigError, Source};
+use crate::description::text::Fault;
 
 /// A sampled PI controller of the motor velocity: the reference is a velocity then.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -29,30 +28,19 @@ pub struct ControllerTable {
 
 impl ControllerTable {
     /// Checks every gain and limit for a robot of `n_axes`.
-    pub(crate) fn check(
-        &self,
-        sample_time_s: f64,
-        n_axes: usize,
-        source: &Source,
-    ) -> Result<(), ConfigError> {
-        let located = |error: &SignalError| {
-            let (SignalError::Parameter { name, .. } | SignalError::Shape { name, .. }) = error
-            else {
-                return source.error(&["controller"], error.to_string());
-            };
+    pub(crate) fn check(&self, sample_time_s: f64, n_axes: usize) -> Result<(), Fault> {
+        let checked = self.controller(sample_time_s).check(n_axes);
+        checked.map_err(|error| {
             // the keys of the gains are their names with units
-            let key = match *name {
-                "gain" => "gain_nms_per_rad",
-                "integral_gain" => "integral_gain_nm_per_rad",
-                "position_gain" => "position_gain_per_s",
-                "sample_time_s" => return source.error(&["sample_time_s"], error.to_string()),
-                name => name,
+            let key = match error.path()[..] {
+                ["gain"] => "gain_nms_per_rad",
+                ["integral_gain"] => "integral_gain_nm_per_rad",
+                ["position_gain"] => "position_gain_per_s",
+                [key] => key,
+                _ => "",
             };
-            source.error(&["controller", key], error.to_string())
-        };
-        self.controller(sample_time_s)
-            .check(n_axes)
-            .map_err(|error| located(&error))
+            Fault::new(&[key], error.to_string())
+        })
     }
 
     /// The controller on the clock of the experiment.

@@ -1,16 +1,43 @@
-//! The table of a flexible joint: motor, gear, sensor and limits of one axis of an arm.
+//! Flexible joint: motor and gear of a single joint (`[single_joint]`) and of one axis of an arm
+//! (`[body.joint]`), the latter with its sensor and limits.
 
 use std::f64::consts::TAU;
 
-use frfid_plant::{FlexibleJoint, Ripple, Sensor};
+use frfid_plant::{FlexibleJoint, Friction, Ripple, Sensor, SingleJoint, Spring};
+use frfid_signals::Limit;
 use frfid_signals::checks::positive;
-use frfid_signals::{Limit, SignalError};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::description::robot::sensor::SensorTable;
-use crate::description::robot::single_joint::default_knee_rad;
-use crate::description::text::{ConfigError, Source};
+use crate::description::text::Fault;
+
+/// A single flexible joint (SK15 section 6.1); everything on the joint side of the gear.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SingleJointTable {
+    /// Inertia of the motor in kg m^2.
+    pub motor_inertia_kg_m2: f64,
+    /// Inertia of the link in kg m^2.
+    pub link_inertia_kg_m2: f64,
+    /// Damping of the gear in N m s/rad.
+    pub damping_nms_per_rad: f64,
+    /// Stiffness of the gear in N m/rad up to the knee.
+    pub stiffness_nm_per_rad: f64,
+    /// Stiffness of the gear beyond the knee in N m/rad; the same as before it without this.
+    pub stiffness_beyond_nm_per_rad: Option<f64>,
+    /// Deflection in rad at which the stiffness changes.
+    #[serde(default = "default_knee_rad")]
+    pub knee_rad: f64,
+    /// Coulomb friction of the motor in N m.
+    #[serde(default)]
+    pub coulomb_nm: f64,
+    /// Viscous friction of the motor in N m s/rad.
+    #[serde(default)]
+    pub viscous_nms_per_rad: f64,
+    /// Harmonics of the torque ripple, as `[[robot.single_joint.ripple]]`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub ripple: Vec<Ripple>,
+}
 
 /// A motor behind an elastic gear, with its sensor and its limits. Everything on the joint side of
 /// the gear: behind a ratio n an inertia, damping, stiffness or viscous friction of the motor side
@@ -58,7 +85,7 @@ pub struct JointTable {
     pub max_effort_rate: Option<f64>,
     /// Sensors and torque resolution; ideal without this table.
     #[serde(default)]
-    pub sensor: SensorTable,
+    pub sensor: Sensor,
     /// Harmonics of the torque ripple.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub ripple: Vec<MotorRippleTable>,
@@ -77,8 +104,67 @@ pub struct MotorRippleTable {
     pub phase_rad: f64,
 }
 
+/// The example of SK15 section 6.1 with its nonlinearities off.
+impl Default for SingleJointTable {
+    fn default() -> Self {
+        let SingleJoint {
+            joint,
+            link_inertia_kg_m2,
+        } = SingleJoint::default();
+        Self {
+            motor_inertia_kg_m2: joint.motor_inertia_kg_m2,
+            link_inertia_kg_m2,
+            damping_nms_per_rad: joint.damping_nms_per_rad,
+            stiffness_nm_per_rad: joint.spring.stiffness_nm_per_rad,
+            stiffness_beyond_nm_per_rad: None,
+            knee_rad: joint.spring.knee_rad,
+            coulomb_nm: joint.friction.coulomb_nm,
+            viscous_nms_per_rad: joint.friction.viscous_nms_per_rad,
+            ripple: joint.ripple,
+        }
+    }
+}
+
 fn one() -> f64 {
     1.0
+}
+
+fn default_knee_rad() -> f64 {
+    SingleJoint::default().joint.spring.knee_rad
+}
+
+/// Motor and gear of either table, defaults filled in; a trait would have to name each number once
+/// more.
+macro_rules! motor_and_gear {
+    ($table:expr, $ripple:expr) => {
+        FlexibleJoint {
+            motor_inertia_kg_m2: $table.motor_inertia_kg_m2,
+            damping_nms_per_rad: $table.damping_nms_per_rad,
+            spring: Spring {
+                stiffness_nm_per_rad: $table.stiffness_nm_per_rad,
+                stiffness_beyond_nm_per_rad: $table
+                    .stiffness_beyond_nm_per_rad
+                    .unwrap_or($table.stiffness_nm_per_rad),
+                knee_rad: $table.knee_rad,
+            },
+            friction: Friction {
+                coulomb_nm: $table.coulomb_nm,
+                viscous_nms_per_rad: $table.viscous_nms_per_rad,
+            },
+            ripple: $ripple,
+        }
+    };
+}
+
+impl SingleJointTable {
+    /// The joint with its defaults filled in, every challenge that is described on.
+    #[must_use]
+    pub fn single_joint(&self) -> SingleJoint {
+        SingleJoint {
+            joint: motor_and_gear!(self, self.ripple.clone()),
+            link_inertia_kg_m2: self.link_inertia_kg_m2,
+        }
+    }
 }
 
 impl JointTable {
@@ -90,30 +176,18 @@ impl JointTable {
             amplitude_nm: ripple.amplitude_nm,
             phase_rad: ripple.phase_rad,
         };
-        FlexibleJoint {
-            motor_inertia_kg_m2: self.motor_inertia_kg_m2,
-            damping_nms_per_rad: self.damping_nms_per_rad,
-            stiffness_nm_per_rad: self.stiffness_nm_per_rad,
-            stiffness_beyond_nm_per_rad: self
-                .stiffness_beyond_nm_per_rad
-                .unwrap_or(self.stiffness_nm_per_rad),
-            knee_rad: self.knee_rad,
-            coulomb_nm: self.coulomb_nm,
-            viscous_nms_per_rad: self.viscous_nms_per_rad,
-            ripple: self.ripple.iter().map(ripple).collect(),
-        }
+        motor_and_gear!(self, self.ripple.iter().map(ripple).collect())
     }
 
     /// The sensor; an increment is a count of the encoder behind the gear.
     #[must_use]
     pub fn sensor(&self) -> Sensor {
-        let sensor = self.sensor.sensor();
         let count_rad = self
             .encoder_counts_per_motor_turn
             .map(|counts| TAU / (counts * self.gear_ratio.abs()));
         Sensor {
-            position_increment_rad: sensor.position_increment_rad.or(count_rad),
-            ..sensor
+            position_increment_rad: self.sensor.position_increment_rad.or(count_rad),
+            ..self.sensor
         }
     }
 
@@ -132,79 +206,52 @@ impl JointTable {
         }
     }
 
-    /// Checks every number; errors name the joint and point into the table at `path`.
-    pub(super) fn check(
-        &self,
-        name: &str,
-        source: &Source,
-        path: &[&str],
-    ) -> Result<(), ConfigError> {
-        let at = |keys: &[&str], message: String| {
-            source.error(&[path, keys].concat(), format!("joint {name}: {message}"))
-        };
-        let located = |error: &SignalError| match error {
-            // the key is the parameter's own name, in the table or in one of those inside it
-            SignalError::Parameter { name, .. }
-                if source.has(&[path, &["sensor", name]].concat()) =>
-            {
-                at(&["sensor", name], error.to_string())
-            }
-            SignalError::Parameter {
-                name: "cycles_per_turn" | "amplitude_nm" | "phase_rad",
-                ..
-            } => at(&["ripple"], error.to_string()),
-            SignalError::Parameter { name, .. } => at(&[name], error.to_string()),
-            error => at(&[], error.to_string()),
-        };
+    /// Checks every number.
+    pub(super) fn check(&self) -> Result<(), Fault> {
         if !self.gear_ratio.is_finite() || self.gear_ratio == 0.0 {
-            let message = format!(
-                "gear_ratio is {}, needed: a finite number of either sign, not 0",
-                self.gear_ratio
-            );
-            return Err(at(&["gear_ratio"], message));
+            let found = self.gear_ratio;
+            let message =
+                format!("gear_ratio is {found}, needed: a finite number of either sign, not 0");
+            return Err(Fault::new(&["gear_ratio"], message));
         }
-        self.joint().check().map_err(|error| located(&error))?;
+        self.joint().check()?;
         if let Some(counts) = self.encoder_counts_per_motor_turn {
-            positive("encoder_counts_per_motor_turn", counts).map_err(|error| located(&error))?;
+            let key = "encoder_counts_per_motor_turn";
+            positive(key, counts)?;
             if self.sensor.position_increment_rad.is_some() {
-                let message = "encoder counts and a position increment are given; keep one of them"
-                    .to_owned();
-                return Err(at(&["encoder_counts_per_motor_turn"], message));
+                let message = "encoder counts and a position increment are given; keep one of them";
+                return Err(Fault::new(&[key], message));
             }
         }
-        self.sensor().check().map_err(|error| located(&error))?;
+        self.sensor
+            .check()
+            .map_err(|error| Fault::from(error).within(&["sensor"]))?;
         self.check_limits()
-            .map_err(|(key, message)| at(&[key], message))
     }
 
-    /// The first limit that allows nothing, with what is wrong about it.
-    fn check_limits(&self) -> Result<(), (&'static str, String)> {
+    /// Checks that every limit allows something.
+    fn check_limits(&self) -> Result<(), Fault> {
         for &limit in Limit::ALL.iter().filter(|limit| limit.is_size()) {
             let found = self.limit(limit);
             if let Some(found) = found.filter(|found| found.is_nan() || *found <= 0.0) {
                 let key = limit.key();
-                return Err((key, format!("{key} is {found}, needed: a number above 0")));
+                let message = format!("{key} is {found}, needed: a number above 0");
+                return Err(Fault::new(&[key], message));
             }
         }
-        let (lowest, highest) = (self.min_position, self.max_position);
-        let range = (
-            lowest.unwrap_or(f64::NEG_INFINITY),
-            highest.unwrap_or(f64::INFINITY),
-        );
-        if range.0 < range.1 {
+        let lowest = self.min_position.unwrap_or(f64::NEG_INFINITY);
+        let highest = self.max_position.unwrap_or(f64::INFINITY);
+        if lowest < highest {
             return Ok(());
         }
+        let limit = match self.max_position {
+            Some(_) => Limit::HighestPosition,
+            None => Limit::LowestPosition,
+        };
         let message = format!(
-            "the range from {} to {} rad is empty; needed: min_position below max_position",
-            range.0, range.1
+            "the range from {lowest} to {highest} rad is empty; needed: min_position below \
+             max_position"
         );
-        Err((
-            if highest.is_some() {
-                "max_position"
-            } else {
-                "min_position"
-            },
-            message,
-        ))
+        Err(Fault::new(&[limit.key()], message))
     }
 }

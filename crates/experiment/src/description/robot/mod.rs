@@ -1,27 +1,24 @@
 //! The robot's tables in `experiment.toml` and in a robot file of its own.
 
-pub(crate) mod arm;
+pub(crate) mod body;
 pub(crate) mod check;
 pub(crate) mod controller;
 pub(crate) mod joint;
-pub(crate) mod sensor;
-pub(crate) mod single_joint;
 pub(crate) mod urdf;
 
 use std::path::Path;
 use std::sync::Arc;
 
-use frfid_plant::{Arm, Robot, Sensor, SingleJoint};
+use frfid_plant::{Arm, Challenges, Payload, Robot, Sensor, SingleJoint, is_posed};
 use frfid_signals::{Limit, Limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::description::robot::arm::{BodyTable, ChallengesTable, PayloadTable};
-use crate::description::robot::joint::JointTable;
-use crate::description::robot::sensor::SensorTable;
-use crate::description::robot::single_joint::SingleJointTable;
+use crate::description::robot::body::BodyTable;
+use crate::description::robot::check::no_robot;
+use crate::description::robot::joint::{JointTable, SingleJointTable};
 use crate::description::robot::urdf::UrdfTable;
-use crate::description::text::{ConfigError, Source};
+use crate::description::text::{ConfigError, Fault, TomlText};
 
 /// Gravity where none is given: z up.
 const GRAVITY_M_S2: [f64; 3] = [0.0, 0.0, -9.81];
@@ -42,17 +39,20 @@ pub struct RobotTable {
     pub single_joint: Option<SingleJointTable>,
     /// Sensors and torque resolution of a single joint; ideal without this table. The joints of an
     /// arm have their own.
-    pub sensor: Option<SensorTable>,
+    pub sensor: Option<Sensor>,
     /// Which challenges the robot poses; all without this table.
     #[serde(default)]
-    pub challenges: ChallengesTable,
+    pub challenges: Challenges,
     /// The bodies of an arm, from the base to the tip.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub body: Vec<BodyTable>,
     /// What the last body of an arm carries.
-    pub payload: Option<PayloadTable>,
+    pub payload: Option<Payload>,
     /// An arm from URDF, with a table of its joints: URDF knows no gears.
     pub urdf: Option<UrdfTable>,
+    /// Whether the bodies come from URDF: errors point there.
+    #[serde(skip)]
+    pub is_from_urdf: bool,
 }
 
 impl RobotTable {
@@ -61,35 +61,38 @@ impl RobotTable {
     /// # Errors
     /// [`ConfigError`]: the file cannot be read, or the place and reason of what is wrong in it.
     pub fn load(path: &Path) -> Result<Self, ConfigError> {
-        Self::of_source(&Source::read(path)?, path.parent().unwrap_or(Path::new("")))
+        Self::of_text(
+            &TomlText::read(path)?,
+            path.parent().unwrap_or(Path::new("")),
+        )
     }
 
     /// A robot file's text, checked; what it refers to is looked up in `folder`.
-    fn of_source(source: &Source, folder: &Path) -> Result<Self, ConfigError> {
-        let mut robot: Self = source.parse()?;
+    fn of_text(text: &TomlText, folder: &Path) -> Result<Self, ConfigError> {
+        let mut robot: Self = text.parse()?;
         if robot.file.is_some() {
-            return Err(source.error(&["file"], "a robot file cannot name another one"));
+            return Err(text.error(&["file"], "a robot file cannot name another one"));
         }
-        robot.read_urdf(source, folder, &[])?;
-        robot.check_at(source, &[])?;
+        robot.read_urdf(text, folder, &[])?;
+        robot.check().map_err(|fault| text.locate(&[], fault))?;
         Ok(robot)
     }
 
     /// Puts what other files say in the place of their names: the robot file, and the bodies of
     /// URDF.
-    pub(crate) fn read_files(&mut self, source: &Source, folder: &Path) -> Result<(), ConfigError> {
+    pub(crate) fn read_files(&mut self, text: &TomlText, folder: &Path) -> Result<(), ConfigError> {
         let Some(file) = self.file.take() else {
-            return self.read_urdf(source, folder, &["robot"]);
+            return self.read_urdf(text, folder, &["robot"]);
         };
         let (pose_rad, challenges) = (self.pose_rad.take(), std::mem::take(&mut self.challenges));
         if *self != Self::default() {
             let message = "a robot file and tables of a robot are given; keep one of them \
                            (only pose_rad and challenges may stand beside a file)";
-            return Err(source.error(&["robot", "file"], message));
+            return Err(text.error(&["robot", "file"], message));
         }
         let path = folder.join(&file);
-        let robot = Self::load(&path)
-            .map_err(|error| source.error(&["robot", "file"], error.to_string()))?;
+        let robot =
+            Self::load(&path).map_err(|error| text.error(&["robot", "file"], error.to_string()))?;
         let pose_rad = pose_rad.or_else(|| robot.pose_rad.clone());
         *self = Self {
             pose_rad,
@@ -97,6 +100,23 @@ impl RobotTable {
             ..robot
         };
         Ok(())
+    }
+
+    /// The robot to be simulated.
+    ///
+    /// # Errors
+    /// [`ConfigError`] with what is wrong in the tables.
+    pub fn robot(&self) -> Result<Arc<dyn Robot>, ConfigError> {
+        self.resolve().map_err(|fault| fault.without_text("robot"))
+    }
+
+    /// The robot to be simulated, once it is found sound.
+    pub(crate) fn resolve(&self) -> Result<Arc<dyn Robot>, Fault> {
+        self.check()?;
+        let joint = self.single_joint();
+        let joint = joint.map(|joint| Arc::new(joint) as Arc<dyn Robot>);
+        let arm = || self.arm().map(|arm| Arc::new(arm) as Arc<dyn Robot>);
+        joint.or_else(arm).ok_or_else(no_robot)
     }
 
     /// Number of axes.
@@ -136,16 +156,11 @@ impl RobotTable {
     /// The sensor of every axis; ideal, but for where the velocity comes from, which is linear.
     #[must_use]
     pub fn sensors(&self) -> Vec<Sensor> {
-        if !self.challenges.challenges().sensing {
+        if !is_posed(self.challenges.sensing) {
             return vec![Sensor::default(); self.n_axes()];
         }
         if self.body.is_empty() {
-            return vec![
-                self.sensor
-                    .as_ref()
-                    .map(SensorTable::sensor)
-                    .unwrap_or_default(),
-            ];
+            return vec![self.sensor.unwrap_or_default()];
         }
         self.joints().map(|(_, joint)| joint.sensor()).collect()
     }
@@ -161,7 +176,7 @@ impl RobotTable {
             given.then(|| (limit, of_axes.into_iter().map(value).collect()))
         };
         let mut limits: Limits = Limit::ALL.iter().filter_map(of_joints).collect();
-        if !self.challenges.challenges().gear_load_limit {
+        if !is_posed(self.challenges.gear_load_limit) {
             limits.remove(Limit::Torque);
         }
         limits
@@ -170,11 +185,15 @@ impl RobotTable {
     /// The joint to be simulated, if one is described, without the challenges that are switched
     /// off.
     #[must_use]
-    pub fn joint(&self) -> Option<SingleJoint> {
-        let challenges = self.challenges.challenges();
-        self.single_joint
-            .as_ref()
-            .map(|joint| joint.joint_with(challenges))
+    pub fn single_joint(&self) -> Option<SingleJoint> {
+        let SingleJoint {
+            joint,
+            link_inertia_kg_m2,
+        } = self.single_joint.as_ref()?.single_joint();
+        Some(SingleJoint {
+            joint: joint.with(self.challenges),
+            link_inertia_kg_m2,
+        })
     }
 
     /// The arm to be simulated, if one is described.
@@ -185,17 +204,10 @@ impl RobotTable {
         }
         Some(Arm {
             bodies: self.body.iter().map(BodyTable::body).collect(),
-            payload: self.payload.as_ref().map(PayloadTable::payload),
+            payload: self.payload,
             gravity_m_s2: self.gravity_m_s2.unwrap_or(GRAVITY_M_S2),
             pose_rad: self.pose(),
-            challenges: self.challenges.challenges(),
+            challenges: self.challenges,
         })
-    }
-
-    /// The robot to be simulated, if one is described.
-    #[must_use]
-    pub fn robot(&self) -> Option<Arc<dyn Robot>> {
-        let joint = self.joint().map(|joint| Arc::new(joint) as Arc<dyn Robot>);
-        joint.or_else(|| self.arm().map(|arm| Arc::new(arm) as Arc<dyn Robot>))
     }
 }

@@ -4,14 +4,15 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use frfid_plant::Inertia;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use urdf_rs::{Inertial, Joint, JointType};
 
 use crate::description::robot::RobotTable;
-use crate::description::robot::arm::{BodyTable, InertiaTable};
+use crate::description::robot::body::{BodyTable, rotation};
 use crate::description::robot::joint::JointTable;
-use crate::description::text::{ConfigError, Source};
+use crate::description::text::{ConfigError, Fault, TomlText};
 
 /// An arm from URDF: the chain of joints from the base link to the tip link. Revolute and
 /// continuous joints move and need a table of their name; fixed ones are locked. Limits that a
@@ -35,40 +36,32 @@ pub struct UrdfTable {
 }
 
 impl RobotTable {
-    /// Puts the bodies of URDF, if a file is named, in the place of its name.
+    /// Puts the bodies of URDF, if a file is named, in the place of its name; the robot is the
+    /// table at `table` of the text.
     pub(super) fn read_urdf(
         &mut self,
-        source: &Source,
+        text: &TomlText,
         folder: &Path,
         table: &[&str],
     ) -> Result<(), ConfigError> {
         let Some(urdf) = self.urdf.take() else {
             return Ok(());
         };
-        let at = |keys: &[&str], message: String| {
-            source.error(&[table, &["urdf"], keys].concat(), message)
-        };
+        let located = |fault: Fault| text.locate(table, fault.within(&["urdf"]));
         if !self.body.is_empty() {
-            return Err(at(
-                &["file"],
-                "URDF and [[body]] tables are given; keep one of them".into(),
-            ));
+            let message = "URDF and [[body]] tables are given; keep one of them";
+            return Err(located(Fault::new(&["file"], message)));
         }
+        let unread = |message: String| located(Fault::new(&["file"], message));
         let path = folder.join(&urdf.file);
-        let text = Source::read(&path)
-            .map_err(|error| at(&["file"], error.to_string()))?
-            .text;
-        let robot = urdf_rs::read_from_string(&text)
-            .map_err(|error| at(&["file"], format!("{}: not URDF: {error}", path.display())))?;
-        self.body = urdf
-            .bodies(&robot)
-            .map_err(|(key, message)| at(&[key], message))?;
+        let xml = TomlText::read(&path).map_err(|error| unread(error.to_string()))?;
+        let robot = urdf_rs::read_from_string(&xml.text)
+            .map_err(|error| unread(format!("{}: not URDF: {error}", path.display())))?;
+        self.body = urdf.bodies(&robot).map_err(located)?;
+        self.is_from_urdf = true;
         Ok(())
     }
 }
-
-/// Key of `[urdf]` at which something is wrong, and what.
-type Fault = (&'static str, String);
 
 impl UrdfTable {
     /// The bodies of the chain, from the base to the tip.
@@ -78,8 +71,8 @@ impl UrdfTable {
         let joints = self.joint.keys().map(|name| ("joint", name));
         let mut named = joints.chain(self.simplified.iter().map(|name| ("simplified", name)));
         if let Some((key, name)) = named.find(|(_, name)| !known.contains(&name.as_str())) {
-            return Err((
-                key,
+            return Err(Fault::new(
+                &[key],
                 format!(
                     "no joint of the chain is called {name}; there are {}",
                     known.join(", ")
@@ -116,8 +109,8 @@ impl UrdfTable {
             // a chain longer than all joints runs in a circle
             let joint = above(link).filter(|_| chain.len() < robot.joints.len());
             let Some(joint) = joint else {
-                return Err((
-                    "tip_link",
+                return Err(Fault::new(
+                    &["tip_link"],
                     format!("no chain of joints leads from {base} to {tip}"),
                 ));
             };
@@ -131,8 +124,8 @@ impl UrdfTable {
     fn body(&self, robot: &urdf_rs::Robot, joint: &Joint) -> Result<BodyTable, Fault> {
         let name = &joint.name;
         if joint.mimic.is_some() {
-            return Err((
-                "file",
+            return Err(Fault::new(
+                &["file"],
                 format!("joint {name} mimics another; every joint must move on its own"),
             ));
         }
@@ -140,8 +133,8 @@ impl UrdfTable {
             JointType::Fixed => None,
             JointType::Revolute | JointType::Continuous => {
                 let Some(table) = self.joint.get(name) else {
-                    return Err((
-                        "joint",
+                    return Err(Fault::new(
+                        &["joint"],
                         format!(
                             "no table [urdf.joint.{name}]: URDF knows no motor, gear and friction"
                         ),
@@ -151,8 +144,8 @@ impl UrdfTable {
             }
             ref other => {
                 let kind = format!("{other:?}").to_lowercase();
-                return Err((
-                    "file",
+                return Err(Fault::new(
+                    &["file"],
                     format!(
                         "joint {name} is {kind}; only revolute, continuous and fixed joints can be simulated"
                     ),
@@ -175,7 +168,7 @@ impl UrdfTable {
             axis: joint.axis.xyz.0,
             mass_kg: mass.value,
             center_of_mass_m: origin.xyz.0,
-            inertia_kg_m2: turned(&inertia, origin.rpy.0),
+            inertia_kg_m2: tensor(&inertia).turned(&rotation(origin.rpy.0)),
             simplified: self.simplified.contains(name),
             locked_position_rad: table.is_none().then_some(0.0),
             joint: table,
@@ -207,8 +200,8 @@ fn check_nothing_beside(robot: &urdf_rs::Robot, chain: &[&Joint]) -> Result<(), 
         .find(|link| beside.contains(&link.name.as_str()) && link.inertial.mass.value != 0.0)
     {
         None => Ok(()),
-        Some(link) => Err((
-            "tip_link",
+        Some(link) => Err(Fault::new(
+            &["tip_link"],
             format!(
                 "link {} of {} kg hangs beside the chain to the tip; give its mass to a link of the chain",
                 link.name, link.inertial.mass.value
@@ -227,10 +220,10 @@ fn named<'a>(
     match (asked, &possible[..]) {
         (Some(asked), _) => all
             .find(|link| *link == asked)
-            .ok_or((key, format!("there is no link {asked}"))),
+            .ok_or(Fault::new(&[key], format!("there is no link {asked}"))),
         (None, [only]) => Ok(only),
-        (None, _) => Err((
-            key,
+        (None, _) => Err(Fault::new(
+            &[key],
             format!("{key} is needed to choose one of {}", possible.join(", ")),
         )),
     }
@@ -254,8 +247,8 @@ fn with_limits(table: &JointTable, joint: &Joint) -> JointTable {
     }
 }
 
-/// A tensor of a frame turned by `rpy` as one of the body's frame: R I R^T.
-fn turned(inertia: &urdf_rs::Inertia, rpy: [f64; 3]) -> InertiaTable {
+/// The inertia tensor of URDF, in the frame of its own origin.
+fn tensor(inertia: &urdf_rs::Inertia) -> Inertia {
     let &urdf_rs::Inertia {
         ixx,
         ixy,
@@ -264,28 +257,12 @@ fn turned(inertia: &urdf_rs::Inertia, rpy: [f64; 3]) -> InertiaTable {
         iyz,
         izz,
     } = inertia;
-    let (r, tensor) = (
-        super::arm::rotation(rpy),
-        InertiaTable {
-            ixx,
-            iyy,
-            izz,
-            ixy,
-            ixz,
-            iyz,
-        }
-        .tensor(),
-    );
-    let entry = |i: usize, j: usize| {
-        let pairs = (0..3).flat_map(|k| (0..3).map(move |l| (k, l)));
-        pairs.map(|(k, l)| r[i][k] * tensor[k][l] * r[j][l]).sum()
-    };
-    InertiaTable {
-        ixx: entry(0, 0),
-        iyy: entry(1, 1),
-        izz: entry(2, 2),
-        ixy: entry(0, 1),
-        ixz: entry(0, 2),
-        iyz: entry(1, 2),
+    Inertia {
+        ixx,
+        iyy,
+        izz,
+        ixy,
+        ixz,
+        iyz,
     }
 }
