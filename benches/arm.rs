@@ -122,7 +122,7 @@ fn accelerations(criterion: &mut Criterion) {
         }
         group.throughput(Throughput::Elements(1000));
         group.bench_function(format!("{name}, {} axes", arm.n_axes()), |bencher| {
-            bencher.iter(work)
+            bencher.iter(work);
         });
     }
     group.finish();

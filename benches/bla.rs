@@ -131,7 +131,7 @@ fn estimate(criterion: &mut Criterion) {
     };
     assert_right(&from_spectra(), variance);
     group.bench_function("the same from spectra, 71 lines", |bencher| {
-        bencher.iter(from_spectra)
+        bencher.iter(from_spectra);
     });
     group.finish();
 }

@@ -97,7 +97,7 @@ fn estimate(criterion: &mut Criterion) {
     assert_right(&run());
     let mut group = criterion.benchmark_group("estimate_chirp");
     group.bench_function("3x3, chirps of 20 s, 80 frequencies", |bencher| {
-        bencher.iter(run)
+        bencher.iter(run);
     });
     group.finish();
 }

@@ -61,7 +61,7 @@ fn print(title: &str, errors: &[[f64; AXES]; AXES]) {
         println!(
             "{}",
             row.map(|error| format!("{:8.2} %", 100.0 * error)).concat()
-        )
+        );
     });
 }
 

@@ -52,7 +52,8 @@ pub fn from_json<T: DeserializeOwned>(argument: &str, json: impl Into<Value>) ->
     serde_path_to_error::deserialize(json.into()).map_err(|error| {
         let place = match error.path().to_string().as_str() {
             "." => argument.to_owned(),
-            path => format!("{argument}: {path}"),
+            path if path.starts_with('[') => format!("{argument}{path}"),
+            path => format!("{argument}.{path}"),
         };
         PyValueError::new_err(format!("{place}: {}", error.inner()))
     })

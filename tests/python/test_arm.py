@@ -135,7 +135,7 @@ def test_the_spectrogram_is_scipy_s():
         (lambda r3: frfid.Plant.load(ROBOTS / "paper_joint.toml", pose_rad=[0.0]), "a single joint has no pose"),
         (lambda r3: frfid.Plant.load(R3, pose_rad=[0.0]), "pose_rad"),
         (lambda r3: frfid.Plant.load(R3, pose_rad=[0.0, np.nan, 0.0]), "pose_rad"),
-        (lambda r3: frfid.Plant.load(R3, challenges={"weather": True}), "challenges: unknown field `weather`"),
+        (lambda r3: frfid.Plant.load(R3, challenges={"weather": True}), "challenges.weather: unknown field `weather`"),
         (lambda r3: frfid.Plant.from_toml("seed = 1"), "unknown field `seed`"),
         (lambda r3: frfid.Plant.from_toml(""), "no robot"),
         (lambda r3: r3.parameters, "to_toml"),

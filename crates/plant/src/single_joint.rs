@@ -132,45 +132,45 @@ mod tests {
         assert_eq!(SingleJoint::default().check(), Ok(()));
         let positive: [(&str, Setter); 5] = [
             ("motor_inertia_kg_m2", |joint, x| {
-                joint.joint.motor_inertia_kg_m2 = x
+                joint.joint.motor_inertia_kg_m2 = x;
             }),
             ("link_inertia_kg_m2", |joint, x| {
-                joint.link_inertia_kg_m2 = x
+                joint.link_inertia_kg_m2 = x;
             }),
             ("stiffness_nm_per_rad", |joint, x| {
-                joint.joint.spring.stiffness_nm_per_rad = x
+                joint.joint.spring.stiffness_nm_per_rad = x;
             }),
             ("stiffness_beyond_nm_per_rad", |joint, x| {
-                joint.joint.spring.stiffness_beyond_nm_per_rad = x
+                joint.joint.spring.stiffness_beyond_nm_per_rad = x;
             }),
             ("knee_rad", |joint, x| joint.joint.spring.knee_rad = x),
         ];
         let not_negative: [(&str, Setter); 5] = [
             ("damping_nms_per_rad", |joint, x| {
-                joint.joint.damping_nms_per_rad = x
+                joint.joint.damping_nms_per_rad = x;
             }),
             ("coulomb_nm", |joint, x| joint.joint.friction.coulomb_nm = x),
             ("viscous_nms_per_rad", |joint, x| {
-                joint.joint.friction.viscous_nms_per_rad = x
+                joint.joint.friction.viscous_nms_per_rad = x;
             }),
             ("cycles_per_turn", |joint, x| {
                 joint.joint.ripple.push(Ripple {
                     cycles_per_turn: x,
                     ..RIPPLE
-                })
+                });
             }),
             ("amplitude_nm", |joint, x| {
                 joint.joint.ripple.push(Ripple {
                     amplitude_nm: x,
                     ..RIPPLE
-                })
+                });
             }),
         ];
         let phase: [(&str, Setter); 1] = [("phase_rad", |joint, x| {
             joint.joint.ripple.push(Ripple {
                 phase_rad: x,
                 ..RIPPLE
-            })
+            });
         })];
         let bad = [f64::NAN, f64::INFINITY, -1.0, 0.0];
         for (fields, bad) in [
@@ -213,9 +213,9 @@ mod tests {
         while b - a > 1e-7 {
             let (left, right) = (b - ratio * (b - a), a + ratio * (b - a));
             if sign * level(left) > sign * level(right) {
-                b = right
+                b = right;
             } else {
-                a = left
+                a = left;
             }
         }
         (a, level(a))

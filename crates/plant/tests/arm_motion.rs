@@ -313,7 +313,7 @@ fn gears_beyond_their_knee_under_gravity_are_as_stiff_as_there_in_the_truth() {
         (
             joint.spring.knee_rad,
             joint.spring.stiffness_beyond_nm_per_rad,
-        ) = (1.25e-3, 1e6)
+        ) = (1.25e-3, 1e6);
     });
     // motor: -k / J in the column of the deflection; axis 2 rests at 1.306 mrad, axis 3 at 1.228
     // mrad, axis 1 at 0

@@ -192,7 +192,7 @@ impl FreeLines {
         let mut scatter = Array2::<f64>::zeros(first.dim());
         for spectra in repetitions {
             scatter.zip_mut_with(&(spectra - &mean), |scatter, deviation| {
-                *scatter += deviation.norm_sqr()
+                *scatter += deviation.norm_sqr();
             });
         }
         Ok(ResidualLevel {

@@ -105,7 +105,7 @@ impl<'a> IterationFiles<'a> {
         let loads = iteration
             .records
             .iter()
-            .map(|record| Load::of(record, &start, &pose));
+            .map(|record| Load::of(record, &start, pose));
         let peaks = Load::largest(loads);
         let mut result = ResultFile {
             checks,

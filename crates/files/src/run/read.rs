@@ -131,7 +131,7 @@ impl Reading {
     fn take(&mut self, entry: Entry, path: &Path) -> Result<(), FileError> {
         match entry {
             Entry::Metadata { name, values } if name == header::PROVENANCE => {
-                self.metadata = values
+                self.metadata = values;
             }
             Entry::Metadata { name, values } if name == header::RUN && self.samples.is_none() => {
                 let structure =
@@ -240,7 +240,7 @@ impl Samples {
             .round() as usize;
         match came.get_mut(sample) {
             Some(first @ false) if stamp_ns(sample, sample_time_s) == state.stamp_ns => {
-                *first = true
+                *first = true;
             }
             Some(true) => return Err(format!("sample {sample} a second time")),
             _ => {

@@ -117,7 +117,7 @@ fn merged(arm: &Arm) -> Vec<Carried> {
         let axis = Unit::new_normalize(Vector3::from(body.axis));
         match body.joint {
             BodyJoint::Locked { position_rad } => {
-                rotation *= Rotation3::from_axis_angle(&axis, position_rad)
+                rotation *= Rotation3::from_axis_angle(&axis, position_rad);
             }
             BodyJoint::Flexible(_) => {
                 let upright = upright(&axis);

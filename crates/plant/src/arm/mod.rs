@@ -20,8 +20,8 @@ use crate::joint::flexible_joint::FlexibleJoint;
 
 /// A serial chain of rigid bodies on revolute joints, from the base to the tip.
 ///
-/// M(qo) qo'' + C(qo, qo') qo' + g(qo) = tau_s(dq) + d dq', J_m qm'' = u - tau_f(qm') - ripple(qm)
-/// - tau_s(dq) - d dq', dq = qm - qo: the rotors turn about their own axes only (Spong's reduced
+/// M(qo) qo'' + C(qo, qo') qo' + g(qo) = tau, J_m qm'' = u - tau_f(qm') - ripple(qm) - tau, tau =
+/// tau_s(dq) + d dq', dq = qm - qo: the rotors turn about their own axes only (Spong's reduced
 /// model, J. Dyn. Sys. Meas. Control 109 (1987) 310).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Arm {

@@ -123,7 +123,7 @@ pub fn time_series(sample_time_s: f64, panels: &[TimePanel]) -> Result<Figure, R
             y: Axis::padded(values, HEIGHT),
         };
         panel.draw(&mut figure, |figure| {
-            draw_traces(figure, &panel, content, sample_time_s, &names, &inks)
+            draw_traces(figure, &panel, content, sample_time_s, &names, &inks);
         });
         panel.label_y(&mut figure, &content.label);
         if row + 1 == panels.len() {

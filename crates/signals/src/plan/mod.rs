@@ -160,7 +160,7 @@ impl Plan {
     /// Every run, glides first, then realization by realization.
     pub fn run_ids(&self) -> impl Iterator<Item = RunId> + use<> {
         let (n_experiments, n_repetitions) = (self.n_experiments(), self.n_repetitions);
-        let glides = (0..self.n_glides).map(|repetition| RunId::glide(repetition));
+        let glides = (0..self.n_glides).map(RunId::glide);
         let runs = (0..self.n_realizations).flat_map(move |realization| {
             (0..n_experiments).flat_map(move |experiment| {
                 (0..n_repetitions)
