@@ -77,7 +77,7 @@ impl Experiment {
 
     /// Exact FRF from motor torque to velocity at the pose of the robot without its nonlinearities;
     /// with `sensor` as the robot's sensors see it, by differencing and through a filter
-    /// ([`Robot::frf_through_sensors`]).
+    /// ([`frfid_plant::Robot::frf_through_sensors`]).
     ///
     /// # Errors
     /// [`SignalError`] for frequencies out of range.
