@@ -111,7 +111,7 @@ def test_records_keep_the_arrays_they_are_given():
         ({"r": np.full((1, 5), np.nan)}, "r: 5 samples are NaN"),
         ({"sample_time_s": 0.0}, "sample_time_s is 0"),
         ({"input_kind": "guessed"}, "input_kind: unknown variant"),
-        ({"events": [{"time_s": 0.0, "event": "tea"}]}, r"events\[0\].event: unknown variant `tea`"),
+        ({"events": [{"time_s": 0.0, "event": "tea"}]}, r"events\[0\]: unknown variant `tea`"),
     ],
 )
 def test_records_that_do_not_fit_are_refused(change, says):
