@@ -53,8 +53,14 @@ fn assert_follows(experiment: &Experiment, record: &Record) {
     };
     let controller = experiment.controller().expect("closed loop");
     let (robot, sensors) = (experiment.robot(), experiment.sensors());
-    let linear =
-        LoopFrf::new(&**robot, controller, sensors, &signal.grid.lines_hz()).expect("stable");
+    let linear = LoopFrf::new(
+        &**robot,
+        &**controller,
+        SAMPLE_TIME_S,
+        sensors,
+        &signal.grid.lines_hz(),
+    )
+    .expect("stable");
     let dft = LineDft::new(signal.grid.n_samples, &signal.grid.excited).expect("sound");
     let last = s![.., record.n_samples() - signal.grid.n_samples..];
     let r = dft

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use frfid::estimate::{BlaOptions, estimate_bla};
 use frfid::paper::Measured;
-use frfid::plant::{Hold, OpenLoop, Robot as _, SingleJoint};
+use frfid::plant::{Hold, Robot as _, SimulatedRobot, SingleJoint};
 use frfid::signals::{
     Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind,
     Testbed as _,
@@ -20,7 +20,7 @@ const T: f64 = 1e-3;
 fn main() -> Result<(), Box<dyn Error>> {
     let mut joint = SingleJoint::default();
     joint.joint.friction.coulomb_nm = 50.0;
-    let testbed = OpenLoop::new(Arc::new(joint.clone()));
+    let testbed = SimulatedRobot::open_loop(Arc::new(joint.clone()));
     let (kind, seed) = (GridKind::Odd, 0);
     let design = GridDesign {
         low_hz: 1.0,

@@ -6,7 +6,7 @@ use std::error::Error;
 use std::sync::Arc;
 
 use frfid::estimate::{BlaOptions, estimate_bla};
-use frfid::plant::{OpenLoop, Sensor, SingleJoint};
+use frfid::plant::{Sensor, SimulatedRobot, SingleJoint};
 use frfid::signals::{
     Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind,
     Testbed as _,
@@ -24,10 +24,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         velocity_noise_rad_s: Some(1e-4),
         ..Sensor::default()
     };
-    let testbed = OpenLoop {
+    let testbed = SimulatedRobot {
         sensors: vec![sensor],
         seed: 1,
-        ..OpenLoop::new(Arc::new(joint))
+        ..SimulatedRobot::open_loop(Arc::new(joint))
     };
     let (kind, seed) = (GridKind::Odd, 0);
     let design = GridDesign {

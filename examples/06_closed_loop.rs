@@ -7,7 +7,7 @@ use std::error::Error;
 use std::sync::Arc;
 
 use frfid::estimate::{Averaging, BlaOptions, estimate_bla};
-use frfid::plant::{ClosedLoop, Hold, PiController, Robot as _, Sensor, SingleJoint};
+use frfid::plant::{Hold, PiController, Robot as _, Sensor, SimulatedRobot, SingleJoint};
 use frfid::signals::{
     Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind,
     Testbed as _, power::rms,
@@ -23,20 +23,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         torque_noise_nm: Some(200.0),
         ..Sensor::default()
     };
-    let (gain, integral_gain) = (vec![1500.0], vec![12_000.0]);
-    let controller = PiController {
-        gain,
-        integral_gain,
-        position_gain: None,
-        sample_time_s: T,
-        delay_samples: 0,
-        max_torque_nm: None,
-        max_torque_rate_nm_per_s: None,
-    };
-    let testbed = ClosedLoop {
+    let controller = PiController::new(vec![1500.0], vec![12_000.0]);
+    let testbed = SimulatedRobot {
         sensors: vec![sensor],
         seed: 3,
-        ..ClosedLoop::new(Arc::new(joint.clone()), controller)
+        ..SimulatedRobot::closed_loop(Arc::new(joint.clone()), Arc::new(controller), T)
     };
     let (kind, seed) = (GridKind::Odd, 0);
     let design = GridDesign {

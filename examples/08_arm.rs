@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use frfid::estimate::{BlaOptions, estimate_bla};
 use frfid::experiment::RobotTable;
-use frfid::plant::{Arm, Challenges, ClosedLoop, Hold, PiController, Robot as _};
+use frfid::plant::{Arm, Challenges, Hold, PiController, Robot as _, SimulatedRobot};
 use frfid::signals::{
     Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind,
     Testbed as _,
@@ -89,16 +89,8 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Largest error of the BLA over the largest entry of the truth.
 fn small_experiment(arm: &Arm, peak: f64) -> Result<f64, Box<dyn Error>> {
-    let controller = PiController {
-        gain: vec![1500.0, 1500.0, 400.0],
-        integral_gain: vec![12e3, 12e3, 3200.0],
-        position_gain: None,
-        sample_time_s: T,
-        delay_samples: 0,
-        max_torque_nm: None,
-        max_torque_rate_nm_per_s: None,
-    };
-    let testbed = ClosedLoop::new(Arc::new(arm.clone()), controller);
+    let controller = PiController::new(vec![1500.0, 1500.0, 400.0], vec![12e3, 12e3, 3200.0]);
+    let testbed = SimulatedRobot::closed_loop(Arc::new(arm.clone()), Arc::new(controller), T);
     let design = GridDesign {
         low_hz: 2.0,
         high_hz: 60.0,

@@ -5,10 +5,11 @@
 
 use std::error::Error;
 use std::path::Path;
+use std::sync::Arc;
 
 use frfid::estimate::{ShapeOptions, Shaped, Step, shape};
 use frfid::experiment::RobotTable;
-use frfid::plant::{ClosedLoop, PiController};
+use frfid::plant::{PiController, SimulatedRobot};
 use frfid::signals::{Chirp, Limit, Phasing, Profile, SignalError};
 use ndarray::Array3;
 
@@ -18,19 +19,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let file = RobotTable::load(
         &Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/robots/manutec_r3.toml"),
     )?;
-    let controller = PiController {
-        gain: vec![1500.0, 1500.0, 400.0],
-        integral_gain: vec![12e3, 12e3, 3200.0],
-        position_gain: None,
-        sample_time_s: T,
-        delay_samples: 0,
-        max_torque_nm: None,
-        max_torque_rate_nm_per_s: None,
-    };
+    let controller = PiController::new(vec![1500.0, 1500.0, 400.0], vec![12e3, 12e3, 3200.0]);
     let arm = file.robot()?;
-    let testbed = ClosedLoop {
+    let testbed = SimulatedRobot {
         sensors: file.sensors(),
-        ..ClosedLoop::new(arm, controller)
+        ..SimulatedRobot::closed_loop(arm, Arc::new(controller), T)
     };
     let shaped_to = |amplitudes, step| -> Result<Shaped, Box<dyn Error>> {
         let options = ShapeOptions {

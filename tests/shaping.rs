@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use frfid::estimate::{Note, ShapeOptions, Shaped, Shaper, Step, shape};
 use frfid::experiment::Experiment;
-use frfid::plant::{ClosedLoop, PiController, SingleJoint};
+use frfid::plant::{PiController, SimulatedRobot, SingleJoint};
 use frfid::signals::{Chirp, Limit, Phasing, Profile, Testbed};
 use rayon::prelude::*;
 
@@ -147,19 +147,10 @@ fn the_torques_of_table_1_leave_axis_2_of_the_r3_sticking_above_40_hz() {
 
 #[test]
 fn claim_7_the_single_joint_gets_its_torque_too() {
-    let gain = vec![2000.0];
-    let controller = PiController {
-        integral_gain: vec![16_000.0],
-        gain,
-        position_gain: None,
-        sample_time_s: 1e-3,
-        delay_samples: 0,
-        max_torque_nm: None,
-        max_torque_rate_nm_per_s: None,
-    };
+    let controller = PiController::new(vec![2000.0], vec![16_000.0]);
     let mut joint = SingleJoint::default();
     joint.joint.friction.coulomb_nm = 50.0;
-    let testbed = ClosedLoop::new(Arc::new(joint), controller);
+    let testbed = SimulatedRobot::closed_loop(Arc::new(joint), Arc::new(controller), 1e-3);
     let sample = |amplitude: f64| {
         let amplitude = vec![Profile::constant(amplitude)];
         let chirp = Chirp {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use frfid::estimate::{BlaOptions, estimate_bla};
 use frfid::experiment::{Experiment, TomlText};
-use frfid::plant::{ClosedLoop, LoopFrf, Sensor};
+use frfid::plant::{LoopFrf, Sensor, SimulatedRobot};
 use frfid::signals::{Excitation, Frf};
 use ndarray::{Array5, s};
 
@@ -80,8 +80,8 @@ fn experiment(peak_rad_s: f64, max_step_s: Option<f64>, velocity_by_differencing
     };
     let experiment = Experiment::new(source, &examples).expect("sound");
     let robot = experiment.robot();
-    let controller = experiment.controller().expect("described").clone();
-    let testbed = ClosedLoop {
+    let controller = experiment.controller().expect("described");
+    let testbed = SimulatedRobot {
         max_step_s,
         sensors: vec![
             Sensor {
@@ -90,7 +90,7 @@ fn experiment(peak_rad_s: f64, max_step_s: Option<f64>, velocity_by_differencing
             };
             3
         ],
-        ..ClosedLoop::new(robot.clone(), controller)
+        ..SimulatedRobot::closed_loop(robot.clone(), controller.clone(), 1e-3)
     };
     let n = experiment.plan().period_samples().expect("sound");
     let [mut r, mut u, mut y] = [(); 3].map(|()| Array5::<f64>::zeros((1, 3, 1, 3, n)));
@@ -130,7 +130,8 @@ fn experiment(peak_rad_s: f64, max_step_s: Option<f64>, velocity_by_differencing
     };
     let truth = LoopFrf::new(
         &**robot,
-        &testbed.controller,
+        &**controller,
+        1e-3,
         &testbed.sensors,
         &signal.grid.lines_hz(),
     )

@@ -1,6 +1,8 @@
 //! `frfid.PiController` and `frfid.run_closed_loop`.
 
-use frfid_plant::{ClosedLoop, PiController as Controller};
+use std::sync::Arc;
+
+use frfid_plant::{Controller as _, PiController as Controller, SimulatedRobot};
 use pyo3::prelude::*;
 
 use crate::batch::simulate;
@@ -40,6 +42,7 @@ use crate::record::Record;
 #[derive(PartialEq)]
 pub struct PiController {
     pub controller: Controller,
+    pub sample_time_s: f64,
 }
 
 #[pymethods]
@@ -73,10 +76,9 @@ impl PiController {
             value.map(|v| per_channel(name, v, n_axes)).transpose()
         };
         let controller = Controller {
-            gain: per_channel("gain", gain, n_axes)?,
-            integral_gain: per_channel("integral_gain", integral_gain, n_axes)?,
-            position_gain: per_axis("position_gain", position_gain)?,
-            sample_time_s,
+            gain_nms_per_rad: per_channel("gain", gain, n_axes)?,
+            integral_gain_nm_per_rad: per_channel("integral_gain", integral_gain, n_axes)?,
+            position_gain_per_s: per_axis("position_gain", position_gain)?,
             delay_samples,
             max_torque_nm: per_axis("max_torque_nm", max_torque_nm)?,
             max_torque_rate_nm_per_s: per_axis(
@@ -84,26 +86,31 @@ impl PiController {
                 max_torque_rate_nm_per_s,
             )?,
         };
-        controller.check(n_axes).map_err(error::signal)?;
-        Ok(Self { controller })
+        controller
+            .check(n_axes, sample_time_s)
+            .map_err(error::signal)?;
+        Ok(Self {
+            controller,
+            sample_time_s,
+        })
     }
 
     /// Proportional gain of each axis in N m s/rad.
     #[getter]
     fn gain(&self) -> Vec<f64> {
-        self.controller.gain.clone()
+        self.controller.gain_nms_per_rad.clone()
     }
 
     /// Integral gain of each axis in N m/rad.
     #[getter]
     fn integral_gain(&self) -> Vec<f64> {
-        self.controller.integral_gain.clone()
+        self.controller.integral_gain_nm_per_rad.clone()
     }
 
     /// Sample time in s.
     #[getter]
     fn sample_time_s(&self) -> f64 {
-        self.controller.sample_time_s
+        self.sample_time_s
     }
 
     /// Whole samples from reading the velocity to the torque's acting.
@@ -127,16 +134,16 @@ impl PiController {
     /// Gain of the position loop of each axis in 1/s, or None.
     #[getter]
     fn position_gain(&self) -> Option<Vec<f64>> {
-        self.controller.position_gain.clone()
+        self.controller.position_gain_per_s.clone()
     }
 
     fn __repr__(&self) -> String {
         let Controller {
-            gain,
-            integral_gain,
-            sample_time_s,
+            gain_nms_per_rad: gain,
+            integral_gain_nm_per_rad: integral_gain,
             ..
         } = &self.controller;
+        let sample_time_s = self.sample_time_s;
         format!(
             "<frfid.PiController: gain {gain:?}, integral_gain {integral_gain:?}, {sample_time_s} s per sample>"
         )
@@ -203,18 +210,22 @@ pub fn run_closed_loop(
         "r",
         r,
         &testbed,
-        controller.controller.sample_time_s,
+        controller.sample_time_s,
         velocity_rad_s,
         progress,
     )
 }
 
 /// The plant under the controller, with the plant's sensors.
-pub fn closed_loop(plant: &Plant, controller: &PiController, seed: u64) -> ClosedLoop {
-    let (robot, controller) = (plant.robot.clone(), controller.controller.clone());
-    ClosedLoop {
+pub fn closed_loop(plant: &Plant, controller: &PiController, seed: u64) -> SimulatedRobot {
+    let robot = Arc::clone(&plant.robot);
+    let (pi, sample_time_s) = (
+        Arc::new(controller.controller.clone()),
+        controller.sample_time_s,
+    );
+    SimulatedRobot {
         sensors: plant.sensors.clone(),
         seed,
-        ..ClosedLoop::new(robot, controller)
+        ..SimulatedRobot::closed_loop(robot, pi, sample_time_s)
     }
 }

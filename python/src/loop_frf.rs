@@ -42,8 +42,14 @@ pub fn loop_frf(plant: &Plant, controller: &PiController, hz: &Bound<'_, PyAny>)
     let hz = real::<Ix1>("hz", hz, &[&["frequency"]])?
         .as_array()
         .to_vec();
-    let frfs = LoopFrf::new(&*plant.robot, &controller.controller, &plant.sensors, &hz)
-        .map_err(error::signal)?;
+    let frfs = LoopFrf::new(
+        &*plant.robot,
+        &controller.controller,
+        controller.sample_time_s,
+        &plant.sensors,
+        &hz,
+    )
+    .map_err(error::signal)?;
     Ok(Loop {
         sensitivity: frfs.sensitivity.into(),
         r_to_u: frfs.reference_to_torque.into(),

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use frfid_experiment::{RobotTable, SingleJointTable, TomlText};
-use frfid_plant::{Arm, Challenges, Hold, OpenLoop, Robot, Sensor};
+use frfid_plant::{Actuation, Arm, Challenges, Hold, Robot, Sensor, SimulatedRobot};
 use ndarray::Ix1;
 use numpy::PyArrayDyn;
 use pyo3::exceptions::PyValueError;
@@ -288,11 +288,13 @@ impl Plant {
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Record> {
         let (robot, sensors) = (self.robot.clone(), self.sensors.clone());
-        let testbed = OpenLoop {
+        let testbed = SimulatedRobot {
             sensors,
             seed,
-            hold: choice("hold", hold)?,
-            ..OpenLoop::new(robot)
+            actuation: Actuation::Torque {
+                hold: choice("hold", hold)?,
+            },
+            ..SimulatedRobot::open_loop(robot)
         };
         simulate("u", u, &testbed, sample_time_s, velocity_rad_s, progress)
     }

@@ -148,7 +148,7 @@ def test_the_spectrogram_is_scipy_s():
             lambda r3: frfid.run_closed_loop(
                 r3, frfid.PiController(gain=1.0, integral_gain=0.0, sample_time_s=T), np.zeros((3, 5))
             ),
-            "gain has shape",
+            "gain_nms_per_rad has shape",
         ),
     ],
 )

@@ -147,7 +147,7 @@ def test_the_closed_loop_is_numpy_s(scipy_joint, limit):
         (lambda: frfid.Plant.single_joint().simulate([[1.0]], sample_time_s=-T), "sample_time_s is -0.001"),
         (lambda: frfid.Plant.single_joint().simulate([[1.0]], sample_time_s=T, hold="continuous"), "hold"),
         (lambda: frfid.Plant.single_joint().simulate([[1.0]], sample_time_s=T, velocity_rad_s=[1.0, 2.0]), "velocity_rad_s"),
-        (lambda: frfid.PiController(gain=-1.0, integral_gain=0.0, sample_time_s=T), "gain is -1"),
+        (lambda: frfid.PiController(gain=-1.0, integral_gain=0.0, sample_time_s=T), "gain_nms_per_rad is -1"),
     ],
 )
 def test_bad_input_is_named(call, says):

@@ -2,14 +2,36 @@
 //! Python wheel call [`main`].
 
 mod arguments;
-mod command;
+/// One file for each command: its arguments and what it does.
+mod command {
+    pub(crate) mod check;
+    pub(crate) mod compare;
+    pub(crate) mod completions;
+    pub(crate) mod demo;
+    pub(crate) mod design;
+    pub(crate) mod estimate;
+    pub(crate) mod export;
+    pub(crate) mod init;
+    pub(crate) mod man;
+    pub(crate) mod recover;
+    pub(crate) mod run;
+    pub(crate) mod schema;
+    pub(crate) mod shape;
+}
 mod console;
 mod exit;
 mod interrupt;
 mod log_map;
 mod options;
 mod progress;
-mod text;
+/// Texts for people: tables of what was designed, reached and checked.
+mod text {
+    pub(crate) mod checks;
+    pub(crate) mod load;
+    pub(crate) mod plan;
+    pub(crate) mod strength;
+    pub(crate) mod table;
+}
 
 use std::ffi::OsString;
 use std::io::Write;

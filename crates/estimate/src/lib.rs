@@ -7,13 +7,36 @@
 mod compare;
 mod error;
 mod excitation_strength;
-mod frf;
-mod glide;
+/// Estimators of the FRF matrix from spectra.
+mod frf {
+    pub(crate) mod bla;
+    pub(crate) mod excerpts;
+    pub(crate) mod joint_input_output;
+    pub(crate) mod right_division;
+    pub(crate) mod singular;
+}
+/// Glide subtraction: what a constant velocity alone leaves in a record is taken off.
+mod glide {
+    pub(crate) mod by_position;
+    pub(crate) mod in_time;
+    pub(crate) mod ripple_residual;
+    pub(crate) mod torque_table;
+}
 mod harmonics;
 mod median;
-mod recording;
+/// What is found in a recording that frfid did not make: its period, its lines, its transient.
+mod recording {
+    pub(crate) mod lines;
+    pub(crate) mod period;
+    pub(crate) mod transient;
+}
 mod shape;
-mod spectra;
+/// Spectra of runs: from samples to lines.
+mod spectra {
+    pub(crate) mod campaign;
+    pub(crate) mod excerpt;
+    pub(crate) mod line_dft;
+}
 mod spectrogram;
 #[cfg(test)]
 mod testing;

@@ -3,13 +3,14 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use frfid_plant::{PiController, Robot, Sensor};
+use frfid_plant::{Controller, Robot, Sensor};
 use frfid_signals::{Limit, Limits, Plan};
 
 use crate::description::config::Config;
+use crate::description::controller::ControllerTable;
 use crate::description::templates::Template;
 use crate::description::text::{ConfigError, TomlText};
-use crate::design::plan::design;
+use crate::design::plan::{design, located};
 
 /// A description that was read and found sound, and everything that it describes.
 #[derive(Debug, Clone)]
@@ -20,7 +21,7 @@ pub struct Experiment {
     pub(crate) joint_names: Vec<String>,
     pub(crate) pose_rad: Vec<f64>,
     pub(crate) sensors: Vec<Sensor>,
-    pub(crate) controller: Option<PiController>,
+    pub(crate) controller: Option<Arc<dyn Controller>>,
     pub(crate) limits: Limits,
     pub(crate) plan: Plan,
 }
@@ -47,7 +48,7 @@ impl Experiment {
     /// # Errors
     /// As [`Experiment::load`].
     pub fn new(text: TomlText, folder: &Path) -> Result<Self, ConfigError> {
-        let mut config: Config = text.parse()?;
+        let mut config: Config = text.parse_kinds(&Config::TABLES_OF_KINDS)?;
         config.robot.read_files(&text, folder)?;
         Self::of(config, text)
     }
@@ -76,17 +77,17 @@ impl Experiment {
             .robot
             .resolve()
             .map_err(|fault| text.locate(&["robot"], fault))?;
-        let controller = config.controller.as_ref();
-        controller
-            .map_or(Ok(()), |table| {
-                table.check(config.sample_time_s, robot.n_axes())
-            })
-            .map_err(|fault| text.locate(&["controller"], fault))?;
+        let controller = config.controller.as_ref().map(ControllerTable::controller);
+        if let Some(controller) = &controller {
+            controller
+                .check(robot.n_axes(), config.sample_time_s)
+                .map_err(|error| text.locate(&[], located("controller", &error)))?;
+        }
         let experiment = Self {
             joint_names: config.robot.joint_names(),
             pose_rad: config.robot.pose(),
             sensors: config.robot.sensors(),
-            controller: controller.map(|table| table.controller(config.sample_time_s)),
+            controller,
             limits: config.limits.tighter(&config.robot.limits()),
             plan: design(&config).map_err(|fault| text.locate(&[], fault))?,
             text,
@@ -135,7 +136,7 @@ impl Experiment {
 
     /// The controller; `None` in open loop.
     #[must_use]
-    pub fn controller(&self) -> Option<&PiController> {
+    pub fn controller(&self) -> Option<&Arc<dyn Controller>> {
         self.controller.as_ref()
     }
 

@@ -1,19 +1,51 @@
 //! One description, the whole workflow: `experiment.toml` to plan, runs and FRF.
 
-mod description;
-mod design;
+/// `experiment.toml`: the description of an experiment, its text and its tables.
+mod description {
+    pub(crate) mod config;
+    pub(crate) mod controller;
+    pub(crate) mod estimate;
+    pub(crate) mod excitation;
+    pub(crate) mod robot;
+    pub(crate) mod schema;
+    pub(crate) mod shape;
+    pub(crate) mod templates;
+    pub(crate) mod text;
+}
+/// Design: from a description to its plan, and what the plan will ask of the robot.
+mod design {
+    pub(crate) mod cost;
+    pub(crate) mod plan;
+    pub(crate) mod predict;
+    pub(crate) mod preflight;
+}
 mod error;
 mod estimate;
 mod experiment;
-mod run;
-mod shape;
+/// Runs: done on a testbed, several at once, and kept.
+mod run {
+    pub(crate) mod folder;
+    pub(crate) mod load;
+    pub(crate) mod parallel;
+    pub(crate) mod planned_runs;
+    pub(crate) mod provenance;
+    pub(crate) mod simulated;
+}
+/// Iterative shaping of a chirp in closed loop, with everything on disk.
+mod shape {
+    pub(crate) mod begin;
+    pub(crate) mod folder;
+    pub(crate) mod in_memory;
+    pub(crate) mod iteration_files;
+    pub(crate) mod report;
+}
 
 pub use description::config::{AveragingTable, Config, ConstantVelocityTable};
+pub use description::controller::ControllerTable;
 pub use description::estimate::{Average, EstimateTable, GlideSubtraction};
 pub use description::excitation::{Amplitude, ChirpTable, MultisineTable};
 pub use description::robot::RobotTable;
 pub use description::robot::body::BodyTable;
-pub use description::robot::controller::ControllerTable;
 pub use description::robot::joint::{JointTable, MotorRippleTable, SingleJointTable};
 pub use description::robot::urdf::UrdfTable;
 pub use description::schema::schema;

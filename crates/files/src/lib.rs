@@ -11,11 +11,36 @@ mod error;
 mod hostile_tests;
 mod log;
 mod loss;
-mod mcap;
+/// MCAP containers: read with every checksum, written, recovered.
+mod mcap {
+    pub(crate) mod chunk;
+    pub(crate) mod open;
+    pub(crate) mod read;
+    pub(crate) mod record;
+    pub(crate) mod recover;
+    pub(crate) mod summary;
+    pub(crate) mod write;
+}
 mod plan;
 mod result;
-mod ros;
-mod run;
+/// ROS 2 messages: definitions, CDR, and values picked out of them.
+mod ros {
+    pub(crate) mod cdr_read;
+    pub(crate) mod cdr_write;
+    pub(crate) mod definition;
+    pub(crate) mod joint_state;
+    pub(crate) mod selector;
+    pub(crate) mod value;
+}
+/// Run files: what one run measured, and where it comes from.
+mod run {
+    pub(crate) mod header;
+    pub(crate) mod read;
+    #[cfg(test)]
+    pub(crate) mod tests;
+    pub(crate) mod topics;
+    pub(crate) mod write;
+}
 mod sha256;
 
 pub use atomic_write::{BoxError, Overwrite, check_free, create_folder, part_path, write_bytes};

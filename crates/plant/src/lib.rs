@@ -6,29 +6,54 @@
 
 mod arm;
 mod challenges;
-mod control;
+/// Control: sensors, controllers of the motor velocity, and the watch over limits.
+mod control {
+    pub(crate) mod controller;
+    pub(crate) mod pi;
+    pub(crate) mod sensor;
+    pub(crate) mod torque_limits;
+    pub(crate) mod watch;
+}
 mod error;
-mod joint;
-mod linear_loop;
+/// A flexible joint: motor, gear, friction and torque ripple of one axis.
+mod joint {
+    pub(crate) mod flexible_joint;
+    pub(crate) mod friction;
+    pub(crate) mod ripple;
+    pub(crate) mod spring;
+}
+/// The linear truth: state space models, and the FRFs and poles of the closed loop at the pose.
+mod linear {
+    pub(crate) mod loop_frf;
+    pub(crate) mod loop_poles;
+    pub(crate) mod state_space;
+}
 mod motion;
 mod robot;
 mod single_joint;
-mod state_space;
-mod testbed;
+/// Testbeds: a run goes in, a record comes out, sample by sample.
+mod testbed {
+    pub(crate) mod command;
+    pub(crate) mod recorder;
+    pub(crate) mod simulate;
+    pub(crate) mod simulated_robot;
+}
 
 pub use arm::inertia::Inertia;
 pub use arm::{Arm, Body, BodyJoint, Payload};
 pub use challenges::{Challenges, is_posed};
+pub use control::controller::{Controller, ControllerAxis, ControllerOutput, LinearController};
 pub use control::pi::PiController;
 pub use control::sensor::Sensor;
-pub use control::watch::Watch;
+pub use control::watch::{Reached, Watch};
 pub use error::PlantError;
 pub use joint::flexible_joint::FlexibleJoint;
 pub use joint::friction::{Friction, Slip};
 pub use joint::ripple::Ripple;
 pub use joint::spring::{Branch, Spring};
-pub use linear_loop::loop_frf::LoopFrf;
-pub use linear_loop::loop_poles::{check_stability, loop_poles};
+pub use linear::loop_frf::LoopFrf;
+pub use linear::loop_poles::{check_stability, loop_poles};
+pub use linear::state_space::{Hold, StateSpace};
 pub use motion::equations::{Links, Machine, SingleLink};
 pub use motion::integrator::Integrator;
 pub use motion::scalar::Scalar;
@@ -37,7 +62,5 @@ pub use motion::trajectory::Trajectory;
 pub use motion::{Acting, Motion};
 pub use robot::Robot;
 pub use single_joint::SingleJoint;
-pub use state_space::{Hold, StateSpace};
-pub use testbed::closed_loop::ClosedLoop;
-pub use testbed::open_loop::OpenLoop;
 pub use testbed::simulate::{Clock, Torque, simulate};
+pub use testbed::simulated_robot::{Actuation, SimulatedRobot};

@@ -8,8 +8,8 @@ use frfid_signals::{Frf, SignalError};
 
 use crate::control::sensor::Sensor;
 use crate::error::PlantError;
+use crate::linear::state_space::{Hold, StateSpace};
 use crate::motion::Motion;
-use crate::state_space::{Hold, StateSpace};
 
 /// A robot in software: the description of a machine that can be set in motion and linearised.
 pub trait Robot: Debug + Send + Sync {

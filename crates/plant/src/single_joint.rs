@@ -7,12 +7,12 @@ use crate::error::PlantError;
 use crate::joint::flexible_joint::FlexibleJoint;
 use crate::joint::friction::Friction;
 use crate::joint::spring::Spring;
+use crate::linear::state_space::StateSpace;
 use crate::motion::Motion;
 use crate::motion::equations::{Machine, SingleLink};
 use crate::motion::integrator::Integrator;
 use crate::motion::mechanics::Mechanics;
 use crate::robot::Robot;
-use crate::state_space::StateSpace;
 
 /// One motor and one link with a gear between them; everything on the joint side of the gear.
 ///
@@ -122,7 +122,7 @@ mod tests {
     use super::*;
     use crate::control::sensor::Sensor;
     use crate::joint::ripple::Ripple;
-    use crate::state_space::Hold;
+    use crate::linear::state_space::Hold;
 
     /// Sets one field of a joint.
     type Setter = fn(&mut SingleJoint, f64);

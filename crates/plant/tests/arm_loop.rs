@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use frfid_plant::{
-    Challenges, ClosedLoop, LoopFrf, PiController, PlantError, Sensor, check_stability,
+    Challenges, LoopFrf, PiController, PlantError, Sensor, SimulatedRobot, check_stability,
 };
 use frfid_signals::{Record, Run, RunId, RunKind, Testbed as _};
 use manutec_r3::manutec_r3;
@@ -17,15 +17,10 @@ const T: f64 = 1e-3;
 const PERIOD: usize = 500;
 
 fn controller() -> PiController {
-    PiController {
-        gain: vec![1500.0, 1500.0, 400.0],
-        integral_gain: vec![12_000.0, 12_000.0, 3200.0],
-        position_gain: None,
-        sample_time_s: T,
-        delay_samples: 0,
-        max_torque_nm: None,
-        max_torque_rate_nm_per_s: None,
-    }
+    PiController::new(
+        vec![1500.0, 1500.0, 400.0],
+        vec![12_000.0, 12_000.0, 3200.0],
+    )
 }
 
 fn run(reference: Array2<f64>) -> Run {
@@ -54,7 +49,7 @@ fn at_rest_the_controller_holds_the_arm_against_gravity_from_the_first_sample() 
         };
         let gravity = arm.gravity_torque_nm(&arm.pose_rad).expect("sound");
         assert!(gravity[1].abs() > 400.0);
-        let record = ClosedLoop::new(Arc::new(arm), controller())
+        let record = SimulatedRobot::closed_loop(Arc::new(arm), Arc::new(controller()), T)
             .run(&run(Array2::zeros((3, 500))))
             .expect("sound");
         for ((axis, _), u) in record.u.indexed_iter() {
@@ -88,8 +83,8 @@ fn a_small_motion_of_one_axis_moves_all_torques_and_axes_as_the_linear_loop_says
         .iter()
         .map(|&line| line as f64 / (T * PERIOD as f64))
         .collect();
-    let truth = LoopFrf::new(&arm, &controller(), &[Sensor::default(); 3], &hz).expect("sound");
-    let Record { u, y, .. } = ClosedLoop::new(Arc::new(arm), controller())
+    let truth = LoopFrf::new(&arm, &controller(), T, &[Sensor::default(); 3], &hz).expect("sound");
+    let Record { u, y, .. } = SimulatedRobot::closed_loop(Arc::new(arm), Arc::new(controller()), T)
         .run(&run(reference.clone()))
         .expect("sound");
     let dft = |x: &Array2<f64>, axis: usize, line: usize| -> Complex64 {
@@ -125,11 +120,11 @@ fn a_small_motion_of_one_axis_moves_all_torques_and_axes_as_the_linear_loop_says
 fn unstable_gains_are_named_with_their_axis() {
     let (arm, sensors) = (manutec_r3(), [Sensor::default(); 3]);
     assert_eq!(arm.n_axes(), 3);
-    check_stability(&arm, &controller(), &sensors).expect("stable");
+    check_stability(&arm, &controller(), T, &sensors).expect("stable");
     for axis in 0..3 {
         let mut wild = controller();
-        wild.gain[axis] = 1e6;
-        let error = check_stability(&arm, &wild, &sensors).expect_err("unstable");
+        wild.gain_nms_per_rad[axis] = 1e6;
+        let error = check_stability(&arm, &wild, T, &sensors).expect_err("unstable");
         assert!(
             matches!(error, PlantError::Unstable { channel, .. } if channel == axis),
             "{error}"
@@ -143,11 +138,11 @@ fn unstable_gains_are_named_with_their_axis() {
         );
     }
     let limp = PiController {
-        gain: vec![10.0; 3],
-        integral_gain: vec![0.0; 3],
+        gain_nms_per_rad: vec![10.0; 3],
+        integral_gain_nm_per_rad: vec![0.0; 3],
         ..controller()
     };
-    let error = check_stability(&arm, &limp, &sensors).expect_err("gravity pulls it down");
+    let error = check_stability(&arm, &limp, T, &sensors).expect_err("gravity pulls it down");
     assert!(
         error
             .to_string()

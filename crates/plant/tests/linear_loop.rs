@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use frfid_plant::{
-    ClosedLoop, Hold, LoopFrf, PiController, PlantError, Robot, Sensor, SingleJoint,
+    Hold, LoopFrf, PiController, PlantError, Robot, Sensor, SimulatedRobot, SingleJoint,
     check_stability, loop_poles,
 };
 use frfid_signals::{Run, RunId, RunKind, Testbed};
@@ -17,15 +17,7 @@ const PERIOD: usize = 1000;
 const N_PERIODS: usize = 8;
 
 fn controller() -> PiController {
-    PiController {
-        gain: vec![2500.0],
-        integral_gain: vec![20_000.0],
-        position_gain: None,
-        sample_time_s: T,
-        delay_samples: 0,
-        max_torque_nm: None,
-        max_torque_rate_nm_per_s: None,
-    }
+    PiController::new(vec![2500.0], vec![20_000.0])
 }
 
 fn joint() -> SingleJoint {
@@ -72,24 +64,24 @@ fn a_steady_period_of_the_loop_has_its_analytic_frfs() {
     for case in 0..24 {
         let controller = PiController {
             delay_samples: case % 3,
-            position_gain: (case / 3 % 2 == 1).then(|| vec![5.0]),
+            position_gain_per_s: (case / 3 % 2 == 1).then(|| vec![5.0]),
             ..controller()
         };
         let sensor = Sensor {
             velocity_by_differencing: [false, true][case / 6 % 2],
-            velocity_filter_hz: (case / 12 == 1).then_some(200.0),
+            velocity_filter_hz: (case / 12 % 2 == 1).then_some(200.0),
             ..Sensor::default()
         };
-        let truth = LoopFrf::new(&joint(), &controller, &[sensor], &hz).expect("sound");
-        check_stability(&joint(), &controller, &[sensor]).expect("stable");
+        let truth = LoopFrf::new(&joint(), &controller, T, &[sensor], &hz).expect("sound");
+        check_stability(&joint(), &controller, T, &[sensor]).expect("stable");
         let described = format!("{controller:?}, {sensor:?}");
         // half the usual step: differences at 409 Hz are small, and RK4 errs by 1.3e-9 of them with
         // the usual one
         let (sensors, max_step_s) = (vec![sensor], Some(5e-5));
-        let testbed = ClosedLoop {
+        let testbed = SimulatedRobot {
             sensors,
             max_step_s,
-            ..ClosedLoop::new(Arc::new(joint()), controller)
+            ..SimulatedRobot::closed_loop(Arc::new(joint()), Arc::new(controller), T)
         };
         let record = testbed.run(&run(reference.clone())).expect("sound");
         for (what, output, input, truth) in [
@@ -121,7 +113,7 @@ fn without_a_position_loop_the_sensitivity_is_what_is_left_of_the_reference() {
         reference_to_velocity,
         plant,
         ..
-    } = LoopFrf::new(&joint(), &controller(), &[Sensor::default()], &hz).expect("sound");
+    } = LoopFrf::new(&joint(), &controller(), T, &[Sensor::default()], &hz).expect("sound");
     for line in 0..hz.len() {
         let left = 1.0 - reference_to_velocity.response[[line, 0, 0]];
         assert!((sensitivity.response[[line, 0, 0]] - left).norm() < 1e-12);
@@ -132,9 +124,9 @@ fn without_a_position_loop_the_sensitivity_is_what_is_left_of_the_reference() {
 /// Growth per sample of the loop's motion, measured over the samples from `from` on.
 fn growth(controller: &PiController, sensors: &[Sensor], [from, to]: [usize; 2]) -> f64 {
     let kick = Array2::from_shape_fn((1, to + 200), |(_, n)| f64::from(u8::from(n < 5)));
-    let testbed = ClosedLoop {
+    let testbed = SimulatedRobot {
         sensors: sensors.to_vec(),
-        ..ClosedLoop::new(Arc::new(joint()), controller.clone())
+        ..SimulatedRobot::closed_loop(Arc::new(joint()), Arc::new(controller.clone()), T)
     };
     let y = testbed.run(&run(kick)).expect("numbers").y;
     let peak = |from: usize| {
@@ -155,13 +147,13 @@ fn a_loop_grows_in_simulation_as_its_poles_say() {
     let mut verdicts = Vec::new();
     for gain in [5000.0, 10_000.0, 15_000.0, 20_000.0] {
         let controller = PiController {
-            gain: vec![gain],
+            gain_nms_per_rad: vec![gain],
             delay_samples: 2,
-            position_gain: Some(vec![5.0]),
+            position_gain_per_s: Some(vec![5.0]),
             ..controller()
         };
-        let radius = loop_poles(&joint(), &controller, &sensors).expect("sound")[0].norm();
-        let verdict = check_stability(&joint(), &controller, &sensors);
+        let radius = loop_poles(&joint(), &controller, T, &sensors).expect("sound")[0].norm();
+        let verdict = check_stability(&joint(), &controller, T, &sensors);
         verdicts.push(verdict.is_ok());
         assert_eq!(verdict.is_ok(), radius < 1.0);
         if let Err(error) = verdict {
@@ -201,19 +193,19 @@ fn velocity_control_leaves_the_position_free_and_is_stable() {
             ..Sensor::default()
         }],
     ] {
-        let poles = loop_poles(&joint(), &controller(), &sensors).expect("sound");
+        let poles = loop_poles(&joint(), &controller(), T, &sensors).expect("sound");
         assert!(
             (poles[0] - 1.0).norm() < 1e-9 && poles[1].norm() < 1.0 - 1e-4,
             "{poles:?}"
         );
-        check_stability(&joint(), &controller(), &sensors).expect("stable");
+        check_stability(&joint(), &controller(), T, &sensors).expect("stable");
     }
 }
 
 #[test]
 fn what_does_not_fit_is_refused() {
     let frf = |controller: &PiController, sensors: &[Sensor], hz| {
-        LoopFrf::new(&joint(), controller, sensors, &[hz])
+        LoopFrf::new(&joint(), controller, T, sensors, &[hz])
     };
     let sensors = [Sensor::default()];
     for hz in [0.0, -1.0, 500.0, 1000.0, f64::NAN] {
@@ -231,16 +223,16 @@ fn what_does_not_fit_is_refused() {
             .starts_with("sensors has shape")
     );
     let two = PiController {
-        gain: vec![1.0; 2],
+        gain_nms_per_rad: vec![1.0; 2],
         ..controller()
     };
-    assert!(frf(&two, &sensors, 1.0).is_err() && loop_poles(&joint(), &two, &sensors).is_err());
+    assert!(frf(&two, &sensors, 1.0).is_err() && loop_poles(&joint(), &two, T, &sensors).is_err());
     let huge = PiController {
-        gain: vec![f64::MAX],
+        gain_nms_per_rad: vec![f64::MAX],
         ..controller()
     };
     assert!(
-        loop_poles(&joint(), &huge, &sensors).is_err()
-            || check_stability(&joint(), &huge, &sensors).is_err()
+        loop_poles(&joint(), &huge, T, &sensors).is_err()
+            || check_stability(&joint(), &huge, T, &sensors).is_err()
     );
 }

@@ -3,7 +3,15 @@
 //! Plain structs go in, pictures ([`Figure`]: SVG and PNG) and one self-contained HTML page come
 //! out. Nothing here reads or writes files; the same inputs give the same bytes.
 
-mod diagrams;
+/// Diagrams: an FRF, a spectrogram, signals over time, the convergence of a shaping.
+mod diagrams {
+    pub(crate) mod bode;
+    pub(crate) mod convergence;
+    pub(crate) mod curve;
+    pub(crate) mod phase;
+    pub(crate) mod spectrogram;
+    pub(crate) mod time_series;
+}
 mod error;
 mod figure;
 mod page;

@@ -4,10 +4,10 @@ use frfid_signals::Limits;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::description::controller::ControllerTable;
 use crate::description::estimate::EstimateTable;
 use crate::description::excitation::{ChirpTable, MultisineTable};
 use crate::description::robot::RobotTable;
-use crate::description::robot::controller::ControllerTable;
 use crate::description::shape::ShapeTable;
 
 /// An experiment, as `experiment.toml` describes it. Frequencies in Hz, everything else in SI units
@@ -41,6 +41,11 @@ pub struct Config {
     pub estimate: EstimateTable,
     /// What the reference of the chirp is shaped towards, by `frfid shape`.
     pub shape: Option<ShapeTable>,
+}
+
+impl Config {
+    /// Tables whose key `kind` says what they describe, and what they describe without it.
+    pub(crate) const TABLES_OF_KINDS: [(&str, &str); 1] = [("controller", "pi")];
 }
 
 /// How often what is repeated.

@@ -6,6 +6,7 @@ use std::path::Path;
 
 use frfid_signals::SignalError;
 use serde::de::DeserializeOwned;
+use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 /// A configuration text and the name it goes by in messages.
@@ -162,6 +163,32 @@ impl TomlText {
             .map_err(|error| self.error_at(error.span(), error.message().trim().to_owned()))
     }
 
+    /// As [`TomlText::parse`]; the tables of these names are enums, of which their key `kind` names
+    /// the variant, or the second name where there is none.
+    ///
+    /// Serde's own internally tagged enums read a table into a buffer and lose where its values
+    /// stand. So the kind is taken out, and the rest put behind it, as an externally tagged enum
+    /// has it.
+    pub(crate) fn parse_kinds<T: DeserializeOwned>(
+        &self,
+        tables: &[(&str, &'static str)],
+    ) -> Result<T, ConfigError> {
+        let error_at =
+            |error: toml::de::Error| self.error_at(error.span(), error.message().trim().to_owned());
+        let mut root = DeTable::parse(&self.text).map_err(error_at)?;
+        for &(table, default) in tables {
+            if let Some(value) = root.get_mut().get_mut(table) {
+                put_behind_kind(value, default).map_err(|span| {
+                    self.error_at(
+                        Some(span),
+                        "needed: the name of a kind, in quotes".to_owned(),
+                    )
+                })?;
+            }
+        }
+        T::deserialize(toml::Deserializer::from(root)).map_err(error_at)
+    }
+
     /// An error at the value of `path` (keys from the outermost table inwards, in lists the number
     /// from 0), or at the innermost of its tables that exists.
     #[must_use]
@@ -237,6 +264,27 @@ impl TomlText {
             text: text.to_owned(),
         }
     }
+}
+
+/// Makes { kind = "a", x = 1 } to { a = { x = 1 } }, or returns the place of a kind that is no text.
+/// Anything but a table is left to whoever reads it.
+fn put_behind_kind(
+    value: &mut Spanned<DeValue>,
+    default: &'static str,
+) -> Result<(), Range<usize>> {
+    let span = value.span();
+    let DeValue::Table(table) = value.get_mut() else {
+        return Ok(());
+    };
+    let name = match table.get("kind").map(|kind| (kind.span(), kind.get_ref())) {
+        Some((span, DeValue::String(kind))) => Spanned::new(span, kind.clone()),
+        Some((span, _)) => return Err(span),
+        None => Spanned::new(span.clone(), default.into()),
+    };
+    table.remove("kind");
+    let rest = Spanned::new(span, DeValue::Table(std::mem::take(table)));
+    table.insert(name, rest);
+    Ok(())
 }
 
 #[cfg(test)]

@@ -241,9 +241,9 @@ fn of_injection<T: Clone>(
     }
 }
 
-/// A numeric crate's complaint where its value stands: what it counts and the clock lie in tables
-/// of their own, everything else in `table`.
-fn located(table: &str, error: &SignalError) -> Fault {
+/// A numeric crate's complaint about `table` where its value stands: what a plan counts and the
+/// clock lie in tables of their own.
+pub(crate) fn located(table: &str, error: &SignalError) -> Fault {
     let path = error.path();
     let table: &[&str] = match path.first() {
         Some(&("realizations" | "repetitions" | "periods")) => &["averaging"],

@@ -15,7 +15,9 @@ impl Experiment {
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = self.robot.warnings();
         if let Some(controller) = &self.controller {
-            let checked = check_stability(&*self.robot, controller, &self.sensors);
+            let sample_time_s = self.config.sample_time_s;
+            let checked =
+                check_stability(&*self.robot, &**controller, sample_time_s, &self.sensors);
             warnings.extend(checked.err().map(|error| error.to_string()));
         }
         warnings

@@ -3,49 +3,13 @@
 
 use std::sync::Arc;
 
-use frfid_plant::{ClosedLoop, Hold, OpenLoop, Trajectory, Watch};
-use frfid_signals::{Frf, Limit, Limits, Record, Run, SignalError, Testbed, TestbedError};
+use frfid_plant::{Hold, SimulatedRobot, Watch};
+use frfid_signals::{Frf, Limit, Limits, SignalError, Testbed};
 
 use crate::experiment::Experiment;
 
 /// Time in s in which a run that exceeds a limit is brought to rest.
 const RAMP_S: f64 = 0.2;
-
-/// A robot in open loop, or under its controller.
-#[derive(Debug, Clone)]
-pub(crate) enum Simulator {
-    /// The reference is the motor torque.
-    Open(OpenLoop),
-    /// The reference is the motor velocity.
-    Closed(ClosedLoop),
-}
-
-impl Simulator {
-    /// Does one run; returns the true motion beside what the sensors recorded.
-    pub fn simulate(&self, run: &Run) -> Result<(Record, Trajectory), TestbedError> {
-        match self {
-            Self::Open(testbed) => testbed
-                .simulate(run)
-                .map_err(|error| error.in_run(run.id, &[])),
-            Self::Closed(testbed) => testbed
-                .simulate(run)
-                .map_err(|error| error.in_run(run.id, &testbed.controller.gain)),
-        }
-    }
-}
-
-impl Testbed for Simulator {
-    fn n_inputs(&self) -> usize {
-        match self {
-            Self::Open(testbed) => testbed.n_inputs(),
-            Self::Closed(testbed) => testbed.n_inputs(),
-        }
-    }
-
-    fn run(&self, run: &Run) -> Result<Record, TestbedError> {
-        Ok(self.simulate(run)?.0)
-    }
-}
 
 impl Experiment {
     /// The simulated robot, in open loop or under its controller if one is described. Runs that
@@ -56,22 +20,21 @@ impl Experiment {
     }
 
     /// The simulated robot, watched or not.
-    pub(crate) fn simulator(&self, watch: Option<Watch>) -> Simulator {
-        let (robot, sensors) = (Arc::clone(&self.robot), self.sensors.clone());
-        let seed = self.config.seed;
-        match self.controller.clone() {
-            None => Simulator::Open(OpenLoop {
-                sensors,
-                seed,
-                watch,
-                ..OpenLoop::new(robot)
-            }),
-            Some(controller) => Simulator::Closed(ClosedLoop {
-                sensors,
-                seed,
-                watch,
-                ..ClosedLoop::new(robot, controller)
-            }),
+    pub(crate) fn simulator(&self, watch: Option<Watch>) -> SimulatedRobot {
+        let robot = Arc::clone(&self.robot);
+        let simulated = match &self.controller {
+            None => SimulatedRobot::open_loop(robot),
+            Some(controller) => SimulatedRobot::closed_loop(
+                robot,
+                Arc::clone(controller),
+                self.config.sample_time_s,
+            ),
+        };
+        SimulatedRobot {
+            sensors: self.sensors.clone(),
+            seed: self.config.seed,
+            watch,
+            ..simulated
         }
     }
 

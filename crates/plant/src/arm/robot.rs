@@ -12,11 +12,11 @@ use crate::arm::links_at_pose::LinksAtPose;
 use crate::challenges::is_posed;
 use crate::error::PlantError;
 use crate::joint::flexible_joint::FlexibleJoint;
+use crate::linear::state_space::StateSpace;
 use crate::motion::Motion;
 use crate::motion::equations::Machine;
 use crate::motion::mechanics::Mechanics;
 use crate::robot::Robot;
-use crate::state_space::StateSpace;
 
 impl Arm {
     /// Mass matrix M in kg m^2 of the links at positions in rad of the moving joints.

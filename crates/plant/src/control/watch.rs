@@ -80,7 +80,7 @@ impl Watch {
 
 /// A limit that was reached.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Reached {
+pub struct Reached {
     /// Which limit.
     pub limit: Limit,
     /// The value.
@@ -91,7 +91,7 @@ pub(crate) struct Reached {
 
 impl Reached {
     /// The event of it on a channel.
-    pub fn event(self, channel: usize, time_s: f64) -> Event {
+    pub(crate) fn event(self, channel: usize, time_s: f64) -> Event {
         let Self {
             limit,
             value,

@@ -7,10 +7,10 @@ use std::fmt::Debug;
 use nalgebra::{DMatrix, DVector};
 
 use crate::joint::flexible_joint::FlexibleJoint;
+use crate::linear::state_space::StateSpace;
 use crate::motion::Motion;
 use crate::motion::equations::{Links, Machine};
 use crate::motion::integrator::Integrator;
-use crate::state_space::StateSpace;
 
 /// Joints on links, whatever they are and on however many axes. Slices hold one value for each
 /// axis; others panic.

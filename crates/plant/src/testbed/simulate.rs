@@ -164,8 +164,8 @@ mod tests {
     use std::f64::consts::TAU;
 
     use crate::control::sensor::Sensor;
+    use crate::linear::state_space::Hold;
     use crate::single_joint::SingleJoint;
-    use crate::state_space::Hold;
     use ndarray::{Array2, s};
     use num_complex::Complex64;
 

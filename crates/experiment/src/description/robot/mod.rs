@@ -2,7 +2,6 @@
 
 pub(crate) mod body;
 pub(crate) mod check;
-pub(crate) mod controller;
 pub(crate) mod joint;
 pub(crate) mod urdf;
 

@@ -8,11 +8,11 @@ use frfid_signals::checks::of_axes;
 use nalgebra::{DMatrix, DVector, Schur, linalg::balancing::balance_parlett_reinsch};
 use num_complex::Complex64;
 
-use crate::control::pi::{Gains, PiController};
+use crate::control::controller::{Controller, LinearController};
 use crate::control::sensor::Sensor;
 use crate::error::PlantError;
+use crate::linear::state_space::{Hold, StateSpace};
 use crate::robot::Robot;
-use crate::state_space::{Hold, StateSpace};
 
 /// A pole counts as on the unit circle within this distance: it needs a million samples to grow by
 /// a factor e. Velocity control leaves positions free, which is a pole at 1 for each axis without a
@@ -35,20 +35,22 @@ const LARGEST_ENTRY: f64 = 1e100;
 /// control leaves its position free. Poles at 0 are delays.
 ///
 /// They are the eigenvalues of the matrix that takes the states of the robot behind its zero-order
-/// hold, and the memories of sensors and controller, from sample to sample.
+/// hold, and the memories of sensors and controller, from sample to sample. The controller's sample
+/// time is given in s.
 ///
 /// # Errors
 /// [`SignalError`] for a parameter out of range or a number of axes that does not fit.
 pub fn loop_poles(
     robot: &dyn Robot,
-    controller: &PiController,
+    controller: &dyn Controller,
+    sample_time_s: f64,
     sensors: &[Sensor],
 ) -> Result<Vec<Complex64>, SignalError> {
-    let matrix = LinearLoop::new(robot, controller, sensors)?.matrix();
+    let matrix = LinearLoop::new(robot, controller, sample_time_s, sensors)?.matrix();
     let needed = "a sample time over which this robot under these gains stays in numbers";
     let refused = SignalError::Parameter {
         key: "sample_time_s",
-        found: controller.sample_time_s,
+        found: sample_time_s,
         needed,
     };
     let mut poles = eigenvalues(matrix).ok_or(refused)?;
@@ -81,34 +83,38 @@ fn eigenvalues(mut matrix: DMatrix<f64>) -> Option<Vec<Complex64>> {
 /// most; [`PlantError::Signal`] as [`loop_poles`].
 pub fn check_stability(
     robot: &dyn Robot,
-    controller: &PiController,
+    controller: &dyn Controller,
+    sample_time_s: f64,
     sensors: &[Sensor],
 ) -> Result<(), PlantError> {
-    let worst = loop_poles(robot, controller, sensors)?
+    let worst = loop_poles(robot, controller, sample_time_s, sensors)?
         .first()
         .copied()
         .unwrap_or_default(); // largest first
     if worst.norm() <= 1.0 + TOLERANCE {
         return Ok(());
     }
-    let channel = LinearLoop::new(robot, controller, sensors)?.loudest_axis(worst);
+    let channel = LinearLoop::new(robot, controller, sample_time_s, sensors)?.loudest_axis(worst);
     Err(PlantError::Unstable {
         spectral_radius: worst.norm(),
-        hz: worst.arg().abs() / (TAU * controller.sample_time_s),
+        hz: worst.arg().abs() / (TAU * sample_time_s),
         channel,
-        gain_nms_per_rad: controller.gain[channel],
+        gain_nms_per_rad: controller.gain_nms_per_rad()[channel],
     })
 }
 
-/// What an axis' sensor and controller remember from sample to sample, besides the torques on their
-/// way: the position and velocity readings of the sample before, and the integral.
-const MEMORIES: usize = 3;
+/// What an axis' sensor remembers from sample to sample: the position and velocity readings of the
+/// sample before.
+const READINGS: usize = 2;
 
-/// The loop as a linear map of its state: the robot's states, then the memories and delayed torques
-/// of axis after axis.
+/// The loop as a linear map of its state: the robot's states, then of axis after axis the readings
+/// of the sample before, the controller's states and the torques on their way.
 struct LinearLoop<'a> {
-    controller: &'a PiController,
     sensors: &'a [Sensor],
+    controllers: Vec<LinearController>,
+    position_gain_per_s: Vec<f64>,
+    gain_nms_per_rad: &'a [f64],
+    sample_time_s: f64,
     phi: DMatrix<f64>,
     gamma: DMatrix<f64>,
     /// Motor velocities, then motor positions.
@@ -118,29 +124,42 @@ struct LinearLoop<'a> {
 impl<'a> LinearLoop<'a> {
     fn new(
         robot: &dyn Robot,
-        controller: &'a PiController,
+        controller: &'a dyn Controller,
+        sample_time_s: f64,
         sensors: &'a [Sensor],
     ) -> Result<Self, SignalError> {
+        let n_axes = robot.n_axes();
         robot.check()?;
-        controller.check(robot.n_axes())?;
-        of_axes("sensors", sensors, robot.n_axes())?
+        controller.check(n_axes, sample_time_s)?;
+        of_axes("sensors", sensors, n_axes)?
             .iter()
             .try_for_each(Sensor::check)?;
         let model = robot.state_space();
-        let (phi, [gamma, _]) = model.held(Hold::Zoh, controller.sample_time_s);
+        let (phi, [gamma, _]) = model.held(Hold::Zoh, sample_time_s);
         let StateSpace { c, .. } = model;
+        let linear = |axis| controller.linear(axis, sample_time_s);
+        let position_gain = |axis| controller.position_gain_per_s(axis);
         Ok(Self {
-            controller,
             sensors,
+            controllers: (0..n_axes).map(linear).collect(),
+            position_gain_per_s: (0..n_axes).map(position_gain).collect(),
+            gain_nms_per_rad: controller.gain_nms_per_rad(),
+            sample_time_s,
             phi,
             gamma,
             c,
         })
     }
 
+    /// Number of states of an axis' sensor and controller.
+    fn n_states(&self, axis: usize) -> usize {
+        READINGS + self.controllers[axis].n_states() + self.controllers[axis].delay_samples
+    }
+
     /// Its matrix, column by column.
     fn matrix(&self) -> DMatrix<f64> {
-        let n = self.phi.nrows() + self.sensors.len() * (MEMORIES + self.controller.delay_samples);
+        let of_axes = (0..self.sensors.len()).map(|axis| self.n_states(axis));
+        let n = self.phi.nrows() + of_axes.sum::<usize>();
         let columns: Vec<DVector<f64>> = (0..n)
             .map(|k| self.next(&DVector::from_fn(n, |row, _| f64::from(u8::from(row == k)))))
             .collect();
@@ -150,23 +169,22 @@ impl<'a> LinearLoop<'a> {
     /// The state at the next sample, without a reference.
     fn next(&self, state: &DVector<f64>) -> DVector<f64> {
         let n_axes = self.sensors.len();
-        let (robot, memories) = state.as_slice().split_at(self.phi.nrows());
+        let (robot, mut memories) = state.as_slice().split_at(self.phi.nrows());
         let robot = DVector::from_column_slice(robot);
         let seen = &self.c * &robot;
         let mut torque = DVector::zeros(n_axes);
         let mut next = Vec::with_capacity(state.len());
-        for (axis, memory) in memories
-            .chunks(MEMORIES + self.controller.delay_samples)
-            .enumerate()
-        {
+        for axis in 0..n_axes {
+            let (memory, others) = memories.split_at(self.n_states(axis));
             torque[axis] = self.step(axis, memory, [seen[axis], seen[n_axes + axis]], &mut next);
+            memories = others;
         }
         let robot = &self.phi * robot + &self.gamma * torque;
         DVector::from_iterator(state.len(), robot.iter().copied().chain(next))
     }
 
-    /// One step of an axis' sensor and controller, as [`PiController`] and [`Sensor`] say: returns
-    /// the torque in N m that acts next and appends what they remember.
+    /// One step of an axis' sensor and controller, as [`Sensor`] and [`LinearController`] say:
+    /// returns the torque in N m that acts next and appends what they remember.
     fn step(
         &self,
         axis: usize,
@@ -174,28 +192,23 @@ impl<'a> LinearLoop<'a> {
         [velocity, position]: [f64; 2],
         next: &mut Vec<f64>,
     ) -> f64 {
-        let (sensor, sample_time_s) = (&self.sensors[axis], self.controller.sample_time_s);
-        let Gains {
-            proportional,
-            integral_step,
-            position: position_gain,
-        } = self.controller.gains(axis);
-        let (remembered, delayed) = memory.split_at(MEMORIES);
-        let [last_position, last_reading, integral] = [remembered[0], remembered[1], remembered[2]];
+        let (sensor, controller) = (&self.sensors[axis], &self.controllers[axis]);
+        let (readings, memory) = memory.split_at(READINGS);
+        let (states, on_their_way) = memory.split_at(controller.n_states());
+        let [last_position, last_reading] = [readings[0], readings[1]];
         let velocity = if sensor.velocity_by_differencing {
-            (position - last_position) / sample_time_s
+            (position - last_position) / self.sample_time_s
         } else {
             velocity
         };
-        let pole = sensor.filter_pole(sample_time_s);
+        let pole = sensor.filter_pole(self.sample_time_s);
         let reading = pole * last_reading + (1.0 - pole) * velocity;
-        let error = -position_gain * position - reading;
-        let torques: Vec<f64> = delayed
-            .iter()
-            .copied()
-            .chain([proportional * error + integral])
-            .collect();
-        next.extend([position, reading, integral + integral_step * error]);
+        let error = -self.position_gain_per_s[axis] * position - reading;
+        let states = DVector::from_column_slice(states);
+        let asked = (&controller.c * &states)[0] + controller.d * error;
+        let torques: Vec<f64> = on_their_way.iter().copied().chain([asked]).collect();
+        next.extend([position, reading]);
+        next.extend(&(&controller.a * &states + &controller.b * error));
         next.extend(&torques[1..]);
         torques[0]
     }
@@ -213,7 +226,7 @@ impl<'a> LinearLoop<'a> {
             state = next.normalize();
         }
         let velocity = self.c.map(Complex64::from) * state.rows(0, self.phi.nrows());
-        let power = |axis: &usize| self.controller.gain[*axis] * velocity[*axis].norm_sqr();
+        let power = |axis: &usize| self.gain_nms_per_rad[*axis] * velocity[*axis].norm_sqr();
         (0..self.sensors.len())
             .max_by(|a, b| power(a).total_cmp(&power(b)))
             .unwrap_or(0)

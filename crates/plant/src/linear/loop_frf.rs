@@ -8,18 +8,18 @@ use nalgebra::{DMatrix, DVector};
 use ndarray::Array3;
 use num_complex::Complex64;
 
-use crate::control::pi::{Gains, PiController};
+use crate::control::controller::Controller;
 use crate::control::sensor::Sensor;
+use crate::linear::state_space::{Hold, StateSpace};
 use crate::robot::Robot;
-use crate::state_space::{Hold, StateSpace};
 
 /// Exact FRFs between the samples of a linear closed loop at the robot's pose, each
 /// `(frequency, output, input)`: without limits, quantisation, noise, Coulomb friction and ripple,
 /// with delay, differencing and filters.
 ///
 /// In z = e^{j 2 pi f T}, with P the plant as the sensors see it, Q its positions, the controller K
-/// = z^-delay (gain + integral_gain T / (z - 1)) and the position gain k_p, all diagonal but P and
-/// Q: e = (1 + k_p T / (z - 1)) r - L u, u = K e, L = P + k_p Q.
+/// ([`LinearController::response`](crate::LinearController::response)) and the position gain k_p,
+/// all diagonal but P and Q: e = (1 + k_p T / (z - 1)) r - L u, u = K e, L = P + k_p Q.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoopFrf {
     /// S = (I + L K)^-1: what is left of an error. S = I where the controller does nothing; peaks
@@ -35,20 +35,21 @@ pub struct LoopFrf {
 }
 
 impl LoopFrf {
-    /// The FRFs at frequencies in Hz below the Nyquist frequency of the controller.
+    /// The FRFs at frequencies in Hz below the Nyquist frequency of the controller, whose sample
+    /// time is given in s.
     ///
     /// # Errors
     /// [`SignalError`] for a parameter or frequency out of range, a number of axes that does not
     /// fit, or a frequency at which robot or loop have a pole.
     pub fn new(
         robot: &dyn Robot,
-        controller: &PiController,
+        controller: &dyn Controller,
+        sample_time_s: f64,
         sensors: &[Sensor],
         hz: &[f64],
     ) -> Result<Self, SignalError> {
         let n_axes = robot.n_axes();
-        controller.check(n_axes)?;
-        let sample_time_s = controller.sample_time_s;
+        controller.check(n_axes, sample_time_s)?;
         let plant = robot.frf_through_sensors(hz, Hold::Zoh, sample_time_s, sensors)?;
         let StateSpace { a, b, c, d } = robot.state_space();
         let positions = StateSpace {
@@ -62,6 +63,7 @@ impl LoopFrf {
         for (line, &f) in hz.iter().enumerate() {
             let matrices = at_line(
                 controller,
+                sample_time_s,
                 f,
                 [&plant, &position].map(|frf| matrix(frf, line)),
             )?;
@@ -89,12 +91,12 @@ impl LoopFrf {
 
 /// S, r to u and r to y at a frequency in Hz, given P and Q.
 fn at_line(
-    controller: &PiController,
+    controller: &dyn Controller,
+    sample_time_s: f64,
     hz: f64,
     [plant, position]: [DMatrix<Complex64>; 2],
 ) -> Result<[DMatrix<Complex64>; 3], SignalError> {
     let n_axes = plant.nrows();
-    let sample_time_s = controller.sample_time_s;
     positive("hz", hz)?;
     if 2.0 * hz * sample_time_s >= 1.0 {
         let needed = "a frequency below the Nyquist frequency of the controller";
@@ -104,16 +106,14 @@ fn at_line(
             needed,
         });
     }
-    let advance = Complex64::cis(TAU * hz * sample_time_s) - 1.0;
-    let delay = Complex64::cis(-TAU * hz * sample_time_s * controller.delay_samples as f64);
-    let diagonal = |of: &dyn Fn(Gains) -> Complex64| {
-        DMatrix::from_diagonal(&DVector::from_fn(n_axes, |axis, _| {
-            of(controller.gains(axis))
-        }))
+    let z = Complex64::cis(TAU * hz * sample_time_s);
+    let diagonal = |of: &dyn Fn(usize) -> Complex64| {
+        DMatrix::from_diagonal(&DVector::from_fn(n_axes, |axis, _| of(axis)))
     };
-    let control = diagonal(&|gains| delay * (gains.proportional + gains.integral_step / advance));
-    let ahead = diagonal(&|gains| 1.0 + gains.position * sample_time_s / advance);
-    let open = &plant + diagonal(&|gains| gains.position.into()) * position;
+    let control = diagonal(&|axis| controller.linear(axis, sample_time_s).response(z));
+    let position_gain = diagonal(&|axis| controller.position_gain_per_s(axis).into());
+    let ahead = diagonal(&|_| 1.0.into()) + &position_gain * (sample_time_s / (z - 1.0));
+    let open = &plant + position_gain * position;
     let needed = "a frequency at which the loop has no pole";
     let pole = SignalError::Parameter {
         key: "hz",
