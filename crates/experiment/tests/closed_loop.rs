@@ -201,7 +201,7 @@ fn what_cannot_be_is_refused_with_its_place() {
             multisine,
             "gain_nms_per_rad = [1500.0, ",
             "gain_nms_per_rad = [",
-            "gain has shape [2]",
+            "gain_nms_per_rad has shape [2]",
             "[1500.0, 400.0]",
         ),
         (
