@@ -208,7 +208,7 @@ fn what_cannot_be_is_refused_with_its_place() {
             multisine,
             "gain_nms_per_rad = [1500.0",
             "gain_nms_per_rad = [-1500.0",
-            "gain is -1500",
+            "gain_nms_per_rad is -1500",
             "[-1500.0, 1500.0, 400.0]",
         ),
         (
