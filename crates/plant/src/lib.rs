@@ -8,7 +8,9 @@ mod arm;
 mod challenges;
 /// Control: sensors, controllers of the motor velocity, and the watch over limits.
 mod control {
+    pub(crate) mod biquad;
     pub(crate) mod controller;
+    pub(crate) mod filtered_pi;
     pub(crate) mod pi;
     pub(crate) mod sensor;
     pub(crate) mod torque_limits;
@@ -43,6 +45,7 @@ pub use arm::inertia::Inertia;
 pub use arm::{Arm, Body, BodyJoint, Payload};
 pub use challenges::{Challenges, is_posed};
 pub use control::controller::{Controller, ControllerAxis, ControllerOutput, LinearController};
+pub use control::filtered_pi::{FilteredPi, TorqueLowPass, TorqueNotch};
 pub use control::pi::PiController;
 pub use control::sensor::Sensor;
 pub use control::watch::{Reached, Watch};

@@ -4,8 +4,8 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use frfid_plant::{
-    Hold, LoopFrf, PiController, PlantError, Robot, Sensor, SimulatedRobot, SingleJoint,
-    check_stability, loop_poles,
+    Controller, FilteredPi, Hold, LoopFrf, PiController, PlantError, Robot, Sensor, SimulatedRobot,
+    SingleJoint, TorqueLowPass, TorqueNotch, check_stability, loop_poles,
 };
 use frfid_signals::{Run, RunId, RunKind, Testbed};
 use ndarray::Array2;
@@ -52,6 +52,25 @@ fn dft(x: &Array2<f64>, line: usize) -> Complex64 {
     (0..PERIOD).map(|n| x[[0, last + n]] * turn(n)).sum()
 }
 
+/// The controller, or the same with a notch and a low-pass.
+fn controller_of(pi: PiController, is_filtered: bool) -> Arc<dyn Controller> {
+    if !is_filtered {
+        return Arc::new(pi);
+    }
+    Arc::new(FilteredPi {
+        pi,
+        low_pass: Some(TorqueLowPass {
+            corner_hz: vec![180.0],
+            damping: None,
+        }),
+        notch: Some(TorqueNotch {
+            frequency_hz: vec![40.0],
+            width_hz: vec![10.0],
+            gain: Some(vec![0.3]),
+        }),
+    })
+}
+
 #[test]
 fn a_steady_period_of_the_loop_has_its_analytic_frfs() {
     let lines: Vec<usize> = (1..120).step_by(7).chain([251, 409]).collect();
@@ -61,19 +80,20 @@ fn a_steady_period_of_the_loop_has_its_analytic_frfs() {
     };
     let multisine = |n: usize| 0.01 * lines.iter().map(|&line| sine(n, line)).sum::<f64>();
     let reference = Array2::from_shape_fn((1, N_PERIODS * PERIOD), |(_, n)| multisine(n));
-    for case in 0..24 {
-        let controller = PiController {
+    for case in 0..48 {
+        let pi = PiController {
             delay_samples: case % 3,
             position_gain_per_s: (case / 3 % 2 == 1).then(|| vec![5.0]),
             ..controller()
         };
+        let controller = controller_of(pi, case / 24 == 1);
         let sensor = Sensor {
             velocity_by_differencing: [false, true][case / 6 % 2],
             velocity_filter_hz: (case / 12 % 2 == 1).then_some(200.0),
             ..Sensor::default()
         };
-        let truth = LoopFrf::new(&joint(), &controller, T, &[sensor], &hz).expect("sound");
-        check_stability(&joint(), &controller, T, &[sensor]).expect("stable");
+        let truth = LoopFrf::new(&joint(), &*controller, T, &[sensor], &hz).expect("sound");
+        check_stability(&joint(), &*controller, T, &[sensor]).expect("stable");
         let described = format!("{controller:?}, {sensor:?}");
         // half the usual step: differences at 409 Hz are small, and RK4 errs by 1.3e-9 of them with
         // the usual one
@@ -81,7 +101,7 @@ fn a_steady_period_of_the_loop_has_its_analytic_frfs() {
         let testbed = SimulatedRobot {
             sensors,
             max_step_s,
-            ..SimulatedRobot::closed_loop(Arc::new(joint()), Arc::new(controller), T)
+            ..SimulatedRobot::closed_loop(Arc::new(joint()), controller, T)
         };
         let record = testbed.run(&run(reference.clone())).expect("sound");
         for (what, output, input, truth) in [
@@ -122,11 +142,11 @@ fn without_a_position_loop_the_sensitivity_is_what_is_left_of_the_reference() {
 }
 
 /// Growth per sample of the loop's motion, measured over the samples from `from` on.
-fn growth(controller: &PiController, sensors: &[Sensor], [from, to]: [usize; 2]) -> f64 {
+fn growth(controller: &Arc<dyn Controller>, sensors: &[Sensor], [from, to]: [usize; 2]) -> f64 {
     let kick = Array2::from_shape_fn((1, to + 200), |(_, n)| f64::from(u8::from(n < 5)));
     let testbed = SimulatedRobot {
         sensors: sensors.to_vec(),
-        ..SimulatedRobot::closed_loop(Arc::new(joint()), Arc::new(controller.clone()), T)
+        ..SimulatedRobot::closed_loop(Arc::new(joint()), Arc::clone(controller), T)
     };
     let y = testbed.run(&run(kick)).expect("numbers").y;
     let peak = |from: usize| {
@@ -145,15 +165,20 @@ fn a_loop_grows_in_simulation_as_its_poles_say() {
         ..Sensor::default()
     }];
     let mut verdicts = Vec::new();
-    for gain in [5000.0, 10_000.0, 15_000.0, 20_000.0] {
-        let controller = PiController {
+    let gains = [5000.0, 10_000.0, 15_000.0, 20_000.0];
+    for (gain, is_filtered) in gains
+        .into_iter()
+        .flat_map(|gain| [(gain, false), (gain, true)])
+    {
+        let pi = PiController {
             gain_nms_per_rad: vec![gain],
             delay_samples: 2,
             position_gain_per_s: Some(vec![5.0]),
             ..controller()
         };
-        let radius = loop_poles(&joint(), &controller, T, &sensors).expect("sound")[0].norm();
-        let verdict = check_stability(&joint(), &controller, T, &sensors);
+        let controller = controller_of(pi, is_filtered);
+        let radius = loop_poles(&joint(), &*controller, T, &sensors).expect("sound")[0].norm();
+        let verdict = check_stability(&joint(), &*controller, T, &sensors);
         verdicts.push(verdict.is_ok());
         assert_eq!(verdict.is_ok(), radius < 1.0);
         if let Err(error) = verdict {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use frfid_plant::{Controller, PiController};
+use frfid_plant::{Controller, FilteredPi, PiController};
 use schemars::{JsonSchema, Schema};
 use serde::{Deserialize, Serialize, Serializer};
 
@@ -14,6 +14,8 @@ pub enum ControllerTable {
     /// A sampled PI controller, with a position loop around it where one is asked for; `kind` may be
     /// left out.
     Pi(PiController),
+    /// A PI controller with a low-pass and a notch on its torque.
+    FilteredPi(FilteredPi),
 }
 
 impl ControllerTable {
@@ -22,6 +24,7 @@ impl ControllerTable {
     pub fn controller(&self) -> Arc<dyn Controller> {
         match self {
             Self::Pi(controller) => Arc::new(controller.clone()),
+            Self::FilteredPi(controller) => Arc::new(controller.clone()),
         }
     }
 }
@@ -29,8 +32,14 @@ impl ControllerTable {
 /// As it stands in the file: with its kind, but for PI, of which older versions of frfid wrote none.
 impl Serialize for ControllerTable {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        #[serde(tag = "kind", rename_all = "kebab-case")]
+        enum OfKind<'a> {
+            FilteredPi(&'a FilteredPi),
+        }
         match self {
             Self::Pi(controller) => controller.serialize(serializer),
+            Self::FilteredPi(controller) => OfKind::FilteredPi(controller).serialize(serializer),
         }
     }
 }

@@ -9,6 +9,7 @@ use nalgebra::{DMatrix, DVector, RowDVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::control::biquad::Biquad;
 use crate::control::controller::{Controller, ControllerAxis, ControllerOutput, LinearController};
 use crate::control::torque_limits::TorqueLimits;
 
@@ -39,13 +40,16 @@ pub struct PiController {
 /// Most samples of delay: a tenth of a second at 1 kHz, in which no loop could do anything.
 const MOST_DELAY: usize = 100;
 
-/// The controller at work on one axis.
+/// The controller at work on one axis, with filters on its torque. It is limited before them, lest
+/// their memory winds up, and behind them, as they overshoot.
 struct PiAxis {
     gain_nms_per_rad: f64,
     /// Growth of the integral in N m per sample and rad/s of error.
     integral_step: f64,
     integral_nm: f64,
-    limits: TorqueLimits,
+    before_filters: TorqueLimits,
+    filters: Vec<Biquad>,
+    behind_filters: TorqueLimits,
     /// Torques in N m on their way.
     delay: VecDeque<f64>,
 }
@@ -68,6 +72,37 @@ impl PiController {
     /// Growth of an axis' integral in N m per sample and rad/s of error.
     fn integral_step(&self, axis: usize, sample_time_s: f64) -> f64 {
         self.integral_gain_nm_per_rad[axis] * sample_time_s
+    }
+
+    /// The controller of an axis at work, the torque that it asks for filtered before it is
+    /// limited.
+    pub(crate) fn filtered_axis(
+        &self,
+        axis: usize,
+        sample_time_s: f64,
+        holding_nm: f64,
+        mut filters: Vec<Biquad>,
+    ) -> Box<dyn ControllerAxis> {
+        let of_axis = |values: &Option<Vec<f64>>| values.as_ref().map(|values| values[axis]);
+        let limits = TorqueLimits::holding(
+            holding_nm,
+            sample_time_s,
+            of_axis(&self.max_torque_nm),
+            of_axis(&self.max_torque_rate_nm_per_s),
+        );
+        let torque_nm = limits.torque_nm();
+        for filter in &mut filters {
+            filter.settle(torque_nm);
+        }
+        Box::new(PiAxis {
+            gain_nms_per_rad: self.gain_nms_per_rad[axis],
+            integral_step: self.integral_step(axis, sample_time_s),
+            integral_nm: holding_nm,
+            before_filters: limits.clone(),
+            filters,
+            behind_filters: limits,
+            delay: repeat_n(torque_nm, self.delay_samples).collect(),
+        })
     }
 }
 
@@ -106,20 +141,7 @@ impl Controller for PiController {
     }
 
     fn axis(&self, axis: usize, sample_time_s: f64, holding_nm: f64) -> Box<dyn ControllerAxis> {
-        let of_axis = |values: &Option<Vec<f64>>| values.as_ref().map(|values| values[axis]);
-        let limits = TorqueLimits::holding(
-            holding_nm,
-            sample_time_s,
-            of_axis(&self.max_torque_nm),
-            of_axis(&self.max_torque_rate_nm_per_s),
-        );
-        Box::new(PiAxis {
-            gain_nms_per_rad: self.gain_nms_per_rad[axis],
-            integral_step: self.integral_step(axis, sample_time_s),
-            integral_nm: holding_nm,
-            delay: repeat_n(limits.torque_nm(), self.delay_samples).collect(),
-            limits,
-        })
+        self.filtered_axis(axis, sample_time_s, holding_nm, Vec::new())
     }
 
     /// One state, the integral.
@@ -146,14 +168,18 @@ impl Controller for PiController {
 impl ControllerAxis for PiAxis {
     fn step(&mut self, error_rad_s: f64) -> ControllerOutput {
         let asked_nm = self.gain_nms_per_rad * error_rad_s + self.integral_nm;
-        let (torque_nm, reached) = self.limits.limited(asked_nm);
-        if error_rad_s * (asked_nm - torque_nm) <= 0.0 {
+        let (unfiltered_nm, reached_before) = self.before_filters.limited(asked_nm);
+        let filters = self.filters.iter_mut();
+        let filtered_nm = filters.fold(unfiltered_nm, |torque_nm, filter| filter.step(torque_nm));
+        let (torque_nm, reached_behind) = self.behind_filters.limited(filtered_nm);
+        let is_free = |asked_nm, limited_nm| error_rad_s * (asked_nm - limited_nm) <= 0.0;
+        if is_free(asked_nm, unfiltered_nm) && is_free(filtered_nm, torque_nm) {
             self.integral_nm += self.integral_step * error_rad_s;
         }
         self.delay.push_back(torque_nm);
         ControllerOutput {
             torque_nm: self.delay.pop_front().unwrap_or(torque_nm),
-            reached,
+            reached: reached_before.or(reached_behind),
         }
     }
 }
