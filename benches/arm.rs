@@ -48,7 +48,7 @@ fn closed_loop(criterion: &mut Criterion) {
 /// Ripple, noise and the travelled way put a tenth (six axes: a sixth) beside the linear loop in a
 /// single run, in the median.
 fn assert_follows(experiment: &Experiment, record: &Record) {
-    let Excitation::Multisine { signal, .. } = &experiment.plan().excitation else {
+    let Excitation::Multisine(signal) = &experiment.plan().excitation else {
         panic!("a multisine")
     };
     let controller = experiment.controller().expect("closed loop");

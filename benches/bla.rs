@@ -31,20 +31,19 @@ fn gain_and_delay(output: usize, input: usize) -> (f64, usize) {
 /// FRF: on a line where U is a unitary matrix times sqrt(3) A, one period gives G the variance N
 /// sigma^2 / (3 A^2).
 fn campaign() -> (Array5<f64>, Array5<f64>, f64) {
-    let multisine = paper::multisine();
+    let peak = 150.0;
+    let multisine = paper::multisine(vec![peak; AXES]);
     let shape = (REALIZATIONS, AXES, PERIODS, AXES, PERIOD);
     let (mut u, mut y, mut variance) = (Array5::zeros(shape), Array5::zeros(shape), 0.0);
-    let peak = [150.0; AXES];
     let mut rng = stream(1, "noise of the bench", &[]);
     for realization in 0..REALIZATIONS {
         let drawn = multisine.realize(&Draw {
             seed: 1,
             realization,
             phasing: Phasing::Orthogonal,
-            peak: &peak,
         });
         let drawn = drawn.expect("sound");
-        let line_amplitude = 0.5 * PERIOD as f64 * drawn.factor * peak[0];
+        let line_amplitude = 0.5 * PERIOD as f64 * drawn.factor * peak;
         variance += PERIOD as f64 * NOISE_RAD_S.powi(2) / (AXES as f64 * line_amplitude.powi(2));
         for experiment in 0..AXES {
             let input = drawn.signal.slice(s![experiment, .., ..]);
@@ -104,7 +103,7 @@ fn assert_right(frf: &Frf, variance: f64) {
 }
 
 fn estimate(criterion: &mut Criterion) {
-    let lines = paper::multisine().grid.excited;
+    let lines = paper::multisine(vec![1.0]).grid.excited;
     let (u, y, variance) = campaign();
     let run = || {
         estimate_bla(

@@ -71,15 +71,13 @@ fn assert_right(multisine: &Multisine, realization: &Realization) {
 }
 
 fn realize(criterion: &mut Criterion) {
-    let multisine = paper::multisine();
     let mut group = criterion.benchmark_group("Multisine::realize");
     for n_inputs in [1, 3] {
-        let peak = vec![PEAK_NM; n_inputs];
+        let multisine = paper::multisine(vec![PEAK_NM; n_inputs]);
         let draw = Draw {
             seed: 1,
             realization: 0,
             phasing: Phasing::Orthogonal,
-            peak: &peak,
         };
         assert_right(&multisine, &multisine.realize(&draw).expect("sound"));
         group.bench_function(

@@ -7,7 +7,7 @@ use std::error::Error;
 
 use frfid::estimate::{EstimateError, LineDft, Transform, condition_number};
 use frfid::signals::{
-    Chirp, Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, power::mean_power,
+    Chirp, Draw, GridDesign, GridKind, Multisine, Phasing, Profile, power::mean_power,
 };
 use nalgebra::DMatrix;
 use ndarray::{Array3, Axis};
@@ -42,11 +42,6 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // One realization is one draw of the phases, scaled so that the torque never exceeds 150 N m,
     // not even between samples.
-    let multisine = Multisine {
-        grid,
-        shape: Profile::constant(1.0),
-        phases: Phases::Random,
-    };
     let amplitude = vec![Profile::constant(150.0)];
     let chirp = Chirp {
         low_hz: 1.0,
@@ -57,17 +52,17 @@ fn main() -> Result<(), Box<dyn Error>> {
         tail_s: 0.0,
     };
     let power = |signal: Array3<f64>| mean_power(&signal.into_raw_vec_and_offset().0);
-    let realize = |realization, peak: &[f64]| {
+    let realize = |realization, n_inputs| {
         let draw = Draw {
             seed: 1,
             realization,
             phasing: Phasing::Orthogonal,
-            peak,
         };
+        let multisine = Multisine::flat(grid.clone(), vec![150.0; n_inputs]);
         multisine.realize(&draw).map(|drawn| drawn.signal)
     };
     let chirp_power = power(chirp.sample(sample_time_s, 1, Phasing::SignFlip)?);
-    let share = |realization| Ok(100.0 * power(realize(realization, &[150.0])?) / chirp_power);
+    let share = |realization| Ok(100.0 * power(realize(realization, 1)?) / chirp_power);
     let mut shares = (0..200)
         .map(share)
         .collect::<Result<Vec<f64>, Box<dyn Error>>>()?;
@@ -84,10 +79,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     // Three inputs need three experiments. Their phases decide how well the inputs can be told
     // apart.
     let (orthogonal, flipped) = (
-        realize(0, &[150.0; 3])?,
+        realize(0, 3)?,
         chirp.sample(sample_time_s, 3, Phasing::SignFlip)?,
     );
-    let excited = &multisine.grid.excited;
+    let excited = &grid.excited;
     println!(
         "condition number of U, multisine, orthogonal: {:.3}",
         largest_condition(&orthogonal, excited)?

@@ -9,11 +9,10 @@
 use std::error::Error;
 
 use frfid::estimate::{BlaOptions, ExcerptOptions, estimate_bla, estimate_chirp};
-use frfid::experiment::log_spaced;
 use frfid::paper::Measured;
 use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, Trajectory, simulate};
 use frfid::signals::{
-    Chirp, Draw, Frf, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, power::rms,
+    Chirp, Draw, Frf, GridDesign, GridKind, Multisine, Phasing, Profile, log_spaced, power::rms,
 };
 use ndarray::{Array5, Axis, concatenate, s};
 
@@ -32,11 +31,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         kind,
         seed,
     };
-    let multisine = Multisine {
-        grid: design.design()?,
-        shape: Profile::constant(1.0),
-        phases: Phases::Random,
-    };
+    let multisine = Multisine::flat(design.design()?, vec![150.0]);
     let amplitude = vec![Profile::constant(150.0)];
     let chirp = Chirp {
         low_hz: 1.0,
@@ -56,7 +51,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             seed: 1,
             realization,
             phasing: Phasing::Orthogonal,
-            peak: &[150.0],
         };
         let period = multisine.realize(&draw)?.signal.index_axis_move(Axis(0), 0);
         let twice = concatenate![Axis(1), period, period];

@@ -10,8 +10,7 @@ use frfid::estimate::{BlaOptions, estimate_bla};
 use frfid::paper::Measured;
 use frfid::plant::{Hold, Robot as _, SimulatedRobot, SingleJoint};
 use frfid::signals::{
-    Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind,
-    Testbed as _,
+    Draw, GridDesign, GridKind, Multisine, Phasing, Run, RunId, RunKind, Testbed as _,
 };
 use ndarray::{Axis, concatenate, s};
 
@@ -31,16 +30,11 @@ fn main() -> Result<(), Box<dyn Error>> {
         kind,
         seed,
     };
-    let multisine = Multisine {
-        grid: design.design()?,
-        shape: Profile::constant(1.0),
-        phases: Phases::Random,
-    };
+    let multisine = Multisine::flat(design.design()?, vec![150.0]);
     let draw = Draw {
         seed: 1,
         realization: 0,
         phasing: Phasing::Orthogonal,
-        peak: &[150.0],
     };
     let period = multisine.realize(&draw)?.signal.index_axis_move(Axis(0), 0);
     let reference = concatenate![Axis(1), period, period, period, period];

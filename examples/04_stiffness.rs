@@ -8,10 +8,9 @@ use std::error::Error;
 use frfid::estimate::{
     BlaOptions, CompareOptions, ExcerptOptions, Side, compare, estimate_bla, estimate_chirp,
 };
-use frfid::experiment::log_spaced;
 use frfid::paper::Measured;
 use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, simulate};
-use frfid::signals::{Chirp, Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile};
+use frfid::signals::{Chirp, Draw, GridDesign, GridKind, Multisine, Phasing, Profile, log_spaced};
 use ndarray::{Array5, Axis, concatenate, s};
 
 const T: f64 = 1e-3;
@@ -85,11 +84,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         kind,
         seed,
     };
-    let multisine = Multisine {
-        grid: design.design()?,
-        shape: Profile::constant(1.0),
-        phases: Phases::Random,
-    };
+    let multisine = Multisine::flat(design.design()?, vec![150.0]);
     let n = multisine.grid.n_samples;
     let mut u = Array5::zeros((10, 1, 1, 1, n)); // (realization, experiment, period, channel, sample)
     let mut y = u.clone();
@@ -98,7 +93,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             seed: 1,
             realization,
             phasing: Phasing::Orthogonal,
-            peak: &[150.0],
         };
         let period = multisine.realize(&draw)?.signal.index_axis_move(Axis(0), 0);
         let torque = concatenate![Axis(1), period, period, period, period];

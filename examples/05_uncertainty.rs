@@ -8,8 +8,7 @@ use std::sync::Arc;
 use frfid::estimate::{BlaOptions, estimate_bla};
 use frfid::plant::{Sensor, SimulatedRobot, SingleJoint};
 use frfid::signals::{
-    Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind,
-    Testbed as _,
+    Draw, GridDesign, GridKind, Multisine, Phasing, Run, RunId, RunKind, Testbed as _,
 };
 use ndarray::{Array3, Array5, Axis, concatenate, s};
 
@@ -39,11 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         kind,
         seed,
     };
-    let multisine = Multisine {
-        grid: design.design()?,
-        shape: Profile::constant(1.0),
-        phases: Phases::Random,
-    };
+    let multisine = Multisine::flat(design.design()?, vec![300.0]);
     let n = multisine.grid.n_samples;
 
     // One period more than is used: the first one is the transient.
@@ -54,7 +49,6 @@ fn main() -> Result<(), Box<dyn Error>> {
             seed: 1,
             realization,
             phasing: Phasing::Orthogonal,
-            peak: &[300.0],
         };
         let period = multisine.realize(&draw)?.signal.index_axis_move(Axis(0), 0);
         let id = RunId {

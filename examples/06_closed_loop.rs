@@ -9,8 +9,7 @@ use std::sync::Arc;
 use frfid::estimate::{Averaging, BlaOptions, estimate_bla};
 use frfid::plant::{Hold, PiController, Robot as _, Sensor, SimulatedRobot, SingleJoint};
 use frfid::signals::{
-    Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind,
-    Testbed as _, power::rms,
+    Draw, GridDesign, GridKind, Multisine, Phasing, Run, RunId, RunKind, Testbed as _, power::rms,
 };
 use ndarray::{Array2, Array5, Axis, concatenate};
 
@@ -39,17 +38,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         kind,
         seed,
     };
-    let multisine = Multisine {
-        grid: design.design()?,
-        shape: Profile::constant(1.0),
-        phases: Phases::Random,
-    };
+    let multisine = Multisine::flat(design.design()?, vec![0.05]);
 
     let draw = Draw {
         seed: 1,
         realization: 0,
         phasing: Phasing::Orthogonal,
-        peak: &[0.05],
     };
     let period = multisine.realize(&draw)?.signal.index_axis_move(Axis(0), 0);
     let reference = concatenate(Axis(1), &vec![period.view(); N_PERIODS + 2])?;

@@ -11,8 +11,7 @@ use frfid::estimate::{BlaOptions, estimate_bla};
 use frfid::experiment::RobotTable;
 use frfid::plant::{Arm, Challenges, Hold, PiController, Robot as _, SimulatedRobot};
 use frfid::signals::{
-    Draw, GridDesign, GridKind, Multisine, Phases, Phasing, Profile, Run, RunId, RunKind,
-    Testbed as _,
+    Draw, GridDesign, GridKind, Multisine, Phasing, Run, RunId, RunKind, Testbed as _,
 };
 use ndarray::{Array5, Axis, concatenate};
 
@@ -100,16 +99,11 @@ fn small_experiment(arm: &Arm, peak: f64) -> Result<f64, Box<dyn Error>> {
         kind: GridKind::Odd,
         seed: 0,
     };
-    let multisine = Multisine {
-        grid: design.design()?,
-        shape: Profile::constant(1.0),
-        phases: Phases::Random,
-    };
+    let multisine = Multisine::flat(design.design()?, vec![peak, peak, 2.0 * peak]);
     let draw = Draw {
         seed: 1,
         realization: 0,
         phasing: Phasing::Orthogonal,
-        peak: &[peak, peak, 2.0 * peak],
     };
     let periods = multisine.realize(&draw)?.signal;
     let n = multisine.grid.n_samples;

@@ -114,7 +114,7 @@ fn experiment(peak_rad_s: f64, max_step_s: Option<f64>, velocity_by_differencing
             .map(|u| u.fold(0.0, |peak: f64, x| peak.max((x - u.sum() / n as f64).abs())))
             .fold(0.0, f64::max)
     });
-    let Excitation::Multisine { signal, .. } = &experiment.plan().excitation else {
+    let Excitation::Multisine(signal) = &experiment.plan().excitation else {
         panic!("a multisine")
     };
     let frf = |from: &Array5<f64>, to: &Array5<f64>| {

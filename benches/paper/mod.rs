@@ -3,16 +3,16 @@
 use std::time::Duration;
 
 use criterion::Criterion;
-use frfid::signals::{GridDesign, GridKind, Multisine, Phases, Profile};
+use frfid::signals::{GridDesign, GridKind, Multisine};
 
 /// Samples of the paper's period: 12.288 s at 1 ms.
 pub const PERIOD: usize = 12_288;
 /// Sample time in s.
 pub const SAMPLE_TIME_S: f64 = 1e-3;
 
-/// The 71 odd lines between 1 and 60 Hz of SK15 section 6.1.
+/// The 71 odd lines between 1 and 60 Hz of SK15 section 6.1, for inputs of these peaks.
 #[allow(dead_code, reason = "not every bench excites with a multisine")]
-pub fn multisine() -> Multisine {
+pub fn multisine(peak: Vec<f64>) -> Multisine {
     let design = GridDesign {
         low_hz: 1.0,
         high_hz: 60.0,
@@ -24,11 +24,7 @@ pub fn multisine() -> Multisine {
     };
     let grid = design.design().expect("the paper's design is sound");
     assert_eq!((grid.n_samples, grid.excited.len()), (PERIOD, 71));
-    Multisine {
-        grid,
-        shape: Profile::constant(1.0),
-        phases: Phases::Random,
-    }
+    Multisine::flat(grid, peak)
 }
 
 /// Short measurements: all benches together run within a minute.

@@ -1,6 +1,6 @@
 //! `frfid.Multisine`.
 
-use frfid_signals::{Draw, GridDesign, LineGrid, Multisine as Signal, Profile};
+use frfid_signals::{Draw, GridDesign, LineGrid, Multisine as Signal, Profile, Waveform as _};
 use numpy::{PyArray1, PyArray3};
 use pyo3::prelude::*;
 
@@ -170,11 +170,12 @@ impl Multisine {
             seed,
             realization,
             phasing: choice("mimo", mimo)?,
-            peak: &peak,
         };
-        let drawn = py
-            .detach(|| self.signal.realize(&draw))
-            .map_err(error::signal)?;
+        let signal = Signal {
+            peak,
+            ..self.signal.clone()
+        };
+        let drawn = py.detach(|| signal.realize(&draw)).map_err(error::signal)?;
         Ok(c_ordered(py, drawn.signal))
     }
 
@@ -234,14 +235,10 @@ impl Multisine {
 
     fn __repr__(&self) -> String {
         let grid = &self.signal.grid;
-        let hz = grid.lines_hz();
-        let (low, high) = (
-            hz.first().copied().unwrap_or_default(),
-            hz.last().copied().unwrap_or_default(),
-        );
+        let [low, high] = self.signal.band_hz();
         format!(
             "<frfid.Multisine: {} lines from {low:.4} Hz to {high:.4} Hz, period {} s = {} samples of {} s>",
-            hz.len(),
+            grid.excited.len(),
             grid.period_s(),
             grid.n_samples,
             grid.sample_time_s
@@ -276,6 +273,7 @@ impl Multisine {
                 grid,
                 shape,
                 phases: choice("phases", phases)?,
+                peak: vec![1.0],
             },
         })
     }

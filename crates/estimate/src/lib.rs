@@ -36,6 +36,7 @@ mod spectra {
     pub(crate) mod campaign;
     pub(crate) mod excerpt;
     pub(crate) mod line_dft;
+    pub(crate) mod transform;
 }
 mod spectrogram;
 #[cfg(test)]
@@ -65,7 +66,8 @@ pub use shape::options::{ShapeOptions, Step, Target};
 pub use shape::shaper::Shaper;
 pub use shape::sticking::{BandMotion, Sticking};
 pub use shape::{Driver, Watcher, shape};
-pub use spectra::campaign::{Campaign, Place, RunSpectra, Transform};
+pub use spectra::campaign::{Campaign, Place, RunSpectra};
 pub use spectra::excerpt::{ExcerptOptions, Excerpts};
 pub use spectra::line_dft::LineDft;
+pub use spectra::transform::{Evaluation, Transform};
 pub use spectrogram::{Spectrogram, SpectrogramOptions, spectrogram};

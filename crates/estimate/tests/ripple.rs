@@ -10,8 +10,7 @@ use std::f64::consts::TAU;
 use frfid_estimate::{BlaOptions, EstimateError, RippleTorque, estimate_bla, subtract_glide};
 use frfid_signals::random::{normal, stream};
 use frfid_signals::{
-    Draw, Frf, GridDesign, GridKind, InputKind, LineGrid, Multisine, Phases, Phasing, Profile,
-    Record,
+    Draw, Frf, GridDesign, GridKind, InputKind, LineGrid, Multisine, Phasing, Record,
 };
 use nalgebra::{DMatrix, Matrix2, SVector, Vector2};
 use ndarray::{Array2, Array5, ArrayView2, Axis, concatenate, s};
@@ -139,17 +138,12 @@ fn grid() -> LineGrid {
 
 /// The runs by realization and experiment, and the mean of three glides.
 fn campaign(machine: &Machine) -> (Vec<Vec<Record>>, Record) {
-    let multisine = Multisine {
-        grid: grid(),
-        shape: Profile::constant(1.0),
-        phases: Phases::Random,
-    };
+    let multisine = Multisine::flat(grid(), vec![0.75 * VELOCITY_RAD_S; 2]);
     let runs = |realization: usize| {
         let draw = Draw {
             seed: 4,
             realization,
             phasing: Phasing::Orthogonal,
-            peak: &[0.75 * VELOCITY_RAD_S; 2],
         };
         let periods = multisine.realize(&draw).expect("sound").signal;
         let run = |(experiment, period): (usize, ArrayView2<f64>)| {

@@ -5,7 +5,6 @@ mod description {
     pub(crate) mod config;
     pub(crate) mod controller;
     pub(crate) mod estimate;
-    pub(crate) mod excitation;
     pub(crate) mod robot;
     pub(crate) mod schema;
     pub(crate) mod shape;
@@ -43,7 +42,6 @@ mod shape {
 pub use description::config::{AveragingTable, Config, ConstantVelocityTable};
 pub use description::controller::ControllerTable;
 pub use description::estimate::{Average, EstimateTable, GlideSubtraction};
-pub use description::excitation::{Amplitude, ChirpTable, MultisineTable};
 pub use description::robot::RobotTable;
 pub use description::robot::body::BodyTable;
 pub use description::robot::joint::{JointTable, MotorRippleTable, SingleJointTable};
@@ -55,7 +53,7 @@ pub use description::text::{ConfigError, TextSpan, TomlText};
 pub use design::cost::Cost;
 pub use design::predict::{Prediction, predict};
 pub use error::ExperimentError;
-pub use estimate::estimator::{Estimator, Spectra, log_spaced};
+pub use estimate::estimator::{Estimator, Spectra};
 pub use estimate::outcome::Outcome;
 pub use estimate::strength::Strength;
 pub use estimate::{EstimateOptions, estimate_logs};

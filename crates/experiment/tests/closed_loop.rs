@@ -28,7 +28,7 @@ fn experiment(kind: &str, changes: &[(&str, &str)]) -> Experiment {
 fn the_multisines_of_section_7_ride_on_a_velocity_whose_sign_they_never_change() {
     let experiment = experiment("r3-multisine", &[]);
     let plan = experiment.plan();
-    let Excitation::Multisine { signal, peak } = &plan.excitation else {
+    let Excitation::Multisine(signal) = &plan.excitation else {
         panic!("a multisine")
     };
     assert_eq!(
@@ -43,7 +43,7 @@ fn the_multisines_of_section_7_ride_on_a_velocity_whose_sign_they_never_change()
         .as_ref()
         .and_then(|table| table.travel_rad.clone())
         .expect("given");
-    for ((velocity, peak), travel) in plan.velocity_rad_s.iter().zip(peak).zip(&travel) {
+    for ((velocity, peak), travel) in plan.velocity_rad_s.iter().zip(&signal.peak).zip(&travel) {
         assert!(
             (velocity * run_s - travel).abs() < 1e-12 && (peak - 0.75 * velocity).abs() < 1e-15
         );

@@ -30,6 +30,26 @@ pub enum SignalError {
         /// The range or property needed.
         needed: &'static str,
     },
+    /// Values that do not go together.
+    #[error("{what}")]
+    Unfit {
+        /// Name of the field that is wrong or missing.
+        key: &'static str,
+        /// What was found, what was needed and what to do.
+        what: String,
+    },
+    /// Several realizations or periods of an excitation that is done once.
+    #[error(
+        "{key} is {found}, needed: 1 with a {excitation}: it has no random phases and no period"
+    )]
+    OnlyOnce {
+        /// Which number.
+        key: &'static str,
+        /// Its value.
+        found: usize,
+        /// Name of the excitation.
+        excitation: &'static str,
+    },
     /// Limits that do not fit the axes.
     #[error("{} is {found:?}, needed: {number} for each of the {n_axes} axes", limit.key())]
     Limit {
@@ -151,7 +171,10 @@ impl SignalError {
     #[must_use]
     pub fn path(&self) -> Vec<&str> {
         match self {
-            Self::Parameter { key, .. } | Self::Derived { key, .. } => vec![key],
+            Self::Parameter { key, .. }
+            | Self::Derived { key, .. }
+            | Self::Unfit { key, .. }
+            | Self::OnlyOnce { key, .. } => vec![key],
             Self::Shape { name, .. } => vec![name],
             Self::Limit { limit, .. } => vec![limit.key()],
             Self::AboveNyquist { .. } | Self::EmptyBand { .. } => vec!["high_hz"],

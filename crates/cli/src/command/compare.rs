@@ -1,5 +1,6 @@
 //! `frfid compare`: what moved between two FRFs, and what that says about the machine.
 
+use frfid_signals::format::significant;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -10,7 +11,7 @@ use serde_json::json;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::{Options, existing_path, named};
-use crate::text::table::{significant, table};
+use crate::text::table::table;
 
 /// Compare two FRFs: shifts of resonances and antiresonances, damping, and what it says about
 /// stiffness and friction

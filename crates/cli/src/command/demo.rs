@@ -1,5 +1,6 @@
 //! `frfid demo`: the paper, end to end, with figures, a report and the table of claims.
 
+use frfid_signals::format::significant;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -13,7 +14,6 @@ use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::Options;
 use crate::progress::watched;
-use crate::text::table::significant;
 
 /// Pixels of the PNGs for each unit of the drawing.
 const PNG_SCALE: f64 = 2.0;

@@ -1,5 +1,6 @@
 //! `frfid design`: the excitation of every run, inside the limits, as a plan file.
 
+use frfid_signals::format::significant;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
@@ -14,7 +15,6 @@ use crate::options::Options;
 use crate::progress::watched;
 use crate::text::load::load_as_text;
 use crate::text::plan::{plan_as_json, plan_as_text};
-use crate::text::table::significant;
 
 /// Design the excitation of every run inside the limits, and write it as a plan
 #[derive(Debug, Args)]
@@ -150,7 +150,7 @@ fn advice(experiment: &Experiment, prediction: &Prediction, worst: &Excess) -> S
     // rounded down, so that the advice is inside the limit
     let factor = (prediction.feasible_factor().unwrap_or(1.0) * 1000.0).floor() / 1000.0;
     if factor > 0.0 {
-        let peaks = experiment.plan().excitation.peaks();
+        let peaks = experiment.plan().excitation.waveform().peaks();
         let best: Vec<String> = peaks
             .iter()
             .map(|peak| significant(factor * peak, 3))

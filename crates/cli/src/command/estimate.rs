@@ -1,5 +1,6 @@
 //! `frfid estimate`: from logs to an FRF with its uncertainty and checks.
 
+use frfid_signals::format::significant;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -17,7 +18,7 @@ use crate::options::{Options, existing_path, named};
 use crate::progress::watched;
 use crate::text::checks::{checks_as_text, warn_of_failed};
 use crate::text::strength::strength_as_text;
-use crate::text::table::{list, significant};
+use crate::text::table::list;
 
 /// Estimate the FRF from logs, with variances and checks
 #[derive(Debug, Args)]

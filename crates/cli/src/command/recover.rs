@@ -1,5 +1,6 @@
 //! `frfid recover`: what can be read of a damaged or half-written log.
 
+use frfid_signals::format::count;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -9,7 +10,6 @@ use serde_json::json;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::{Options, existing_path};
-use crate::text::table::count;
 
 /// Salvage a damaged or half-written log: everything readable goes into a new file
 #[derive(Debug, Args)]

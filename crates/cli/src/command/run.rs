@@ -1,5 +1,6 @@
 //! `frfid run`: the runs of a description or a plan in simulation, one MCAP each.
 
+use frfid_signals::format::{count, significant};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -16,7 +17,6 @@ use crate::options::{Options, existing_path};
 use crate::progress::watched;
 use crate::text::load::{excess_in_words, load_as_text};
 use crate::text::strength::strength_rows;
-use crate::text::table::{count, significant};
 
 /// Do the runs of a description or a plan in simulation, one MCAP each; runs that are there already
 /// are skipped

@@ -1,6 +1,7 @@
 //! `frfid shape`: the reference of a chirp in closed loop, shaped until the motor torque follows
 //! what is desired.
 
+use frfid_signals::format::significant;
 use std::path::PathBuf;
 
 use clap::Args;
@@ -15,7 +16,7 @@ use crate::exit::{Exit, Failure};
 use crate::options::Options;
 use crate::progress::watched;
 use crate::text::checks::{checks_as_text, warn_of_failed};
-use crate::text::table::{significant, table};
+use crate::text::table::table;
 
 /// Shape the reference of a chirp in closed loop until the motor torque is as desired, with an
 /// audit trail

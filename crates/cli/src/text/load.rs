@@ -1,9 +1,10 @@
 //! Table of what was asked of the robot beside its limits.
 
 use frfid_experiment::Load;
+use frfid_signals::format::significant;
 use frfid_signals::{Excess, Limit, Limits};
 
-use crate::text::table::{significant, table};
+use crate::text::table::table;
 
 /// Further rows of each axis: a name, and the value of every axis.
 pub(crate) type Others = [(&'static str, Vec<String>)];

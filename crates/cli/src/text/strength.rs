@@ -2,8 +2,9 @@
 
 use frfid_estimate::AxisStrength;
 use frfid_experiment::Strength;
+use frfid_signals::format::significant;
 
-use crate::text::table::{list, significant};
+use crate::text::table::list;
 
 /// How the axes were driven and moved: name and value per axis.
 pub(crate) fn strength_rows(strength: Option<&Strength>) -> Vec<(&'static str, Vec<String>)> {

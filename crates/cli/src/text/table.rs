@@ -1,4 +1,6 @@
-//! Text tables and numbers for people.
+//! Text tables, times and amounts for people.
+
+use frfid_signals::format::significant;
 
 /// Rows of cells, columns two spaces apart: the first one flush left, the others flush right.
 pub(crate) fn table(rows: &[Vec<String>]) -> String {
@@ -39,24 +41,6 @@ pub(crate) fn list(entries: &[(&str, String)]) -> String {
         .collect()
 }
 
-/// A number with `digits` significant digits, without zeros at its end: `0.08138`, `12.29`, `1500`.
-pub(crate) fn significant(value: f64, digits: usize) -> String {
-    if value == 0.0 || !value.is_finite() {
-        return value.to_string();
-    }
-    let magnitude = value.abs().log10().floor() as i32;
-    if !(-5..=6).contains(&magnitude) {
-        return format!("{value:.*e}", digits - 1);
-    }
-    let decimals = usize::try_from(digits as i32 - 1 - magnitude).unwrap_or(0);
-    let text = format!("{value:.decimals$}");
-    if text.contains('.') {
-        text.trim_end_matches('0').trim_end_matches('.').to_owned()
-    } else {
-        text
-    }
-}
-
 /// A time for people: `12.3 s`, `12 min 17 s`, `3 h 5 min`.
 pub(crate) fn duration(seconds: f64) -> String {
     let whole = seconds.round() as u64;
@@ -75,11 +59,6 @@ pub(crate) fn bytes(count: f64) -> String {
         .find(|(_, size)| count >= *size)
         .unwrap_or(units[3]);
     format!("{} {unit}", significant(count / size, 3))
-}
-
-/// `1 run`, `3 runs`.
-pub(crate) fn count(number: usize, noun: &str) -> String {
-    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
 }
 
 #[cfg(test)]
@@ -101,24 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_read_well() {
-        let all = [
-            0.0,
-            12.288,
-            0.081_380_208,
-            1500.0,
-            -0.5,
-            123_456.7,
-            1e-9,
-            3.5e12,
-        ]
-        .map(|x| significant(x, 4));
-        assert_eq!(
-            all,
-            [
-                "0", "12.29", "0.08138", "1500", "-0.5", "123457", "1.000e-9", "3.500e12"
-            ]
-        );
+    fn times_and_amounts_read_well() {
         assert_eq!(
             [12.288, 737.28, 11_000.0].map(duration),
             ["12.3 s", "12 min 17 s", "3 h 3 min"]

@@ -10,13 +10,12 @@ use std::iter::zip;
 use std::ops::Range;
 
 use frfid_signals::power::{mean_power, rms};
-use frfid_signals::{Chirp, Excitation, Plan, Record, SignalError};
+use frfid_signals::{Plan, Record, SignalError};
 use ndarray::{Array2, ArrayView1, s};
 use serde::Serialize;
 
 use crate::error::EstimateError;
-use crate::spectra::campaign::Transform;
-use crate::spectra::line_dft::LineDft;
+use crate::spectra::transform::Evaluation;
 
 /// How one axis moved and was driven while the excitation lasted.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -83,18 +82,9 @@ pub fn strength(
             .into());
         }
     }
-    let bands = match &plan.excitation {
-        Excitation::Chirp(chirp) => chirp_bands(
-            record,
-            &stuck,
-            plan.lead_in_samples,
-            &window,
-            chirp,
-            bands_hz,
-        ),
-        Excitation::Multisine { signal, .. } => {
-            multisine_bands(record, &window, &signal.grid.excited, plan, bands_hz)?
-        }
+    let bands = match passages(plan, &window, bands_hz) {
+        Some(passages) => swept_bands(record, &stuck, &passages),
+        None => line_bands(record, &window, plan, bands_hz)?,
     };
     let axis = |(axis, bands): (usize, Vec<BandStrength>)| {
         let (velocity, gliding) = (
@@ -115,17 +105,20 @@ pub fn strength(
     Ok(bands.into_iter().enumerate().map(axis).collect())
 }
 
-/// Samples of the excitation: the whole periods of a multisine, the sweep of a chirp without its
-/// tail.
+/// Samples of the excitation: its whole periods, or what is there of an excitation that is done once
+/// without its rest.
 fn window(record: &Record, plan: &Plan) -> Result<Range<usize>, EstimateError> {
     let (start, period) = (plan.lead_in_samples, plan.period_samples()?);
     let there = record.n_samples().saturating_sub(start);
-    let (samples, least) = match &plan.excitation {
-        Excitation::Multisine { .. } => ((there / period).min(plan.n_periods) * period, period),
-        Excitation::Chirp(chirp) => (
-            there.min((chirp.duration_s / plan.sample_time_s).floor() as usize),
+    let waveform = plan.excitation.waveform();
+    let (samples, least) = if waveform.is_periodic() {
+        ((there / period).min(plan.n_periods) * period, period)
+    } else {
+        let excited_s = waveform.excited_s(plan.sample_time_s);
+        (
+            there.min((excited_s / plan.sample_time_s).floor() as usize),
             2,
-        ),
+        )
     };
     if samples < least {
         let needed = format!(
@@ -169,51 +162,60 @@ fn rms_about_mean(signal: ArrayView1<f64>) -> f64 {
     rms(&signal.mapv(|value| value - mean).to_vec())
 }
 
-/// Bands of every axis from the time in which the chirp passes them.
-fn chirp_bands(
+/// A band in Hz and the samples in which the excitation passes it.
+type Passage = ([f64; 2], Range<usize>);
+
+/// When the excitation passes the bands; `None` where it is in all of them all the time.
+fn passages(plan: &Plan, window: &Range<usize>, bands_hz: &[[f64; 2]]) -> Option<Vec<Passage>> {
+    let passage = |&band_hz: &[f64; 2]| {
+        let waveform = plan.excitation.waveform();
+        let [from, to] = waveform
+            .seconds_in(band_hz, plan.sample_time_s)?
+            .map(|time_s| {
+                let sample = (time_s / plan.sample_time_s).round() as usize;
+                (plan.lead_in_samples + sample).min(window.end)
+            });
+        Some((band_hz, from..to))
+    };
+    bands_hz.iter().map(passage).collect()
+}
+
+/// Bands of every axis from the time in which the excitation passes them.
+fn swept_bands(
     record: &Record,
     stuck: &Array2<bool>,
-    start: usize,
-    window: &Range<usize>,
-    chirp: &Chirp,
-    bands_hz: &[[f64; 2]],
+    passages: &[Passage],
 ) -> Vec<Vec<BandStrength>> {
-    let instant = |hz: f64| {
-        let time_s = chirp.instant_of(hz.clamp(chirp.low_hz, chirp.high_hz));
-        (start + (time_s / record.sample_time_s).round() as usize).min(window.end)
+    let band = |axis: usize, &([low_hz, high_hz], ref time): &Passage| BandStrength {
+        low_hz,
+        high_hz,
+        rms_nm: rms_about_mean(record.u.slice(s![axis, time.clone()])),
+        rms_over_coulomb: None,
+        stuck_share: Some(share(stuck.slice(s![axis, time.clone()]))),
     };
-    let times: Vec<([f64; 2], Range<usize>)> = bands_hz
-        .iter()
-        .map(|&[low_hz, high_hz]| ([low_hz, high_hz], instant(low_hz)..instant(high_hz)))
-        .collect();
-    let band =
-        |axis: usize, &([low_hz, high_hz], ref time): &([f64; 2], Range<usize>)| BandStrength {
-            low_hz,
-            high_hz,
-            rms_nm: rms_about_mean(record.u.slice(s![axis, time.clone()])),
-            rms_over_coulomb: None,
-            stuck_share: Some(share(stuck.slice(s![axis, time.clone()]))),
-        };
-    let passed = || times.iter().filter(|(_, time)| time.len() > 1);
+    let passed = || passages.iter().filter(|(_, time)| time.len() > 1);
     (0..record.u.nrows())
         .map(|axis| passed().map(|time| band(axis, time)).collect())
         .collect()
 }
 
 /// Bands of every axis from the excited lines, averaged over the periods.
-fn multisine_bands(
+fn line_bands(
     record: &Record,
     window: &Range<usize>,
-    excited: &[usize],
     plan: &Plan,
     bands_hz: &[[f64; 2]],
 ) -> Result<Vec<Vec<BandStrength>>, EstimateError> {
     let period = plan.period_samples()?;
-    let dft = LineDft::new(period, excited)?;
-    let (hz, n_periods) = (dft.frequency_hz(plan.sample_time_s)?, window.len() / period);
-    let mut power = Array2::<f64>::zeros((record.u.nrows(), excited.len()));
+    let Evaluation {
+        frequency_hz: hz,
+        transform,
+        ..
+    } = Evaluation::of(plan, 2)?;
+    let n_periods = window.len() / period;
+    let mut power = Array2::<f64>::zeros((record.u.nrows(), hz.len()));
     for start in window.clone().step_by(period) {
-        let spectra = dft.transform("u", record.u.slice(s![.., start..start + period]))?;
+        let spectra = transform.transform("u", record.u.slice(s![.., start..start + period]))?;
         power += &spectra
             .mapv(|value| 2.0 * value.norm_sqr() / (period as f64).powi(2) / n_periods as f64);
     }

@@ -3,8 +3,8 @@
 use std::f64::consts::{SQRT_2, TAU};
 
 use frfid_signals::{
-    Chirp, Excitation, GridDesign, GridKind, Injection, InputKind, Multisine, Phases, Phasing,
-    Plan, Profile, Record, RunId, RunKind, SignalError,
+    Chirp, Excitation, GridDesign, GridKind, Injection, InputKind, Multisine, Phasing, Plan,
+    Profile, Record, RunId, RunKind, SignalError,
 };
 use ndarray::{Array2, s};
 
@@ -39,15 +39,7 @@ fn multisine() -> Excitation {
         seed: 0,
     };
     let grid = design.design().expect("sound");
-    let signal = Multisine {
-        grid,
-        shape: Profile::constant(1.0),
-        phases: Phases::Random,
-    };
-    Excitation::Multisine {
-        signal,
-        peak: vec![100.0],
-    }
+    Excitation::Multisine(Multisine::flat(grid, vec![100.0]))
 }
 
 fn plan(excitation: Excitation, n_periods: usize) -> Plan {

@@ -10,6 +10,7 @@ use num_complex::Complex64;
 
 use crate::error::EstimateError;
 use crate::spectra::line_dft::check_rising;
+use crate::spectra::transform::Transform;
 
 /// Place of one run in a campaign; all indices from 0, sorted in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -32,20 +33,6 @@ pub struct RunSpectra {
     /// Reference, as many channels as `u`; in all runs of a campaign or in none. With it the
     /// estimate is indirect.
     pub r: Option<Array2<Complex64>>,
-}
-
-/// What turns time series into spectra: [`crate::spectra::line_dft::LineDft`] for periods, [`crate::spectra::excerpt::Excerpts`] for
-/// chirps.
-pub trait Transform: Send + Sync {
-    /// Spectra of one run, `(channel, sample)` to `(channel, line)`, means removed.
-    ///
-    /// # Errors
-    /// [`SignalError::Shape`] for another length, [`SignalError::NotFinite`]; both say `name`.
-    fn transform(
-        &self,
-        name: &'static str,
-        signal: ArrayView2<f64>,
-    ) -> Result<Array2<Complex64>, EstimateError>;
 }
 
 impl RunSpectra {

@@ -1,14 +1,14 @@
 //! `experiment.toml`: one description of robot, excitation, averaging, limits and estimator.
 
-use frfid_signals::Limits;
+use frfid_signals::{ChirpDesign, Design, Limits, MultisineDesign};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::description::controller::ControllerTable;
 use crate::description::estimate::EstimateTable;
-use crate::description::excitation::{ChirpTable, MultisineTable};
 use crate::description::robot::RobotTable;
 use crate::description::shape::ShapeTable;
+use crate::description::text::Fault;
 
 /// An experiment, as `experiment.toml` describes it. Frequencies in Hz, everything else in SI units
 /// on the joint side of the gear; the unit ends the name.
@@ -25,9 +25,9 @@ pub struct Config {
     /// motor torque.
     pub controller: Option<ControllerTable>,
     /// A random-phase multisine. Exactly one of `[multisine]` and `[chirp]` is needed.
-    pub multisine: Option<MultisineTable>,
+    pub multisine: Option<MultisineDesign>,
     /// An exponential chirp. Exactly one of `[multisine]` and `[chirp]` is needed.
-    pub chirp: Option<ChirpTable>,
+    pub chirp: Option<ChirpDesign>,
     /// How often what is repeated.
     #[serde(default)]
     pub averaging: AveragingTable,
@@ -46,6 +46,37 @@ pub struct Config {
 impl Config {
     /// Tables whose key `kind` says what they describe, and what they describe without it.
     pub(crate) const TABLES_OF_KINDS: [(&str, &str); 1] = [("controller", "pi")];
+
+    /// The table of the excitation, by its name.
+    pub(crate) fn excitation(&self) -> Result<(&'static str, &dyn Design), Fault> {
+        let tables = [
+            (
+                "multisine",
+                self.multisine.as_ref().map(|table| table as &dyn Design),
+            ),
+            (
+                "chirp",
+                self.chirp.as_ref().map(|table| table as &dyn Design),
+            ),
+        ];
+        let mut given = tables
+            .iter()
+            .filter_map(|(name, table)| Some((*name, (*table)?)));
+        match (given.next(), given.next()) {
+            (Some(table), None) => Ok(table),
+            (Some((first, _)), Some((second, _))) => {
+                let message = format!("both [{first}] and [{second}] are given; keep one of them");
+                Err(Fault::new(&[second], message))
+            }
+            (None, _) => {
+                let names = tables.map(|(name, _)| format!("[{name}]")).join(" or ");
+                Err(Fault::new(
+                    &[],
+                    format!("no excitation: a table {names} is needed"),
+                ))
+            }
+        }
+    }
 }
 
 /// How often what is repeated.

@@ -1,10 +1,9 @@
 //! What a reference is shaped towards: the table `[shape]`.
 
 use frfid_estimate::{ShapeOptions, Step};
+use frfid_signals::Amplitude;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-
-use crate::description::excitation::Amplitude;
 
 /// Iterative shaping of a chirp in closed loop (SK15 section 5.3): from the reference of `[chirp]`
 /// to one whose answer is as desired. Exactly one of `desired_nm` and `desired_rad_s` is needed.

@@ -1,82 +1,60 @@
 //! From `experiment.toml` to the plan: excitation, phasing, averaging, all checked against each
 //! other.
 
-use frfid_signals::checks::positive;
-use frfid_signals::{
-    Chirp, Excitation, GridDesign, Injection, Multisine, Plan, Profile, SignalError,
-};
+use frfid_signals::{Excitation, Injection, Plan, SignalError, Target};
 
-use crate::description::config::Config;
+use crate::description::config::{Config, ConstantVelocityTable};
 use crate::description::estimate::GlideSubtraction;
-use crate::description::excitation::{Amplitude, ChirpTable, MultisineTable};
 use crate::description::text::Fault;
 
 /// The plan that a configuration describes.
 ///
 /// # Errors
 /// [`Fault`] with the place of the value that does not fit.
-pub fn design(config: &Config) -> Result<Plan, Fault> {
-    let (excitation, phasing, band) = match (&config.multisine, &config.chirp) {
-        (Some(multisine), None) => (
-            multisine_of(config, multisine)?,
-            multisine.mimo,
-            "multisine",
-        ),
-        (None, Some(chirp)) => (chirp_of(config, chirp)?, chirp.mimo, "chirp"),
-        (Some(_), Some(_)) => {
-            return Err(Fault::new(
-                &["chirp"],
-                "both [multisine] and [chirp] are given; keep one of them",
-            ));
-        }
-        (None, None) => {
-            return Err(Fault::new(
-                &[],
-                "no excitation: a table [multisine] or [chirp] is needed",
-            ));
-        }
-    };
+pub(crate) fn design(config: &Config) -> Result<Plan, Fault> {
+    let (name, design) = config.excitation()?;
+    let at_excitation = |error: SignalError| located(name, &error);
     let n_inputs = config.robot.n_axes();
-    let lead_in_s = config.averaging.lead_in_s.unwrap_or(match &excitation {
-        Excitation::Multisine { signal, .. } => signal.grid.period_s(),
-        Excitation::Chirp(_) => 0.0,
-    });
-    let lead_in = lead_in_s / config.sample_time_s;
-    if !(0.0..=1e8).contains(&lead_in) {
-        return Err(Fault::new(
-            &["averaging", "lead_in_s"],
-            format!("lead_in_s is {lead_in_s}, needed: 0 to 10^8 samples"),
-        ));
-    }
+    let injection = match config.controller {
+        Some(_) => Injection::Velocity,
+        None => Injection::Torque,
+    };
+    let target = Target {
+        injection,
+        n_inputs,
+        sample_time_s: config.sample_time_s,
+        seed: config.seed,
+    };
+    let excitation = design.excitation(&target).map_err(at_excitation)?;
+    let glides = config.constant_velocity.as_ref().map(|table| table.glides);
     let mut plan = Plan {
         seed: config.seed,
         sample_time_s: config.sample_time_s,
         n_inputs,
+        lead_in_samples: lead_in_samples(config, &excitation)?,
         excitation,
-        phasing,
-        injection: if config.controller.is_some() {
-            Injection::Velocity
-        } else {
-            Injection::Torque
-        },
+        phasing: design.phasing(),
+        injection,
         n_realizations: config.averaging.realizations,
         n_repetitions: config.averaging.repetitions,
         n_periods: config.averaging.periods,
-        lead_in_samples: lead_in.round() as usize,
         velocity_rad_s: vec![0.0; n_inputs],
-        n_glides: config
-            .constant_velocity
-            .as_ref()
-            .map_or(0, |table| table.glides),
+        n_glides: glides.unwrap_or(0),
     };
-    ride(&mut plan, config)?;
+    if let Some(table) = &config.constant_velocity {
+        plan.velocity_rad_s = velocity_rad_s(table, &plan)?;
+    }
+    design
+        .ride(&mut plan.excitation, &plan.velocity_rad_s)
+        .map_err(at_excitation)?;
     if config.estimate.glide_subtraction == GlideSubtraction::Position && plan.n_glides == 0 {
-        let message = "subtraction by position needs glides; give their number, [constant_velocity] glides, or leave it out";
+        let message = "subtraction by position needs glides; give their number, \
+                       [constant_velocity] glides, or leave it out";
         return Err(Fault::new(&["estimate", "glide_subtraction"], message));
     }
     // one draw shows whether amplitudes, phasing and inputs fit together; its numbers are thrown
     // away
-    plan.period(0).map_err(|error| located(band, &error))?;
+    plan.period(0).map_err(at_excitation)?;
     config
         .limits
         .check(n_inputs)
@@ -84,160 +62,41 @@ pub fn design(config: &Config) -> Result<Plan, Fault> {
     Ok(plan)
 }
 
-/// Puts the runs on their constant velocity, and a multisine whose peak is a share of it to its
-/// peak.
-fn ride(plan: &mut Plan, config: &Config) -> Result<(), Fault> {
-    if let Some(table) = &config.constant_velocity {
-        plan.velocity_rad_s = match (&table.velocity_rad_s, &table.travel_rad) {
-            (Some(velocity), None) => velocity.clone(),
-            (None, Some(travel)) if travel.len() != plan.n_inputs => {
-                let (found, needed) = (travel.len(), plan.n_inputs);
-                let message = format!(
-                    "travel_rad has {found} entries, needed: one for each of the {needed} axes"
-                );
-                return Err(Fault::new(&["constant_velocity", "travel_rad"], message));
-            }
-            (None, Some(travel)) => {
-                let samples = plan
-                    .run_samples()
-                    .map_err(|error| located("constant_velocity", &error))?;
-                travel
-                    .iter()
-                    .map(|way| way / (samples as f64 * plan.sample_time_s))
-                    .collect()
-            }
-            _ => {
-                let message = "give the velocity (velocity_rad_s) or the way of a run (travel_rad), one of the two";
-                return Err(Fault::new(&["constant_velocity"], message));
-            }
-        };
+/// Samples before the first measured period.
+fn lead_in_samples(config: &Config, excitation: &Excitation) -> Result<usize, Fault> {
+    let asked_s = config.averaging.lead_in_s;
+    let lead_in_s = asked_s.unwrap_or_else(|| excitation.waveform().default_lead_in_s());
+    let samples = lead_in_s / config.sample_time_s;
+    if (0.0..=1e8).contains(&samples) {
+        return Ok(samples.round() as usize);
     }
-    let share = config
-        .multisine
-        .as_ref()
-        .and_then(|table| table.peak_of_velocity);
-    if let (Some(share), Excitation::Multisine { peak, .. }) = (share, &mut plan.excitation) {
-        *peak = plan
-            .velocity_rad_s
-            .iter()
-            .map(|velocity| share * velocity.abs())
-            .collect();
-        if peak.iter().any(|peak| !(peak.is_finite() && *peak > 0.0)) {
+    let message = format!("lead_in_s is {lead_in_s}, needed: 0 to 10^8 samples");
+    Err(Fault::new(&["averaging", "lead_in_s"], message))
+}
+
+/// The constant velocity of every axis.
+fn velocity_rad_s(table: &ConstantVelocityTable, plan: &Plan) -> Result<Vec<f64>, Fault> {
+    match (&table.velocity_rad_s, &table.travel_rad) {
+        (Some(velocity), None) => Ok(velocity.clone()),
+        (None, Some(travel)) if travel.len() != plan.n_inputs => {
+            let (found, needed) = (travel.len(), plan.n_inputs);
             let message = format!(
-                "{share} of the constant velocities {:?} rad/s leaves no peak; needed: a share above 0 and a \
-                 [constant_velocity] on every axis",
-                plan.velocity_rad_s
+                "travel_rad has {found} entries, needed: one for each of the {needed} axes"
             );
-            return Err(Fault::new(&["multisine", "peak_of_velocity"], message));
+            Err(Fault::new(&["constant_velocity", "travel_rad"], message))
         }
-    }
-    Ok(())
-}
-
-fn multisine_of(config: &Config, table: &MultisineTable) -> Result<Excitation, Fault> {
-    let (names, values) = (
-        ["peak_nm", "peak_rad_s"],
-        [&table.peak_nm, &table.peak_rad_s],
-    );
-    let peak = match table.peak_of_velocity {
-        None => of_injection(config, "multisine", names, values, |&peak| {
-            positive("peak", peak)
-        })?,
-        // put in its place when the velocity is known
-        Some(_) if config.controller.is_some() && values == [&None, &None] => {
-            vec![1.0; config.robot.n_axes()]
+        (None, Some(travel)) => {
+            let samples = plan
+                .run_samples()
+                .map_err(|error| located("constant_velocity", &error))?;
+            let run_s = samples as f64 * plan.sample_time_s;
+            Ok(travel.iter().map(|way| way / run_s).collect())
         }
-        Some(_) => {
-            let message = "a share of the velocity is for experiments with a [controller], and instead of another peak";
-            return Err(Fault::new(&["multisine", "peak_of_velocity"], message));
+        _ => {
+            let message = "give the velocity (velocity_rad_s) or the way of a run (travel_rad), \
+                           one of the two";
+            Err(Fault::new(&["constant_velocity"], message))
         }
-    };
-    let design = GridDesign {
-        low_hz: table.low_hz,
-        high_hz: table.high_hz,
-        sample_time_s: config.sample_time_s,
-        resolution_hz: table.resolution_hz,
-        n_lines: table.n_lines,
-        kind: table.grid,
-        seed: config.seed,
-    };
-    let grid = design
-        .design()
-        .map_err(|error| located("multisine", &error))?;
-    let shape = table
-        .shape
-        .clone()
-        .unwrap_or_else(|| Profile::constant(1.0));
-    Ok(Excitation::Multisine {
-        signal: Multisine {
-            grid,
-            shape,
-            phases: table.phases,
-        },
-        peak,
-    })
-}
-
-fn chirp_of(config: &Config, table: &ChirpTable) -> Result<Excitation, Fault> {
-    let amplitude = of_injection(
-        config,
-        "chirp",
-        ["amplitude_nm", "amplitude_rad_s"],
-        [&table.amplitude_nm, &table.amplitude_rad_s],
-        |amplitude: &Amplitude| amplitude.profile().check(),
-    )?;
-    let chirp = Chirp {
-        low_hz: table.low_hz,
-        high_hz: table.high_hz,
-        duration_s: table.duration_s,
-        amplitude: amplitude.iter().map(Amplitude::profile).collect(),
-        fade_s: table.fade_s,
-        tail_s: table.tail_s,
-    };
-    Ok(Excitation::Chirp(chirp))
-}
-
-/// The amplitude in the unit of what is injected: torque in open loop, velocity in closed loop, one
-/// for each input.
-fn of_injection<T: Clone>(
-    config: &Config,
-    table: &str,
-    names: [&str; 2],
-    values: [&Option<Vec<T>>; 2],
-    check: impl Fn(&T) -> Result<(), SignalError>,
-) -> Result<Vec<T>, Fault> {
-    let closed = usize::from(config.controller.is_some());
-    let why = [
-        "no [controller]: the reference is a torque",
-        "[controller] is given: the reference is a velocity",
-    ][closed];
-    if values[1 - closed].is_some() {
-        let message = format!(
-            "{why}; give {} instead of {}",
-            names[closed],
-            names[1 - closed]
-        );
-        return Err(Fault::new(&[table, names[1 - closed]], message));
-    }
-    let n_inputs = config.robot.n_axes();
-    match values[closed] {
-        Some(value) if value.len() == n_inputs => {
-            let at_key = |error: SignalError| Fault::from(error).at(&[table, names[closed]]);
-            value.iter().try_for_each(check).map_err(at_key)?;
-            Ok(value.clone())
-        }
-        Some(value) => {
-            let message = format!(
-                "{} has {} entries, needed: one for each of the {n_inputs} axes",
-                names[closed],
-                value.len()
-            );
-            Err(Fault::new(&[table, names[closed]], message))
-        }
-        None => Err(Fault::new(
-            &[table],
-            format!("{} is missing ({why})", names[closed]),
-        )),
     }
 }
 
@@ -285,7 +144,7 @@ mod tests {
                 "multisine",
                 "peak_nm = [150.0]",
                 "peak_nm = [-150.0]",
-                "peak is -150",
+                "peak_nm is -150",
                 "[-150.0]",
             ),
             (

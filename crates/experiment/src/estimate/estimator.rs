@@ -1,8 +1,8 @@
 //! From the records of a plan to its FRF: record by record, in any order, so that no campaign is
 //! too long for the memory.
 
-use frfid_estimate::{Campaign, ExcerptOptions, Excerpts, LineDft, Place, RunSpectra, Transform};
-use frfid_signals::{Excitation, Frf, Plan, Record, RunId, RunKind, SignalError};
+use frfid_estimate::{Campaign, Evaluation, Place, RunSpectra};
+use frfid_signals::{Frf, Plan, Record, RunId, RunKind};
 use ndarray::s;
 
 use crate::description::estimate::{EstimateTable, GlideSubtraction};
@@ -15,12 +15,9 @@ pub struct Estimator {
     plan: Plan,
     period_samples: usize,
     options: EstimateTable,
-    frequency_hz: Vec<f64>,
-    transform: Box<dyn Transform>,
+    evaluation: Evaluation,
     baseline: Baseline,
     residual: Option<RippleResidual>,
-    /// That of excerpts; none for lines.
-    relative_resolution: Option<f64>,
 }
 
 /// Spectra of records, in any order.
@@ -83,32 +80,13 @@ impl Estimator {
     pub fn new(plan: &Plan, options: &EstimateTable) -> Result<Self, ExperimentError> {
         plan.check()?;
         let period_samples = plan.period_samples()?;
-        let (frequency_hz, transform, relative_resolution): (
-            Vec<f64>,
-            Box<dyn Transform>,
-            Option<f64>,
-        ) = match &plan.excitation {
-            Excitation::Multisine { signal, .. } => {
-                let dft = LineDft::new(period_samples, &signal.grid.excited)?;
-                (dft.frequency_hz(plan.sample_time_s)?, Box::new(dft), None)
-            }
-            Excitation::Chirp(chirp) => {
-                let hz = log_spaced(chirp.low_hz, chirp.high_hz, options.n_frequencies)?;
-                let cut = ExcerptOptions::default();
-                let excerpts =
-                    Excerpts::new(chirp, &hz, plan.sample_time_s, 0.0, period_samples, &cut)?;
-                (hz, Box::new(excerpts), Some(cut.relative_resolution()))
-            }
-        };
         Ok(Self {
             plan: plan.clone(),
             period_samples,
             options: options.clone(),
-            frequency_hz,
-            transform,
+            evaluation: Evaluation::of(plan, options.n_frequencies)?,
             baseline: Baseline::None,
             residual: RippleResidual::of_plan(plan, options)?,
-            relative_resolution,
         })
     }
 
@@ -189,7 +167,7 @@ impl Estimator {
             let place = self.place(id, period);
             spectra
                 .periods
-                .push((place, RunSpectra::of(&*self.transform, u, y, r)?));
+                .push((place, RunSpectra::of(&*self.evaluation.transform, u, y, r)?));
             if let Some(residual) = &self.residual {
                 spectra.free.extend(residual.spectra(place, u, y)?);
             }
@@ -226,13 +204,13 @@ impl Estimator {
     /// # Errors
     /// [`ExperimentError`] if nothing remains, or U cannot be inverted.
     pub fn estimate(&self, spectra: Spectra) -> Result<Estimated, ExperimentError> {
-        let mut campaign = Campaign::new(self.frequency_hz.clone())?;
+        let mut campaign = Campaign::new(self.evaluation.frequency_hz.clone())?;
         for (place, run) in spectra.periods {
             campaign.insert(place, run)?;
         }
         let missing = campaign.drop_incomplete();
         let frf = Frf {
-            relative_resolution: self.relative_resolution,
+            relative_resolution: self.evaluation.relative_resolution,
             ..campaign.estimate(&self.options.frf_options())?
         };
         let ripple = self
@@ -246,26 +224,4 @@ impl Estimator {
             ripple: ripple.flatten(),
         })
     }
-}
-
-/// `count` frequencies from `low_hz` to `high_hz`, logarithmically spaced, both ends included.
-///
-/// # Errors
-/// [`ExperimentError::Signal`] for fewer than two.
-pub fn log_spaced(low_hz: f64, high_hz: f64, count: usize) -> Result<Vec<f64>, ExperimentError> {
-    if count < 2 {
-        let needed = "at least 2";
-        return Err(SignalError::Parameter {
-            key: "n_frequencies",
-            found: count as f64,
-            needed,
-        }
-        .into());
-    }
-    let last = (count - 1) as f64;
-    let between = (1..count - 1).map(|index| low_hz * (high_hz / low_hz).powf(index as f64 / last));
-    Ok(std::iter::once(low_hz)
-        .chain(between)
-        .chain(std::iter::once(high_hz))
-        .collect())
 }

@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 
 use frfid_estimate::{FreeLines, Place, ResidualLevel, Transform};
-use frfid_signals::{Excitation, Frf, Plan};
+use frfid_signals::{Excitation, Frf, Multisine, Plan};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
@@ -37,14 +37,13 @@ impl RippleResidual {
     /// # Errors
     /// [`ExperimentError::Estimate`] for lines that do not fit the period.
     pub fn of_plan(plan: &Plan, options: &EstimateTable) -> Result<Option<Self>, ExperimentError> {
-        let Excitation::Multisine { signal, .. } = &plan.excitation else {
+        let Excitation::Multisine(Multisine { grid, .. }) = &plan.excitation else {
             return Ok(None);
         };
         let repeated = plan.n_repetitions * plan.n_periods > 1;
         if plan.n_glides == 0 || !repeated || options.glide_subtraction == GlideSubtraction::None {
             return Ok(None);
         }
-        let grid = &signal.grid;
         Ok(Some(Self {
             lines: FreeLines::new(grid.n_samples, &grid.excited, NEIGHBOURS)?,
         }))

@@ -3,7 +3,7 @@
 
 use frfid_estimate::{AxisStrength, pooled_strength, strength, strength_warnings};
 use frfid_files::Check;
-use frfid_signals::{Excitation, Record, RunId, RunKind};
+use frfid_signals::{Record, RunId, RunKind};
 use serde::Serialize;
 
 use crate::experiment::Experiment;
@@ -43,19 +43,11 @@ impl Experiment {
 
     /// Bands of a third of an octave or less over what is excited.
     fn bands_hz(&self) -> Vec<[f64; 2]> {
-        let (low_hz, high_hz) = match &self.plan.excitation {
-            Excitation::Chirp(chirp) => (chirp.low_hz, chirp.high_hz),
-            Excitation::Multisine { signal, .. } => {
-                let hz = |line: Option<&usize>| {
-                    line.map_or(1.0, |line| *line as f64 / signal.grid.period_s())
-                };
-                // a line at the upper edge would belong to the next band
-                (
-                    hz(signal.grid.excited.first()),
-                    1.000_001 * hz(signal.grid.excited.last()),
-                )
-            }
-        };
+        let waveform = self.plan.excitation.waveform();
+        let [low_hz, mut high_hz] = waveform.band_hz();
+        if waveform.is_periodic() {
+            high_hz *= 1.000_001; // a line at the upper edge would belong to the next band
+        }
         let count = (PER_OCTAVE * (high_hz / low_hz).log2()).ceil().max(1.0);
         let edge = |band: usize| low_hz * (high_hz / low_hz).powf(band as f64 / count);
         (0..count as usize)

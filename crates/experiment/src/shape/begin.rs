@@ -3,10 +3,9 @@
 
 use frfid_estimate::{EstimateError, ShapeError, ShapeOptions, Shaper, Target};
 use frfid_plant::Sensor;
-use frfid_signals::{Chirp, Excitation, Limit, Plan, Profile, RunId, RunKind};
+use frfid_signals::{Amplitude, Chirp, Excitation, Limit, Plan, Profile, RunId, RunKind};
 use ndarray::{Array3, Axis};
 
-use crate::description::excitation::Amplitude;
 use crate::description::shape::ShapeTable;
 use crate::description::text::ConfigError;
 use crate::error::ExperimentError;

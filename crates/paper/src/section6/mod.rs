@@ -4,11 +4,9 @@
 pub(crate) mod claims;
 pub(crate) mod figures;
 
-use frfid_experiment::{
-    ConstantVelocityTable, Experiment, ExperimentError, Progress, Template, log_spaced,
-};
+use frfid_experiment::{ConstantVelocityTable, Experiment, ExperimentError, Progress, Template};
 use frfid_plant::Hold;
-use frfid_signals::{Draw, Excitation, Frf, Limit, power};
+use frfid_signals::{Draw, Excitation, Frf, Limit, log_spaced, power};
 
 use crate::against_truth::Measured;
 
@@ -185,7 +183,7 @@ fn power_share() -> Result<Vec<f64>, ExperimentError> {
     let chirp_power = power::mean_power(chirp.as_slice().unwrap_or_default());
     let experiment = LINEAR.experiment("multisine")?;
     let plan = experiment.plan();
-    let Excitation::Multisine { signal, peak } = &plan.excitation else {
+    let Excitation::Multisine(signal) = &plan.excitation else {
         return Ok(Vec::new());
     };
     let share = |realization| {
@@ -193,7 +191,6 @@ fn power_share() -> Result<Vec<f64>, ExperimentError> {
             seed: plan.seed,
             realization,
             phasing: plan.phasing,
-            peak,
         })?;
         Ok(power::mean_power(drawn.signal.as_slice().unwrap_or_default()) / chirp_power)
     };

@@ -7,11 +7,9 @@ pub(crate) mod figures;
 pub(crate) mod multisine;
 
 use frfid_estimate::Summary;
-use frfid_experiment::{
-    Amplitude, Experiment, ExperimentError, Progress, StepName, Template, log_spaced,
-};
+use frfid_experiment::{Experiment, ExperimentError, Progress, StepName, Template};
 use frfid_plant::Hold;
-use frfid_signals::{Frf, Limits, Phasing};
+use frfid_signals::{Amplitude, Frf, Limits, Phasing, log_spaced};
 
 use crate::section7::chirps::ShapedChirps;
 use crate::section7::multisine::MultisineCampaign;

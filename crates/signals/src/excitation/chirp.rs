@@ -3,12 +3,17 @@
 use std::f64::consts::{PI, TAU};
 
 use ndarray::{Array3, Axis};
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
+use crate::excitation::Excitation;
+use crate::excitation::design::{Design, Target};
 use crate::excitation::phasing::Phasing;
-use crate::excitation::profile::Profile;
+use crate::excitation::profile::{Amplitude, Profile};
+use crate::excitation::waveform::{Draw, Fact, Waveform};
 use crate::number::checks::{LONGEST_SIGNAL, not_negative, positive};
+use crate::number::format::{band, significant};
 
 /// A sine whose frequency runs exponentially from `low_hz` to `high_hz`:
 /// `r(t) = A(f(t)) sin(phi(t) + phase)` with `f(t) = low_hz e^{a t}`,
@@ -30,11 +35,38 @@ pub struct Chirp {
     pub tail_s: f64,
 }
 
+/// An exponential chirp (SK15 section 5): the table `[chirp]`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ChirpDesign {
+    /// Frequency at the start in Hz.
+    pub low_hz: f64,
+    /// Frequency at the end in Hz.
+    pub high_hz: f64,
+    /// Length of the sweep in s.
+    pub duration_s: f64,
+    /// Amplitude of the motor torque in N m, one for each input: a number, or points [[Hz, value],
+    /// ...]; open loop.
+    pub amplitude_nm: Option<Vec<Amplitude>>,
+    /// Amplitude of the reference velocity in rad/s, one for each input: a number, or points;
+    /// closed loop.
+    pub amplitude_rad_s: Option<Vec<Amplitude>>,
+    /// Length of the fades at both ends in s.
+    #[serde(default)]
+    pub fade_s: f64,
+    /// Rest recorded after the sweep in s, until the response has died out.
+    #[serde(default)]
+    pub tail_s: f64,
+    /// Phases between channels and experiments: orthogonal or sign-flip.
+    #[serde(default)]
+    pub mimo: Phasing,
+}
+
 impl Chirp {
     /// Checks band, duration, fades, tail and profiles.
     ///
     /// # Errors
-    /// [`SignalError::Parameter`] naming the first value out of range.
+    /// [`SignalError`] naming the first value out of range.
     pub fn check(&self) -> Result<(), SignalError> {
         positive("low_hz", self.low_hz)?;
         positive("high_hz", self.high_hz)?;
@@ -92,24 +124,6 @@ impl Chirp {
         }
     }
 
-    /// Number of samples of sweep and tail.
-    ///
-    /// # Errors
-    /// [`SignalError::Parameter`] if they are none or more than 2^26.
-    pub fn n_samples(&self, sample_time_s: f64) -> Result<usize, SignalError> {
-        let found = ((self.duration_s + self.tail_s) / sample_time_s).round();
-        if (1.0..=LONGEST_SIGNAL).contains(&found) {
-            Ok(found as usize)
-        } else {
-            Err(SignalError::Derived {
-                key: "duration_s",
-                quantity: "number of samples of the chirp",
-                found,
-                needed: "between 1 and 2^26",
-            })
-        }
-    }
-
     /// The chirp of every experiment and channel, `(experiment, input, sample)`, tail included.
     ///
     /// # Errors
@@ -121,7 +135,7 @@ impl Chirp {
         n_inputs: usize,
         phasing: Phasing,
     ) -> Result<Array3<f64>, SignalError> {
-        self.check()?;
+        self.check_for(n_inputs)?;
         positive("sample_time_s", sample_time_s)?;
         let nyquist_hz = 0.5 / sample_time_s;
         if self.high_hz >= nyquist_hz {
@@ -132,24 +146,15 @@ impl Chirp {
             });
         }
         if phasing == Phasing::Independent {
-            return Err(SignalError::Parameter {
-                key: "phasing `independent` of a chirp, with lines",
-                found: 1.0,
-                needed: "many lines with random phases, a multisine; take `orthogonal` or `sign-flip`",
-            });
-        }
-        if n_inputs == 0 || (self.amplitude.len() != 1 && self.amplitude.len() != n_inputs) {
-            let needed = format!(
-                "one profile for all, or one for each of the {n_inputs} inputs (at least one)"
-            );
-            return Err(SignalError::Shape {
-                name: "amplitude",
-                found: vec![self.amplitude.len()],
-                needed,
+            let what = "independent phases need many lines, a multisine; for a chirp take \
+                        `orthogonal` or `sign-flip`";
+            return Err(SignalError::Unfit {
+                key: "mimo",
+                what: what.to_owned(),
             });
         }
         let turn = |channel, experiment| phasing.phase_rad(channel, experiment, n_inputs);
-        let mut signal = Array3::zeros((n_inputs, n_inputs, self.n_samples(sample_time_s)?));
+        let mut signal = Array3::zeros((n_inputs, n_inputs, self.period_samples(sample_time_s)?));
         for (k, mut now) in signal.axis_iter_mut(Axis(2)).enumerate() {
             let time_s = k as f64 * sample_time_s;
             let (fade, hz, phase) = (
@@ -168,6 +173,108 @@ impl Chirp {
             }
         }
         Ok(signal)
+    }
+}
+
+impl Waveform for Chirp {
+    fn name(&self) -> &'static str {
+        "chirp"
+    }
+
+    fn is_periodic(&self) -> bool {
+        false
+    }
+
+    fn check_for(&self, n_inputs: usize) -> Result<(), SignalError> {
+        self.check()?;
+        if n_inputs == 0 || (self.amplitude.len() != 1 && self.amplitude.len() != n_inputs) {
+            return Err(SignalError::Shape {
+                name: "amplitude",
+                found: vec![self.amplitude.len()],
+                needed: format!(
+                    "one profile for all, or one for each of the {n_inputs} inputs (at least one)"
+                ),
+            });
+        }
+        Ok(())
+    }
+
+    fn period_samples(&self, sample_time_s: f64) -> Result<usize, SignalError> {
+        let found = ((self.duration_s + self.tail_s) / sample_time_s).round();
+        if (1.0..=LONGEST_SIGNAL).contains(&found) {
+            return Ok(found as usize);
+        }
+        Err(SignalError::Derived {
+            key: "duration_s",
+            quantity: "number of samples of the chirp",
+            found,
+            needed: "between 1 and 2^26",
+        })
+    }
+
+    fn period(
+        &self,
+        sample_time_s: f64,
+        n_inputs: usize,
+        draw: &Draw,
+    ) -> Result<Array3<f64>, SignalError> {
+        self.sample(sample_time_s, n_inputs, draw.phasing)
+    }
+
+    fn band_hz(&self) -> [f64; 2] {
+        [self.low_hz, self.high_hz]
+    }
+
+    fn peaks(&self) -> Vec<f64> {
+        self.amplitude.iter().map(Profile::peak).collect()
+    }
+
+    fn default_lead_in_s(&self) -> f64 {
+        0.0
+    }
+
+    fn excited_s(&self, _sample_time_s: f64) -> f64 {
+        self.duration_s
+    }
+
+    fn seconds_in(&self, band_hz: [f64; 2], _sample_time_s: f64) -> Option<[f64; 2]> {
+        Some(band_hz.map(|hz| self.instant_of(hz.clamp(self.low_hz, self.high_hz))))
+    }
+
+    fn described(&self, sample_time_s: f64) -> Vec<(&'static str, String)> {
+        let (band, duration_s) = (band(self.band_hz()), self.duration_s);
+        let samples = self.period_samples(sample_time_s).unwrap_or_default();
+        let whole_s = significant(samples as f64 * sample_time_s, 6);
+        vec![(
+            self.name(),
+            format!("{band} in {duration_s} s, {whole_s} s with its tail"),
+        )]
+    }
+
+    fn facts(&self) -> Vec<(&'static str, Fact)> {
+        vec![("duration_s", Fact::Value(self.duration_s))]
+    }
+}
+
+impl Design for ChirpDesign {
+    fn phasing(&self) -> Phasing {
+        self.mimo
+    }
+
+    fn excitation(&self, target: &Target) -> Result<Excitation, SignalError> {
+        let keys = [
+            ("amplitude_nm", &self.amplitude_nm),
+            ("amplitude_rad_s", &self.amplitude_rad_s),
+        ];
+        let amplitude = target.of_injection(keys, Amplitude::check)?;
+        Ok(Excitation::Chirp(Chirp {
+            low_hz: self.low_hz,
+            high_hz: self.high_hz,
+            duration_s: self.duration_s,
+            amplitude: amplitude.iter().map(Amplitude::profile).collect(),
+            fade_s: self.fade_s,
+            tail_s: self.tail_s,
+        }))
     }
 }
 

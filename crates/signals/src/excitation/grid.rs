@@ -2,6 +2,7 @@
 
 use std::ops::RangeInclusive;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
@@ -9,7 +10,7 @@ use crate::number::checks::{LONGEST_SIGNAL, positive};
 use crate::number::random;
 
 /// Which lines may be excited.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum GridKind {
     /// Odd multiples of f0: even nonlinearities cannot reach the excited lines.

@@ -1,43 +1,44 @@
-//! What is injected: a multisine or a chirp, as a torque or as a velocity.
+//! Excitation: what is injected, as a torque or as a velocity. A kind of excitation is a file of this
+//! folder and a variant here.
 
-pub(crate) mod chirp;
-pub(crate) mod grid;
-pub(crate) mod harmonic_sum;
-pub(crate) mod low_crest;
-pub(crate) mod multisine;
-pub(crate) mod phasing;
-pub(crate) mod profile;
+mod chirp;
+mod design;
+mod grid;
+mod harmonic_sum;
+mod low_crest;
+mod multisine;
+mod phasing;
+mod profile;
+mod waveform;
 
 use serde::{Deserialize, Serialize};
 
-use crate::excitation::chirp::Chirp;
-use crate::excitation::multisine::Multisine;
-use crate::excitation::profile::Profile;
+pub use chirp::{Chirp, ChirpDesign};
+pub use design::{Design, Target};
+pub use grid::{GridDesign, GridKind, LineGrid};
+pub use low_crest::low_crest_phases;
+pub use multisine::{Multisine, MultisineDesign, Phases, Realization};
+pub use phasing::Phasing;
+pub use profile::{Amplitude, Profile};
+pub use waveform::{Draw, Fact, Waveform};
 
 /// What excites the machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Excitation {
     /// A periodic multisine, repeated back to back.
-    Multisine {
-        /// Lines, amplitude shape and phases.
-        #[serde(flatten)]
-        signal: Multisine,
-        /// Largest value per channel, in the unit of the injected quantity.
-        peak: Vec<f64>,
-    },
+    Multisine(Multisine),
     /// A chirp, once per run.
     Chirp(Chirp),
 }
 
 impl Excitation {
-    /// Largest value per channel, in the unit of the injected quantity; for a chirp with one
-    /// profile for all that of any.
+    /// What it tells of itself.
     #[must_use]
-    pub fn peaks(&self) -> Vec<f64> {
+    pub fn waveform(&self) -> &dyn Waveform {
         match self {
-            Self::Multisine { peak, .. } => peak.clone(),
-            Self::Chirp(chirp) => chirp.amplitude.iter().map(Profile::peak).collect(),
+            Self::Multisine(multisine) => multisine,
+            Self::Chirp(chirp) => chirp,
         }
     }
 }

@@ -2,10 +2,11 @@
 
 use std::f64::consts::{PI, TAU};
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Phases between channels and experiments; every choice has as many experiments as inputs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Phasing {
     /// `phi = 2 pi (l-1)(m-1) / n_u`, SK15 (9): condition number 1 for equal amplitudes.

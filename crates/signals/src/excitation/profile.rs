@@ -1,5 +1,6 @@
 //! An amplitude over frequency, as in SK15 Table 1: values at frequencies, smooth in between.
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
@@ -8,7 +9,7 @@ use crate::number::checks::{not_negative, positive};
 /// Amplitude over frequency: constant outside its points, between two points a smoothstep in the
 /// logarithm of the frequency, `A = A_i + (A_{i+1} - A_i) x^2 (3 - 2x)`,
 /// `x = ln(f/f_i) / ln(f_{i+1}/f_i)`, so that slopes are continuous.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(transparent)]
 pub struct Profile {
     /// Points (frequency in Hz, amplitude), frequencies rising.
@@ -76,6 +77,43 @@ impl Profile {
         self.points
             .iter()
             .fold(0.0, |peak, &(_, amplitude)| peak.max(amplitude))
+    }
+}
+
+/// An amplitude as descriptions write it: a number, or points (Hz, value).
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(
+    untagged,
+    expecting = "expected a number, or points [[Hz, value], ...]"
+)]
+pub enum Amplitude {
+    /// The same at every frequency.
+    Constant(f64),
+    /// Values at frequencies, smooth in between.
+    Points(Vec<(f64, f64)>),
+}
+
+impl Amplitude {
+    /// The profile this stands for.
+    #[must_use]
+    pub fn profile(&self) -> Profile {
+        match self {
+            Self::Constant(amplitude) => Profile::constant(*amplitude),
+            Self::Points(points) => Profile {
+                points: points.clone(),
+            },
+        }
+    }
+
+    /// Checks the profile; errors are those of the field `key`.
+    pub(crate) fn check(key: &'static str, amplitude: &Self) -> Result<(), SignalError> {
+        amplitude
+            .profile()
+            .check()
+            .map_err(|error| SignalError::Unfit {
+                key,
+                what: error.to_string(),
+            })
     }
 }
 

@@ -1,5 +1,7 @@
 //! Numbers: ranges that parameters must lie in, named streams of chance, power of signals.
 
 pub mod checks;
+pub mod format;
 pub mod power;
 pub mod random;
+pub(crate) mod spacing;

@@ -15,7 +15,7 @@ pub fn rms(samples: &[f64]) -> f64 {
 }
 
 /// Largest magnitude among the samples, in their unit. The true peak of a multisine lies between
-/// samples: [`crate::excitation::multisine::Realization::peak`] holds that one.
+/// samples: [`crate::Realization::peak`] holds that one.
 #[must_use]
 pub fn sample_peak(samples: &[f64]) -> f64 {
     samples.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()))

@@ -9,9 +9,7 @@ use ndarray::{Array2, Array3, Axis, s};
 use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
-use crate::excitation::multisine::Draw;
-use crate::excitation::phasing::Phasing;
-use crate::excitation::{Excitation, Injection};
+use crate::excitation::{Draw, Excitation, Injection, Phasing};
 use crate::number::checks::{LONGEST_SIGNAL, at_most, positive};
 use crate::plan::run::{Run, RunId, RunKind};
 
@@ -104,32 +102,21 @@ impl Plan {
     }
 
     fn check_excitation(&self) -> Result<(), SignalError> {
-        match &self.excitation {
-            Excitation::Multisine { peak, .. } if peak.len() != self.n_inputs => {
-                let needed = format!("one peak for each of the {} inputs", self.n_inputs);
-                Err(SignalError::Shape {
-                    name: "peak",
-                    found: vec![peak.len()],
-                    needed,
-                })
-            }
-            Excitation::Multisine { signal, .. } => signal.grid.check(),
-            Excitation::Chirp(chirp) => {
-                for (key, count) in [
-                    ("realizations", self.n_realizations),
-                    ("periods", self.n_periods),
-                ] {
-                    if count != 1 {
-                        return Err(SignalError::Parameter {
-                            key,
-                            found: count as f64,
-                            needed: "1 with a chirp: it has no random phases and no period",
-                        });
-                    }
-                }
-                chirp.check()
-            }
+        let waveform = self.excitation.waveform();
+        let counts = [
+            ("realizations", self.n_realizations),
+            ("periods", self.n_periods),
+        ];
+        let several = counts.into_iter().find(|(_, count)| *count != 1);
+        if let Some((key, found)) = several.filter(|_| !waveform.is_periodic()) {
+            let excitation = waveform.name();
+            return Err(SignalError::OnlyOnce {
+                key,
+                found,
+                excitation,
+            });
         }
+        waveform.check_for(self.n_inputs)
     }
 
     /// Experiments per realization: the columns of U, as many as inputs.
@@ -138,15 +125,14 @@ impl Plan {
         self.n_inputs
     }
 
-    /// Samples of one period (of the whole chirp with its tail).
+    /// Samples of one period, as [`Waveform::period_samples`](crate::Waveform::period_samples) says.
     ///
     /// # Errors
-    /// [`SignalError`] for a chirp of impossible length.
+    /// [`SignalError`] for an impossible length.
     pub fn period_samples(&self) -> Result<usize, SignalError> {
-        match &self.excitation {
-            Excitation::Multisine { signal, .. } => Ok(signal.grid.n_samples),
-            Excitation::Chirp(chirp) => chirp.n_samples(self.sample_time_s),
-        }
+        self.excitation
+            .waveform()
+            .period_samples(self.sample_time_s)
     }
 
     /// Samples of one run, lead-in included.
@@ -191,20 +177,14 @@ impl Plan {
     /// [`SignalError`] if the plan's numbers do not fit together.
     pub fn period(&self, realization: usize) -> Result<Array3<f64>, SignalError> {
         self.check()?;
-        match &self.excitation {
-            Excitation::Multisine { signal, peak } => {
-                let draw = Draw {
-                    seed: self.seed,
-                    realization,
-                    phasing: self.phasing,
-                    peak,
-                };
-                Ok(signal.realize(&draw)?.signal)
-            }
-            Excitation::Chirp(chirp) => {
-                chirp.sample(self.sample_time_s, self.n_inputs, self.phasing)
-            }
-        }
+        let draw = Draw {
+            seed: self.seed,
+            realization,
+            phasing: self.phasing,
+        };
+        self.excitation
+            .waveform()
+            .period(self.sample_time_s, self.n_inputs, &draw)
     }
 
     /// The run of this name, with its reference from lead-in to end.
@@ -258,7 +238,7 @@ impl Plan {
         let n = period.ncols();
         let lead_in = self.lead_in_samples;
         let mut reference = Array2::zeros((self.n_inputs, lead_in + self.n_periods * n));
-        let periodic = matches!(self.excitation, Excitation::Multisine { .. });
+        let periodic = self.excitation.waveform().is_periodic();
         for (k, mut column) in reference.axis_iter_mut(Axis(1)).enumerate() {
             if periodic || k >= lead_in {
                 // backwards from the first measured period: sample lead_in is sample 0 of the

@@ -3,12 +3,9 @@
 use ndarray::{Axis, s};
 
 use crate::error::SignalError;
-use crate::excitation::chirp::Chirp;
-use crate::excitation::grid::{GridDesign, GridKind};
-use crate::excitation::multisine::{Multisine, Phases};
-use crate::excitation::phasing::Phasing;
-use crate::excitation::profile::Profile;
-use crate::excitation::{Excitation, Injection};
+use crate::excitation::{
+    Chirp, Excitation, GridDesign, GridKind, Injection, Multisine, Phases, Phasing, Profile,
+};
 use crate::plan::Plan;
 use crate::plan::run::{RunId, RunKind};
 
@@ -27,15 +24,13 @@ fn plan() -> Plan {
         grid,
         shape: Profile::constant(1.0),
         phases: Phases::Random,
+        peak: vec![1.0, 2.0],
     };
     Plan {
         seed: 3,
         sample_time_s: 1e-3,
         n_inputs: 2,
-        excitation: Excitation::Multisine {
-            signal,
-            peak: vec![1.0, 2.0],
-        },
+        excitation: Excitation::Multisine(signal),
         phasing: Phasing::Orthogonal,
         injection: Injection::Torque,
         n_realizations: 3,

@@ -2,6 +2,7 @@
 
 use frfid_estimate::{SpectrogramOptions, harmonic_levels, spectrogram as spectrogram_of};
 use frfid_report::{Spectrogram, TimePanel, Trace, spectrogram, time_series};
+use frfid_signals::Waveform as _;
 use ndarray::Array1;
 
 use crate::error::PaperError;
@@ -33,7 +34,7 @@ pub(super) fn figure_3(chirps: &ShapedChirps) -> Result<Named, PaperError> {
     let lead_in = chirps
         .torque_nm
         .len()
-        .saturating_sub(chirp.n_samples(chirps.sample_time_s)?);
+        .saturating_sub(chirp.period_samples(chirps.sample_time_s)?);
     let start_s = lead_in as f64 * chirps.sample_time_s;
     let instants = (0..=SWEEP).map(|k| chirp.duration_s * f64::from(k) / f64::from(SWEEP));
     let sweep = instants.map(|time_s| (start_s + time_s, chirp.frequency_at(time_s)));

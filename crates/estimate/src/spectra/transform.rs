@@ -1,0 +1,65 @@
+//! Transform of time series into spectra, and which one suits an excitation.
+
+use frfid_signals::{Excitation, Multisine, Plan, log_spaced};
+use ndarray::{Array2, ArrayView2};
+use num_complex::Complex64;
+
+use crate::error::EstimateError;
+use crate::spectra::excerpt::{ExcerptOptions, Excerpts};
+use crate::spectra::line_dft::LineDft;
+
+/// What turns time series into spectra.
+pub trait Transform: Send + Sync {
+    /// Spectra of one run, `(channel, sample)` to `(channel, line)`, means removed.
+    ///
+    /// # Errors
+    /// [`SignalError::Shape`](frfid_signals::SignalError::Shape) for another length,
+    /// [`SignalError::NotFinite`](frfid_signals::SignalError::NotFinite); both say `name`.
+    fn transform(
+        &self,
+        name: &'static str,
+        signal: ArrayView2<f64>,
+    ) -> Result<Array2<Complex64>, EstimateError>;
+}
+
+/// Where in frequency the periods of a plan are evaluated, and how.
+pub struct Evaluation {
+    /// Frequencies in Hz, rising.
+    pub frequency_hz: Vec<f64>,
+    /// From a period to spectra at these frequencies.
+    pub transform: Box<dyn Transform>,
+    /// Relative distance below which resonances cannot be told apart, where that is a property of
+    /// the transform and not of the frequencies.
+    pub relative_resolution: Option<f64>,
+}
+
+impl Evaluation {
+    /// The DFT of a multisine on its excited lines; excerpts of a chirp at `n_frequencies`,
+    /// logarithmically spaced over its band.
+    ///
+    /// # Errors
+    /// [`EstimateError`] for an excitation that cannot be evaluated.
+    pub fn of(plan: &Plan, n_frequencies: usize) -> Result<Self, EstimateError> {
+        let (n_samples, sample_time_s) = (plan.period_samples()?, plan.sample_time_s);
+        match &plan.excitation {
+            Excitation::Multisine(Multisine { grid, .. }) => {
+                let dft = LineDft::new(n_samples, &grid.excited)?;
+                Ok(Self {
+                    frequency_hz: dft.frequency_hz(sample_time_s)?,
+                    transform: Box::new(dft),
+                    relative_resolution: None,
+                })
+            }
+            Excitation::Chirp(chirp) => {
+                let hz = log_spaced(chirp.low_hz, chirp.high_hz, n_frequencies)?;
+                let cut = ExcerptOptions::default();
+                let excerpts = Excerpts::new(chirp, &hz, sample_time_s, 0.0, n_samples, &cut)?;
+                Ok(Self {
+                    frequency_hz: hz,
+                    transform: Box::new(excerpts),
+                    relative_resolution: Some(cut.relative_resolution()),
+                })
+            }
+        }
+    }
+}
