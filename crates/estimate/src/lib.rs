@@ -31,13 +31,7 @@ mod recording {
     pub(crate) mod transient;
 }
 mod shape;
-/// Spectra of runs: from samples to lines.
-mod spectra {
-    pub(crate) mod campaign;
-    pub(crate) mod excerpt;
-    pub(crate) mod line_dft;
-    pub(crate) mod transform;
-}
+mod spectra;
 mod spectrogram;
 #[cfg(test)]
 mod testing;
@@ -69,5 +63,5 @@ pub use shape::{Driver, Watcher, shape};
 pub use spectra::campaign::{Campaign, Place, RunSpectra};
 pub use spectra::excerpt::{ExcerptOptions, Excerpts};
 pub use spectra::line_dft::LineDft;
-pub use spectra::transform::{Evaluation, Transform};
+pub use spectra::{Evaluation, Transform};
 pub use spectrogram::{Spectrogram, SpectrogramOptions, spectrogram};

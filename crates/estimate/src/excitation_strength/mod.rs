@@ -15,7 +15,7 @@ use ndarray::{Array2, ArrayView1, s};
 use serde::Serialize;
 
 use crate::error::EstimateError;
-use crate::spectra::transform::Evaluation;
+use crate::spectra::Evaluation;
 
 /// How one axis moved and was driven while the excitation lasted.
 #[derive(Debug, Clone, PartialEq, Serialize)]

@@ -23,8 +23,8 @@ use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
+use crate::spectra::Transform;
 use crate::spectra::line_dft::LineDft;
-use crate::spectra::transform::Transform;
 
 /// The free lines around the excited lines of a period; found once, used for every run.
 #[derive(Clone)]

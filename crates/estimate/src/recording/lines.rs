@@ -6,8 +6,8 @@ use ndarray::{Array2, ArrayView2, s};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
+use crate::spectra::Transform;
 use crate::spectra::line_dft::{LineDft, check_rising};
-use crate::spectra::transform::Transform;
 
 /// Smallest gap between the weakest excited line and the strongest other one, as a ratio of
 /// amplitudes (12 dB).

@@ -5,8 +5,8 @@ use ndarray::{ArrayView3, Axis};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
+use crate::spectra::Transform;
 use crate::spectra::line_dft::LineDft;
-use crate::spectra::transform::Transform;
 
 /// A period is transient when its squared distance from the last ones exceeds theirs by this factor
 /// (10 dB). Real machines drift and are knocked now and then: half of that is nothing unusual.

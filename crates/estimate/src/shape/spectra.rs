@@ -15,8 +15,8 @@ use realfft::{ComplexToReal, RealFftPlanner};
 use crate::error::{Deficiency, DeficientLine, EstimateError};
 use crate::frf::bla::BlaOptions;
 use crate::shape::options::ShapeOptions;
+use crate::spectra::Transform;
 use crate::spectra::line_dft::LineDft;
-use crate::spectra::transform::Transform;
 
 /// Width of the fades at both ends of the band, as a factor of frequency.
 const FADE: f64 = 1.1;

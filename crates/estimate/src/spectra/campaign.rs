@@ -9,8 +9,8 @@ use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
+use crate::spectra::Transform;
 use crate::spectra::line_dft::check_rising;
-use crate::spectra::transform::Transform;
 
 /// Place of one run in a campaign; all indices from 0, sorted in this order.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -15,7 +15,7 @@ use num_complex::Complex64;
 
 use crate::error::EstimateError;
 use crate::frf::bla::BlaOptions;
-use crate::spectra::transform::Transform;
+use crate::spectra::Transform;
 
 /// How excerpts are cut and weighted.
 #[derive(Debug, Clone, Copy, PartialEq)]

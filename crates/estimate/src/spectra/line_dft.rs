@@ -12,7 +12,7 @@ use num_complex::Complex64;
 use realfft::{RealFftPlanner, RealToComplex};
 
 use crate::error::EstimateError;
-use crate::spectra::transform::Transform;
+use crate::spectra::Transform;
 
 /// The DFT of periods of one length on one set of lines; planned once, used for every run, from any
 /// thread.

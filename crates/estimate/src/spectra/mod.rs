@@ -1,4 +1,8 @@
-//! Transform of time series into spectra, and which one suits an excitation.
+//! Spectra of time series, and which transform makes them of an excitation.
+
+pub(crate) mod campaign;
+pub(crate) mod excerpt;
+pub(crate) mod line_dft;
 
 use frfid_signals::{Excitation, Multisine, Plan, log_spaced};
 use ndarray::{Array2, ArrayView2};
