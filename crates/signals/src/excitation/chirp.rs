@@ -57,7 +57,7 @@ pub struct ChirpDesign {
     /// Rest recorded after the sweep in s, until the response has died out.
     #[serde(default)]
     pub tail_s: f64,
-    /// Phases between channels and experiments: orthogonal or sign-flip.
+    /// Phases between channels and experiments: orthogonal, sign-flip or one-at-a-time.
     #[serde(default)]
     pub mimo: Phasing,
 }
@@ -166,8 +166,9 @@ impl Chirp {
                 for channel in 0..n_inputs {
                     let amplitude = fade * self.amplitude[channel % self.amplitude.len()].at(hz);
                     for experiment in 0..n_inputs {
-                        now[[experiment, channel]] =
-                            amplitude * (phase + turn(channel, experiment)).sin();
+                        now[[experiment, channel]] = phasing.weight(channel, experiment)
+                            * amplitude
+                            * (phase + turn(channel, experiment)).sin();
                     }
                 }
             }

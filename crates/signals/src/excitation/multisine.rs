@@ -79,7 +79,8 @@ pub struct MultisineDesign {
     /// Random phases, or low-crest ones where no averaging over realizations is wanted.
     #[serde(default)]
     pub phases: Phases,
-    /// Phases between channels and experiments: orthogonal, sign-flip or independent.
+    /// Phases between channels and experiments: orthogonal, sign-flip, independent or
+    /// one-at-a-time.
     #[serde(default)]
     pub mimo: Phasing,
 }
@@ -132,7 +133,8 @@ impl Multisine {
             .zip(signal.rows_mut())
         {
             let phase_rad = draw.phasing.phase_rad(channel, experiment, n_inputs);
-            let turn = Complex64::from_polar(factor * self.peak[channel], phase_rad);
+            let weight = draw.phasing.weight(channel, experiment);
+            let turn = Complex64::from_polar(weight * factor * self.peak[channel], phase_rad);
             row.into_iter()
                 .zip(drawn[channel % drawn.len()].samples(turn))
                 .for_each(|(sample, value)| *sample = value);
@@ -186,7 +188,7 @@ impl Multisine {
                     Phasing::Independent => {
                         random::stream(draw.seed, "phases", &[realization, channel])
                     }
-                    Phasing::Orthogonal | Phasing::SignFlip => {
+                    Phasing::Orthogonal | Phasing::SignFlip | Phasing::OneAtATime => {
                         random::stream(draw.seed, "phases", &[realization])
                     }
                 };
@@ -357,6 +359,9 @@ impl MultisineDesign {
 fn true_peaks(drawn: &[TurnedSum], phasing: Phasing, n_inputs: usize) -> Vec<Vec<f64>> {
     let mut known: Vec<(usize, f64, f64)> = Vec::new();
     let mut peak_of = |channel: usize, experiment: usize| {
+        if phasing.weight(channel, experiment) == 0.0 {
+            return 0.0;
+        }
         let half_turn = phasing
             .phase_rad(channel, experiment, n_inputs)
             .rem_euclid(PI);
@@ -487,6 +492,25 @@ mod tests {
                 .norm()
         };
         assert!((line(13) / line(737) - 2.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn one_at_a_time_every_experiment_has_one_channel_at_its_peak() {
+        let draw = Draw {
+            phasing: Phasing::OneAtATime,
+            ..DRAW
+        };
+        let drawn = multisine(&[3.0, 1.0]).realize(&draw).expect("sound");
+        assert!(
+            drawn
+                .peak
+                .iter()
+                .zip([3.0, 1.0])
+                .all(|(peak, limit)| (peak - limit).abs() < 1e-12)
+        );
+        for ((experiment, channel), row) in indices((2, 2)).into_iter().zip(drawn.signal.rows()) {
+            assert_eq!(row.iter().any(|r| *r != 0.0), experiment == channel);
+        }
     }
 
     #[test]

@@ -20,6 +20,8 @@ pub enum Phasing {
     /// the channels' common nonlinear distortion averages out too (Dobrowiecki, Schoukens,
     /// Automatica 43 (2007) 1593). Multisines only.
     Independent,
+    /// Experiment k excites channel k alone: condition number 1, but the other axes stand.
+    OneAtATime,
 }
 
 impl Phasing {
@@ -32,8 +34,15 @@ impl Phasing {
                 TAU * ((channel * experiment) % n_inputs) as f64 / n_inputs as f64
             }
             Self::SignFlip if channel == experiment && channel > 0 => PI,
-            Self::SignFlip => 0.0,
+            Self::SignFlip | Self::OneAtATime => 0.0,
         }
+    }
+
+    /// Factor on the amplitude of `channel` in `experiment`: 1, or 0 for a channel that stands.
+    #[must_use]
+    pub fn weight(self, channel: usize, experiment: usize) -> f64 {
+        let stands = self == Self::OneAtATime && channel != experiment;
+        f64::from(u8::from(!stands))
     }
 }
 
