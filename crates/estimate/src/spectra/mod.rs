@@ -1,6 +1,7 @@
 //! Spectra of time series, and which transform makes them of an excitation.
 
 pub(crate) mod campaign;
+mod dwells;
 pub(crate) mod excerpt;
 pub(crate) mod line_dft;
 
@@ -9,6 +10,7 @@ use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
+use crate::spectra::dwells::Dwells;
 use crate::spectra::excerpt::{ExcerptOptions, Excerpts};
 use crate::spectra::line_dft::LineDft;
 
@@ -39,7 +41,7 @@ pub struct Evaluation {
 
 impl Evaluation {
     /// The DFT of a multisine on its excited lines; excerpts of a chirp at `n_frequencies`,
-    /// logarithmically spaced over its band.
+    /// logarithmically spaced over its band; the DFT of each dwell of a stepped sine.
     ///
     /// # Errors
     /// [`EstimateError`] for an excitation that cannot be evaluated.
@@ -62,6 +64,14 @@ impl Evaluation {
                     frequency_hz: hz,
                     transform: Box::new(excerpts),
                     relative_resolution: Some(cut.relative_resolution()),
+                })
+            }
+            Excitation::SteppedSine(stepped) => {
+                let dwells = Dwells::new(stepped, sample_time_s, n_samples)?;
+                Ok(Self {
+                    frequency_hz: dwells.frequency_hz(),
+                    transform: Box::new(dwells),
+                    relative_resolution: None,
                 })
             }
         }

@@ -1,6 +1,6 @@
 //! `experiment.toml`: one description of robot, excitation, averaging, limits and estimator.
 
-use frfid_signals::{ChirpDesign, Design, Limits, MultisineDesign};
+use frfid_signals::{ChirpDesign, Design, Limits, MultisineDesign, SteppedSineDesign};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -24,10 +24,13 @@ pub struct Config {
     /// The controller; without this table the experiment runs in open loop and the reference is the
     /// motor torque.
     pub controller: Option<ControllerTable>,
-    /// A random-phase multisine. Exactly one of `[multisine]` and `[chirp]` is needed.
+    /// A random-phase multisine. Exactly one excitation is needed: `[multisine]`, `[chirp]` or
+    /// `[stepped_sine]`.
     pub multisine: Option<MultisineDesign>,
-    /// An exponential chirp. Exactly one of `[multisine]` and `[chirp]` is needed.
+    /// An exponential chirp.
     pub chirp: Option<ChirpDesign>,
+    /// A stepped sine.
+    pub stepped_sine: Option<SteppedSineDesign>,
     /// How often what is repeated.
     #[serde(default)]
     pub averaging: AveragingTable,
@@ -50,14 +53,9 @@ impl Config {
     /// The table of the excitation, by its name.
     pub(crate) fn excitation(&self) -> Result<(&'static str, &dyn Design), Fault> {
         let tables = [
-            (
-                "multisine",
-                self.multisine.as_ref().map(|table| table as &dyn Design),
-            ),
-            (
-                "chirp",
-                self.chirp.as_ref().map(|table| table as &dyn Design),
-            ),
+            ("multisine", of_table(&self.multisine)),
+            ("chirp", of_table(&self.chirp)),
+            ("stepped_sine", of_table(&self.stepped_sine)),
         ];
         let mut given = tables
             .iter()
@@ -79,6 +77,10 @@ impl Config {
     }
 }
 
+fn of_table<T: Design>(table: &Option<T>) -> Option<&dyn Design> {
+    table.as_ref().map(|table| table as &dyn Design)
+}
+
 /// How often what is repeated.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -90,8 +92,8 @@ pub struct AveragingTable {
     /// Measured periods back to back in a run; repetitions times periods is n_q: more than one
     /// tells the noise.
     pub periods: usize,
-    /// Time before the first measured period in s, for transients to die out. One period of a
-    /// multisine and nothing before a chirp without it.
+    /// Time before the first measured period in s, for transients to die out. Without it one
+    /// period of a multisine, and nothing before other excitations.
     pub lead_in_s: Option<f64>,
 }
 

@@ -28,7 +28,7 @@ const SIX_AXIS: (&str, &str) = (
 );
 
 /// Every template.
-pub const TEMPLATES: [Template; 7] = [
+pub const TEMPLATES: [Template; 8] = [
     Template {
         kind: "multisine",
         purpose: "odd random multisine, best linear approximation",
@@ -39,6 +39,12 @@ pub const TEMPLATES: [Template; 7] = [
         kind: "chirp",
         purpose: "exponential chirp, evaluated by excerpts",
         text: include_str!("../../../../examples/experiments/chirp.toml"),
+        robot: PAPER_JOINT,
+    },
+    Template {
+        kind: "stepped-sine",
+        purpose: "one frequency after the other, each settled and measured over whole periods",
+        text: include_str!("../../../../examples/experiments/stepped_sine.toml"),
         robot: PAPER_JOINT,
     },
     Template {

@@ -9,6 +9,8 @@ mod low_crest;
 mod multisine;
 mod phasing;
 mod profile;
+mod sine_ramp;
+mod stepped_sine;
 mod waveform;
 
 use serde::{Deserialize, Serialize};
@@ -20,6 +22,7 @@ pub use low_crest::low_crest_phases;
 pub use multisine::{Multisine, MultisineDesign, Phases, Realization};
 pub use phasing::Phasing;
 pub use profile::{Amplitude, Profile};
+pub use stepped_sine::{Dwell, SteppedSine, SteppedSineDesign};
 pub use waveform::{Draw, Fact, Waveform};
 
 /// What excites the machine.
@@ -30,6 +33,8 @@ pub enum Excitation {
     Multisine(Multisine),
     /// A chirp, once per run.
     Chirp(Chirp),
+    /// A stepped sine, once per run.
+    SteppedSine(SteppedSine),
 }
 
 impl Excitation {
@@ -39,6 +44,7 @@ impl Excitation {
         match self {
             Self::Multisine(multisine) => multisine,
             Self::Chirp(chirp) => chirp,
+            Self::SteppedSine(stepped) => stepped,
         }
     }
 }

@@ -1,0 +1,84 @@
+//! Dwells of a stepped sine as spectra: of each frequency the DFT over its whole measured periods,
+//! `X(f) = sum_k (x_k - mean) e^{-2 pi i p k / M}`, p periods in M samples.
+
+use std::f64::consts::TAU;
+
+use frfid_signals::{Dwell, SignalError, SteppedSine, check_finite};
+use ndarray::{Array2, ArrayView2};
+use num_complex::Complex64;
+
+use crate::error::EstimateError;
+use crate::spectra::Transform;
+
+/// The dwells of a stepped sine, planned once and used for every run, from any thread.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Dwells {
+    n_samples: usize,
+    dwells: Vec<Dwell>,
+}
+
+impl Dwells {
+    /// Plans the transform of recordings of `n_samples` that begin with the stepped sine.
+    ///
+    /// # Errors
+    /// [`SignalError`] for a stepped sine that is out of range or longer than the recordings.
+    pub fn new(
+        stepped: &SteppedSine,
+        sample_time_s: f64,
+        n_samples: usize,
+    ) -> Result<Self, EstimateError> {
+        let dwells = stepped.dwells(sample_time_s)?;
+        let needed = dwells.last().map_or(0, |dwell| dwell.measured.end);
+        if n_samples < needed {
+            return Err(SignalError::Shape {
+                name: "recording",
+                found: vec![n_samples],
+                needed: format!("({needed} or more samples), all dwells"),
+            }
+            .into());
+        }
+        Ok(Self { n_samples, dwells })
+    }
+
+    /// Frequencies in Hz, rising.
+    #[must_use]
+    pub fn frequency_hz(&self) -> Vec<f64> {
+        self.dwells.iter().map(|dwell| dwell.hz).collect()
+    }
+}
+
+impl Transform for Dwells {
+    fn transform(
+        &self,
+        name: &'static str,
+        signal: ArrayView2<f64>,
+    ) -> Result<Array2<Complex64>, EstimateError> {
+        if signal.ncols() != self.n_samples {
+            return Err(SignalError::Shape {
+                name,
+                found: signal.shape().to_vec(),
+                needed: format!("(channel, {})", self.n_samples),
+            }
+            .into());
+        }
+        check_finite(name, signal)?;
+        let mut spectra = Array2::zeros((signal.nrows(), self.dwells.len()));
+        for (channel, mut spectrum) in signal.rows().into_iter().zip(spectra.rows_mut()) {
+            let samples = channel.to_vec();
+            for (value, dwell) in spectrum.iter_mut().zip(&self.dwells) {
+                *value = line(&samples[dwell.measured.clone()], dwell.periods);
+            }
+        }
+        Ok(spectra)
+    }
+}
+
+/// DFT of samples that hold so many periods, at their frequency.
+fn line(samples: &[f64], periods: usize) -> Complex64 {
+    let n = samples.len();
+    let mean = samples.iter().sum::<f64>() / n as f64;
+    // the product is reduced before it becomes an angle, so that long dwells keep their digits
+    let turn = |k: usize| Complex64::cis(-TAU * ((periods * k) % n) as f64 / n as f64);
+    let terms = samples.iter().enumerate();
+    terms.map(|(k, sample)| turn(k) * (sample - mean)).sum()
+}
