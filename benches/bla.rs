@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use frfid::estimate::{BlaOptions, Campaign, LineDft, Place, RunSpectra, estimate_bla};
+use frfid::estimate::{Campaign, FrfOptions, LineDft, PeriodIndex, RunSpectra, estimate_bla};
 use frfid::signals::random::{normal, stream};
 use frfid::signals::{Draw, Frf, Phasing};
 use ndarray::{Array2, Array5, s};
@@ -112,7 +112,7 @@ fn estimate(criterion: &mut Criterion) {
             None,
             SAMPLE_TIME_S,
             &lines,
-            &BlaOptions::default(),
+            &FrfOptions::default(),
         )
         .expect("sound")
     };
@@ -125,7 +125,7 @@ fn estimate(criterion: &mut Criterion) {
     let campaign = spectra(&u, &y, &lines);
     let from_spectra = || {
         black_box(&campaign)
-            .estimate(&BlaOptions::default())
+            .estimate(&FrfOptions::default())
             .expect("sound")
     };
     assert_right(&from_spectra(), variance);
@@ -145,7 +145,7 @@ fn spectra(u: &Array5<f64>, y: &Array5<f64>, lines: &[usize]) -> Campaign {
         let run = RunSpectra::of(&dft, u.slice(run), y.slice(run), None).expect("finite");
         campaign
             .insert(
-                Place {
+                PeriodIndex {
                     realization,
                     period,
                     experiment,

@@ -5,7 +5,7 @@ mod paper;
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use frfid::estimate::{ExcerptOptions, estimate_chirp};
+use frfid::estimate::{FrfOptions, estimate_chirp};
 use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, simulate};
 use frfid::signals::{Chirp, Frf, Phasing, Profile};
 use ndarray::{Array4, Axis, s};
@@ -86,7 +86,7 @@ fn assert_right(frf: &Frf) {
 }
 
 fn estimate(criterion: &mut Criterion) {
-    let (chirp, (u, y), options) = (chirp(), recording(), ExcerptOptions::default());
+    let (chirp, (u, y), options) = (chirp(), recording(), FrfOptions::default());
     let hz: Vec<f64> = (0..80)
         .map(|k| 1.3 * (55.0_f64 / 1.3).powf(f64::from(k) / 79.0))
         .collect();

@@ -8,7 +8,7 @@
 
 use std::error::Error;
 
-use frfid::estimate::{BlaOptions, ExcerptOptions, estimate_bla, estimate_chirp};
+use frfid::estimate::{FrfOptions, estimate_bla, estimate_chirp};
 use frfid::paper::Measured;
 use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, Trajectory, simulate};
 use frfid::signals::{
@@ -66,7 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         100.0 * stuck
     );
     let lines = &multisine.grid.excited;
-    let multisine = estimate_bla(u.view(), y.view(), None, T, lines, &BlaOptions::default())?;
+    let multisine = estimate_bla(u.view(), y.view(), None, T, lines, &FrfOptions::default())?;
 
     let u = chirp.sample(T, 1, Phasing::SignFlip)?;
     let motion = simulate(&joint, Torque::Zoh(u.index_axis(Axis(0), 0)), T, 0.0, None)?;
@@ -89,7 +89,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         T,
         &hz,
         0.0,
-        &ExcerptOptions::default(),
+        &FrfOptions::default(),
     )?;
 
     let known = multisine.total.is_some();

@@ -6,7 +6,7 @@
 use std::error::Error;
 use std::sync::Arc;
 
-use frfid::estimate::{BlaOptions, estimate_bla};
+use frfid::estimate::{FrfOptions, estimate_bla};
 use frfid::paper::Measured;
 use frfid::plant::{Hold, Robot as _, SimulatedRobot, SingleJoint};
 use frfid::signals::{
@@ -71,7 +71,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             None,
             T,
             &multisine.grid.excited,
-            &BlaOptions::default(),
+            &FrfOptions::default(),
         )?;
         let truth = joint.frf(&frf.frequency_hz, Hold::Zoh, T)?;
         let worst = Measured { frf, truth }.worst_relative_error();

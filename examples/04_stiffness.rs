@@ -5,9 +5,7 @@
 
 use std::error::Error;
 
-use frfid::estimate::{
-    BlaOptions, CompareOptions, ExcerptOptions, Side, compare, estimate_bla, estimate_chirp,
-};
+use frfid::estimate::{CompareOptions, FrfOptions, Side, compare, estimate_bla, estimate_chirp};
 use frfid::paper::Measured;
 use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, simulate};
 use frfid::signals::{Chirp, Draw, GridDesign, GridKind, Multisine, Phasing, Profile, log_spaced};
@@ -66,7 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         T,
         &hz,
         0.0,
-        &ExcerptOptions::default(),
+        &FrfOptions::default(),
     )?;
     let truth = soft.frf(&hz, Hold::Zoh, T)?;
     println!(
@@ -107,7 +105,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         None,
         T,
         &multisine.grid.excited,
-        &BlaOptions::default(),
+        &FrfOptions::default(),
     )?;
     let truth = soft.frf(&bla.frequency_hz, Hold::Zoh, T)?;
     let away = Measured {

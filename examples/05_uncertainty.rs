@@ -5,7 +5,7 @@
 use std::error::Error;
 use std::sync::Arc;
 
-use frfid::estimate::{BlaOptions, estimate_bla};
+use frfid::estimate::{FrfOptions, estimate_bla};
 use frfid::plant::{Sensor, SimulatedRobot, SingleJoint};
 use frfid::signals::{
     Draw, GridDesign, GridKind, Multisine, Phasing, Run, RunId, RunKind, Testbed as _,
@@ -74,7 +74,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         }
     }
     let lines = &multisine.grid.excited;
-    let frf = estimate_bla(u.view(), y.view(), None, T, lines, &BlaOptions::default())?;
+    let frf = estimate_bla(u.view(), y.view(), None, T, lines, &FrfOptions::default())?;
     let level = |name: &str, variance: Option<Array3<f64>>| {
         let mut relative: Vec<f64> = variance
             .iter()
@@ -102,7 +102,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         None,
         T,
         lines,
-        &BlaOptions::default(),
+        &FrfOptions::default(),
     )?;
     println!(
         "with one period the noise variance is {:?}",

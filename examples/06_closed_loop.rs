@@ -6,7 +6,7 @@
 use std::error::Error;
 use std::sync::Arc;
 
-use frfid::estimate::{Averaging, BlaOptions, estimate_bla};
+use frfid::estimate::{Method, estimate_bla};
 use frfid::plant::{Hold, PiController, Robot as _, Sensor, SimulatedRobot, SingleJoint};
 use frfid::signals::{
     Draw, GridDesign, GridKind, Multisine, Phasing, Run, RunId, RunKind, Testbed as _, power::rms,
@@ -74,30 +74,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let (u, y, r) = (periods(&record.u), periods(&record.y), periods(&reference));
     let lines = &multisine.grid.excited;
-    let spectra = BlaOptions {
-        averaging: Averaging::Spectra,
-        ..BlaOptions::default()
+    let estimate = |method: Method| {
+        let r = method.needs_reference().then(|| r.view());
+        estimate_bla(u.view(), y.view(), r, T, lines, &method.into())
     };
     let estimates = [
-        (
-            "mean of FRFs",
-            estimate_bla(u.view(), y.view(), None, T, lines, &BlaOptions::default())?,
-        ),
-        (
-            "mean of spectra",
-            estimate_bla(u.view(), y.view(), None, T, lines, &spectra)?,
-        ),
-        (
-            "indirect",
-            estimate_bla(
-                u.view(),
-                y.view(),
-                Some(r.view()),
-                T,
-                lines,
-                &BlaOptions::default(),
-            )?,
-        ),
+        ("mean of FRFs", estimate(Method::MeanOfFrfs)?),
+        ("mean of spectra", estimate(Method::MeanOfSpectra)?),
+        ("indirect", estimate(Method::JointInputOutput)?),
     ];
     for (name, frf) in estimates {
         let truth = joint.frf(&frf.frequency_hz, Hold::Zoh, T)?;

@@ -7,7 +7,7 @@ use std::error::Error;
 use std::path::Path;
 use std::sync::Arc;
 
-use frfid::estimate::{BlaOptions, estimate_bla};
+use frfid::estimate::{FrfOptions, estimate_bla};
 use frfid::experiment::RobotTable;
 use frfid::plant::{Arm, Challenges, Hold, PiController, Robot as _, SimulatedRobot};
 use frfid::signals::{
@@ -132,7 +132,7 @@ fn small_experiment(arm: &Arm, peak: f64) -> Result<f64, Box<dyn Error>> {
         None,
         T,
         &multisine.grid.excited,
-        &BlaOptions::default(),
+        &FrfOptions::default(),
     )?;
     let truth = arm.frf(&frf.frequency_hz, Hold::Zoh, T)?.response;
     let error = (&frf.response - &truth)

@@ -2,7 +2,7 @@
 //! confidence region, and the bias of the direct estimate when the input is measured with noise.
 
 use frfid::estimate::{
-    Averaging, BlaOptions, Campaign, Deficiency, EstimateError, LineDft, Place, RunSpectra,
+    Campaign, Deficiency, EstimateError, FrfOptions, LineDft, Method, PeriodIndex, RunSpectra,
     estimate_bla,
 };
 use frfid::signals::random::{normal, phase, stream};
@@ -155,25 +155,21 @@ fn bla_agrees_with_numpy() {
             fortran(2, "n_y"),
             signal(3, shape("n_u")),
         );
-        let averaging = if entry["method"] == "spectra" {
-            Averaging::Spectra
-        } else {
-            Averaging::Frfs
+        let method = match entry["method"].as_str() {
+            Some("spectra") => Method::MeanOfSpectra,
+            Some("indirect") => Method::JointInputOutput,
+            _ => Method::MeanOfFrfs,
         };
-        let r = (entry["method"] == "indirect").then(|| r.view());
+        let r = method.needs_reference().then(|| r.view());
         let lines: Vec<usize> = entry["lines"]
             .as_array()
             .expect("a list")
             .iter()
             .map(|l| l.as_u64().expect("a line") as usize)
             .collect();
-        let options = BlaOptions {
-            averaging,
-            ..Default::default()
-        };
         check(
             entry,
-            &estimate_bla(u.view(), y.view(), r, 1e-3, &lines, &options).expect("sound"),
+            &estimate_bla(u.view(), y.view(), r, 1e-3, &lines, &method.into()).expect("sound"),
         );
     }
 }
@@ -200,7 +196,7 @@ fn truth(output: usize, input: usize) -> Complex64 {
 impl Chance {
     /// Orthogonal experiments U = R with the phases of each realization, Y = G U, noise on both: an
     /// FRF for every line.
-    fn estimate(&self, seed: u64, indirect: bool, averaging: Averaging) -> Frf {
+    fn estimate(&self, seed: u64, method: Method) -> Frf {
         let n = self.channels;
         let mut rng = stream(seed, "chance", &[]);
         let mut campaign =
@@ -224,11 +220,11 @@ impl Chance {
                 let run = RunSpectra {
                     u,
                     y,
-                    r: indirect.then_some(r),
+                    r: method.needs_reference().then_some(r),
                 };
                 campaign
                     .insert(
-                        Place {
+                        PeriodIndex {
                             realization,
                             period,
                             experiment,
@@ -238,12 +234,7 @@ impl Chance {
                     .expect("fits");
             }
         }
-        campaign
-            .estimate(&BlaOptions {
-                averaging,
-                ..Default::default()
-            })
-            .expect("invertible")
+        campaign.estimate(&method.into()).expect("invertible")
     }
 }
 
@@ -289,18 +280,17 @@ fn the_95_percent_region_covers_the_truth_95_percent_of_the_time() {
         noise_u: 1.0,
         noise_y: 0.5,
     };
-    for (name, chance, indirect, averaging) in [
-        ("mean of FRFs", &quiet, false, Averaging::Frfs),
-        ("mean of spectra", &noisy_input, false, Averaging::Spectra),
-        ("joint input-output", &noisy_input, true, Averaging::Frfs),
+    for (name, chance, method) in [
+        ("mean of FRFs", &quiet, Method::MeanOfFrfs),
+        ("mean of spectra", &noisy_input, Method::MeanOfSpectra),
+        ("joint input-output", &noisy_input, Method::JointInputOutput),
         (
             "joint input-output, 0 dB",
             &loud_input,
-            true,
-            Averaging::Frfs,
+            Method::JointInputOutput,
         ),
     ] {
-        let frf = chance.estimate(1, indirect, averaging);
+        let frf = chance.estimate(1, method);
         for (kind, known) in [("noise", &frf.noise), ("total", &frf.total)] {
             let shares = coverage(&frf, known.as_ref().expect("periods and realizations"));
             println!("{name}, {kind}: {shares:.3?}");
@@ -354,8 +344,8 @@ fn noise_on_the_input_biases_the_direct_estimate_and_not_the_indirect_one() {
     };
     for chance in [&periods, &realizations] {
         let (direct, indirect) = (
-            bias(&chance.estimate(2, false, Averaging::Frfs)),
-            bias(&chance.estimate(2, true, Averaging::Frfs)),
+            bias(&chance.estimate(2, Method::MeanOfFrfs)),
+            bias(&chance.estimate(2, Method::JointInputOutput)),
         );
         println!("direct {direct:.3?}\nindirect {indirect:.4?}");
         let expected = (-3f64).exp() * 13.5 / 3.0;
@@ -388,7 +378,7 @@ fn order_and_threads_do_not_matter() {
             None,
             1e-3,
             &lines,
-            &BlaOptions::default(),
+            &FrfOptions::default(),
         )
         .expect("sound")
     };
@@ -408,7 +398,7 @@ fn order_and_threads_do_not_matter() {
         let spectra = RunSpectra::of(&dft, u.slice(at), y.slice(at), None).expect("sound");
         campaign
             .insert(
-                Place {
+                PeriodIndex {
                     realization,
                     period,
                     experiment,
@@ -418,7 +408,7 @@ fn order_and_threads_do_not_matter() {
             .expect("fits");
     }
     assert_eq!(
-        campaign.estimate(&BlaOptions::default()).expect("complete"),
+        campaign.estimate(&FrfOptions::default()).expect("complete"),
         expected
     );
 }
@@ -427,14 +417,9 @@ fn order_and_threads_do_not_matter() {
 #[test]
 fn bad_input_is_refused_with_found_and_needed() {
     let estimate = |u: &Array5<f64>, y: &Array5<f64>, r: Option<&Array5<f64>>, lines: &[usize]| {
-        estimate_bla(
-            u.view(),
-            y.view(),
-            r.map(|r| r.view()),
-            1e-3,
-            lines,
-            &BlaOptions::default(),
-        )
+        let method = r.map_or(Method::default(), |_| Method::JointInputOutput);
+        let r = r.map(|r| r.view());
+        estimate_bla(u.view(), y.view(), r, 1e-3, lines, &method.into())
     };
     let (u, y) = (signal(1, [1, 2, 2, 2, 100]), signal(2, [1, 2, 2, 1, 100]));
     assert!(estimate(&u, &y, None, &[1, 49]).is_ok());
@@ -464,6 +449,19 @@ fn bad_input_is_refused_with_found_and_needed() {
         estimate(&u, &y, Some(&y), &[1]),
         Err(EstimateError::Signal(SignalError::Shape { name: "r", .. }))
     ));
+    for (method, r) in [
+        (Method::JointInputOutput, None),
+        (Method::MeanOfFrfs, Some(u.view())),
+    ] {
+        let refused = estimate_bla(u.view(), y.view(), r, 1e-3, &[1], &method.into());
+        assert!(
+            matches!(
+                refused,
+                Err(EstimateError::Signal(SignalError::Unfit { key: "r", .. }))
+            ),
+            "{method:?}: {refused:?}"
+        );
+    }
     let mut holed = y.clone();
     holed[[0, 1, 0, 0, 7]] = f64::NAN;
     let expected = SignalError::NotFinite {
@@ -487,7 +485,7 @@ fn bad_input_is_refused_with_found_and_needed() {
             Deficiency::ExperimentsAlike { pair: (0, 1), .. }
         ) && lines[1].frequency_hz == 70.0
     );
-    assert!(estimate_bla(u.view(), y.view(), None, 0.0, &[1], &BlaOptions::default()).is_err());
+    assert!(estimate_bla(u.view(), y.view(), None, 0.0, &[1], &FrfOptions::default()).is_err());
     let empty = Array5::zeros([0, 2, 2, 2, 100]);
     assert_eq!(
         estimate(&empty, &empty, None, &[1]),

@@ -1,7 +1,7 @@
 //! Graded matrices: FRFs of axes from wrist to base, and experiments of very different strength,
 //! cost no digits.
 
-use frfid::estimate::{BlaOptions, Campaign, Place, RunSpectra, singular_values};
+use frfid::estimate::{Campaign, FrfOptions, PeriodIndex, RunSpectra, singular_values};
 use nalgebra::DMatrix;
 use ndarray::{Array2, s};
 use num_complex::Complex64;
@@ -36,7 +36,7 @@ fn divide(y: &Array2<Complex64>, u: &Array2<Complex64>) -> Vec<Complex64> {
         };
         campaign
             .insert(
-                Place {
+                PeriodIndex {
                     realization: 0,
                     period: 0,
                     experiment,
@@ -46,7 +46,7 @@ fn divide(y: &Array2<Complex64>, u: &Array2<Complex64>) -> Vec<Complex64> {
             .expect("fits");
     }
     campaign
-        .estimate(&BlaOptions::default())
+        .estimate(&FrfOptions::default())
         .expect("full rank")
         .response
         .into_iter()

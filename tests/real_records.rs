@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use flate2::read::GzDecoder;
 use frfid::estimate::{
-    BlaOptions, CompareOptions, EstimateError, Feature, FeatureKind, Side, Verdict, compare,
+    CompareOptions, EstimateError, Feature, FeatureKind, FrfOptions, Side, Verdict, compare,
     count_transient_periods, estimate_bla, find_features, find_lines, find_period,
 };
 use frfid::signals::Frf;
@@ -101,7 +101,7 @@ fn bla(u: &Array5<f64>, y: &Array5<f64>, sample_time_s: f64, lines: &[usize]) ->
         None,
         sample_time_s,
         lines,
-        &BlaOptions::default(),
+        &FrfOptions::default(),
     )
     .expect("sound")
 }

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use frfid::estimate::{BlaOptions, estimate_bla};
+use frfid::estimate::{FrfOptions, estimate_bla};
 use frfid::experiment::{Experiment, TomlText};
 use frfid::plant::{LoopFrf, Sensor, SimulatedRobot};
 use frfid::signals::{Excitation, Frf};
@@ -124,7 +124,7 @@ fn experiment(peak_rad_s: f64, max_step_s: Option<f64>, velocity_by_differencing
             None,
             1e-3,
             &signal.grid.excited,
-            &BlaOptions::default(),
+            &FrfOptions::default(),
         )
         .expect("regular")
     };

@@ -22,6 +22,7 @@ __all__ = [
     "__version__",
     "cli",
     "compare",
+    "estimate",
     "estimate_bla",
     "estimate_chirp",
     "load",
@@ -440,6 +441,16 @@ def compare(
     largest_shift: float = 1.5,
 ) -> Comparison: ...
 def load(path: str | PathLike[str]) -> Frf: ...
+def estimate(
+    u: ArrayLike,
+    y: ArrayLike,
+    *,
+    sample_time_s: float,
+    harmonics: ArrayLike,
+    method: Literal["mean-of-frfs", "mean-of-spectra", "joint-input-output"] | None = None,
+    r: ArrayLike | None = None,
+    max_condition: float | None = None,
+) -> Frf: ...
 def estimate_bla(
     u: ArrayLike,
     y: ArrayLike,

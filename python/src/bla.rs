@@ -1,11 +1,12 @@
-//! `frfid.estimate_bla`.
+//! `frfid.estimate` and `frfid.estimate_bla`.
 
-use frfid_estimate::{Averaging, BlaOptions};
+use frfid_estimate::{FrfOptions, Method, estimate_bla as estimate_bla_of};
 use ndarray::Ix5;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::array::{Axes, real};
+use crate::choice::from_python;
 use crate::error;
 use crate::frf::Frf;
 
@@ -57,25 +58,119 @@ pub fn estimate_bla(
     average: &str,
     max_condition: Option<f64>,
 ) -> PyResult<Frf> {
-    let defaults = BlaOptions::default();
-    let options = BlaOptions {
-        averaging: averaging(average)?,
-        max_condition: max_condition.unwrap_or(defaults.max_condition),
+    let method = match r {
+        Some(_) => Method::JointInputOutput,
+        None => averaging(average)?,
     };
+    estimated(
+        py,
+        u,
+        y,
+        sample_time_s,
+        &harmonics,
+        r,
+        method,
+        max_condition,
+    )
+}
+
+/// FRF with its variances from whole periods, by the method that is asked for.
+///
+/// Parameters
+/// ----------
+/// u, y : array_like, shape (realization, experiment, period, channel, sample)
+///     Plant input and output, whole periods in the steady state; at least as many experiments as
+///     inputs.
+/// sample_time_s : float
+///     Sample time in s.
+/// harmonics : sequence of int
+///     Lines of the DFT of the period to estimate, rising: ``multisine.harmonics``.
+/// method : str, optional
+///     ``"mean-of-frfs"``, the paper's; ``"mean-of-spectra"``, better where ``u`` is noisy;
+///     ``"joint-input-output"``, through ``r``, which noise on ``u`` does not bias. Without it the
+///     last where ``r`` is given, and the first where not.
+/// r : array_like, shape as u, optional
+///     Reference, for methods that estimate through it.
+/// max_condition : float, optional
+///     Largest condition number of U, rows scaled, at which a line is still inverted.
+///
+/// Returns
+/// -------
+/// Frf
+///
+/// Raises
+/// ------
+/// ValueError
+///     For a reference that is missing or not used, and as ``estimate_bla``.
+/// NumericalError
+///     For lines on which U cannot be inverted.
+#[pyfunction]
+#[pyo3(signature = (u, y, *, sample_time_s, harmonics, method = None, r = None, max_condition = None))]
+#[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
+pub fn estimate(
+    py: Python<'_>,
+    u: &Bound<'_, PyAny>,
+    y: &Bound<'_, PyAny>,
+    sample_time_s: f64,
+    harmonics: Vec<usize>,
+    method: Option<&Bound<'_, PyAny>>,
+    r: Option<&Bound<'_, PyAny>>,
+    max_condition: Option<f64>,
+) -> PyResult<Frf> {
+    let method =
+        method.map_or_else(|| Ok(method_for(r)), |method| from_python("method", method))?;
+    estimated(
+        py,
+        u,
+        y,
+        sample_time_s,
+        &harmonics,
+        r,
+        method,
+        max_condition,
+    )
+}
+
+#[expect(clippy::too_many_arguments, reason = "those of its two callers")]
+fn estimated(
+    py: Python<'_>,
+    u: &Bound<'_, PyAny>,
+    y: &Bound<'_, PyAny>,
+    sample_time_s: f64,
+    harmonics: &[usize],
+    r: Option<&Bound<'_, PyAny>>,
+    method: Method,
+    max_condition: Option<f64>,
+) -> PyResult<Frf> {
+    let options = frf_options(method, max_condition);
     let (u, y) = (
         real::<Ix5>("u", u, &[CAMPAIGN])?,
         real::<Ix5>("y", y, &[CAMPAIGN])?,
     );
     let r = r.map(|r| real::<Ix5>("r", r, &[CAMPAIGN])).transpose()?;
     let (u, y, r) = (u.as_array(), y.as_array(), r.as_ref().map(|r| r.as_array()));
-    let estimate = || frfid_estimate::estimate_bla(u, y, r, sample_time_s, &harmonics, &options);
+    let estimate = || estimate_bla_of(u, y, r, sample_time_s, harmonics, &options);
     Ok(py.detach(estimate).map_err(error::estimate)?.into())
 }
 
-fn averaging(name: &str) -> PyResult<Averaging> {
+/// The method where none is asked for: through the reference where there is one.
+pub fn method_for(r: Option<&Bound<'_, PyAny>>) -> Method {
+    r.map_or_else(Method::default, |_| Method::JointInputOutput)
+}
+
+/// Options of a method, with another largest condition number where one is given.
+pub fn frf_options(method: Method, max_condition: Option<f64>) -> FrfOptions {
+    let defaults = FrfOptions::from(method);
+    FrfOptions {
+        max_condition: max_condition.unwrap_or(defaults.max_condition),
+        ..defaults
+    }
+}
+
+fn averaging(name: &str) -> PyResult<Method> {
     match name {
-        "frfs" => Ok(Averaging::Frfs),
-        "spectra" => Ok(Averaging::Spectra),
+        "frfs" => Ok(Method::MeanOfFrfs),
+        "spectra" => Ok(Method::MeanOfSpectra),
         _ => Err(PyValueError::new_err(format!(
             "average: unknown variant `{name}`, expected one of `frfs`, `spectra`"
         ))),

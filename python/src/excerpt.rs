@@ -1,11 +1,11 @@
 //! `frfid.estimate_chirp`.
 
-use frfid_estimate::ExcerptOptions;
 use ndarray::{ArrayView, Axis, Ix4, IxDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::array::{Axes, real};
+use crate::bla::{frf_options, method_for};
 use crate::chirp::Chirp;
 use crate::error;
 use crate::frf::Frf;
@@ -70,11 +70,7 @@ pub fn estimate_chirp(
             "method: unknown variant `{method}`, expected `excerpt`"
         )));
     }
-    let defaults = ExcerptOptions::default();
-    let options = ExcerptOptions {
-        max_condition: max_condition.unwrap_or(defaults.max_condition),
-        ..defaults
-    };
+    let options = frf_options(method_for(r), max_condition);
     let (u, y) = (
         real::<IxDyn>("u", u, &RECORDINGS)?,
         real::<IxDyn>("y", y, &RECORDINGS)?,

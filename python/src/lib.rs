@@ -36,7 +36,7 @@ mod testbed;
 #[pyo3::pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
-    use crate::bla::estimate_bla;
+    use crate::bla::{estimate, estimate_bla};
     #[pymodule_export]
     use crate::chirp::Chirp;
     #[pymodule_export]

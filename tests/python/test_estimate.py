@@ -128,3 +128,25 @@ def test_silverbox(shared_data):
     np.testing.assert_allclose(frf.response[:, 0, 0], per_realization.mean(axis=0), rtol=1e-9)
     np.testing.assert_allclose(frf.total_variance[:, 0, 0], per_realization.var(axis=0, ddof=1) / 10, rtol=1e-9)
     assert 55.0 < frf.frequency_hz[np.abs(frf.response[:, 0, 0]).argmax()] < 80.0
+
+
+def same_frf(a, b):
+    np.testing.assert_array_equal(a.response, b.response)
+    np.testing.assert_array_equal(a.noise_variance, b.noise_variance)
+    np.testing.assert_array_equal(a.total_variance, b.total_variance)
+
+
+def test_a_method_is_asked_for_by_name_and_says_what_it_lacks():
+    u, y, r = (rng.normal(size=(2, 2, 3, c, 64)) for rng, c in ((np.random.default_rng(k), 2) for k in range(3)))
+    options = {"sample_time_s": 1e-3, "harmonics": [1, 5, 9]}
+    for method, average in (("mean-of-frfs", "frfs"), ("mean-of-spectra", "spectra")):
+        same_frf(frfid.estimate(u, y, method=method, **options), frfid.estimate_bla(u, y, average=average, **options))
+    indirect = frfid.estimate_bla(u, y, r=r, **options)
+    same_frf(frfid.estimate(u, y, r=r, **options), indirect)
+    same_frf(frfid.estimate(u, y, r=r, method="joint-input-output", **options), indirect)
+    with pytest.raises(ValueError, match="reference r"):
+        frfid.estimate(u, y, method="joint-input-output", **options)
+    with pytest.raises(ValueError, match="the method does without"):
+        frfid.estimate(u, y, r=r, method="mean-of-frfs", **options)
+    with pytest.raises(ValueError, match="method: unknown variant `best`"):
+        frfid.estimate(u, y, method="best", **options)

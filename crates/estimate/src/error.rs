@@ -5,7 +5,7 @@ use std::fmt;
 use frfid_signals::SignalError;
 use thiserror::Error;
 
-use crate::spectra::campaign::Place;
+use crate::period_index::PeriodIndex;
 
 /// Errors of the `estimate` crate. Every variant says what was found and what was needed. Channels,
 /// experiments, periods and realizations count from 0.
@@ -42,11 +42,11 @@ pub enum EstimateError {
     #[error("{} runs are missing, the first is realization {}, experiment {}, period {}; give them or drop the incomplete blocks", .missing.len(), .missing[0].realization, .missing[0].experiment, .missing[0].period)]
     Incomplete {
         /// Every missing run, in order; never empty.
-        missing: Vec<Place>,
+        missing: Vec<PeriodIndex>,
     },
     /// A run was given twice.
     #[error("realization {}, experiment {}, period {} was given twice", .0.realization, .0.experiment, .0.period)]
-    Duplicate(Place),
+    Duplicate(PeriodIndex),
     /// A list without entries.
     #[error("{0}: none was given, at least one is needed")]
     EmptyList(

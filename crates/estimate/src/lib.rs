@@ -7,14 +7,7 @@
 mod compare;
 mod error;
 mod excitation_strength;
-/// Estimators of the FRF matrix from spectra.
-mod frf {
-    pub(crate) mod bla;
-    pub(crate) mod excerpts;
-    pub(crate) mod joint_input_output;
-    pub(crate) mod right_division;
-    pub(crate) mod singular;
-}
+mod frf;
 /// Glide subtraction: what a constant velocity alone leaves in a record is taken off.
 mod glide {
     pub(crate) mod by_position;
@@ -24,6 +17,7 @@ mod glide {
 }
 mod harmonics;
 mod median;
+mod period_index;
 /// What is found in a recording that frfid did not make: its period, its lines, its transient.
 mod recording {
     pub(crate) mod lines;
@@ -43,14 +37,16 @@ pub use compare::{CompareOptions, Comparison, EntryComparison, compare};
 pub use error::{Deficiency, DeficientLine, EstimateError};
 pub use excitation_strength::warnings::strength_warnings;
 pub use excitation_strength::{AxisStrength, BandStrength, pooled_strength, strength};
-pub use frf::bla::{Averaging, BlaOptions, estimate_bla};
 pub use frf::excerpts::estimate_chirp;
 pub use frf::singular::{condition_number, scaled_condition_number, singular_values};
+pub use frf::time_series::estimate_bla;
+pub use frf::{FrfMethod, FrfOptions, Method};
 pub use glide::by_position::RippleTorque;
 pub use glide::in_time::subtract_glide;
 pub use glide::ripple_residual::{FreeLines, ResidualLevel};
 pub use harmonics::harmonic_levels;
 pub use median::median;
+pub use period_index::PeriodIndex;
 pub use recording::lines::{find_lines, lines_at};
 pub use recording::period::find_period;
 pub use recording::transient::count_transient_periods;
@@ -60,7 +56,7 @@ pub use shape::options::{ShapeOptions, Step, Target};
 pub use shape::shaper::Shaper;
 pub use shape::sticking::{BandMotion, Sticking};
 pub use shape::{Driver, Watcher, shape};
-pub use spectra::campaign::{Campaign, Place, RunSpectra};
+pub use spectra::campaign::{Campaign, RunSpectra};
 pub use spectra::excerpt::{ExcerptOptions, Excerpts};
 pub use spectra::line_dft::LineDft;
 pub use spectra::{Evaluation, Transform};

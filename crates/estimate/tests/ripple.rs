@@ -7,7 +7,7 @@
 
 use std::f64::consts::TAU;
 
-use frfid_estimate::{BlaOptions, EstimateError, RippleTorque, estimate_bla, subtract_glide};
+use frfid_estimate::{EstimateError, FrfOptions, RippleTorque, estimate_bla, subtract_glide};
 use frfid_signals::random::{normal, stream};
 use frfid_signals::{
     Draw, Frf, GridDesign, GridKind, InputKind, LineGrid, Multisine, Phasing, Record,
@@ -188,7 +188,7 @@ fn bla(runs: &[Vec<Record>], treat: impl Fn(&Record) -> Record) -> Frf {
         None,
         SAMPLE_TIME_S,
         &grid().excited,
-        &BlaOptions::default(),
+        &FrfOptions::default(),
     )
     .expect("sound")
 }

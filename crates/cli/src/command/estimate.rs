@@ -4,6 +4,7 @@ use frfid_signals::format::significant;
 use std::path::PathBuf;
 
 use clap::Args;
+use frfid_estimate::Method;
 use frfid_experiment::{Average, EstimateOptions, EstimateTable, Outcome, estimate_logs};
 use frfid_files::{ResultFile, write_bytes, write_result};
 use frfid_report::result_page;
@@ -52,6 +53,9 @@ pub(crate) struct Arguments {
 #[derive(Debug, Args)]
 #[command(next_help_heading = "Estimator, in place of the experiment's [estimate] table")]
 struct EstimatorOptions {
+    /// How spectra become an FRF
+    #[arg(long, value_parser = named::<Method>(), conflicts_with_all = ["average", "indirect"])]
+    method: Option<Method>,
     /// What is averaged over periods
     #[arg(long, value_parser = named::<Average>())]
     average: Option<Average>,
@@ -65,9 +69,13 @@ struct EstimatorOptions {
 
 impl EstimatorOptions {
     fn table(&self) -> Option<EstimateTable> {
-        let given = self.average.is_some() || self.indirect || self.n_frequencies.is_some();
+        let given = self.method.is_some()
+            || self.average.is_some()
+            || self.indirect
+            || self.n_frequencies.is_some();
         let default = EstimateTable::default();
         given.then(|| EstimateTable {
+            method: self.method,
             average: self.average.unwrap_or(default.average),
             indirect: self.indirect,
             n_frequencies: self.n_frequencies.unwrap_or(default.n_frequencies),

@@ -10,19 +10,20 @@ use ndarray::{ArrayView4, s};
 use rayon::prelude::*;
 
 use crate::error::EstimateError;
-use crate::frf::bla::BlaOptions;
-use crate::spectra::campaign::{Campaign, Place, RunSpectra};
+use crate::frf::FrfOptions;
+use crate::period_index::PeriodIndex;
+use crate::spectra::campaign::{Campaign, RunSpectra};
 use crate::spectra::excerpt::{ExcerptOptions, Excerpts};
 
 /// FRF at `frequencies_hz` (rising) from recordings `(repeat, experiment, channel, sample)` of the
 /// same chirp, which starts `start_s` after the first sample.
 ///
-/// Repeats give the noise covariance; with one it is `None`. With the reference `r` the estimate is
-/// the indirect one, as in [`crate::frf::bla::estimate_bla`].
+/// Repeats give the noise covariance; with one it is `None`. The reference `r` is for methods that
+/// estimate through it.
 ///
 /// # Errors
 /// [`EstimateError::OutsideChirp`] for a frequency that the chirp does not pass within the
-/// recording, and those of [`crate::frf::bla::estimate_bla`].
+/// recording, and those of [`crate::frf::time_series::estimate_bla`].
 #[allow(clippy::too_many_arguments)] // the recording, what is known about it, and what is asked: all by name in Python
 pub fn estimate_chirp(
     u: ArrayView4<f64>,
@@ -32,7 +33,7 @@ pub fn estimate_chirp(
     sample_time_s: f64,
     frequencies_hz: &[f64],
     start_s: f64,
-    options: &ExcerptOptions,
+    options: &FrfOptions,
 ) -> Result<Frf, EstimateError> {
     let (n_q, n_ex, _, n_samples) = u.dim();
     for (name, signal) in [("y", Some(&y)), ("r", r.as_ref())] {
@@ -48,6 +49,7 @@ pub fn estimate_chirp(
             .into());
         }
     }
+    let cut = ExcerptOptions::default();
     let mut campaign = Campaign::new(frequencies_hz.to_vec())?;
     let excerpts = Excerpts::new(
         chirp,
@@ -55,10 +57,10 @@ pub fn estimate_chirp(
         sample_time_s,
         start_s,
         n_samples,
-        options,
+        &cut,
     )?;
-    let places: Vec<Place> = (0..n_q * n_ex)
-        .map(|run| Place {
+    let places: Vec<PeriodIndex> = (0..n_q * n_ex)
+        .map(|run| PeriodIndex {
             realization: 0,
             period: run / n_ex,
             experiment: run % n_ex,
@@ -79,13 +81,9 @@ pub fn estimate_chirp(
     for (place, run) in places.into_iter().zip(spectra?) {
         campaign.insert(place, run)?;
     }
-    let frf = campaign.estimate(&BlaOptions {
-        max_condition: options.max_condition,
-        ..BlaOptions::default()
-    })?;
     Ok(Frf {
-        relative_resolution: Some(options.relative_resolution()),
-        ..frf
+        relative_resolution: Some(cut.relative_resolution()),
+        ..campaign.estimate(options)?
     })
 }
 
@@ -184,7 +182,7 @@ mod tests {
             SAMPLE_TIME_S,
             hz,
             start_s,
-            &ExcerptOptions::default(),
+            &FrfOptions::default(),
         )
     }
 

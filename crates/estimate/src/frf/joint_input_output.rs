@@ -17,46 +17,53 @@ use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 use crate::error::DeficientLine;
-use crate::frf::bla::{BlockEstimates, LineBlock};
+use crate::frf::blocks::{BlockEstimates, BlockMethod, Invertible, LineBlock};
 use crate::frf::right_division::right_divide;
 
-/// Block estimates `T_pq = G + n D_pq`; all blocks must hold R.
-pub(crate) fn joint_input_output(
-    blocks: &[Vec<LineBlock>],
-    invertible: impl Fn(&DMatrix<Complex64>) -> Result<f64, DeficientLine>,
-) -> Result<BlockEstimates, DeficientLine> {
-    let instruments = instruments(blocks);
-    let correlate = |signal: &dyn Fn(&LineBlock) -> &'_ DMatrix<Complex64>| {
-        let terms = blocks.iter().flatten().zip(instruments.iter().flatten());
-        terms
-            .map(|(block, instrument)| signal(block) * instrument)
-            .sum::<DMatrix<Complex64>>()
-    };
-    let (s_u, s_y) = (correlate(&|block| &block.u), correlate(&|block| &block.y));
-    let condition = invertible(&s_u)?;
-    let response = right_divide(&s_y, &s_u);
-    let contribution = |block: &LineBlock, instrument: &DMatrix<Complex64>, count: usize| {
-        let residual =
-            (&block.y - &response * &block.u) * instrument * Complex64::from(count as f64);
-        &response + right_divide(&residual, &s_u)
-    };
-    let estimates = blocks
-        .iter()
-        .zip(&instruments)
-        .map(|(periods, instruments)| {
-            // mean over periods, then realizations: with unequal numbers of periods each block
-            // weighs n_p n_q of its own
-            let count = periods.len() * blocks.len();
-            periods
-                .iter()
-                .zip(instruments)
-                .map(|(block, instrument)| contribution(block, instrument, count))
-                .collect()
-        });
-    Ok(BlockEstimates {
-        blocks: estimates.collect(),
-        condition,
-    })
+pub(crate) struct JointInputOutput;
+
+impl BlockMethod for JointInputOutput {
+    const NEEDS_REFERENCE: bool = true;
+
+    /// Block estimates `T_pq = G + n D_pq`.
+    fn estimates(
+        &self,
+        blocks: &[Vec<LineBlock>],
+        invertible: &Invertible,
+    ) -> Result<BlockEstimates, DeficientLine> {
+        let instruments = instruments(blocks);
+        let correlate = |signal: &dyn Fn(&LineBlock) -> &'_ DMatrix<Complex64>| {
+            let terms = blocks.iter().flatten().zip(instruments.iter().flatten());
+            terms
+                .map(|(block, instrument)| signal(block) * instrument)
+                .sum::<DMatrix<Complex64>>()
+        };
+        let (s_u, s_y) = (correlate(&|block| &block.u), correlate(&|block| &block.y));
+        let condition = invertible(&s_u)?;
+        let response = right_divide(&s_y, &s_u);
+        let contribution = |block: &LineBlock, instrument: &DMatrix<Complex64>, count: usize| {
+            let residual =
+                (&block.y - &response * &block.u) * instrument * Complex64::from(count as f64);
+            &response + right_divide(&residual, &s_u)
+        };
+        let estimates = blocks
+            .iter()
+            .zip(&instruments)
+            .map(|(periods, instruments)| {
+                // mean over periods, then realizations: with unequal numbers of periods each block
+                // weighs n_p n_q of its own
+                let count = periods.len() * blocks.len();
+                periods
+                    .iter()
+                    .zip(instruments)
+                    .map(|(block, instrument)| contribution(block, instrument, count))
+                    .collect()
+            });
+        Ok(BlockEstimates {
+            blocks: estimates.collect(),
+            condition,
+        })
+    }
 }
 
 /// `R^H` of every block, each reference channel scaled to unit power over the campaign: G does not

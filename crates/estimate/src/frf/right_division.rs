@@ -12,6 +12,10 @@ use num_complex::Complex64;
 use crate::error::{Deficiency, DeficientLine};
 use crate::frf::singular::condition_of_finite;
 
+/// Largest condition number of U, rows scaled to equal size, at which a line is inverted unless
+/// somebody says otherwise.
+pub(crate) const MAX_CONDITION: f64 = 1e10;
+
 /// `G = Y U^+` with `U` (n_u x n_ex) and `Y` (n_y x n_ex), n_ex >= n_u: exact for n_ex = n_u, least
 /// squares beyond.
 ///

@@ -13,7 +13,7 @@ use num_complex::Complex64;
 use realfft::{ComplexToReal, RealFftPlanner};
 
 use crate::error::{Deficiency, DeficientLine, EstimateError};
-use crate::frf::bla::BlaOptions;
+use crate::frf::right_division::MAX_CONDITION;
 use crate::shape::options::ShapeOptions;
 use crate::spectra::Transform;
 use crate::spectra::line_dft::LineDft;
@@ -117,7 +117,7 @@ impl Band {
     pub fn check_excited(&self, desired: &[DMatrix<Complex64>]) -> Result<(), EstimateError> {
         for (desired, &frequency_hz) in zip(&desired[self.inside()], &self.frequency_hz) {
             if let Some(input) = desired.row_iter().position(|row| row.norm() == 0.0) {
-                let (condition, limit) = (f64::INFINITY, BlaOptions::default().max_condition);
+                let (condition, limit) = (f64::INFINITY, MAX_CONDITION);
                 let cause = Deficiency::InputSilent { input };
                 return Err(EstimateError::RankDeficient(vec![DeficientLine {
                     frequency_hz,

@@ -9,7 +9,7 @@ use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::frf::bla::BlaOptions;
+use crate::frf::right_division::MAX_CONDITION;
 use crate::frf::right_division::{check_rank, right_divide};
 use crate::shape::spectra::Band;
 
@@ -37,7 +37,7 @@ pub(super) fn response(
     let (s_xr, s_rr) = (products(x, r), products(r, r));
     let fit = |(k, &hz): (usize, &f64)| {
         let moment = |products, power| moment(products, k, bins, power);
-        let limit = BlaOptions::default().max_condition;
+        let limit = MAX_CONDITION;
         let n = r[k].nrows();
         let (mut right, mut left) = (moment(&s_xr, 0), moment(&s_rr, 0));
         check_rank(&left, limit, hz).map_err(|line| EstimateError::RankDeficient(vec![line]))?;
@@ -84,7 +84,7 @@ pub(super) fn step(
     found: &Spectra,
     damping: &Array2<f64>,
 ) -> Result<Vec<DMatrix<Complex64>>, EstimateError> {
-    let limit = BlaOptions::default().max_condition;
+    let limit = MAX_CONDITION;
     for (g, &hz) in zip(g, &band.frequency_hz) {
         check_rank(g, limit, hz).map_err(|line| EstimateError::RankDeficient(vec![line]))?;
     }

@@ -9,19 +9,9 @@ use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
+use crate::period_index::PeriodIndex;
 use crate::spectra::Transform;
 use crate::spectra::line_dft::check_rising;
-
-/// Place of one run in a campaign; all indices from 0, sorted in this order.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Place {
-    /// Draw of the random phases.
-    pub realization: usize,
-    /// Period or repetition.
-    pub period: usize,
-    /// Column of U.
-    pub experiment: usize,
-}
 
 /// Spectra of one run (one period of one experiment), `(channel, line)`.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,8 +20,8 @@ pub struct RunSpectra {
     pub u: Array2<Complex64>,
     /// Plant output.
     pub y: Array2<Complex64>,
-    /// Reference, as many channels as `u`; in all runs of a campaign or in none. With it the
-    /// estimate is indirect.
+    /// Reference, as many channels as `u`, for methods that estimate through it; in all runs of a
+    /// campaign or in none.
     pub r: Option<Array2<Complex64>>,
 }
 
@@ -70,7 +60,7 @@ impl RunSpectra {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Campaign {
     frequency_hz: Vec<f64>,
-    runs: BTreeMap<Place, RunSpectra>,
+    runs: BTreeMap<PeriodIndex, RunSpectra>,
 }
 
 /// All experiments of one period of one realization: the columns of U and Y.
@@ -95,12 +85,17 @@ impl Campaign {
         &self.frequency_hz
     }
 
+    /// Whether the runs hold the reference.
+    pub(crate) fn has_reference(&self) -> bool {
+        self.runs.values().all(|run| run.r.is_some())
+    }
+
     /// Adds one run.
     ///
     /// # Errors
     /// [`EstimateError::Duplicate`], [`SignalError::Shape`] if it does not fit the frequencies or
     /// the runs before it, [`SignalError::NotFinite`].
-    pub fn insert(&mut self, place: Place, run: RunSpectra) -> Result<(), EstimateError> {
+    pub fn insert(&mut self, place: PeriodIndex, run: RunSpectra) -> Result<(), EstimateError> {
         self.check(&run)?;
         match self.runs.entry(place) {
             Entry::Occupied(_) => Err(EstimateError::Duplicate(place)),
@@ -113,14 +108,14 @@ impl Campaign {
 
     /// Runs that are missing from periods of which other experiments are there, in order.
     #[must_use]
-    pub fn missing(&self) -> Vec<Place> {
+    pub fn missing(&self) -> Vec<PeriodIndex> {
         let blocks: BTreeSet<(usize, usize)> = self
             .runs
             .keys()
             .map(|place| (place.realization, place.period))
             .collect();
         let places = blocks.into_iter().flat_map(|(realization, period)| {
-            (0..self.n_experiments()).map(move |experiment| Place {
+            (0..self.n_experiments()).map(move |experiment| PeriodIndex {
                 realization,
                 period,
                 experiment,
@@ -133,7 +128,7 @@ impl Campaign {
 
     /// Drops every period of which an experiment is missing and returns what was missing, so that
     /// the rest can be estimated.
-    pub fn drop_incomplete(&mut self) -> Vec<Place> {
+    pub fn drop_incomplete(&mut self) -> Vec<PeriodIndex> {
         let missing = self.missing();
         let broken: BTreeSet<(usize, usize)> = missing
             .iter()
@@ -240,8 +235,8 @@ mod tests {
         }
     }
 
-    fn place(realization: usize, period: usize, experiment: usize) -> Place {
-        Place {
+    fn place(realization: usize, period: usize, experiment: usize) -> PeriodIndex {
+        PeriodIndex {
             realization,
             period,
             experiment,

@@ -14,7 +14,6 @@ use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::frf::bla::BlaOptions;
 use crate::spectra::Transform;
 
 /// How excerpts are cut and weighted.
@@ -24,9 +23,6 @@ pub struct ExcerptOptions {
     pub n_periods: f64,
     /// Samples per period after the low-pass; fewer where the recording itself has fewer.
     pub samples_per_period: f64,
-    /// Largest condition number of U, rows scaled to equal size, at which a frequency is still
-    /// inverted.
-    pub max_condition: f64,
 }
 
 impl Default for ExcerptOptions {
@@ -34,7 +30,6 @@ impl Default for ExcerptOptions {
         Self {
             n_periods: 4.0,
             samples_per_period: 10.0,
-            max_condition: BlaOptions::default().max_condition,
         }
     }
 }

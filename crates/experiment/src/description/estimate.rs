@@ -1,13 +1,18 @@
 //! How the records become an FRF: the table `[estimate]`.
 
-use frfid_estimate::{Averaging, BlaOptions};
+use frfid_estimate::Method;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::description::text::Fault;
 
 /// How the records become an FRF.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct EstimateTable {
+    /// How spectra become an FRF; by `average` and `indirect` without it.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub method: Option<Method>,
     /// What is averaged over periods: the FRFs (the paper) or the spectra (better when u is noisy).
     pub average: Average,
     /// What the glides take off every run of a constant velocity.
@@ -22,6 +27,7 @@ pub struct EstimateTable {
 impl Default for EstimateTable {
     fn default() -> Self {
         Self {
+            method: None,
             average: Average::Frfs,
             glide_subtraction: GlideSubtraction::Time,
             indirect: false,
@@ -33,11 +39,22 @@ impl Default for EstimateTable {
 impl EstimateTable {
     /// How spectra become an FRF.
     #[must_use]
-    pub fn frf_options(&self) -> BlaOptions {
-        BlaOptions {
-            averaging: self.average.into(),
-            ..BlaOptions::default()
+    pub fn method(&self) -> Method {
+        self.method.unwrap_or(match (self.indirect, self.average) {
+            (true, _) => Method::JointInputOutput,
+            (false, Average::Frfs) => Method::MeanOfFrfs,
+            (false, Average::Spectra) => Method::MeanOfSpectra,
+        })
+    }
+
+    /// Refuses two answers to one question.
+    pub(crate) fn check(&self) -> Result<(), Fault> {
+        if self.method.is_some() && (self.indirect || self.average != Average::default()) {
+            let message = "the method is given twice: keep `method`, and leave `average` and \
+                           `indirect` out";
+            return Err(Fault::new(&["method"], message));
         }
+        Ok(())
     }
 }
 
@@ -63,13 +80,4 @@ pub enum Average {
     Frfs,
     /// The spectra, before dividing.
     Spectra,
-}
-
-impl From<Average> for Averaging {
-    fn from(average: Average) -> Self {
-        match average {
-            Average::Frfs => Self::Frfs,
-            Average::Spectra => Self::Spectra,
-        }
-    }
 }

@@ -47,7 +47,11 @@ pub(crate) fn design(config: &Config) -> Result<Plan, Fault> {
     design
         .ride(&mut plan.excitation, &plan.velocity_rad_s)
         .map_err(at_excitation)?;
-    if config.estimate.glide_subtraction == GlideSubtraction::Position && plan.n_glides == 0 {
+    let estimate = &config.estimate;
+    estimate
+        .check()
+        .map_err(|fault| fault.within(&["estimate"]))?;
+    if estimate.glide_subtraction == GlideSubtraction::Position && plan.n_glides == 0 {
         let message = "subtraction by position needs glides; give their number, \
                        [constant_velocity] glides, or leave it out";
         return Err(Fault::new(&["estimate", "glide_subtraction"], message));

@@ -1,7 +1,7 @@
 //! From the records of a plan to its FRF: record by record, in any order, so that no campaign is
 //! too long for the memory.
 
-use frfid_estimate::{Campaign, Evaluation, Place, RunSpectra};
+use frfid_estimate::{Campaign, Evaluation, PeriodIndex, RunSpectra};
 use frfid_signals::{Frf, Plan, Record, RunId, RunKind};
 use ndarray::s;
 
@@ -24,7 +24,7 @@ pub struct Estimator {
 #[derive(Debug, Clone, Default)]
 pub struct Spectra {
     /// On the lines of the estimate, period by period.
-    periods: Vec<(Place, RunSpectra)>,
+    periods: Vec<(PeriodIndex, RunSpectra)>,
     /// On the lines around them that are not excited.
     free: Vec<FreeSpectra>,
 }
@@ -49,7 +49,7 @@ pub struct Estimated {
     /// The FRF.
     pub frf: Frf,
     /// Runs that were missing: their periods are not in the estimate.
-    pub missing: Vec<Place>,
+    pub missing: Vec<PeriodIndex>,
     /// Whether what remains of the ripple exceeds the noise, line by line; `None` where it cannot
     /// be told: no glide was subtracted, or every reference was applied but once.
     pub ripple: Option<Vec<bool>>,
@@ -162,7 +162,7 @@ impl Estimator {
             let r = record
                 .r
                 .as_ref()
-                .filter(|_| self.options.indirect)
+                .filter(|_| self.options.method().needs_reference())
                 .map(|r| r.slice(window));
             let place = self.place(id, period);
             spectra
@@ -175,11 +175,11 @@ impl Estimator {
         Ok(spectra)
     }
 
-    /// Place of a period in the campaign: repetitions and periods back to back together are the
+    /// PeriodIndex of a period in the campaign: repetitions and periods back to back together are the
     /// estimator's periods.
-    fn place(&self, id: RunId, period: usize) -> Place {
+    fn place(&self, id: RunId, period: usize) -> PeriodIndex {
         let period = id.repetition * self.plan.n_periods + period;
-        Place {
+        PeriodIndex {
             realization: id.realization,
             period,
             experiment: id.experiment,
@@ -211,7 +211,7 @@ impl Estimator {
         let missing = campaign.drop_incomplete();
         let frf = Frf {
             relative_resolution: self.evaluation.relative_resolution,
-            ..campaign.estimate(&self.options.frf_options())?
+            ..campaign.estimate(&self.options.method().into())?
         };
         let ripple = self
             .residual

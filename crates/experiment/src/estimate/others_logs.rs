@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use frfid_estimate::{
-    Campaign, EstimateError, LineDft, Place, RunSpectra, count_transient_periods, find_lines,
+    Campaign, EstimateError, LineDft, PeriodIndex, RunSpectra, count_transient_periods, find_lines,
     find_period,
 };
 use frfid_files::{Check, Log, LogMap, ResultFile, read_log};
@@ -105,7 +105,7 @@ impl<'a> Recordings<'a> {
         let n_inputs = first.u.nrows();
         for (number, log) in self.logs.iter().enumerate() {
             for period in periods.n_transient..periods.n_periods {
-                let place = Place {
+                let place = PeriodIndex {
                     realization: number / n_inputs,
                     experiment: number % n_inputs,
                     period: period - periods.n_transient,
@@ -116,7 +116,7 @@ impl<'a> Recordings<'a> {
             }
         }
         campaign.drop_incomplete();
-        Ok(campaign.estimate(&options.frf_options())?)
+        Ok(campaign.estimate(&options.method().into())?)
     }
 
     fn outcome(self, frf: Frf, periods: &Periods) -> Result<Outcome, ExperimentError> {
@@ -211,7 +211,7 @@ fn spectra(
     let r = record
         .r
         .as_ref()
-        .filter(|_| options.indirect)
+        .filter(|_| options.method().needs_reference())
         .map(|r| r.slice(window));
     let (u, y) = (record.u.slice(window), record.y.slice(window));
     if is_whole(u) && is_whole(y) && r.is_none_or(is_whole) {

@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use frfid_estimate::{FreeLines, Place, ResidualLevel, Transform};
+use frfid_estimate::{FreeLines, PeriodIndex, ResidualLevel, Transform};
 use frfid_signals::{Excitation, Frf, Multisine, Plan};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
@@ -20,7 +20,7 @@ const REALIZATIONS: usize = 4;
 /// Spectra of u and y on the free lines of one period.
 #[derive(Debug, Clone)]
 pub struct FreeSpectra {
-    place: Place,
+    place: PeriodIndex,
     u: Array2<Complex64>,
     y: Array2<Complex64>,
 }
@@ -55,7 +55,7 @@ impl RippleResidual {
     /// [`ExperimentError::Estimate`] for samples that are not finite.
     pub fn spectra(
         &self,
-        place: Place,
+        place: PeriodIndex,
         u: ArrayView2<f64>,
         y: ArrayView2<f64>,
     ) -> Result<Option<FreeSpectra>, ExperimentError> {

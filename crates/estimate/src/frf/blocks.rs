@@ -1,0 +1,219 @@
+//! Blocks of a campaign and their means: what every method that works line by line has in common.
+//!
+//! A method makes an estimate T_pq of each block, the experiments of period q of realization p. Their
+//! mean is the FRF, their spread its variances:
+//!
+//! ```text
+//! G = 1/n_p sum_p G_p,   G_p = 1/n_q sum_q T_pq
+//! noise covariance = 1/n_p^2 sum_p [ sum_q d_pq d_pq^H / (n_q (n_q - 1)) ],   d_pq = vec(T_pq - G_p)
+//! total covariance = sum_p d_p d_p^H / (n_p (n_p - 1)),                       d_p  = vec(G_p - G)
+//! ```
+//!
+//! Both are covariances *of the averaged* G (SK15 (13) and (14)). With one run the estimate is the
+//! direct FRF (7). Source of the variances: R. Pintelon, J. Schoukens, System Identification, 2nd
+//! ed., ch. 3 and 4.
+
+use frfid_signals::{Frf, Uncertainty};
+use nalgebra::DMatrix;
+use ndarray::Array3;
+use num_complex::Complex64;
+use rayon::prelude::*;
+
+use crate::error::{DeficientLine, EstimateError};
+use crate::frf::right_division::check_rank;
+use crate::frf::{FrfMethod, FrfOptions};
+use crate::spectra::campaign::{Block, Campaign};
+
+/// A method that works line by line, from the spectra of all blocks to an estimate of each.
+pub(crate) trait BlockMethod: Sync {
+    /// Whether the blocks must hold the reference.
+    const NEEDS_REFERENCE: bool = false;
+
+    /// Estimates of the blocks, `(realization, period)`; `invertible` refuses matrices that cannot be
+    /// inverted and returns the condition number of the others.
+    fn estimates(
+        &self,
+        blocks: &[Vec<LineBlock>],
+        invertible: &Invertible,
+    ) -> Result<BlockEstimates, DeficientLine>;
+}
+
+/// The condition number of a matrix, or why it cannot be inverted.
+pub(crate) type Invertible<'a> = dyn Fn(&DMatrix<Complex64>) -> Result<f64, DeficientLine> + 'a;
+
+impl<M: BlockMethod> FrfMethod for M {
+    fn needs_reference(&self) -> bool {
+        M::NEEDS_REFERENCE
+    }
+
+    fn frf(&self, campaign: &Campaign, options: &FrfOptions) -> Result<Frf, EstimateError> {
+        let realizations = campaign.realizations()?;
+        let estimates: Vec<Result<LineEstimate, DeficientLine>> = campaign
+            .frequency_hz()
+            .par_iter()
+            .enumerate()
+            .map(|(line, &hz)| {
+                let blocks = line_blocks(&realizations, line);
+                let invertible = |u: &DMatrix<Complex64>| check_rank(u, options.max_condition, hz);
+                Ok(with_covariances(&self.estimates(&blocks, &invertible)?))
+            })
+            .collect();
+        let (sound, deficient): (Vec<_>, Vec<_>) = estimates.into_iter().partition(Result::is_ok);
+        if !deficient.is_empty() {
+            let lines = deficient.into_iter().filter_map(Result::err).collect();
+            return Err(EstimateError::RankDeficient(lines));
+        }
+        let sound: Vec<LineEstimate> = sound.into_iter().flatten().collect();
+        let periods: usize = realizations.iter().map(Vec::len).sum();
+        Ok(assemble(
+            campaign.frequency_hz().to_vec(),
+            &sound,
+            periods - realizations.len(),
+            realizations.len() - 1,
+        ))
+    }
+}
+
+/// The blocks of a line, `(realization, period)`.
+fn line_blocks(realizations: &[Vec<Block>], line: usize) -> Vec<Vec<LineBlock>> {
+    let of_realization = |periods: &Vec<Block>| {
+        let blocks = periods.iter().map(|block| LineBlock::of(block, line));
+        blocks.collect()
+    };
+    realizations.iter().map(of_realization).collect()
+}
+
+/// U, Y and R of one block on one line: channels in rows, experiments in columns.
+pub(crate) struct LineBlock {
+    pub(crate) u: DMatrix<Complex64>,
+    pub(crate) y: DMatrix<Complex64>,
+    pub(crate) r: Option<DMatrix<Complex64>>,
+}
+
+impl LineBlock {
+    fn of(block: &Block, line: usize) -> Self {
+        let experiments = block.len();
+        let r = block
+            .iter()
+            .map(|run| run.r.as_ref())
+            .collect::<Option<Vec<_>>>();
+        Self {
+            u: DMatrix::from_fn(block[0].u.nrows(), experiments, |channel, m| {
+                block[m].u[[channel, line]]
+            }),
+            y: DMatrix::from_fn(block[0].y.nrows(), experiments, |channel, m| {
+                block[m].y[[channel, line]]
+            }),
+            r: r.map(|r| {
+                DMatrix::from_fn(r[0].nrows(), experiments, |channel, m| {
+                    r[m][[channel, line]]
+                })
+            }),
+        }
+    }
+}
+
+/// Estimates of every block, `(realization, period)`, whose mean over periods, then realizations,
+/// has the errors of the FRF.
+pub(crate) struct BlockEstimates {
+    pub(crate) blocks: Vec<Vec<DMatrix<Complex64>>>,
+    /// Worst condition number of the matrices inverted.
+    pub(crate) condition: f64,
+}
+
+/// The FRF on one line with its covariances.
+struct LineEstimate {
+    response: DMatrix<Complex64>,
+    noise: Option<DMatrix<Complex64>>,
+    total: Option<DMatrix<Complex64>>,
+    condition: f64,
+}
+
+/// The means and covariances at the head of this file.
+fn with_covariances(estimates: &BlockEstimates) -> LineEstimate {
+    let per_realization: Vec<DMatrix<Complex64>> = estimates
+        .blocks
+        .iter()
+        .map(|periods| mean(periods.iter()))
+        .collect();
+    let n_p = per_realization.len() as f64;
+    let noise: Option<Vec<_>> = estimates
+        .blocks
+        .iter()
+        .map(|periods| covariance_of_mean(periods))
+        .collect();
+    LineEstimate {
+        response: mean(per_realization.iter()),
+        noise: noise.map(|noise| mean(noise.iter()) / Complex64::from(n_p)),
+        total: covariance_of_mean(&per_realization),
+        condition: estimates.condition,
+    }
+}
+
+/// Arithmetic mean; the iterator must not be empty.
+pub(crate) fn mean<'a>(
+    mut matrices: impl Iterator<Item = &'a DMatrix<Complex64>>,
+) -> DMatrix<Complex64> {
+    let mut sum = matrices
+        .next()
+        .cloned()
+        .unwrap_or_else(|| DMatrix::zeros(0, 0));
+    let mut count = 1.0;
+    for matrix in matrices {
+        sum += matrix;
+        count += 1.0;
+    }
+    sum / Complex64::from(count)
+}
+
+/// Covariance of the mean of vec(matrix), `sum d d^H / (n (n - 1))`; `None` for one matrix.
+fn covariance_of_mean(matrices: &[DMatrix<Complex64>]) -> Option<DMatrix<Complex64>> {
+    if matrices.len() < 2 {
+        return None;
+    }
+    let (n, centre) = (matrices.len() as f64, mean(matrices.iter()));
+    let mut sum = DMatrix::zeros(centre.len(), centre.len());
+    for matrix in matrices {
+        let deviation = matrix - &centre;
+        let deviation =
+            deviation.reshape_generic(nalgebra::Dyn(centre.len()), nalgebra::Const::<1>);
+        sum.gerc(
+            Complex64::from(1.0),
+            &deviation,
+            &deviation,
+            Complex64::from(1.0),
+        );
+    }
+    Some(sum / Complex64::from(n * (n - 1.0)))
+}
+
+/// Puts the lines together as an [`Frf`].
+fn assemble(
+    frequency_hz: Vec<f64>,
+    lines: &[LineEstimate],
+    noise_freedom: usize,
+    total_freedom: usize,
+) -> Frf {
+    let stack = |part: &dyn Fn(&LineEstimate) -> Option<&DMatrix<Complex64>>| {
+        let matrices: Option<Vec<_>> = lines.iter().map(part).collect();
+        let matrices = matrices?;
+        let shape = (matrices.len(), matrices[0].nrows(), matrices[0].ncols());
+        Some(Array3::from_shape_fn(shape, |(line, row, column)| {
+            matrices[line][(row, column)]
+        }))
+    };
+    let known = |covariance: Option<Array3<Complex64>>, degrees_of_freedom| {
+        covariance.map(|covariance| Uncertainty {
+            covariance,
+            degrees_of_freedom,
+        })
+    };
+    Frf {
+        frequency_hz,
+        response: stack(&|line| Some(&line.response)).unwrap_or_else(|| Array3::zeros((0, 0, 0))),
+        noise: known(stack(&|line| line.noise.as_ref()), noise_freedom),
+        total: known(stack(&|line| line.total.as_ref()), total_freedom),
+        condition: Some(lines.iter().map(|line| line.condition).collect()),
+        relative_resolution: None,
+    }
+}

@@ -1,0 +1,104 @@
+//! FRF of a campaign: the methods. A method is a file of this folder and a variant here.
+
+pub(crate) mod blocks;
+pub(crate) mod excerpts;
+mod joint_input_output;
+mod mean_of_frfs;
+mod mean_of_spectra;
+pub(crate) mod right_division;
+pub(crate) mod singular;
+pub(crate) mod time_series;
+
+use frfid_signals::{Frf, SignalError};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+use crate::error::EstimateError;
+use crate::frf::joint_input_output::JointInputOutput;
+use crate::frf::mean_of_frfs::MeanOfFrfs;
+use crate::frf::mean_of_spectra::MeanOfSpectra;
+use crate::frf::right_division::MAX_CONDITION;
+use crate::spectra::campaign::Campaign;
+
+/// How the spectra of a campaign become its FRF.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// The FRFs of single periods are averaged, SK15 (14).
+    #[default]
+    MeanOfFrfs,
+    /// The spectra are averaged over periods before dividing: better when the input is noisy.
+    MeanOfSpectra,
+    /// Through the reference, over periods and realizations: noise on the input does not bias it.
+    JointInputOutput,
+}
+
+/// From the spectra of a campaign to its FRF.
+pub trait FrfMethod {
+    /// Whether the runs must hold the reference.
+    fn needs_reference(&self) -> bool;
+
+    /// The FRF with its variances.
+    ///
+    /// # Errors
+    /// [`EstimateError::Incomplete`], [`EstimateError::TooFewExperiments`],
+    /// [`EstimateError::RankDeficient`] with every line that cannot be inverted.
+    fn frf(&self, campaign: &Campaign, options: &FrfOptions) -> Result<Frf, EstimateError>;
+}
+
+/// What an FRF is estimated with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FrfOptions {
+    /// How spectra become an FRF.
+    pub method: Method,
+    /// Largest condition number of U, rows scaled to equal size, at which a line is still inverted.
+    pub max_condition: f64,
+}
+
+impl Default for FrfOptions {
+    fn default() -> Self {
+        Method::default().into()
+    }
+}
+
+impl From<Method> for FrfOptions {
+    fn from(method: Method) -> Self {
+        Self {
+            method,
+            max_condition: MAX_CONDITION,
+        }
+    }
+}
+
+impl Method {
+    fn estimator(&self) -> &'static dyn FrfMethod {
+        match self {
+            Self::MeanOfFrfs => &MeanOfFrfs,
+            Self::MeanOfSpectra => &MeanOfSpectra,
+            Self::JointInputOutput => &JointInputOutput,
+        }
+    }
+
+    /// Whether it needs the reference.
+    #[must_use]
+    pub fn needs_reference(&self) -> bool {
+        self.estimator().needs_reference()
+    }
+}
+
+impl Campaign {
+    /// The FRF of the runs given so far.
+    ///
+    /// # Errors
+    /// As [`FrfMethod::frf`]; [`SignalError::Unfit`] if the method needs the reference and a run
+    /// lacks it.
+    pub fn estimate(&self, options: &FrfOptions) -> Result<Frf, EstimateError> {
+        if options.method.needs_reference() && !self.has_reference() {
+            let what = "the method estimates through the reference r: give it for every run, or \
+                        choose a method that does without"
+                .to_owned();
+            return Err(SignalError::Unfit { key: "r", what }.into());
+        }
+        options.method.estimator().frf(self, options)
+    }
+}
