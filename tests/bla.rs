@@ -134,7 +134,7 @@ fn check(entry: &Value, frf: &Frf) {
 fn bla_agrees_with_numpy() {
     let golden: Vec<Value> =
         serde_json::from_str(include_str!("golden/bla.json")).expect("the golden file is JSON");
-    assert_eq!(golden.len(), 12);
+    assert_eq!(golden.len(), 16);
     for entry in &golden {
         let shape = |channels| {
             [
@@ -157,6 +157,7 @@ fn bla_agrees_with_numpy() {
         );
         let method = match entry["method"].as_str() {
             Some("spectra") => Method::MeanOfSpectra,
+            Some("logarithmic") => Method::LogarithmicMean,
             Some("indirect") => Method::JointInputOutput,
             _ => Method::MeanOfFrfs,
         };
@@ -283,6 +284,7 @@ fn the_95_percent_region_covers_the_truth_95_percent_of_the_time() {
     for (name, chance, method) in [
         ("mean of FRFs", &quiet, Method::MeanOfFrfs),
         ("mean of spectra", &noisy_input, Method::MeanOfSpectra),
+        ("logarithmic mean", &quiet, Method::LogarithmicMean),
         ("joint input-output", &noisy_input, Method::JointInputOutput),
         (
             "joint input-output, 0 dB",
@@ -363,6 +365,45 @@ fn noise_on_the_input_biases_the_direct_estimate_and_not_the_indirect_one() {
             "{indirect:?}"
         );
     }
+}
+
+/// Noise on u at 0 dB, one input: E[log(1 + n)] = E1(1)/2 for circular normal n of unit variance, so
+/// the logarithmic mean loses 1 - exp(-E1(1)/2) = 10.4 % where the arithmetic one loses 1/e; with as
+/// much noise on y as on u nothing. (E1(1) = 0.219384: Abramowitz, Stegun, table 5.1.)
+#[test]
+fn the_logarithmic_mean_is_biased_less_and_not_at_all_by_equal_noise() {
+    let noisy_input = Chance {
+        n_p: 1,
+        n_q: 400,
+        channels: 1,
+        lines: 1000,
+        noise_u: 1.0,
+        noise_y: 0.0,
+    };
+    let equal_noise = Chance {
+        noise_y: 1.0,
+        ..noisy_input
+    };
+    let lost = 1.0 - (-0.219384f64 / 2.0).exp();
+    for (chance, expected) in [(&noisy_input, lost), (&equal_noise, 0.0)] {
+        let (found, error) = bias(&chance.estimate(3, Method::LogarithmicMean))[0];
+        println!("logarithmic {found:.4} +- {error:.4}, expected {expected:.4}");
+        assert!(error < 0.003 && (found - expected).abs() < 3.2 * error);
+    }
+}
+
+/// An entry without a logarithm keeps its arithmetic mean, 0 here, and the others theirs.
+#[test]
+fn an_entry_that_is_zero_stays_zero_in_the_logarithmic_mean() {
+    let (u, mut y) = (signal(1, [2, 2, 3, 2, 40]), signal(2, [2, 2, 3, 2, 40]));
+    y.slice_mut(s![.., .., .., 0, ..]).fill(0.0);
+    let method = Method::LogarithmicMean.into();
+    let frf = estimate_bla(u.view(), y.view(), None, 1e-3, &[1, 2], &method).expect("sound");
+    for ((_, output, _), value) in frf.response.indexed_iter() {
+        assert!(value.is_finite() && (value.norm() == 0.0) == (output == 0));
+    }
+    let noise = frf.noise_variance().expect("three periods");
+    assert!(noise.iter().all(|variance| variance.is_finite()));
 }
 
 /// The same numbers, bit by bit, in whatever order runs arrive and on however many threads.

@@ -87,6 +87,7 @@ pub fn estimate_bla(
 ///     Lines of the DFT of the period to estimate, rising: ``multisine.harmonics``.
 /// method : str, optional
 ///     ``"mean-of-frfs"``, the paper's; ``"mean-of-spectra"``, better where ``u`` is noisy;
+///     ``"logarithmic-mean"``, of magnitudes and phases, with less bias by noise on ``u``;
 ///     ``"joint-input-output"``, through ``r``, which noise on ``u`` does not bias. Without it the
 ///     last where ``r`` is given, and the first where not.
 /// r : array_like, shape as u, optional

@@ -74,6 +74,18 @@ def mean_of_spectra(u, y):
     return np.mean(g, axis=0), noise_covariance, total, max(np.linalg.cond(mean_u[p]) for p in range(n_p))
 
 
+def logarithmic_mean(u, y):
+    """Means of log magnitude and of the phase around that of the arithmetic mean."""
+    n_p, n_q = u.shape[:2]
+    g = np.array([[y[p, q] @ np.linalg.pinv(u[p, q]) for q in range(n_q)] for p in range(n_p)])
+    centre = np.angle(g.mean(axis=(0, 1)))
+    magnitude, phase = np.log(np.abs(g)), np.angle(g * np.exp(-1j * centre))
+    mean = np.exp(magnitude.mean(axis=(0, 1)) + 1j * (centre + phase.mean(axis=(0, 1))))
+    spread = magnitude - magnitude.mean(axis=(0, 1)) + 1j * (phase - phase.mean(axis=(0, 1)))
+    _, noise_covariance, total = block_average(mean * (1 + spread))
+    return mean, noise_covariance, total, np.linalg.cond(u).max()
+
+
 def joint_input_output(u, y, r):
     n_p, n_q = u.shape[:2]
     r_h = r.conj().swapaxes(-1, -2)
@@ -109,6 +121,7 @@ def main():
         methods = {
             "frfs": [mean_of_frfs(u[k], y[k]) for k in range(len(lines))],
             "spectra": [mean_of_spectra(u[k], y[k]) for k in range(len(lines))],
+            "logarithmic": [logarithmic_mean(u[k], y[k]) for k in range(len(lines))],
             "indirect": [joint_input_output(u[k], y[k], r[k]) for k in range(len(lines))],
         }
         for method, results in methods.items():

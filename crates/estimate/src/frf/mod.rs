@@ -3,6 +3,7 @@
 pub(crate) mod blocks;
 pub(crate) mod excerpts;
 mod joint_input_output;
+mod logarithmic_mean;
 mod mean_of_frfs;
 mod mean_of_spectra;
 pub(crate) mod right_division;
@@ -15,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::EstimateError;
 use crate::frf::joint_input_output::JointInputOutput;
+use crate::frf::logarithmic_mean::LogarithmicMean;
 use crate::frf::mean_of_frfs::MeanOfFrfs;
 use crate::frf::mean_of_spectra::MeanOfSpectra;
 use crate::frf::right_division::MAX_CONDITION;
@@ -29,6 +31,9 @@ pub enum Method {
     MeanOfFrfs,
     /// The spectra are averaged over periods before dividing: better when the input is noisy.
     MeanOfSpectra,
+    /// The FRFs of single periods are averaged as magnitude and phase: less bias by noise on the
+    /// input, no block outweighs the others.
+    LogarithmicMean,
     /// Through the reference, over periods and realizations: noise on the input does not bias it.
     JointInputOutput,
 }
@@ -75,6 +80,7 @@ impl Method {
         match self {
             Self::MeanOfFrfs => &MeanOfFrfs,
             Self::MeanOfSpectra => &MeanOfSpectra,
+            Self::LogarithmicMean => &LogarithmicMean,
             Self::JointInputOutput => &JointInputOutput,
         }
     }

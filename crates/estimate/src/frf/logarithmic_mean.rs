@@ -1,0 +1,61 @@
+//! Logarithmic mean: FRFs of single periods averaged as magnitude and phase, entry by entry; less
+//! biased than the arithmetic mean where the input is noisy, and no single block outweighs it.
+//!
+//! ```text
+//! G = exp(1/n_p sum_p 1/n_q sum_q log T_pq),   T_pq = Y_pq U_pq^+
+//! ```
+//!
+//! A logarithm's phase is only known up to whole turns; here each phase is the one closest to that of
+//! the arithmetic mean. To first order in the noise block (p, q) contributes
+//! `G (1 + log T_pq - log G)`, whose mean is G and whose spread its covariance. An entry that is
+//! exactly 0 in a block has no logarithm and keeps its arithmetic mean.
+//!
+//! E. Wernholt, S. Moberg, Experimental comparison of methods for multivariable frequency response
+//! function estimation, IFAC World Congress 2008, section 3.
+
+use nalgebra::DMatrix;
+use num_complex::Complex64;
+
+use crate::error::DeficientLine;
+use crate::frf::blocks::{BlockEstimates, BlockMethod, Invertible, LineBlock, mean};
+use crate::frf::mean_of_frfs::MeanOfFrfs;
+
+pub(crate) struct LogarithmicMean;
+
+impl BlockMethod for LogarithmicMean {
+    fn estimates(
+        &self,
+        blocks: &[Vec<LineBlock>],
+        invertible: &Invertible,
+    ) -> Result<BlockEstimates, DeficientLine> {
+        let mut estimates = MeanOfFrfs.estimates(blocks, invertible)?;
+        let arithmetic = mean_of_blocks(&estimates.blocks);
+        let mut logarithms = estimates.blocks.clone();
+        for matrix in logarithms.iter_mut().flatten() {
+            *matrix = matrix.zip_map(&arithmetic, |t, centre| (t / direction(centre)).ln());
+        }
+        let mean_logarithm = mean_of_blocks(&logarithms);
+        let of_blocks = estimates.blocks.iter_mut().flatten();
+        for (matrix, logarithm) in of_blocks.zip(logarithms.iter().flatten()) {
+            for (entry, value) in matrix.iter_mut().enumerate() {
+                let centre = mean_logarithm[entry];
+                if centre.is_finite() {
+                    let response = direction(arithmetic[entry]) * centre.exp();
+                    *value = response * (Complex64::ONE + logarithm[entry] - centre);
+                }
+            }
+        }
+        Ok(estimates)
+    }
+}
+
+/// Mean over periods, then realizations.
+fn mean_of_blocks(blocks: &[Vec<DMatrix<Complex64>>]) -> DMatrix<Complex64> {
+    let per_realization: Vec<_> = blocks.iter().map(|periods| mean(periods.iter())).collect();
+    mean(per_realization.iter())
+}
+
+/// The unit number with the phase of this one.
+fn direction(value: Complex64) -> Complex64 {
+    Complex64::cis(value.arg())
+}
