@@ -159,7 +159,16 @@ fn damaged_logs_are_told_and_the_rest_is_used() {
     fs::remove_dir_all(here.join("logs")).expect("removed");
     fs::create_dir(here.join("logs")).expect("made");
     let (exit, _, told) = estimate(here, "none.json");
-    assert!(exit == 1 && told.contains("no MCAP file"), "{told}");
+    assert!(
+        exit == 1 && told.contains("no MCAP, CSV, NPZ file"),
+        "{told}"
+    );
+    fs::write(here.join("logs/bench.csv"), "t,u,y\n0,1,2\n").expect("written");
+    let (exit, _, told) = estimate(here, "none.json");
+    assert!(
+        exit == 1 && told.contains("bench.csv") && told.contains("--map"),
+        "{told}"
+    );
 }
 
 #[test]

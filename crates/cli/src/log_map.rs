@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 use frfid_experiment::TomlText;
-use frfid_files::{LogMap, Signal};
+use frfid_files::{FORMATS, Format, LogMap, Signal};
 use frfid_signals::InputKind;
 
 use crate::exit::Failure;
@@ -16,9 +16,7 @@ pub(crate) struct MapOptions {
     /// Which signal is which, as TOML; or say it with the options below
     #[arg(long, value_name = "MAP.toml", conflicts_with_all = ["u", "y", "r", "position", "time", "sample_time_s"])]
     map: Option<PathBuf>,
-    /// An input: TOPIC:FIELD[INDEX or JOINT]=UNIT in an MCAP, COLUMN=UNIT in a CSV; once for each
-    /// channel
-    #[arg(long, value_name = "SIGNAL=UNIT", value_parser = signal, requires = "y")]
+    #[arg(long, value_name = "SIGNAL=UNIT", value_parser = signal, requires = "y", help = input_help())]
     u: Vec<Signal>,
     /// An output, in the same way
     #[arg(long, value_name = "SIGNAL=UNIT", value_parser = signal, requires = "u")]
@@ -29,10 +27,10 @@ pub(crate) struct MapOptions {
     /// A position, one for each output
     #[arg(long, value_name = "SIGNAL=UNIT", value_parser = signal, requires = "u")]
     position: Vec<Signal>,
-    /// Column of the sample times of a CSV
+    /// Column or array of the sample times of a CSV or NPZ
     #[arg(long, value_name = "COLUMN=UNIT", value_parser = signal, requires = "u")]
     time: Option<Signal>,
-    /// Sample time in s of a CSV without such a column
+    /// Sample time in s of a CSV or NPZ without sample times
     #[arg(long, value_name = "S", requires = "u")]
     sample_time_s: Option<f64>,
 }
@@ -56,6 +54,13 @@ impl MapOptions {
             sample_time_s: self.sample_time_s,
         }))
     }
+}
+
+/// How a signal is named in each format of recordings.
+fn input_help() -> String {
+    let named = |format: &Format| format!("{}=UNIT in {}", format.source, format.name);
+    let named: Vec<String> = FORMATS.iter().map(named).collect();
+    format!("An input: {}; once for each channel", named.join(", "))
 }
 
 /// Reads `SOURCE=UNIT`; the source may hold equals signs, a unit cannot.

@@ -7,6 +7,7 @@
 mod atomic_write;
 mod bytes;
 mod error;
+mod file_kind;
 #[cfg(test)]
 mod hostile_tests;
 mod log;
@@ -45,6 +46,7 @@ mod sha256;
 
 pub use atomic_write::{BoxError, Overwrite, check_free, create_folder, part_path, write_bytes};
 pub use error::FileError;
+pub use log::formats::{FORMATS, Format};
 pub use log::map::{LogMap, Signal};
 pub use log::npz::read_npz_array;
 pub use log::{Log, read_log};
@@ -52,8 +54,7 @@ pub use loss::Loss;
 pub use mcap::recover::{Recovered, recover};
 pub use plan::write::write_plan;
 pub use plan::{PlanEntry, PlanFile, PlanHead, PlannedRun};
-pub use result::csv::write_frf_csv;
-pub use result::npz::write_frf_npz;
+pub use result::exports::{EXPORTS, Export};
 pub use result::{Check, ResultFile, read_result, write_result};
 pub use run::read::{RunLabel, read_run, read_run_label};
 pub use run::write::{RunFile, write_run};

@@ -2,15 +2,16 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, ValueEnum};
-use frfid_files::{read_result, write_frf_csv, write_frf_npz};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use frfid_files::{EXPORTS, Export, read_result};
 use serde_json::json;
 
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::{Options, existing_path};
 
-/// Write a result as a table (csv) or as numpy arrays (npz)
+/// Write a result for other tools
 #[derive(Debug, Args)]
 #[command(before_help = "\
 Examples:
@@ -21,19 +22,22 @@ pub(crate) struct Arguments {
     #[arg(value_name = "RESULT.json", value_parser = existing_path())]
     result: PathBuf,
     /// The format
-    #[arg(long, value_enum)]
-    to: Format,
+    #[arg(long, value_name = "FORMAT", value_parser = export())]
+    to: &'static Export,
     /// The file to write
     #[arg(long, short, value_name = "FILE")]
     output: PathBuf,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Format {
-    /// A row for each frequency, a column for each part of each entry
-    Csv,
-    /// Arrays for numpy, with covariances
-    Npz,
+/// The formats of the table, with what they hold, for help and errors.
+fn export() -> impl TypedValueParser<Value = &'static Export> {
+    let known = EXPORTS
+        .iter()
+        .map(|export| PossibleValue::new(export.name).help(export.describes));
+    PossibleValuesParser::new(known).try_map(|name| {
+        let export = EXPORTS.iter().find(|export| export.name == name);
+        export.ok_or("an unknown format")
+    })
 }
 
 pub(crate) fn run(
@@ -42,10 +46,7 @@ pub(crate) fn run(
     console: &mut Console,
 ) -> Result<Exit, Failure> {
     let (result, output) = (read_result(&arguments.result)?, &arguments.output);
-    match arguments.to {
-        Format::Csv => write_frf_csv(output, options.overwrite(), &result)?,
-        Format::Npz => write_frf_npz(output, options.overwrite(), &result.frf)?,
-    }
+    (arguments.to.write)(output, options.overwrite(), &result)?;
     if options.json {
         console.json(&json!({ "output": output }))?;
     }

@@ -1,6 +1,7 @@
 //! Estimates: from the records of a plan, or of somebody else, to an FRF with its checks.
 
 pub(crate) mod estimator;
+pub(crate) mod find_logs;
 pub(crate) mod gather;
 pub(crate) mod glide_baseline;
 pub(crate) mod others_logs;
@@ -16,8 +17,9 @@ use frfid_files::LogMap;
 
 use crate::description::estimate::EstimateTable;
 use crate::error::ExperimentError;
+use crate::estimate::find_logs::find_logs;
 use crate::estimate::others_logs::estimate_others_logs;
-use crate::estimate::our_logs::{estimate_our_logs, find_logs};
+use crate::estimate::our_logs::estimate_our_logs;
 use crate::estimate::outcome::Outcome;
 use crate::run::parallel::Progress;
 

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use frfid_files::{FileError, Loss, read_run, read_run_label};
+use frfid_files::{FORMATS, Format, Loss, read_run, read_run_label};
 use frfid_signals::{Record, RunId};
 
 use crate::description::estimate::EstimateTable;
@@ -15,60 +15,6 @@ use crate::estimate::outcome::{Inventory, Outcome, log_hashes};
 use crate::experiment::Experiment;
 use crate::run::parallel::Progress;
 use crate::run::provenance::DESIGN;
-
-/// The files among `paths` in the order given, the MCAP files of a folder by name, each file once.
-///
-/// # Errors
-/// [`ExperimentError::File`] for a path that does not exist or cannot be listed,
-/// [`ExperimentError::Logs`] for none.
-pub(crate) fn find_logs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentError> {
-    let mut found: Vec<PathBuf> = Vec::new();
-    for path in paths {
-        if std::fs::metadata(path)
-            .map_err(|error| unreadable(path, &error))?
-            .is_dir()
-        {
-            found.extend(logs_inside(path)?);
-        } else {
-            found.push(path.clone());
-        }
-    }
-    let mut seen = BTreeSet::new();
-    found.retain(|path| seen.insert(path.clone()));
-    if found.is_empty() {
-        return Err(ExperimentError::Logs {
-            what: "recordings",
-            found: "no MCAP file".into(),
-            needed: "at least one".into(),
-            advice: "name files, or folders that hold them",
-        });
-    }
-    Ok(found)
-}
-
-/// The MCAP files of a folder, by name.
-fn logs_inside(folder: &Path) -> Result<BTreeSet<PathBuf>, ExperimentError> {
-    let mut inside = BTreeSet::new();
-    for entry in std::fs::read_dir(folder).map_err(|error| unreadable(folder, &error))? {
-        let path = entry.map_err(|error| unreadable(folder, &error))?.path();
-        if path
-            .extension()
-            .is_some_and(|extension| extension == "mcap")
-        {
-            inside.insert(path);
-        }
-    }
-    Ok(inside)
-}
-
-fn unreadable(path: &Path, error: &std::io::Error) -> FileError {
-    let (action, reason) = ("read", error.to_string());
-    FileError::Io {
-        path: path.to_owned(),
-        action,
-        reason,
-    }
-}
 
 /// Estimates the FRF from the files of one plan, in any order; `options` replaces the `[estimate]`
 /// table that travelled with them. Memory is that of `jobs` records and of the spectra, whatever the
@@ -82,6 +28,7 @@ pub(crate) fn estimate_our_logs(
     jobs: usize,
     progress: Progress,
 ) -> Result<Outcome, ExperimentError> {
+    refuse_others(paths)?;
     let logs = OurLogs::read(paths)?;
     let experiment = logs.experiment()?;
     let way = options.unwrap_or(&experiment.config.estimate);
@@ -91,6 +38,20 @@ pub(crate) fn estimate_our_logs(
     let mut outcome = outcomes.into_iter().next().expect("one for each way");
     log_hashes(paths, &mut outcome.result.provenance)?;
     Ok(outcome)
+}
+
+/// Refuses files that by their names are no logs of ours, which are all of the first format.
+fn refuse_others(paths: &[PathBuf]) -> Result<(), ExperimentError> {
+    let is_others = |path: &&PathBuf| FORMATS[1..].iter().any(|format: &Format| format.has(path));
+    let other = paths.iter().find(is_others);
+    other.map_or(Ok(()), |other| {
+        Err(ExperimentError::Logs {
+            what: "recordings",
+            found: format!("{}, which frfid did not make", other.display()),
+            needed: "which signal is which".into(),
+            advice: "give a log map: --map, or --u and --y with their units",
+        })
+    })
 }
 
 /// Run files of one plan.

@@ -2,9 +2,9 @@
 
 use ndarray::Array2;
 
-use crate::log::Series;
 use crate::log::clock::{Clock, NOTABLE_JITTER};
 use crate::log::map::Signal;
+use crate::log::recording::Series;
 use crate::loss::{self, Loss};
 
 /// What is wrong with the stamps: found, needed.

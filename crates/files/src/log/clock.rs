@@ -29,64 +29,72 @@ impl Clock {
         if stamps_ns.len() < 2 {
             return Err((format!("{} samples", stamps_ns.len()), "at least 2".into()));
         }
-        let steps: Vec<f64> = stamps_ns
-            .windows(2)
-            .map(|pair| pair[1].abs_diff(pair[0]) as f64)
-            .collect();
-        let typical = typical_step(&steps);
-        let mut slots = vec![0_usize];
-        let mut slot = 0_usize;
-        for step in &steps {
-            slot = slot.saturating_add((step / typical).round() as usize);
-            slots.push(slot);
-        }
-        if slot > MOST_VALUES {
-            return Err((
-                format!("stamps over {slot} samples"),
-                format!("at most {MOST_VALUES}"),
-            ));
+        let slots = slots(stamps_ns);
+        let last = slots.last().copied().unwrap_or(0);
+        if last > MOST_VALUES {
+            let found = format!("stamps over {last} samples");
+            return Err((found, format!("at most {MOST_VALUES}")));
         }
         let (step, deviations) = straight_line(stamps_ns, &slots);
         let count = deviations.len() as f64;
         let mean = deviations.iter().sum::<f64>() / count;
-        let variance = deviations
+        let squares = deviations
             .iter()
-            .map(|deviation| (deviation - mean).powi(2))
-            .sum::<f64>()
-            / count;
+            .map(|deviation| (deviation - mean).powi(2));
         let largest = deviations
             .iter()
             .map(|deviation| (deviation - mean).abs())
             .fold(0.0, f64::max);
-        let crowded = slots.windows(2).filter(|pair| pair[0] == pair[1]).count();
-        if variance.sqrt() > MOST_JITTER || crowded > 0 {
-            let found = format!(
-                "stamps with a jitter of {:.1} % of the sample time {} s (largest {:.1} %), {crowded} closer than half of it",
-                100.0 * variance.sqrt(),
-                step / 1e9,
-                100.0 * largest
-            );
-            return Err((
-                found,
-                format!(
-                    "an even clock, jitter below {} %; frfid does not resample",
-                    100.0 * MOST_JITTER
-                ),
-            ));
-        }
-        Ok(Self {
+        let clock = Self {
             sample_time_s: step / 1e9,
-            slots,
-            jitter: variance.sqrt(),
+            jitter: (squares.sum::<f64>() / count).sqrt(),
             largest_jitter: largest,
             origin_ns: mean * step,
-        })
+            slots,
+        };
+        clock.check_even()?;
+        Ok(clock)
+    }
+
+    fn check_even(&self) -> Result<(), (String, String)> {
+        let pairs = self.slots.windows(2);
+        let crowded = pairs.filter(|pair| pair[0] == pair[1]).count();
+        if self.jitter <= MOST_JITTER && crowded == 0 {
+            return Ok(());
+        }
+        let found = format!(
+            "stamps with a jitter of {:.1} % of the sample time {} s (largest {:.1} %), {crowded} closer than half of it",
+            100.0 * self.jitter,
+            self.sample_time_s,
+            100.0 * self.largest_jitter
+        );
+        let needed = format!(
+            "an even clock, jitter below {} %; frfid does not resample",
+            100.0 * MOST_JITTER
+        );
+        Err((found, needed))
     }
 
     /// Number of samples of the grid, missing ones included.
     pub(crate) fn n_slots(&self) -> usize {
         self.slots.last().map_or(0, |last| last + 1)
     }
+}
+
+/// The sample of the grid that each stamp belongs to, counted by whole typical steps.
+fn slots(stamps_ns: &[i64]) -> Vec<usize> {
+    let steps: Vec<f64> = stamps_ns
+        .windows(2)
+        .map(|pair| pair[1].abs_diff(pair[0]) as f64)
+        .collect();
+    let typical = typical_step(&steps);
+    let mut slots = vec![0_usize];
+    let mut slot = 0_usize;
+    for step in &steps {
+        slot = slot.saturating_add((step / typical).round() as usize);
+        slots.push(slot);
+    }
+    slots
 }
 
 /// The step without gaps: the mean of those between half and one and a half times the median. Steps

@@ -1,5 +1,5 @@
-//! The signals of a CSV, plain or gzipped: a header row of column names, then one row of numbers
-//! per sample.
+//! CSV recordings, plain or gzipped: a header row of column names, then one row of numbers per
+//! sample.
 
 use std::fs::File;
 use std::io::{BufRead, BufReader, Read};
@@ -9,7 +9,8 @@ use flate2::read::MultiGzDecoder;
 
 use crate::error::FileError;
 use crate::log::map::{LogMap, Signal};
-use crate::log::{Recording, Series, si_of};
+use crate::log::recording::{Recording, Series};
+use crate::log::sample_times::SampleTimes;
 
 /// A line may be this long: 16 MiB.
 const LINE_LIMIT: u64 = 16 << 20;
@@ -19,12 +20,9 @@ const LINE_LIMIT: u64 = 16 << 20;
 pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Recording, FileError> {
     let mut lines = Lines::open(path)?;
     let header = lines.next_line()?.unwrap_or_default();
-    let separator = [',', ';', '\t']
-        .into_iter()
-        .find(|separator| header.contains(*separator))
-        .unwrap_or(',');
+    let separator = separator(&header);
     let names: Vec<_> = header.split(separator).map(unquoted).collect();
-    let clock = Times::of(path, map, |name| column(path, &names, name))?;
+    let clock = SampleTimes::of(path, map, |name| column(path, &names, name))?;
     let columns = signals
         .iter()
         .map(|signal| column(path, &names, &signal.source))
@@ -50,29 +48,35 @@ pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Rec
             line: lines.number,
         };
         let stamp_ns = clock.stamp_ns(series.rows.len(), |column| row.number(column))?;
-        series.rows.push(
-            columns
-                .iter()
-                .map(|&column| row.number(column))
-                .collect::<Result<_, _>>()?,
-        );
+        series.rows.push(row.numbers(&columns)?);
         series.stamps_ns.push(stamp_ns);
     }
-    let mut recording = Recording {
-        sample_time_s: clock.sample_time_s(map),
-        ..Default::default()
-    };
+    Ok(recording(series, lines, clock.sample_time_s(map)))
+}
+
+/// What separates the columns: the first of comma, semicolon and tab that the header has.
+fn separator(header: &str) -> char {
+    let separators = [',', ';', '\t'];
+    let used = separators.into_iter().find(|&mark| header.contains(mark));
+    used.unwrap_or(',')
+}
+
+/// The series, with what is wrong with the end of the file.
+fn recording(series: Series, lines: Lines, sample_time_s: Option<f64>) -> Recording {
+    let (mut damages, mut warnings) = (Vec::new(), Vec::new());
     if let Some(reason) = lines.failed {
-        recording
-            .damages
-            .push((series.stamps_ns.last().copied(), reason));
+        damages.push((series.stamps_ns.last().copied(), reason));
     } else if lines.broke_off {
         let warning =
             "the last line has no line end: if the file was cut, its last number may be too";
-        recording.warnings.push(warning.into());
+        warnings.push(warning.into());
     }
-    recording.series.push(series);
-    Ok(recording)
+    Recording {
+        series: vec![series],
+        damages,
+        warnings,
+        sample_time_s,
+    }
 }
 
 /// One line of the file.
@@ -84,6 +88,10 @@ struct Row<'r> {
 }
 
 impl Row<'_> {
+    fn numbers(&self, columns: &[usize]) -> Result<Vec<f64>, FileError> {
+        columns.iter().map(|&column| self.number(column)).collect()
+    }
+
     /// The number in a column; an empty field is a missing value.
     fn number(&self, column: usize) -> Result<f64, FileError> {
         let bad = |found: String, needed: String| FileError::Content {
@@ -125,69 +133,6 @@ fn column(path: &Path, names: &[&str], name: &str) -> Result<usize, FileError> {
             .into(),
             needed: format!("one of {}", names.join(", ")),
         }),
-    }
-}
-
-/// Where the sample times of a recording without stamps come from.
-pub(crate) enum Times {
-    /// A column, with its factor to ns.
-    Column(usize, f64),
-    /// The row's number, with the sample time in ns.
-    Counted(f64),
-}
-
-impl Times {
-    /// By the log map; `place` finds the column of times by its name.
-    pub(crate) fn of(
-        path: &Path,
-        map: &LogMap,
-        place: impl FnOnce(&str) -> Result<usize, FileError>,
-    ) -> Result<Self, FileError> {
-        match (&map.time, map.sample_time_s) {
-            (Some(time), _) => {
-                let (factor, unit) = si_of(path, time)?;
-                if unit != "s" {
-                    let found = format!("unit {unit}");
-                    return Err(FileError::Shape {
-                        what: "time in the log map",
-                        found,
-                        needed: "s, ms, us or ns".into(),
-                    });
-                }
-                Ok(Self::Column(
-                    place(&time.source)?,
-                    factor * time.scale * 1e9,
-                ))
-            }
-            (None, Some(sample_time_s)) => {
-                crate::run::header::check_sample_time(sample_time_s)?;
-                Ok(Self::Counted(sample_time_s * 1e9))
-            }
-            (None, None) => Err(FileError::Shape {
-                what: "clock of the recording in the log map",
-                found: "neither time nor sample_time_s".into(),
-                needed: "where its sample times are, or its sample time".into(),
-            }),
-        }
-    }
-
-    /// The sample time that the user gave, to its last digit; none where it comes from the sample
-    /// times.
-    pub(crate) fn sample_time_s(&self, map: &LogMap) -> Option<f64> {
-        map.sample_time_s
-            .filter(|_| matches!(self, Self::Counted(_)))
-    }
-
-    /// The stamp of a row; `number` reads its column.
-    pub(crate) fn stamp_ns(
-        &self,
-        row: usize,
-        number: impl Fn(usize) -> Result<f64, FileError>,
-    ) -> Result<i64, FileError> {
-        Ok(match *self {
-            Self::Column(column, factor) => (number(column)? * factor).round() as i64,
-            Self::Counted(step_ns) => (row as f64 * step_ns).round() as i64,
-        })
     }
 }
 

@@ -1,11 +1,11 @@
-//! The signals of a robot's MCAP: any topic of CDR messages with a ros2msg definition.
+//! MCAP recordings: the mapped signals of any topic of CDR messages with a ros2msg definition.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::error::FileError;
-use crate::log::map::Signal;
-use crate::log::{Recording, Series};
+use crate::log::map::{LogMap, Signal};
+use crate::log::recording::{Recording, Series};
 use crate::mcap::chunk::Entry;
 use crate::mcap::open::open_mcap;
 use crate::mcap::read::{Part, scan};
@@ -23,7 +23,11 @@ struct Topic {
 }
 
 /// Reads every mapped topic.
-pub(crate) fn read(path: &Path, signals: &[&Signal]) -> Result<Recording, FileError> {
+pub(crate) fn read(
+    path: &Path,
+    _map: &LogMap,
+    signals: &[&Signal],
+) -> Result<Recording, FileError> {
     let mut topics = topics_of(path, signals)?;
     let mut seen = BTreeSet::new();
     let damages = scan(open_mcap(path)?, path, Part::All, &mut |entry| {
@@ -38,41 +42,26 @@ pub(crate) fn read(path: &Path, signals: &[&Signal]) -> Result<Recording, FileEr
         if !seen.contains(&channel.topic) {
             seen.insert(channel.topic.clone());
         }
-        match topics
-            .iter_mut()
-            .find(|topic| topic.series.topic == channel.topic)
-        {
-            Some(topic) => topic.take(path, channel, schema, &message),
-            None => Ok(()),
-        }
+        let mapped = |topic: &&mut Topic| topic.series.topic == channel.topic;
+        let topic = topics.iter_mut().find(mapped);
+        topic.map_or(Ok(()), |topic| topic.take(path, channel, schema, &message))
     })?;
-    let mut recording = Recording::default();
-    for topic in topics {
-        let name = &topic.series.topic;
-        if topic.series.rows.is_empty() {
-            let known: Vec<_> = seen.iter().map(String::as_str).collect();
-            return Err(content(
-                path,
-                name,
-                "no messages".into(),
-                format!("one of {}", known.join(", ")),
-            ));
-        }
-        if topic.unstamped > 0 {
-            let count = topic.unstamped;
-            let warning = format!(
-                "{name}: {count} messages without a header stamp; the time of recording was taken instead"
-            );
-            recording.warnings.push(warning);
-        }
-        recording.series.push(topic.series);
+    if let Some(empty) = topics.iter().find(|topic| topic.series.rows.is_empty()) {
+        let known: Vec<_> = seen.iter().map(String::as_str).collect();
+        let needed = format!("one of {}", known.join(", "));
+        let found = "no messages".into();
+        return Err(content(path, &empty.series.topic, found, needed));
     }
     let at = |times: Option<(u64, u64)>| times.and_then(|(from, _)| i64::try_from(from).ok());
-    recording.damages = damages
-        .into_iter()
-        .map(|damage| (at(damage.times_ns), damage.reason))
-        .collect();
-    Ok(recording)
+    Ok(Recording {
+        warnings: topics.iter().filter_map(Topic::unstamped_warning).collect(),
+        series: topics.into_iter().map(|topic| topic.series).collect(),
+        damages: damages
+            .into_iter()
+            .map(|damage| (at(damage.times_ns), damage.reason))
+            .collect(),
+        sample_time_s: None,
+    })
 }
 
 fn content(path: &Path, what: &str, found: String, needed: String) -> FileError {
@@ -120,6 +109,15 @@ fn topics_of(path: &Path, signals: &[&Signal]) -> Result<Vec<Topic>, FileError> 
 }
 
 impl Topic {
+    fn unstamped_warning(&self) -> Option<String> {
+        let (name, count) = (&self.series.topic, self.unstamped);
+        (count > 0).then(|| {
+            format!(
+                "{name}: {count} messages without a header stamp; the time of recording was taken instead"
+            )
+        })
+    }
+
     fn take(
         &mut self,
         path: &Path,

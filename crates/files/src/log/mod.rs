@@ -1,24 +1,31 @@
-//! A recording that frfid did not make: a robot's log in MCAP, CSV or NPZ, read through a
-//! [`LogMap`].
+//! Logs that frfid did not make: read through a [`LogMap`], put on one clock, converted to SI.
 
 pub(crate) mod alignment;
 pub(crate) mod clock;
 pub(crate) mod csv;
+pub(crate) mod formats;
 pub(crate) mod map;
 pub(crate) mod mcap;
+pub(crate) mod npy;
 pub(crate) mod npz;
+pub(crate) mod recording;
+pub(crate) mod sample_times;
 #[cfg(test)]
 mod tests;
+pub(crate) mod units;
 
 use std::path::Path;
 
 use frfid_signals::Record;
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView1};
 
 use crate::error::FileError;
 use crate::log::alignment::{Grid, drop_duplicates};
 use crate::log::clock::Clock;
-use crate::log::map::{LogMap, Signal, to_si};
+use crate::log::formats::Format;
+use crate::log::map::{LogMap, Signal};
+use crate::log::recording::{Recording, Series};
+use crate::log::units::{si_of, to_si};
 use crate::loss::Loss;
 use crate::run::header;
 
@@ -41,40 +48,23 @@ pub struct Log {
     pub warnings: Vec<String>,
 }
 
-/// The samples of the signals of one topic (or of a whole CSV) as they were recorded, with their
-/// stamps.
-#[derive(Debug, Default)]
-pub(crate) struct Series {
-    pub(crate) topic: String,
-    pub(crate) stamps_ns: Vec<i64>,
-    /// Which signals, by their place among all signals of the map.
-    pub(crate) signals: Vec<usize>,
-    /// One row of values per stamp, in the order of `signals`; NaN where a message does not have
-    /// the joint.
-    pub(crate) rows: Vec<Vec<f64>>,
-}
-
-/// What a reader of one format delivers.
-#[derive(Debug, Default)]
-pub(crate) struct Recording {
-    pub(crate) series: Vec<Series>,
-    /// Damage to the file, at times in ns where these are known.
-    pub(crate) damages: Vec<(Option<i64>, String)>,
-    pub(crate) warnings: Vec<String>,
-    /// The sample time in s where the user gave it.
-    pub(crate) sample_time_s: Option<f64>,
-}
-
-/// Reads a recording: `.csv` and `.csv.gz` by columns, `.npz` by arrays, everything else as MCAP by
-/// topics.
+/// Reads a recording in one of the [`formats::FORMATS`].
 ///
-/// Topics are aligned by their stamps; a constant delay between them is told, not corrected.
+/// Topics are aligned by their stamps; a constant delay between them is reported, not corrected.
 /// Nothing is resampled.
 ///
 /// # Errors
 /// [`FileError`]: unreadable files, topics, fields, columns or units that are not there, and clocks
 /// that are not even.
 pub fn read_log(path: &Path, map: &LogMap) -> Result<Log, FileError> {
+    check(map)?;
+    let signals: Vec<&Signal> = map.roles().into_iter().flatten().collect();
+    let recording = (Format::of(path)?.read)(path, map, &signals)?;
+    assemble(path, map, &signals, recording)
+}
+
+/// Refuses a map without inputs or outputs, and roles of other sizes.
+fn check(map: &LogMap) -> Result<(), FileError> {
     if map.u.is_empty() || map.y.is_empty() {
         let found = format!("{} inputs, {} outputs", map.u.len(), map.y.len());
         return Err(FileError::Shape {
@@ -96,21 +86,7 @@ pub fn read_log(path: &Path, map: &LogMap) -> Result<Log, FileError> {
             });
         }
     }
-    let signals: Vec<&Signal> = map.roles().into_iter().flatten().collect();
-    let name = path
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .to_lowercase();
-    let ends_with = |endings: &[&str]| endings.iter().any(|ending| name.ends_with(ending));
-    let recording = if ends_with(&[".csv", ".csv.gz", ".txt", ".txt.gz"]) {
-        csv::read(path, map, &signals)?
-    } else if ends_with(&[".npz"]) {
-        npz::read(path, map, &signals)?
-    } else {
-        mcap::read(path, &signals)?
-    };
-    assemble(path, map, &signals, recording)
+    Ok(())
 }
 
 /// Puts the signals of all topics on one clock.
@@ -120,47 +96,20 @@ fn assemble(
     signals: &[&Signal],
     mut recording: Recording,
 ) -> Result<Log, FileError> {
-    let content = |what: &str, found: String, needed: String| FileError::Content {
-        path: path.into(),
-        what: what.into(),
-        found,
-        needed,
-    };
     let mut warnings = recording.warnings;
-    let mut clocks = Vec::new();
-    for series in &mut recording.series {
-        drop_duplicates(series, &mut warnings)
-            .and_then(|()| Clock::fit(&series.stamps_ns))
-            .map(|clock| clocks.push(clock))
-            .map_err(|(found, needed)| content(&series.topic, found, needed))?;
-    }
+    let clocks = clocks(path, &mut recording.series, &mut warnings)?;
     let grid = Grid::of(&recording.series, &clocks, &mut warnings)
-        .map_err(|(found, needed)| content("topics", found, needed))?;
+        .map_err(|(found, needed)| content(path, "topics", found, needed))?;
     if grid.n_samples.saturating_mul(signals.len()) > header::MOST_VALUES {
+        let found = format!("{} samples", grid.n_samples);
         let needed = format!("at most {} values", header::MOST_VALUES);
-        return Err(content(
-            "stamps",
-            format!("{} samples", grid.n_samples),
-            needed,
-        ));
+        return Err(content(path, "stamps", found, needed));
     }
     let mut values = Array2::from_elem((signals.len(), grid.n_samples), f64::NAN);
     let mut losses = grid.fill(&recording.series, &clocks, signals, &mut values);
-    for (signal, row) in signals.iter().zip(values.rows()) {
-        if row.iter().all(|value| !value.is_finite()) {
-            return Err(content(
-                &signal.source,
-                "no number in the whole recording".into(),
-                "a measured signal".into(),
-            ));
-        }
-    }
-    losses.extend(
-        recording
-            .damages
-            .into_iter()
-            .map(|(at_ns, reason)| grid.of_file(at_ns, reason)),
-    );
+    let damages = recording.damages.into_iter();
+    losses.extend(damages.map(|(at_ns, reason)| grid.of_file(at_ns, reason)));
+    check_measured(path, signals, &values)?;
     convert(path, signals, &mut values)?;
     let sample_time_s = recording.sample_time_s.unwrap_or(grid.sample_time_s);
     Ok(sort_into_roles(
@@ -172,6 +121,47 @@ fn assemble(
     ))
 }
 
+/// The clock of each series.
+fn clocks(
+    path: &Path,
+    series: &mut [Series],
+    warnings: &mut Vec<String>,
+) -> Result<Vec<Clock>, FileError> {
+    let clock = |series: &mut Series| {
+        drop_duplicates(series, warnings)
+            .and_then(|()| Clock::fit(&series.stamps_ns))
+            .map_err(|(found, needed)| content(path, &series.topic, found, needed))
+    };
+    series.iter_mut().map(clock).collect()
+}
+
+/// Refuses signals without a single number.
+fn check_measured(path: &Path, signals: &[&Signal], values: &Array2<f64>) -> Result<(), FileError> {
+    let is_measured = |row: ArrayView1<f64>| row.iter().any(|value| value.is_finite());
+    let dead = signals
+        .iter()
+        .zip(values.rows())
+        .find(|(_, row)| !is_measured(*row));
+    dead.map_or(Ok(()), |(signal, _)| {
+        let found = "no number in the whole recording".into();
+        Err(content(
+            path,
+            &signal.source,
+            found,
+            "a measured signal".into(),
+        ))
+    })
+}
+
+fn content(path: &Path, what: &str, found: String, needed: String) -> FileError {
+    FileError::Content {
+        path: path.into(),
+        what: what.into(),
+        found,
+        needed,
+    }
+}
+
 fn convert(path: &Path, signals: &[&Signal], values: &mut Array2<f64>) -> Result<(), FileError> {
     for (signal, mut row) in signals.iter().zip(values.rows_mut()) {
         let (factor, _) = si_of(path, signal)?;
@@ -179,15 +169,6 @@ fn convert(path: &Path, signals: &[&Signal], values: &mut Array2<f64>) -> Result
         row.mapv_inplace(|value| scale * value);
     }
     Ok(())
-}
-
-pub(crate) fn si_of(path: &Path, signal: &Signal) -> Result<(f64, &'static str), FileError> {
-    to_si(&signal.unit).map_err(|needed| FileError::Content {
-        path: path.into(),
-        what: format!("unit of {} in the log map", signal.source),
-        found: format!("`{}`", signal.unit),
-        needed,
-    })
 }
 
 fn sort_into_roles(

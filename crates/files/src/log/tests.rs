@@ -491,3 +491,36 @@ fn an_npz_is_read_by_arrays_and_rows() {
         .to_string();
     assert!(error.contains("[3, 73728]"), "{error}");
 }
+
+/// The same CSV under a name without an ending is unknown, an MCAP is known by its first bytes, and
+/// a file of another kind is named.
+#[test]
+fn a_format_is_known_by_its_first_bytes_or_by_its_name() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let read = |name: &str, bytes: &[u8]| {
+        let path = folder.path().join(name);
+        std::fs::write(&path, bytes).expect("written");
+        let map = LogMap {
+            sample_time_s: Some(1e-3),
+            ..map("u", "y")
+        };
+        read_log(&path, &map)
+    };
+    let csv = b"u,y\n1,2\n3,4\n";
+    assert!(read("x.TXT", csv).is_ok());
+    for (name, bytes, named) in [
+        (
+            "x.dat",
+            &csv[..],
+            "frfid reads MCAP (.mcap), CSV (.csv, .csv.gz, .txt, .txt.gz), NPZ",
+        ),
+        ("x.db3", b"SQLite format 3\0", "ros2 bag convert"),
+        ("x.mat", b"MATLAB 5.0 MAT-file, ...", "a MATLAB file"),
+        ("x", b"", "an empty file"),
+        ("x.bin", b"PK\x03\x04", "NPZ"),
+        ("x.csv", &::mcap::MAGIC[..], "topic"),
+    ] {
+        let error = read(name, bytes).expect_err(name).to_string();
+        assert!(error.contains(named), "{name}: {error}");
+    }
+}

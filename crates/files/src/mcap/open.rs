@@ -1,39 +1,11 @@
-//! Opens a file that should be an MCAP; anything else is named, with the tool that converts it.
+//! Opening of a file that should be an MCAP; anything else is named, with the tool that converts it.
 
 use std::fs::File;
-use std::io::{BufReader, Read, Seek, SeekFrom};
+use std::io::{BufReader, Seek, SeekFrom};
 use std::path::Path;
 
 use crate::error::FileError;
-
-/// First bytes of what people have instead of an MCAP: what it is, and what to do.
-const OTHERS: [(&[u8], &str, &str); 5] = [
-    (
-        b"SQLite format 3\0",
-        "a rosbag2 .db3 file",
-        "convert it: ros2 bag convert, or rosbags-convert --dst-storage mcap",
-    ),
-    (
-        &[0x28, 0xb5, 0x2f, 0xfd],
-        "a zstd-compressed file",
-        "unpack it first: zstd -d FILE.mcap.zstd",
-    ),
-    (
-        b"#ROSBAG V2.0",
-        "a ROS 1 bag",
-        "convert it: mcap convert, or rosbags-convert",
-    ),
-    (
-        &[0x1f, 0x8b],
-        "a gzip-compressed file",
-        "unpack it first: gunzip FILE",
-    ),
-    (
-        b"\x89HDF",
-        "an HDF5 or MATLAB v7.3 file",
-        "export the signals to CSV or MCAP",
-    ),
-];
+use crate::file_kind::{first_bytes, kind_of};
 
 /// Opens an MCAP for reading.
 ///
@@ -46,22 +18,16 @@ pub(crate) fn open_mcap(path: &Path) -> Result<BufReader<File>, FileError> {
         reason: error.to_string(),
     };
     let mut file = BufReader::with_capacity(1 << 16, File::open(path).map_err(failed)?);
-    let mut start = Vec::new();
-    file.by_ref()
-        .take(16)
-        .read_to_end(&mut start)
-        .map_err(failed)?;
+    let start = first_bytes(&mut file).map_err(failed)?;
     file.seek(SeekFrom::Start(0)).map_err(failed)?;
     if start.starts_with(mcap::MAGIC) {
         return Ok(file);
     }
-    let other = OTHERS.iter().find(|(magic, ..)| start.starts_with(magic));
-    let (found, advice) = match other {
-        Some((_, found, advice)) => (*found, *advice),
-        None if start.is_empty() => ("an empty file", "its writer did not get to write anything"),
-        None if mcap::MAGIC.starts_with(&start) => {
+    let (found, advice) = match kind_of(&start) {
+        _ if !start.is_empty() && mcap::MAGIC.starts_with(&start) => {
             ("the first bytes of an MCAP", "the rest is lost")
         }
+        Some(kind) => kind,
         None => ("an unknown kind of file", "give an .mcap file"),
     };
     Err(FileError::Format {

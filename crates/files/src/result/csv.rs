@@ -15,7 +15,7 @@ type Column = (String, Vec<f64>);
 ///
 /// # Errors
 /// Those of writing (see [`Overwrite`]).
-pub fn write_frf_csv(
+pub(crate) fn write_frf_csv(
     path: &Path,
     overwrite: Overwrite,
     result: &ResultFile,

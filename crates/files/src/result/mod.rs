@@ -4,7 +4,9 @@
 //! and `im`. A variance that was not measured is absent. A number that is not known (a line without
 //! an estimate) is `null`.
 
+pub(crate) mod arrays;
 pub(crate) mod csv;
+pub(crate) mod exports;
 pub(crate) mod float;
 pub(crate) mod json_array;
 pub(crate) mod npz;

@@ -1,80 +1,85 @@
-//! An FRF as an NPZ: arrays that `numpy.load` gives back, with the names that the Python package
+//! NPZ of a result: arrays that `numpy.load` gives back, with the names that the Python package
 //! uses.
 
 use std::io;
 use std::io::{Seek, Write};
 use std::path::Path;
 
-use frfid_signals::Frf;
-use ndarray::{Array, Dimension};
-use npyz::WriterBuilder;
 use npyz::npz::NpzWriter;
 use npyz::zip::{CompressionMethod, DateTime, write::FileOptions};
+use npyz::{DType, WriterBuilder};
 
 use crate::atomic_write::{Overwrite, write_file};
 use crate::error::FileError;
+use crate::result::ResultFile;
+use crate::result::arrays::{NamedArray, named_arrays};
 
-/// Writes `frequency_hz`, `response` (frequency, output, input; complex128) and, where known,
-/// `noise_variance`, `noise_covariance`, `noise_degrees_of_freedom`, the same for `total`, and
-/// `condition`.
+/// Writes `frequency_hz`, `response` (frequency, output, input; complex128), names and units, and
+/// what else is known (docs/formats.md has the list).
 ///
 /// # Errors
 /// Those of writing (see [`Overwrite`]).
-pub fn write_frf_npz(path: &Path, overwrite: Overwrite, frf: &Frf) -> Result<(), FileError> {
+pub(crate) fn write_frf_npz(
+    path: &Path,
+    overwrite: Overwrite,
+    result: &ResultFile,
+) -> Result<(), FileError> {
     write_file(path, overwrite, |file| {
         let mut npz = NpzWriter::new(file);
-        put(
-            &mut npz,
-            "frequency_hz",
-            &ndarray::aview1(&frf.frequency_hz).to_owned(),
-        )?;
-        put(&mut npz, "response", &frf.response)?;
-        let known = [
-            ("noise", &frf.noise, frf.noise_variance()),
-            ("total", &frf.total, frf.total_variance()),
-        ];
-        for (name, uncertainty, variance) in known {
-            let (Some(uncertainty), Some(variance)) = (uncertainty, variance) else {
-                continue;
-            };
-            put(&mut npz, &format!("{name}_variance"), &variance)?;
-            put(
-                &mut npz,
-                &format!("{name}_covariance"),
-                &uncertainty.covariance,
-            )?;
-            let degrees = ndarray::arr0(uncertainty.degrees_of_freedom as i64);
-            put(&mut npz, &format!("{name}_degrees_of_freedom"), &degrees)?;
-        }
-        if let Some(condition) = &frf.condition {
-            put(
-                &mut npz,
-                "condition",
-                &ndarray::aview1(condition).to_owned(),
-            )?;
+        for (name, array) in named_arrays(result) {
+            put(&mut npz, &name, &array)?;
         }
         npz.zip_writer().finish()?;
         Ok(())
     })
 }
 
+/// Adds an array, in the type that numpy has for it.
+fn put<W: Write + Seek>(npz: &mut NpzWriter<W>, name: &str, array: &NamedArray) -> io::Result<()> {
+    match array {
+        NamedArray::Real(array) => put_numbers(npz, name, array.shape(), array.iter().copied()),
+        NamedArray::Complex(array) => put_numbers(npz, name, array.shape(), array.iter().copied()),
+        NamedArray::Count(count) => put_numbers(npz, name, &[], [*count as i64]),
+        NamedArray::Flags(flags) => put_numbers(npz, name, &[flags.len()], flags.iter().copied()),
+        NamedArray::Texts(texts) => put_texts(npz, name, texts),
+    }
+}
+
+fn put_numbers<W: Write + Seek, T: npyz::AutoSerialize>(
+    npz: &mut NpzWriter<W>,
+    name: &str,
+    shape: &[usize],
+    numbers: impl IntoIterator<Item = T>,
+) -> io::Result<()> {
+    let shape: Vec<u64> = shape.iter().map(|&length| length as u64).collect();
+    let array = npz.array(name, options())?;
+    let mut writer = array.default_dtype().shape(&shape).begin_nd()?;
+    writer.extend(numbers)?;
+    writer.finish()
+}
+
+/// Texts as numpy's `<U`, as wide as the longest.
+fn put_texts<W: Write + Seek>(
+    npz: &mut NpzWriter<W>,
+    name: &str,
+    texts: &[String],
+) -> io::Result<()> {
+    let lengths = texts.iter().map(|text| text.chars().count());
+    let kind = format!("<U{}", lengths.max().unwrap_or(0).max(1));
+    let kind = kind.parse().map_err(io::Error::other)?;
+    let array = npz.array::<str>(name, options())?;
+    let shape = [texts.len() as u64];
+    let mut writer = array.dtype(DType::Plain(kind)).shape(&shape).begin_nd()?;
+    for text in texts {
+        writer.push(text)?;
+    }
+    writer.finish()
+}
+
 /// No time of writing: the same content gives the same bytes.
-fn put<W, T, D>(npz: &mut NpzWriter<W>, name: &str, array: &Array<T, D>) -> io::Result<()>
-where
-    W: Write + Seek,
-    T: npyz::AutoSerialize + Clone,
-    D: Dimension,
-{
-    let options = FileOptions::default()
+fn options() -> FileOptions {
+    FileOptions::default()
         .compression_method(CompressionMethod::Deflated)
         .last_modified_time(DateTime::default())
-        .large_file(true);
-    let shape: Vec<u64> = array.shape().iter().map(|&length| length as u64).collect();
-    let mut writer = npz
-        .array(name, options)?
-        .default_dtype()
-        .shape(&shape)
-        .begin_nd()?;
-    writer.extend(array.iter().cloned())?;
-    writer.finish()
+        .large_file(true)
 }

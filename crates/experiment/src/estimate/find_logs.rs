@@ -1,0 +1,87 @@
+//! Logs among files and folders.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use frfid_files::{FORMATS, FileError, Format};
+
+use crate::error::ExperimentError;
+
+/// The files among `paths` in the order given, the recordings of a folder by name, each file once.
+///
+/// The recordings of a folder are of one format: the first of [`FORMATS`] that it holds.
+///
+/// # Errors
+/// [`ExperimentError::File`] for a path that does not exist or cannot be listed,
+/// [`ExperimentError::Logs`] for none.
+pub(crate) fn find_logs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentError> {
+    let mut found: Vec<PathBuf> = Vec::new();
+    for path in paths {
+        let metadata = std::fs::metadata(path).map_err(|error| unreadable(path, &error))?;
+        if metadata.is_dir() {
+            found.extend(recordings_inside(path)?);
+        } else {
+            found.push(path.clone());
+        }
+    }
+    let mut seen = BTreeSet::new();
+    found.retain(|path| seen.insert(path.clone()));
+    if found.is_empty() {
+        let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
+        return Err(ExperimentError::Logs {
+            what: "recordings",
+            found: format!("no {} file", names.join(", ")),
+            needed: "at least one".into(),
+            advice: "name files, or folders that hold them",
+        });
+    }
+    Ok(found)
+}
+
+/// The recordings of a folder, by name.
+fn recordings_inside(folder: &Path) -> Result<Vec<PathBuf>, ExperimentError> {
+    let mut files = BTreeSet::new();
+    for entry in std::fs::read_dir(folder).map_err(|error| unreadable(folder, &error))? {
+        files.insert(entry.map_err(|error| unreadable(folder, &error))?.path());
+    }
+    let of_format = |format: &Format| -> Vec<PathBuf> {
+        let has = |path: &&PathBuf| format.has(path);
+        files.iter().filter(has).cloned().collect()
+    };
+    let of_formats = FORMATS.iter().map(of_format);
+    let first = of_formats.into_iter().find(|files| !files.is_empty());
+    Ok(first.unwrap_or_default())
+}
+
+fn unreadable(path: &Path, error: &std::io::Error) -> FileError {
+    FileError::Io {
+        path: path.to_owned(),
+        action: "read",
+        reason: error.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_folder_holds_recordings_of_one_format_by_name() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let paths = [folder.path().to_owned()];
+        let touch = |name: &str| std::fs::write(folder.path().join(name), "x").expect("written");
+        let names = || -> Vec<String> {
+            let found = find_logs(&paths).expect("some");
+            let name = |path: &PathBuf| path.file_name()?.to_str().map(String::from);
+            found.iter().filter_map(name).collect()
+        };
+        touch("metadata.yaml");
+        let error = find_logs(&paths).expect_err("no recording").to_string();
+        assert!(error.contains("no MCAP, CSV, NPZ file"), "{error}");
+        touch("b.CSV");
+        touch("a.csv.gz");
+        assert_eq!(names(), ["a.csv.gz", "b.CSV"]);
+        touch("z.mcap");
+        assert_eq!(names(), ["z.mcap"]);
+    }
+}

@@ -1,0 +1,101 @@
+//! Formats of recordings: the table that every reader, listing, help and error goes by. A format is
+//! a file of this folder and a row here.
+
+use std::fs::File;
+use std::path::Path;
+
+use crate::error::FileError;
+use crate::file_kind::{first_bytes, kind_of};
+use crate::log::map::{LogMap, Signal};
+use crate::log::recording::Recording;
+use crate::log::{csv, mcap, npz};
+
+/// A format of recordings.
+#[derive(Debug)]
+pub struct Format {
+    /// Its name.
+    pub name: &'static str,
+    /// How the names of its files end, in lower case.
+    pub endings: &'static [&'static str],
+    /// How a signal is named in a [`LogMap`].
+    pub source: &'static str,
+    /// First bytes of its files; empty for text.
+    magic: &'static [u8],
+    /// Reads the signals of the map.
+    pub(crate) read: fn(&Path, &LogMap, &[&Signal]) -> Result<Recording, FileError>,
+}
+
+/// The formats of recordings.
+pub const FORMATS: [Format; 3] = [
+    Format {
+        name: "MCAP",
+        endings: &[".mcap"],
+        source: "TOPIC:FIELD[INDEX or JOINT]",
+        magic: ::mcap::MAGIC,
+        read: mcap::read,
+    },
+    Format {
+        name: "CSV",
+        endings: &[".csv", ".csv.gz", ".txt", ".txt.gz"],
+        source: "COLUMN",
+        magic: b"",
+        read: csv::read,
+    },
+    Format {
+        name: "NPZ",
+        endings: &[".npz"],
+        source: "ARRAY or ARRAY[ROW]",
+        magic: b"PK\x03\x04",
+        read: npz::read,
+    },
+];
+
+impl Format {
+    /// Whether a file's name ends as this format's do.
+    #[must_use]
+    pub fn has(&self, path: &Path) -> bool {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        let name = name.to_lowercase();
+        self.endings.iter().any(|ending| name.ends_with(ending))
+    }
+
+    /// The format of a file, by its first bytes, then by the ending of its name.
+    ///
+    /// # Errors
+    /// [`FileError::Io`]; [`FileError::Format`] that says what the file is instead.
+    pub(crate) fn of(path: &Path) -> Result<&'static Self, FileError> {
+        let opened = File::open(path).and_then(|mut file| first_bytes(&mut file));
+        let start = opened.map_err(|error| FileError::Io {
+            path: path.into(),
+            action: "open",
+            reason: error.to_string(),
+        })?;
+        let by_content =
+            |format: &&Self| !format.magic.is_empty() && start.starts_with(format.magic);
+        let by_name = || FORMATS.iter().find(|format| format.has(path));
+        let format = FORMATS.iter().find(by_content).or_else(by_name);
+        format.ok_or_else(|| {
+            let (found, advice) = kind_of(&start).map_or_else(
+                || {
+                    (
+                        "an unknown kind of file",
+                        format!("frfid reads {}", described()),
+                    )
+                },
+                |(found, advice)| (found, advice.to_owned()),
+            );
+            FileError::Format {
+                path: path.into(),
+                found: found.into(),
+                needed: "a recording",
+                advice,
+            }
+        })
+    }
+}
+
+/// Every format with the endings of its files.
+fn described() -> String {
+    let described = |format: &Format| format!("{} ({})", format.name, format.endings.join(", "));
+    FORMATS.iter().map(described).collect::<Vec<_>>().join(", ")
+}

@@ -1,0 +1,129 @@
+//! NPY arrays, as `numpy.save` writes them: any real type, either byte order, either axis order.
+
+use ndarray::{ArrayD, IxDyn, ShapeBuilder};
+
+use crate::bytes::Bytes;
+
+/// The NPY format, versions 1 to 3: magic, version, length of the header, a Python dictionary, the
+/// numbers.
+pub(crate) fn parse_npy(file: &[u8]) -> Option<ArrayD<f64>> {
+    let mut bytes = Bytes::new(file);
+    if bytes.take(6).ok()? != b"\x93NUMPY" {
+        return None;
+    }
+    let [major, _] = bytes.array().ok()?;
+    let length = if major == 1 {
+        u64::from(bytes.u16().ok()?)
+    } else {
+        u64::from(bytes.u32().ok()?)
+    };
+    let header = std::str::from_utf8(bytes.take(length).ok()?).ok()?;
+    let kind = value_of(header, "descr")?
+        .trim_start()
+        .strip_prefix(['\'', '"'])?
+        .get(..3)?;
+    let is_fortran = value_of(header, "fortran_order")?
+        .trim_start()
+        .starts_with("True");
+    let shape = value_of(header, "shape")?
+        .trim_start()
+        .strip_prefix('(')?
+        .split_once(')')?
+        .0;
+    let shape = shape
+        .split(',')
+        .map(str::trim)
+        .filter(|length| !length.is_empty());
+    let shape: Vec<usize> = shape
+        .map(|length| length.trim_end_matches('L').parse().ok())
+        .collect::<Option<_>>()?;
+    let count = shape
+        .iter()
+        .try_fold(1_usize, |product, &length| product.checked_mul(length))?;
+    let numbers = numbers(kind, bytes.rest(), count)?;
+    let array = ArrayD::from_shape_vec(IxDyn(&shape).set_f(is_fortran), numbers).ok()?;
+    Some(array.as_standard_layout().into_owned())
+}
+
+/// What stands behind a key of the header's dictionary.
+fn value_of<'h>(header: &'h str, key: &str) -> Option<&'h str> {
+    let behind = &header[header.find(&format!("'{key}'"))? + key.len() + 2..];
+    behind.trim_start().strip_prefix(':')
+}
+
+/// Numbers of the kind `<f8`, `>i2`, `|u1`, ...
+fn numbers(kind: &str, bytes: &[u8], count: usize) -> Option<Vec<f64>> {
+    let size: usize = kind.get(2..)?.parse().ok()?;
+    if !matches!(size, 1 | 2 | 4 | 8) || count.checked_mul(size)? != bytes.len() {
+        return None;
+    }
+    let is_big = kind.starts_with('>');
+    let class = kind.as_bytes()[1];
+    let number = |bytes: &[u8]| {
+        let mut wide = [0; 8];
+        for (k, byte) in bytes.iter().enumerate() {
+            wide[if is_big { size - 1 - k } else { k }] = *byte;
+        }
+        let bits = u64::from_le_bytes(wide);
+        let unused = 64 - 8 * size as u32;
+        match (class, size) {
+            (b'f', 8) => Some(f64::from_bits(bits)),
+            (b'f', 4) => Some(f64::from(f32::from_bits(bits as u32))),
+            (b'i', _) => Some((((bits << unused) as i64) >> unused) as f64),
+            (b'u', _) | (b'b', 1) => Some(bits as f64),
+            _ => None,
+        }
+    };
+    bytes.chunks_exact(size).map(number).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn npy(kind: &str, is_fortran: &str, shape: &str, data: &[u8]) -> Vec<u8> {
+        let header =
+            format!("{{'descr': '{kind}', 'fortran_order': {is_fortran}, 'shape': {shape}, }}\n");
+        [
+            b"\x93NUMPY\x01\x00",
+            &(header.len() as u16).to_le_bytes()[..],
+            header.as_bytes(),
+            data,
+        ]
+        .concat()
+    }
+
+    #[test]
+    fn every_real_type_and_order() {
+        let values = |kind: &str, data: &[u8]| {
+            parse_npy(&npy(kind, "False", "(2,)", data))
+                .map(|array| array.into_raw_vec_and_offset().0)
+        };
+        assert_eq!(values("<i2", &[0xfe, 0xff, 3, 0]), Some(vec![-2.0, 3.0]));
+        assert_eq!(values(">i2", &[0xff, 0xfe, 0, 3]), Some(vec![-2.0, 3.0]));
+        assert_eq!(values("|b1", &[1, 0]), Some(vec![1.0, 0.0]));
+        assert_eq!(
+            values("<f4", &[0, 0, 0x80, 0x3f, 0, 0, 0, 0xc0]),
+            Some(vec![1.0, -2.0])
+        );
+        assert_eq!(
+            values(">u4", &[0xff, 0xff, 0xff, 0xff, 0, 0, 0, 1]),
+            Some(vec![4_294_967_295.0, 1.0])
+        );
+        assert_eq!(values("<c8", &[0; 16]), None);
+        assert_eq!(values("<i2", &[0; 3]), None);
+        let fortran = parse_npy(&npy("|u1", "True", "(2, 2)", &[1, 2, 3, 4])).expect("sound");
+        assert_eq!(
+            fortran.iter().copied().collect::<Vec<_>>(),
+            [1.0, 3.0, 2.0, 4.0]
+        );
+        assert_eq!(
+            parse_npy(&npy("|u1", "False", "(18446744073709551615, 3)", &[1])),
+            None
+        );
+        assert_eq!(
+            parse_npy(&npy("|u1", "False", "()", &[7])).map(|array| array.sum()),
+            Some(7.0)
+        );
+    }
+}

@@ -1,0 +1,74 @@
+//! Units of recordings, and their SI units.
+
+use std::path::Path;
+
+use crate::error::FileError;
+use crate::log::map::Signal;
+
+/// Units of recordings: name, factor to SI, SI unit.
+const UNITS: [(&str, f64, &str); 30] = [
+    ("rad", 1.0, "rad"),
+    ("deg", std::f64::consts::PI / 180.0, "rad"),
+    ("turn", std::f64::consts::TAU, "rad"),
+    ("rad/s", 1.0, "rad/s"),
+    ("deg/s", std::f64::consts::PI / 180.0, "rad/s"),
+    ("rpm", std::f64::consts::PI / 30.0, "rad/s"),
+    ("rad/s^2", 1.0, "rad/s^2"),
+    ("deg/s^2", std::f64::consts::PI / 180.0, "rad/s^2"),
+    ("N m", 1.0, "N m"),
+    ("Nm", 1.0, "N m"),
+    ("mNm", 1e-3, "N m"),
+    ("kNm", 1e3, "N m"),
+    ("m", 1.0, "m"),
+    ("mm", 1e-3, "m"),
+    ("um", 1e-6, "m"),
+    ("m/s", 1.0, "m/s"),
+    ("mm/s", 1e-3, "m/s"),
+    ("m/s^2", 1.0, "m/s^2"),
+    ("g", 9.80665, "m/s^2"),
+    ("N", 1.0, "N"),
+    ("kN", 1e3, "N"),
+    ("A", 1.0, "A"),
+    ("mA", 1e-3, "A"),
+    ("V", 1.0, "V"),
+    ("mV", 1e-3, "V"),
+    ("1", 1.0, "1"),
+    ("s", 1.0, "s"),
+    ("ms", 1e-3, "s"),
+    ("us", 1e-6, "s"),
+    ("ns", 1e-9, "s"),
+];
+
+/// Factor to SI and the SI unit, or the units there are.
+pub(crate) fn to_si(unit: &str) -> Result<(f64, &'static str), String> {
+    let known = UNITS
+        .iter()
+        .find(|(name, ..)| *name == unit)
+        .map(|&(_, factor, si)| (factor, si));
+    known.ok_or_else(|| format!("one of {}", UNITS.map(|(name, ..)| name).join(", ")))
+}
+
+/// The same for a signal of a log map; an unknown unit is an error that names the signal.
+pub(crate) fn si_of(path: &Path, signal: &Signal) -> Result<(f64, &'static str), FileError> {
+    to_si(&signal.unit).map_err(|needed| FileError::Content {
+        path: path.into(),
+        what: format!("unit of {} in the log map", signal.source),
+        found: format!("`{}`", signal.unit),
+        needed,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_converted_once_and_unknown_ones_are_refused_with_the_list() {
+        assert_eq!(
+            to_si("deg").map(|(factor, si)| (factor * 180.0, si)),
+            Ok((std::f64::consts::PI, "rad"))
+        );
+        assert!((to_si("rpm").expect("known").0 * 60.0 - std::f64::consts::TAU).abs() < 1e-15);
+        assert!(to_si("degree").expect_err("unknown").contains("deg/s"));
+    }
+}

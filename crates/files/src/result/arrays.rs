@@ -1,0 +1,84 @@
+//! Arrays of a result by name, as numpy and MATLAB get them.
+
+use frfid_signals::Uncertainty;
+use ndarray::{Array3, ArrayD, aview1};
+use num_complex::Complex64;
+
+use crate::result::ResultFile;
+
+/// An array of a result.
+pub(crate) enum NamedArray {
+    Real(ArrayD<f64>),
+    Complex(ArrayD<Complex64>),
+    Count(usize),
+    Flags(Vec<bool>),
+    Texts(Vec<String>),
+}
+
+/// The arrays of a result with their names: `frequency_hz`, `response` (frequency, output, input)
+/// and, where known, `noise_variance`, `noise_covariance`, `noise_degrees_of_freedom`, the same for
+/// `total`, `condition`, `relative_resolution`, `torque_rms_nm`, `flagged`; names and units of
+/// inputs and outputs.
+pub(crate) fn named_arrays(result: &ResultFile) -> Vec<(String, NamedArray)> {
+    let frf = &result.frf;
+    let reals = |list: &[f64]| NamedArray::Real(aview1(list).into_dyn().to_owned());
+    let mut arrays = vec![
+        ("frequency_hz".into(), reals(&frf.frequency_hz)),
+        (
+            "response".into(),
+            NamedArray::Complex(frf.response.clone().into_dyn()),
+        ),
+    ];
+    let (noise, total) = (frf.noise_variance(), frf.total_variance());
+    arrays.extend(uncertainty("noise", frf.noise.as_ref(), noise));
+    arrays.extend(uncertainty("total", frf.total.as_ref(), total));
+    let resolution = frf.relative_resolution.map(|resolution| [resolution]);
+    let lists = [
+        ("condition", frf.condition.as_deref()),
+        (
+            "relative_resolution",
+            resolution.as_ref().map(<[f64; 1]>::as_slice),
+        ),
+        ("torque_rms_nm", result.torque_rms_nm.as_deref()),
+    ];
+    for (name, list) in lists {
+        arrays.extend(list.map(|list| (name.into(), reals(list))));
+    }
+    let flagged = result.flagged.clone().map(NamedArray::Flags);
+    arrays.extend(flagged.map(|flags| ("flagged".into(), flags)));
+    let texts = [
+        ("input_names", &result.input_names),
+        ("output_names", &result.output_names),
+        ("input_units", &result.input_units),
+        ("output_units", &result.output_units),
+    ];
+    arrays.extend(texts.map(|(name, texts)| (name.into(), NamedArray::Texts(texts.clone()))));
+    arrays
+}
+
+/// Variance, covariance and degrees of freedom; nothing where it was not measured.
+fn uncertainty(
+    name: &str,
+    known: Option<&Uncertainty>,
+    variance: Option<Array3<f64>>,
+) -> Vec<(String, NamedArray)> {
+    let (Some(known), Some(variance)) = (known, variance) else {
+        return Vec::new();
+    };
+    let covariance = known.covariance.clone().into_dyn();
+    let freedom = known.degrees_of_freedom;
+    vec![
+        (
+            format!("{name}_variance"),
+            NamedArray::Real(variance.into_dyn()),
+        ),
+        (
+            format!("{name}_covariance"),
+            NamedArray::Complex(covariance),
+        ),
+        (
+            format!("{name}_degrees_of_freedom"),
+            NamedArray::Count(freedom),
+        ),
+    ]
+}
