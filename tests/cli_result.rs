@@ -85,7 +85,11 @@ fn logs_become_a_result_a_report_and_a_table() {
         "half of the outputs was written"
     );
 
-    for (format, begin) in [("csv", b"frequency".as_slice()), ("npz", b"PK")] {
+    for (format, begin) in [
+        ("csv", b"frequency".as_slice()),
+        ("npz", b"PK"),
+        ("mat", b"MATLAB 5.0"),
+    ] {
         let export = frfid(
             here,
             &[

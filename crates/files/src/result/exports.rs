@@ -7,6 +7,7 @@ use crate::atomic_write::Overwrite;
 use crate::error::FileError;
 use crate::result::ResultFile;
 use crate::result::csv::write_frf_csv;
+use crate::result::mat::write_frf_mat;
 use crate::result::npz::write_frf_npz;
 
 /// A format that results are exported to.
@@ -21,7 +22,7 @@ pub struct Export {
 }
 
 /// The formats that results are exported to.
-pub const EXPORTS: [Export; 2] = [
+pub const EXPORTS: [Export; 3] = [
     Export {
         name: "csv",
         describes: "A row for each frequency, a column for each part of each entry",
@@ -31,5 +32,10 @@ pub const EXPORTS: [Export; 2] = [
         name: "npz",
         describes: "Arrays for numpy, with covariances",
         write: write_frf_npz,
+    },
+    Export {
+        name: "mat",
+        describes: "Arrays for MATLAB and Octave, with covariances",
+        write: write_frf_mat,
     },
 ];

@@ -9,6 +9,7 @@ pub(crate) mod csv;
 pub(crate) mod exports;
 pub(crate) mod float;
 pub(crate) mod json_array;
+pub(crate) mod mat;
 pub(crate) mod npz;
 
 use std::collections::BTreeMap;
