@@ -12,20 +12,21 @@ import frfid
 
 experiment = frfid.Experiment.load(pathlib.Path(__file__).parent / "experiments" / "multisine.toml")
 plan = experiment.design()
-print(f"{plan!r}, the first of them {plan.names[0]}, reference {plan.reference(0).shape} (channel, sample)")
+print(f"{plan!r}, the first of them {plan[0]!r}")
 peaks = plan.predict()["peaks"]
 print(f"predicted peaks: {peaks['effort_nm'][0]:.0f} N m, {peaks['velocity_rad_s'][0]:.3f} rad/s")
 
 
 class MyRobot:
-    """Anything with run(reference) -> Record. Here it is a simulation; a driver of a real robot looks the same."""
+    """Anything with run(run) -> Record. Here it is a simulation; a driver of a real robot goes to run.start_rad, up to
+    run.velocity_rad_s, plays run.reference, and stops where one of run.limits is reached."""
 
     def __init__(self):
         self.plant = frfid.Plant.load(pathlib.Path(__file__).parent / "robots" / "paper_joint.toml")
 
-    def run(self, reference):
-        measured = self.plant.simulate(reference, sample_time_s=1e-3)
-        return frfid.Record(sample_time_s=1e-3, u=measured.u, y=measured.y, r=reference)
+    def run(self, run):
+        measured = self.plant.simulate(run.reference, sample_time_s=run.sample_time_s)
+        return frfid.Record(sample_time_s=run.sample_time_s, u=measured.u, y=measured.y, r=run.reference)
 
 
 records = plan.run(MyRobot())

@@ -33,7 +33,7 @@ ARM = """
 
 
 class MujocoArm:
-    """Anything with run(reference) -> Record is a testbed: here a PI controller of the motors' velocity around mj_step."""
+    """Anything with run(run) -> Record is a testbed: here a PI controller of the motors' velocity around mj_step."""
 
     gain = np.array([2000.0, 600.0])  # N m s/rad
     integral_gain = 8.0 * gain  # N m/rad
@@ -51,16 +51,16 @@ class MujocoArm:
         self.data.qpos[:2] = torque / self.model.tendon_stiffness
         return torque
 
-    def run(self, reference):
+    def run(self, run):
         integral = self.hold_still()
-        u, y, position = (np.empty(reference.shape) for _ in range(3))
-        for k, r in enumerate(reference.T):
+        u, y, position = (np.empty(run.reference.shape) for _ in range(3))
+        for k, r in enumerate(run.reference.T):
             y[:, k], position[:, k] = self.data.qvel[:2], self.data.qpos[:2]
             error = r - y[:, k]
             self.data.ctrl[:] = u[:, k] = self.gain * error + integral
             integral = integral + self.integral_gain * T * error
             mujoco.mj_step(self.model, self.data, self.steps)
-        return frfid.Record(sample_time_s=T, u=u, y=y, r=reference, position_rad=position)
+        return frfid.Record(sample_time_s=T, u=u, y=y, r=run.reference, position_rad=position)
 
     def truth(self, hz):
         """MuJoCo's own linearisation: the FRF from torque to motor velocity behind a hold, (frequency, output, input)."""

@@ -18,6 +18,7 @@ __all__ = [
     "Plan",
     "Plant",
     "Record",
+    "Run",
     "Shaped",
     "__version__",
     "cli",
@@ -54,7 +55,10 @@ _Challenge: TypeAlias = Literal[
 class NumericalError(ArithmeticError): ...
 
 class _Testbed(Protocol):
-    def run(self, reference: NDArray[np.float64], /) -> Record: ...
+    def run(self, run: Run, /) -> Record: ...
+
+class _TestbedFromRest(Protocol):
+    def run(self, reference: NDArray[np.float64]) -> Record: ...
 
 @final
 class Multisine:
@@ -259,10 +263,28 @@ class Plan:
     def reference(self, index: int) -> NDArray[np.float64]: ...
     def predict(self, *, progress: _Progress | None = None) -> dict[str, Any]: ...
     def run(
-        self, testbed: _Testbed | None = None, progress: _Progress | None = None, *, jobs: int = 0
+        self, testbed: _Testbed | _TestbedFromRest | None = None, progress: _Progress | None = None, *, jobs: int = 0
     ) -> list[Record]: ...
     def estimate(self, records: Sequence[Record | None]) -> Frf: ...
+    def __getitem__(self, index: int, /) -> Run: ...
     def __len__(self) -> int: ...
+
+@final
+class Run:
+    @property
+    def name(self) -> str: ...
+    @property
+    def sample_time_s(self) -> float: ...
+    @property
+    def reference(self) -> NDArray[np.float64]: ...
+    @property
+    def reference_unit(self) -> Literal["N m", "rad/s"]: ...
+    @property
+    def velocity_rad_s(self) -> NDArray[np.float64]: ...
+    @property
+    def start_rad(self) -> NDArray[np.float64]: ...
+    @property
+    def limits(self) -> dict[str, list[float]]: ...
 
 @final
 class Record:
@@ -409,7 +431,7 @@ class Shaped:
     def stop(self) -> str: ...
 
 def shape(
-    testbed: _Testbed | tuple[Plant, PiController],
+    testbed: _Testbed | _TestbedFromRest | tuple[Plant, PiController],
     *,
     desired: ArrayLike,
     start: ArrayLike,
@@ -479,6 +501,7 @@ def run_closed_loop(
     r: ArrayLike,
     *,
     velocity_rad_s: _PerChannel | None = None,
+    start_rad: _PerChannel | None = None,
     seed: int = 0,
     progress: _Progress | None = None,
 ) -> Record: ...

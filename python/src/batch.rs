@@ -1,6 +1,6 @@
 //! Simulating one run or a batch of runs.
 
-use frfid_signals::{Run, RunId, RunKind, Testbed, check_finite};
+use frfid_signals::{Run, RunId, Testbed, check_finite};
 use ndarray::{Array2, ArrayView3, Axis, Ix3, IxDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -13,7 +13,7 @@ use crate::runs::records_of;
 
 const SHAPES: [Axes; 2] = [&["channel", "sample"], &["batch", "channel", "sample"]];
 
-/// What the testbed measured for each reference in `value`, the argument called `name`, riding on a
+/// What the testbed measured for each reference in `value`, the argument called `name`, from a start, on a
 /// constant velocity.
 pub fn simulate(
     name: &'static str,
@@ -21,6 +21,7 @@ pub fn simulate(
     testbed: &dyn Testbed,
     sample_time_s: f64,
     velocity_rad_s: Option<&Bound<'_, PyAny>>,
+    start_rad: Option<&Bound<'_, PyAny>>,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Record> {
     let array = real::<IxDyn>(name, value, &SHAPES)?;
@@ -35,17 +36,16 @@ pub fn simulate(
         .expect("`real` let 2 or 3 axes pass");
     let n_inputs = testbed.n_inputs();
     check(name, &array, n_inputs)?;
-    let velocity_rad_s = velocity_rad_s.map_or_else(
-        || Ok(vec![0.0; n_inputs]),
-        |v| per_channel("velocity_rad_s", v, n_inputs),
-    )?;
-    let id = |repetition| RunId {
-        kind: RunKind::Excitation,
-        realization: 0,
-        experiment: 0,
-        repetition,
-    };
-    let ids: Vec<RunId> = (0..array.len_of(Axis(0))).map(id).collect();
+    let zeros = || Ok(vec![0.0; n_inputs]);
+    let velocity_rad_s = velocity_rad_s.map_or_else(zeros, |velocity| {
+        per_channel("velocity_rad_s", velocity, n_inputs)
+    })?;
+    let start_rad =
+        start_rad.map_or_else(zeros, |start| per_channel("start_rad", start, n_inputs))?;
+    let n_runs = array.len_of(Axis(0));
+    let ids: Vec<RunId> = (0..n_runs)
+        .map(|run| RunId::excitation(0, 0, run))
+        .collect();
     let run = |id: RunId| {
         let reference: Array2<f64> = array.index_axis(Axis(0), id.repetition).to_owned();
         Ok(Run {
@@ -53,7 +53,7 @@ pub fn simulate(
             sample_time_s,
             reference,
             velocity_rad_s: velocity_rad_s.clone(),
-            start_rad: vec![0.0; n_inputs],
+            start_rad: start_rad.clone(),
         })
     };
     Record::of(

@@ -178,6 +178,8 @@ impl PiController {
 ///     Reference velocity in rad/s, the constant velocity included.
 /// velocity_rad_s : float or sequence of float, optional
 ///     Constant velocity in rad/s with which motors and links start, held by the controller.
+/// start_rad : float or sequence of float, optional
+///     Where motors and links start, in rad from the pose.
 /// seed : int, optional
 ///     Seed of the sensors' noise.
 /// progress : callable, optional
@@ -196,12 +198,13 @@ impl PiController {
 /// NumericalError
 ///     If the loop diverges.
 #[pyfunction]
-#[pyo3(signature = (plant, controller, r, *, velocity_rad_s = None, seed = 0, progress = None))]
+#[pyo3(signature = (plant, controller, r, *, velocity_rad_s = None, start_rad = None, seed = 0, progress = None))]
 pub fn run_closed_loop(
     plant: &Plant,
     controller: &PiController,
     r: &Bound<'_, PyAny>,
     velocity_rad_s: Option<&Bound<'_, PyAny>>,
+    start_rad: Option<&Bound<'_, PyAny>>,
     seed: u64,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Record> {
@@ -212,6 +215,7 @@ pub fn run_closed_loop(
         &testbed,
         controller.sample_time_s,
         velocity_rad_s,
+        start_rad,
         progress,
     )
 }

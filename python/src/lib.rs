@@ -24,6 +24,7 @@ mod plant;
 mod profile;
 mod record;
 mod result;
+mod run;
 mod runs;
 mod shape;
 mod shaped;
@@ -67,6 +68,8 @@ mod _core {
     use crate::record::Record;
     #[pymodule_export]
     use crate::result::load;
+    #[pymodule_export]
+    use crate::run::Run;
     #[pymodule_export]
     use crate::shape::shape;
     #[pymodule_export]

@@ -5,7 +5,7 @@ use std::ffi::CString;
 use frfid_experiment::Experiment as Description;
 use frfid_signals::{Record as Measured, RunId};
 use numpy::PyArray2;
-use pyo3::exceptions::{PyUserWarning, PyValueError};
+use pyo3::exceptions::{PyIndexError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 
 use crate::array::c_ordered;
@@ -14,6 +14,7 @@ use crate::error;
 use crate::frf::Frf;
 use crate::interrupt::interruptible;
 use crate::record::Record;
+use crate::run::Run;
 use crate::runs::{one_by_one, records_of};
 use crate::testbed::PythonTestbed;
 
@@ -112,15 +113,15 @@ impl Plan {
     /// Does every run.
     ///
     /// An exception, or Ctrl-C, ends it without records. On a machine where each run is dear, do
-    /// them one by one and keep what each returns: ``testbed.run(plan.reference(k))`` for each
-    /// ``k`` of ``range(len(plan))``.
+    /// them one by one and keep what each returns: ``testbed.run(run)`` for each ``run`` of the
+    /// plan.
     ///
     /// Parameters
     /// ----------
     /// testbed : object, optional
-    ///     Anything with ``run(reference) -> Record``, called on this thread for one run after the
-    ///     other with the reference of shape (channel, sample); the simulated robot of the
-    ///     experiment if left out.
+    ///     Anything with ``run(run: Run) -> Record``, called on this thread for one run after the
+    ///     other; the simulated robot of the experiment if left out. A method written as
+    ///     ``run(reference)`` gets the array alone, and is refused for runs on a constant velocity.
     /// progress : callable, optional
     ///     Called with (done, total), from (0, total) on; an exception from it stops the work.
     /// jobs : int, optional
@@ -148,7 +149,7 @@ impl Plan {
         let (ids, run) = (self.ids(), |id| Ok(self.description.plan().run(id)?));
         let records = match testbed {
             Some(object) => {
-                let testbed = PythonTestbed::new(object, self.description.plan().n_inputs)?;
+                let testbed = self.python_testbed(object)?;
                 one_by_one(py, &ids, &run, &testbed, progress)?
             }
             None => {
@@ -211,6 +212,23 @@ impl Plan {
         Ok(Frf::of(outcome.result))
     }
 
+    /// One run: ``plan[0]``; ``for run in plan`` goes through all of them.
+    fn __getitem__(&self, py: Python<'_>, index: isize) -> PyResult<Run> {
+        let ids = self.ids();
+        let place = if index < 0 {
+            index + ids.len() as isize
+        } else {
+            index
+        };
+        let id = usize::try_from(place).ok().and_then(|place| ids.get(place));
+        let id = *id.ok_or_else(|| {
+            PyIndexError::new_err(format!("{index}: the plan has {} runs", ids.len()))
+        })?;
+        let planned = self.description.plan().run(id).map_err(error::signal)?;
+        let limits = self.description.limits();
+        Ok(Run::of(py, planned, limits, self.reference_unit()))
+    }
+
     fn __len__(&self) -> usize {
         self.description.plan().n_runs()
     }
@@ -226,5 +244,18 @@ impl Plan {
 impl Plan {
     fn ids(&self) -> Vec<RunId> {
         self.description.plan().run_ids().collect()
+    }
+
+    fn python_testbed(&self, object: &Bound<'_, PyAny>) -> PyResult<PythonTestbed> {
+        let n_inputs = self.description.plan().n_inputs;
+        let limits = self.description.limits().clone();
+        PythonTestbed::new(object, n_inputs, limits, self.reference_unit())
+    }
+
+    fn reference_unit(&self) -> &'static str {
+        match self.description.controller() {
+            Some(_) => "rad/s",
+            None => "N m",
+        }
     }
 }

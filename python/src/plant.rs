@@ -296,7 +296,15 @@ impl Plant {
             },
             ..SimulatedRobot::open_loop(robot)
         };
-        simulate("u", u, &testbed, sample_time_s, velocity_rad_s, progress)
+        simulate(
+            "u",
+            u,
+            &testbed,
+            sample_time_s,
+            velocity_rad_s,
+            None,
+            progress,
+        )
     }
 
     /// Mass matrix of an arm's links.

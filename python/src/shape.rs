@@ -32,8 +32,8 @@ const SIGNALS: [Axes; 1] = [&["experiment", "channel", "sample"]];
 /// Parameters
 /// ----------
 /// testbed : object or (Plant, PiController)
-///     Anything with ``run(reference) -> Record``, called on this thread for one run after the
-///     other with the reference in rad/s of shape (channel, sample); or a plant and its controller,
+///     Anything with ``run(run: Run) -> Record``, called on this thread for one run after the
+///     other, whose reference is in rad/s; or a plant and its controller,
 ///     simulated with all experiments side by side.
 /// desired : array_like, shape (experiment, channel, sample)
 ///     What the target is to be, tail included; as many experiments as channels.
@@ -173,7 +173,7 @@ pub fn shape(
         }
         Err(_) => measured(
             py,
-            &PythonTestbed::new(testbed, n_axes)?,
+            &PythonTestbed::new(testbed, n_axes, options.limits.clone(), "rad/s")?,
             desired,
             start,
             options,

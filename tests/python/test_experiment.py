@@ -51,10 +51,10 @@ class Machine:
         self.plant = frfid.Plant.single_joint(damping_nms_per_rad=800.0, viscous_nms_per_rad=3000.0)
         self.runs = 0
 
-    def run(self, reference):
+    def run(self, run):
         self.runs += 1
-        measured = self.plant.simulate(reference, sample_time_s=1e-3)
-        return frfid.Record(sample_time_s=1e-3, u=measured.u, y=measured.y, r=reference)
+        measured = self.plant.simulate(run.reference, sample_time_s=run.sample_time_s)
+        return frfid.Record(sample_time_s=run.sample_time_s, u=measured.u, y=measured.y, r=run.reference)
 
 
 def test_from_description_to_frf(experiment):
@@ -89,9 +89,64 @@ def test_any_object_with_run_is_a_testbed(experiment):
     assert plan.estimate(records).response.tobytes() == plan.estimate(simulated).response.tobytes()
 
 
+@pytest.fixture
+def on_constant_velocity(tmp_path):
+    """The plan of section 7, but for fewer and shorter runs, with its plant and controller."""
+    text = (EXAMPLES / "r3_multisine.toml").read_text()
+    for old, new in [
+        ("../robots", str(EXAMPLES.parent / "robots")), ("resolution_hz = 0.1", "resolution_hz = 0.5"), ("n_lines = 80", "n_lines = 9"),
+        ("glides = 5", "glides = 1"), ("realizations = 10", "realizations = 1"), ("repetitions = 5", "repetitions = 1"),
+    ]:  # fmt: skip
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "r3.toml").write_text(text)
+    plant = frfid.Plant.load(EXAMPLES.parent / "robots" / "manutec_r3.toml")
+    controller = frfid.PiController(
+        gain=[1500.0, 1500.0, 400.0], integral_gain=[12000.0, 12000.0, 3200.0], sample_time_s=1e-3
+    )
+    return frfid.Experiment.load(tmp_path / "r3.toml").design(), plant, controller
+
+
+def test_a_testbed_learns_start_velocity_and_limits(on_constant_velocity):
+    plan, plant, controller = on_constant_velocity
+    assert [run.name for run in plan] == plan.names and plan[-1].name == plan.names[-1]
+    with pytest.raises(IndexError, match=f"the plan has {len(plan)} runs"):
+        plan[len(plan)]
+    share_of_travel = []
+
+    class Bench:
+        def run(self, run):
+            assert run.reference_unit == "rad/s" and run.reference.shape[0] == 3
+            assert np.all(run.start_rad * run.velocity_rad_s < 0.0), "it starts half its way before the pose"
+            record = frfid.run_closed_loop(
+                plant, controller, run.reference, velocity_rad_s=list(run.velocity_rad_s), start_rad=list(run.start_rad)
+            )
+            from_pose = record.position_rad - record.position_rad[:, :1] + run.start_rad[:, None]
+            share_of_travel.append(np.abs(from_pose).max(axis=1) / run.limits["max_travel"])
+            return record
+
+    plan.run(Bench())
+    assert len(share_of_travel) == len(plan) == 4 and 0.9 < np.max(share_of_travel) < 1.0
+
+
+def test_a_testbed_for_the_bare_reference_is_refused_on_a_constant_velocity(on_constant_velocity, experiment):
+    class FromRest:
+        asked = 0
+
+        def run(self, reference):
+            self.asked += 1
+            return record(1e-3, reference)
+
+    machine = FromRest()
+    assert len(experiment.design().run(machine)) == machine.asked == 3
+    with pytest.raises(TypeError, match=r"run glide-q0 starts .* needed run\(run: frfid.Run\)"):
+        on_constant_velocity[0].run(machine)
+    assert machine.asked == 3
+
+
 def test_an_exception_of_the_testbed_comes_back_as_it_was(experiment):
     class Broken(Machine):
-        def run(self, reference):
+        def run(self, run):
             raise ConnectionError("the robot does not answer")
 
     with pytest.raises(ConnectionError, match="does not answer"):
@@ -102,7 +157,7 @@ def test_ctrl_c_reaches_the_testbed_in_the_middle_of_its_run(experiment):
     class Robot(Machine):
         stopped = False
 
-        def run(self, reference):
+        def run(self, run):
             try:
                 signal.raise_signal(signal.SIGINT)
                 time.sleep(10.0)
@@ -116,13 +171,18 @@ def test_ctrl_c_reaches_the_testbed_in_the_middle_of_its_run(experiment):
     assert robot.stopped
 
 
+def record(sample_time_s, signal):
+    return frfid.Record(sample_time_s=sample_time_s, u=signal, y=signal)
+
+
 @pytest.mark.parametrize(
     "run, error, says",
     [
         (None, TypeError, "testbed is a Odd, needed an object with run"),
-        (lambda self, reference: 5, TypeError, "returned a int"),
-        (lambda self, r: frfid.Record(sample_time_s=1e-3, u=[r, r], y=[r, r]), ValueError, "a batch of 2 runs"),
-        (lambda self, r: frfid.Record(sample_time_s=2e-3, u=r, y=r), ValueError, "sample_time_s of the record is 0.002"),
+        (lambda self, run: 5, TypeError, "returned a int"),
+        (lambda self, reference: record(1e-3, [reference] * 2), ValueError, "a batch of 2 runs"),
+        (lambda self, run: record(2e-3, run.reference), ValueError, "sample_time_s of the record is 0.002"),
+        (lambda self, r: record(1e-3, r), ValueError, "u has dtype object"),
     ],
 )
 def test_testbeds_that_do_not_fit_are_refused(experiment, run, error, says):

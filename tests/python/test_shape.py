@@ -21,10 +21,11 @@ class Machine:
 
     runs = 0
 
-    def run(self, reference):
+    def run(self, run):
         self.runs += 1
-        measured = frfid.run_closed_loop(PLANT, CONTROLLER, reference)
-        return frfid.Record(sample_time_s=T, u=measured.u, y=measured.y, r=reference, position_rad=measured.position_rad)
+        assert run.reference_unit == "rad/s" and run.sample_time_s == T
+        measured = frfid.run_closed_loop(PLANT, CONTROLLER, run.reference)
+        return frfid.Record(sample_time_s=T, u=measured.u, y=measured.y, r=run.reference, position_rad=measured.position_rad)
 
 
 def test_from_sticking_to_the_desired_torque():
@@ -54,9 +55,10 @@ def test_no_reference_exceeds_a_limit():
     class Watched(Machine):
         fastest = 0.0
 
-        def run(self, reference):
-            record = super().run(reference)
-            self.fastest = max(self.fastest, np.abs(record.y).max(), np.abs(reference).max())
+        def run(self, run):
+            assert run.limits == {"max_velocity": [0.05]}
+            record = super().run(run)
+            self.fastest = max(self.fastest, np.abs(record.y).max(), np.abs(run.reference).max())
             return record
 
     machine = Watched()
@@ -67,10 +69,10 @@ def test_no_reference_exceeds_a_limit():
 
 def test_exceptions_and_ctrl_c_of_a_testbed_come_back():
     class Broken(Machine):
-        def run(self, reference):
+        def run(self, run):
             if self.runs == 1:
                 signal.raise_signal(signal.SIGINT)
-            return super().run(reference)
+            return super().run(run)
 
     with pytest.raises(KeyboardInterrupt):
         frfid.shape(Broken(), **OPTIONS)

@@ -1,0 +1,102 @@
+//! `frfid.Run`: one run of a plan, as a testbed gets it.
+
+use std::collections::BTreeMap;
+
+use frfid_signals::{Limits, Run as Planned};
+use numpy::{PyArray1, PyArray2};
+use pyo3::prelude::*;
+
+use crate::array::c_ordered;
+
+/// One run of a plan: what is injected, where it starts, and what it must not exceed; given to the
+/// ``run(run)`` of a testbed, and by ``plan[index]``.
+///
+/// A testbed brings the machine to ``start_rad``, up to ``velocity_rad_s``, and plays ``reference``;
+/// it stops where one of ``limits`` is reached.
+#[pyclass(frozen, module = "frfid")]
+pub struct Run {
+    planned: Planned,
+    limits: BTreeMap<&'static str, Vec<f64>>,
+    reference: Py<PyArray2<f64>>,
+    reference_unit: &'static str,
+}
+
+impl Run {
+    /// A run of an open (N m) or closed loop (rad/s).
+    pub fn of(
+        py: Python<'_>,
+        planned: Planned,
+        limits: &Limits,
+        reference_unit: &'static str,
+    ) -> Self {
+        let limits = limits.iter();
+        Self {
+            reference: c_ordered(py, planned.reference.clone()).unbind(),
+            limits: limits
+                .map(|(limit, values)| (limit.key(), values.to_vec()))
+                .collect(),
+            planned,
+            reference_unit,
+        }
+    }
+}
+
+#[pymethods]
+impl Run {
+    /// Its name: ``"p000-m0-q0"`` is realization 0, experiment 0, repetition 0.
+    #[getter]
+    fn name(&self) -> String {
+        self.planned.id.to_string()
+    }
+
+    /// Sample time in s.
+    #[getter]
+    fn sample_time_s(&self) -> f64 {
+        self.planned.sample_time_s
+    }
+
+    /// What is injected, shape (channel, sample): motor torques in N m in open loop, reference
+    /// velocities in rad/s in closed loop, the constant velocity then included.
+    #[getter]
+    fn reference(&self, py: Python<'_>) -> Py<PyArray2<f64>> {
+        self.reference.clone_ref(py)
+    }
+
+    /// Unit of the reference: ``"N m"`` in open loop, ``"rad/s"`` in closed loop.
+    #[getter]
+    fn reference_unit(&self) -> &'static str {
+        self.reference_unit
+    }
+
+    /// Velocity in rad/s at which the run starts, and on which it stays but for the excitation, for
+    /// each axis; zeros where there is none.
+    #[getter]
+    fn velocity_rad_s<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.planned.velocity_rad_s)
+    }
+
+    /// Where the run starts, in rad from the pose, for each axis.
+    #[getter]
+    fn start_rad<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
+        PyArray1::from_slice(py, &self.planned.start_rad)
+    }
+
+    /// Limits that the run must not exceed, by their keys in ``[limits]``, a value for each axis;
+    /// without those that are not given.
+    #[getter]
+    fn limits(&self) -> BTreeMap<&'static str, Vec<f64>> {
+        self.limits.clone()
+    }
+
+    fn __repr__(&self) -> String {
+        let (channels, samples) = self.planned.reference.dim();
+        format!(
+            "<frfid.Run {}: {channels} x {samples} samples of {} s in {}, from {:?} rad at {:?} rad/s>",
+            self.name(),
+            self.planned.sample_time_s,
+            self.reference_unit,
+            self.planned.start_rad,
+            self.planned.velocity_rad_s
+        )
+    }
+}
