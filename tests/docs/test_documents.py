@@ -1,0 +1,29 @@
+"""README, tutorial and how-to do what they say: their commands are run and what they print is compared."""
+
+import pytest
+from documents import ROOT, Reader, equal, needs_frfid, same, set_keys
+
+
+def test_numbers_are_compared_to_the_digits_given():
+    assert equal("0.05", "0.0476") and not equal("0.05", "0.056") and equal("3e-11", "2.9e-11")
+    assert same("axis 1 travel  3.395 rad", "  axis 1 travel   3.3952 rad      -")
+    assert not same("axis 1 travel  3.395 rad", "  axis 1 travel   3.3962 rad")
+    assert same("no numbers", "here are no  numbers") and not same("no numbers", "here is none")
+
+
+def test_keys_are_set_in_their_tables():
+    base = "seed = 1\n[a]\nx = 1\ny = 2\n[b]\nx = 3\n"
+    assert set_keys(base, "[b]\nx = 4 # more\n[c]\nz = 5") == "seed = 1\n[a]\nx = 1\ny = 2\n[b]\nx = 4 # more\n\n[c]\nz = 5\n"
+    assert set_keys(base, "[a]\nz = 0") == "seed = 1\n[a]\nx = 1\ny = 2\nz = 0\n[b]\nx = 3\n"
+
+
+def test_the_readme(tmp_path):
+    needs_frfid()
+    Reader(tmp_path / "work").follow(ROOT / "README.md")
+
+
+def test_tutorial_and_how_to(tmp_path):
+    needs_frfid()
+    reader = Reader(tmp_path / "work")
+    reader.follow(ROOT / "docs" / "tutorial.md")
+    reader.follow(ROOT / "docs" / "how-to.md")
