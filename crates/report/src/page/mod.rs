@@ -1,4 +1,4 @@
-//! The report: one HTML file that needs no network, for a browser or for print.
+//! Page of a report: one HTML file that needs no network, for a browser or for print.
 
 pub(crate) mod claim;
 pub(crate) mod html;
@@ -12,7 +12,7 @@ use base64::engine::general_purpose::STANDARD;
 use frfid_files::Check;
 use sha2::{Digest, Sha256};
 
-use crate::diagrams::curve;
+use crate::diagrams::validation::check_curves;
 use crate::error::ReportError;
 use crate::page::claim::Claim;
 use crate::page::html::{badge, escaped, filled, section, table, table_row};
@@ -61,7 +61,7 @@ impl<'a> Report<'a> {
             .filter_map(|part| part.responses.as_ref())
             .collect();
         for Responses { curves, labels, .. } in &responses {
-            curve::check("the report", curves, labels)?;
+            check_curves("the report", curves, labels)?;
         }
         // Browsers hash what they parsed, with line feeds only.
         let (style, script) = (STYLE.replace('\r', ""), SCRIPT.replace('\r', ""));

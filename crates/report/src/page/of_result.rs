@@ -4,7 +4,9 @@ use frfid_files::ResultFile;
 use frfid_signals::Frf;
 
 use crate::diagrams::bode::{bode, bode_matrix};
-use crate::diagrams::curve::{Band, Curve, Labels, Style};
+use crate::diagrams::curve::{Band, Curve};
+use crate::diagrams::labels::Labels;
+use crate::diagrams::style::Style;
 use crate::error::ReportError;
 use crate::figure::Figure;
 use crate::page::Report;

@@ -6,7 +6,8 @@ use base64::engine::general_purpose::STANDARD;
 use ndarray::Array3;
 use serde::Serialize;
 
-use crate::diagrams::curve::{Curve, Style, confidence_radius};
+use crate::diagrams::curve::{Curve, confidence_radius};
+use crate::diagrams::style::Style;
 use crate::page::section::Responses;
 
 /// Everything an interactive diagram needs.

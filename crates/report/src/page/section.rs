@@ -3,7 +3,8 @@
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use crate::diagrams::curve::{Curve, Labels};
+use crate::diagrams::curve::Curve;
+use crate::diagrams::labels::Labels;
 use crate::figure::Figure;
 use crate::page::html::{escaped, section, table, table_row};
 use crate::page::table::Table;

@@ -1,15 +1,18 @@
-//! Power spectral density over time as a heat map (SK15 figure 3).
+//! Spectrogram: power spectral density over time as a heat map (SK15 figure 3).
 
-use std::ops::Range;
+pub(crate) mod cells;
 
 use ndarray::ArrayView2;
 
-use crate::diagrams::curve::Ink;
+use crate::diagrams::spectrogram::cells::{CELLS, levels_db, span};
 use crate::error::ReportError;
+use crate::figure::Figure;
 use crate::figure::axis::Axis;
 use crate::figure::colormap::{STEPS, color};
+use crate::figure::drawing::Align;
+use crate::figure::geometry::Rect;
+use crate::figure::ink::{Ink, Pen};
 use crate::figure::panel::{BELOW, FRAME, LABEL_SIZE, LEFT, Panel, TICK, TICK_SIZE};
-use crate::figure::{Align, Figure, Pen, Rect};
 use crate::validation;
 
 const WIDTH: f64 = 540.0;
@@ -20,15 +23,13 @@ const ABOVE: f64 = 24.0;
 const BESIDE: f64 = 34.0;
 const BAR: f64 = 14.0;
 const RIGHT: f64 = 66.0;
-/// Cells, down and across: two pixels each.
-const CELLS: (usize, usize) = (140, 270);
 /// Dots that are seen on every colour of the map but its brightest, where the line runs along the
 /// ridge it points out.
-const HARMONIC: Pen = Pen {
+const HARMONIC: Ink = Ink::line(Pen {
     color: "#ffffff",
     width: 0.9,
     dash: "1.5 4",
-};
+});
 
 /// Power spectral density of one signal over time, as [`spectrogram`] draws it.
 #[derive(Debug, Clone)]
@@ -64,35 +65,11 @@ pub struct Spectrogram<'a> {
 /// be drawn.
 pub fn spectrogram(content: &Spectrogram) -> Result<Figure, ReportError> {
     content.check()?;
-    let rect = Rect {
-        x: LEFT,
-        y: ABOVE,
-        width: WIDTH,
-        height: HEIGHT,
-    };
     let mut figure = Figure::new(LEFT + WIDTH + BESIDE + BAR + RIGHT, ABOVE + HEIGHT + BELOW);
-    let (low_hz, high_hz) = content.band_hz;
-    let band = [low_hz, high_hz].into_iter();
-    let y = if content.log_frequency {
-        Axis::upright_log(band, HEIGHT)
-    } else {
-        Axis::exact(band, HEIGHT)
-    };
-    let (time_low, time_high) = span(content.time_s);
-    let panel = Panel {
-        rect,
-        x: Axis::exact([time_low, time_high].into_iter(), WIDTH),
-        y,
-    };
-    let level_db = content.cells(&panel);
-    let highest = level_db
-        .iter()
-        .copied()
-        .filter(|db| db.is_finite())
-        .fold(f64::NEG_INFINITY, f64::max);
-    let highest = if highest.is_finite() { highest } else { 0.0 };
-    let scale = Axis::linear([highest - content.range_db, highest].into_iter(), HEIGHT);
-    figure.image(rect, CELLS, |row, column| {
+    let panel = content.panel();
+    let level_db = levels_db(content, &panel);
+    let scale = content.scale(&level_db);
+    figure.image(panel.rect, CELLS, |row, column| {
         color(scale.share(level_db[row * CELLS.1 + column]))
     })?;
     for &harmonic in &content.harmonics {
@@ -102,15 +79,13 @@ pub fn spectrogram(content: &Spectrogram) -> Result<Figure, ReportError> {
     panel.ticks(&mut figure);
     panel.label_x(&mut figure, "Time in s");
     panel.label_y(&mut figure, "Frequency in Hz");
-    draw_bar(
-        &mut figure,
-        &scale,
-        &format!("Density in dB, 0 dB = 1 {}", content.unit),
-    )?;
+    let label = format!("Density in dB, 0 dB = 1 {}", content.unit);
+    draw_bar(&mut figure, &scale, &label)?;
     Ok(figure)
 }
 
 impl Spectrogram<'_> {
+    /// Refuses what cannot be drawn.
     fn check(&self) -> Result<(), ReportError> {
         let (frequencies, times) = self.density.dim();
         validation::length(
@@ -147,30 +122,36 @@ impl Spectrogram<'_> {
         )
     }
 
-    /// What every cell shows, in dB, row by row from the top.
-    fn cells(&self, panel: &Panel) -> Vec<f64> {
-        let (rows, columns) = CELLS;
-        let edges = |axis: &Axis, count: usize| -> Vec<f64> {
-            (0..=count)
-                .map(|k| axis.value(k as f64 / count as f64))
-                .collect()
-        };
-        let up = groups(self.frequency_hz, &edges(&panel.y, rows));
-        let across = groups(self.time_s, &edges(&panel.x, columns));
-        let mean = |frequencies: &Range<usize>, times: &Range<usize>| {
-            let all = frequencies
-                .clone()
-                .flat_map(|k| times.clone().map(move |m| self.density[[k, m]]));
-            all.sum::<f64>() / (frequencies.len() * times.len()) as f64
-        };
-        up.iter()
-            .rev()
-            .flat_map(|row| {
-                across
-                    .iter()
-                    .map(move |column| 10.0 * mean(row, column).log10())
-            })
-            .collect()
+    /// The panel of the heat map: the analysed time over the band.
+    fn panel(&self) -> Panel {
+        let (low_hz, high_hz) = self.band_hz;
+        let band = [low_hz, high_hz].into_iter();
+        let (start_s, end_s) = span(self.time_s);
+        Panel {
+            rect: Rect {
+                x: LEFT,
+                y: ABOVE,
+                width: WIDTH,
+                height: HEIGHT,
+            },
+            x: Axis::exact([start_s, end_s].into_iter(), WIDTH),
+            y: if self.log_frequency {
+                Axis::upright_log(band, HEIGHT)
+            } else {
+                Axis::exact(band, HEIGHT)
+            },
+        }
+    }
+
+    /// The axis of the colour bar, up to the highest level.
+    fn scale(&self, level_db: &[f64]) -> Axis {
+        let highest = level_db
+            .iter()
+            .copied()
+            .filter(|db| db.is_finite())
+            .reduce(f64::max)
+            .unwrap_or(0.0);
+        Axis::linear([highest - self.range_db, highest].into_iter(), HEIGHT)
     }
 
     /// Draws one multiple of the excitation's frequency, with its name where it leaves the picture
@@ -178,70 +159,25 @@ impl Spectrogram<'_> {
     fn mark(&self, figure: &mut Figure, panel: &Panel, harmonic: u32) {
         let seen = self.sweep.iter().filter(|(s, _)| panel.x.holds(*s));
         let line: Vec<(f64, f64)> = seen.map(|&(s, hz)| (s, f64::from(harmonic) * hz)).collect();
-        let ink = Ink {
-            pen: Some(HARMONIC),
-            marker: None,
-            color: HARMONIC.color,
-        };
-        panel.curve(figure, &line, &ink);
+        panel.curve(figure, &line, &HARMONIC);
         let name = if harmonic == 1 {
             "f".to_owned()
         } else {
             format!("{harmonic}f")
         };
-        match (
-            line.iter().position(|&(_, hz)| panel.y.share(hz) > 1.0),
-            line.last(),
-        ) {
+        let leaves = line.iter().position(|&(_, hz)| panel.y.share(hz) > 1.0);
+        match (leaves, line.last()) {
             (Some(0), _) | (_, None) => {}
             (Some(first), _) => {
                 let at = (panel.at(line[first].0, 0.0).0, panel.rect.y - 6.0);
                 figure.text(at, &name, TICK_SIZE, Align::Center);
             }
             (None, Some(&(s, hz))) => {
-                let (x, y) = (panel.rect.x + panel.rect.width, panel.at(s, hz).1);
-                figure.text((x + 6.0, y + 4.0), &name, TICK_SIZE, Align::Left);
+                let at = (panel.rect.right() + 6.0, panel.at(s, hz).1 + 4.0);
+                figure.text(at, &name, TICK_SIZE, Align::Left);
             }
         }
     }
-}
-
-/// First and last time with half a step beyond.
-fn span(centres: &[f64]) -> (f64, f64) {
-    let half = |a: usize, b: usize| (centres[b] - centres[a]) / 2.0;
-    match centres.len() {
-        0 => (0.0, 1.0),
-        1 => (centres[0] - 0.5, centres[0] + 0.5),
-        n => (centres[0] - half(0, 1), centres[n - 1] + half(n - 2, n - 1)),
-    }
-}
-
-/// For every cell between two edges the indices of the centres in it, or of the nearest where there
-/// is none; nothing outside of what the centres span.
-fn groups(centres: &[f64], edges: &[f64]) -> Vec<Range<usize>> {
-    let (low, high) = span(centres);
-    let group = |pair: &[f64]| {
-        let (first, end) = (
-            centres.partition_point(|c| *c < pair[0]),
-            centres.partition_point(|c| *c < pair[1]),
-        );
-        let middle = (pair[0] + pair[1]) / 2.0;
-        if first < end {
-            first..end
-        } else if centres.is_empty() || !(low..=high).contains(&middle) {
-            0..0
-        } else {
-            let right = first.min(centres.len() - 1);
-            let left = right.saturating_sub(1);
-            let nearest = if middle - centres[left] < centres[right] - middle {
-                left
-            } else {
-                right
-            };
-            nearest..nearest + 1
-        }
-    };
-    edges.windows(2).map(group).collect()
 }
 
 /// The colour bar with its label, to the right of the plot.
@@ -266,33 +202,6 @@ fn draw_bar(figure: &mut Figure, scale: &Axis, label: &str) -> Result<(), Report
         figure.line(vec![(right, y), (right + TICK, y)], FRAME);
         figure.text((right + 6.0, y + 4.0), text, TICK_SIZE, Align::Left);
     }
-    figure.upward_text(
-        (rect.x + BAR + 52.0, rect.y + rect.height / 2.0),
-        label,
-        LABEL_SIZE,
-    );
+    figure.upward_text((rect.right() + 52.0, rect.middle_y()), label, LABEL_SIZE);
     Ok(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn cells_hold_what_lies_in_them_or_the_nearest_and_nothing_beyond() {
-        let edges = |n: usize, low: f64, high: f64| -> Vec<f64> {
-            (0..=n)
-                .map(|k| low + (high - low) * k as f64 / n as f64)
-                .collect()
-        };
-        assert_eq!(
-            groups(&[0.5, 1.5, 2.5, 3.5], &edges(2, 0.0, 4.0)),
-            [0..2, 2..4]
-        );
-        assert_eq!(
-            groups(&[1.0, 3.0], &edges(6, 0.0, 6.0)),
-            [0..1, 0..1, 1..2, 1..2, 0..0, 0..0]
-        );
-        assert_eq!(groups(&[], &edges(2, 0.0, 1.0)), [0..0, 0..0]);
-    }
 }
