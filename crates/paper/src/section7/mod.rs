@@ -122,12 +122,15 @@ fn table1(
     progress: Progress,
 ) -> Result<Vec<String>, ExperimentError> {
     const TORQUES_NM: [f64; 3] = [100.0, 150.0, 120.0];
-    let half_above_40_hz =
-        |torque: f64| Amplitude::Points(vec![(38.0, torque), (42.0, 0.5 * torque)]);
     let experiment = experiment.with(|config| {
         if let Some(shape) = &mut config.shape {
             shape.desired_nm = Some(TORQUES_NM.map(half_above_40_hz).to_vec());
         }
     })?;
     Ok(ShapedChirps::run(&experiment, jobs, progress)?.warnings)
+}
+
+/// An amplitude in N m that falls to one half around 40 Hz.
+fn half_above_40_hz(torque_nm: f64) -> Amplitude {
+    Amplitude::Points(vec![(38.0, torque_nm), (42.0, 0.5 * torque_nm)])
 }

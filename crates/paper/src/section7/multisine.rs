@@ -1,5 +1,5 @@
-//! Section 7.1 of the paper: the multisine on a constant velocity, and what becomes of the torque
-//! ripple (figures 6 and 8).
+//! Section 7.1 of the paper: the multisine on a constant velocity, with and without subtraction of
+//! the torque ripple (figures 6 and 8).
 
 use frfid_experiment::{
     EstimateTable, Experiment, ExperimentError, GlideSubtraction, Load, Outcome, Progress,

@@ -55,6 +55,8 @@ pub fn convergence(
         axes,
         error_limits,
         stuck_limit,
+        inks: marked_inks(procedures.len()),
+        width: (ACROSS / axes.len() as f64).clamp(COLUMN.0, COLUMN.1),
     }
     .draw())
 }
@@ -90,31 +92,33 @@ struct Sheet<'a> {
     axes: &'a [String],
     error_limits: &'a [f64],
     stuck_limit: Option<f64>,
+    /// The ink of every procedure.
+    inks: Vec<Ink>,
+    /// Width of a column in pixels.
+    width: f64,
 }
 
 impl Sheet<'_> {
     fn draw(&self) -> Figure {
-        let inks = marked_inks(self.procedures.len());
-        let width = (ACROSS / self.axes.len() as f64).clamp(COLUMN.0, COLUMN.1);
-        let across = self.axes.len() as f64 * (width + GAP) - GAP;
-        let legend = self.legend(&inks, across);
+        let across = self.axes.len() as f64 * (self.width + GAP) - GAP;
+        let legend = self.legend(across);
         let top = 8.0 + legend.height() + TITLE;
         let below = if self.shows_stuck() { GAP + STUCK } else { 0.0 };
         let mut figure = Figure::new(LEFT + across + RIGHT, top + ERROR + below + BELOW);
         legend.draw(&mut figure, LEFT, 8.0);
         for axis in 0..self.axes.len() {
-            let left = LEFT + axis as f64 * (width + GAP);
-            self.column(&mut figure, (left, top), width, axis, &inks);
+            let left = LEFT + axis as f64 * (self.width + GAP);
+            self.column(&mut figure, (left, top), axis);
         }
         figure
     }
 
-    fn legend(&self, inks: &[Ink], width: f64) -> Legend<'_> {
+    fn legend(&self, width: f64) -> Legend<'_> {
         let labels = self
             .procedures
             .iter()
             .map(|procedure| procedure.label.as_str());
-        let entries = labels.zip(inks.iter().copied());
+        let entries = labels.zip(self.inks.iter().copied());
         Legend::new(entries.chain([("limit", LIMIT)]), width)
     }
 
@@ -125,44 +129,44 @@ impl Sheet<'_> {
             .any(|procedure| procedure.stuck.is_some())
     }
 
-    /// The panels of one axis, with their upper left corner at `corner`.
-    fn column(
-        &self,
-        figure: &mut Figure,
-        (left, top): Point,
-        width: f64,
-        axis: usize,
-        inks: &[Ink],
-    ) {
-        let title_at = (left + width / 2.0, top - 7.0);
+    /// Title and panels of one axis, the upper left corner of the first at `corner`.
+    fn column(&self, figure: &mut Figure, (left, top): Point, axis: usize) {
+        let title_at = (left + self.width / 2.0, top - 7.0);
         figure.text(title_at, &self.axes[axis], LABEL_SIZE, Align::Center);
-        let error = self.error_panel((left, top), width);
-        self.curves(figure, &error, inks, self.error_limits, |procedure, k| {
-            procedure.error.get((k, axis)).copied()
-        });
+        let error = self.error(figure, (left, top), axis);
         let stuck = self
             .shows_stuck()
-            .then(|| self.stuck_panel((left, top + ERROR + GAP), width));
-        if let Some(panel) = &stuck {
-            let limits = self.stuck_limit.as_slice();
-            self.curves(figure, panel, inks, limits, |procedure, k| {
-                procedure.stuck.as_ref()?.get((k, axis)).copied()
-            });
-        }
+            .then(|| self.stuck(figure, (left, top + ERROR + GAP), axis));
         if axis == 0 {
             error.label_y(figure, "Error in %");
-            if let Some(panel) = &stuck {
-                panel.label_y(figure, "Stuck in %");
+            if let Some(stuck) = &stuck {
+                stuck.label_y(figure, "Stuck in %");
             }
         }
-        stuck
-            .as_ref()
-            .unwrap_or(&error)
-            .label_x(figure, "Iteration");
+        stuck.unwrap_or(error).label_x(figure, "Iteration");
     }
 
-    /// The panel of an axis' errors in %, on one vertical axis for all columns.
-    fn error_panel(&self, corner: Point, width: f64) -> Panel {
+    /// Draws the errors of one axis.
+    fn error(&self, figure: &mut Figure, corner: Point, axis: usize) -> Panel {
+        let panel = self.panel(corner, ERROR, self.error_axis());
+        self.curves(figure, &panel, self.error_limits, |procedure, k| {
+            procedure.error.get((k, axis)).copied()
+        });
+        panel
+    }
+
+    /// Draws the stuck shares of one axis.
+    fn stuck(&self, figure: &mut Figure, corner: Point, axis: usize) -> Panel {
+        let panel = self.panel(corner, STUCK, self.stuck_axis());
+        let limits = self.stuck_limit.as_slice();
+        self.curves(figure, &panel, limits, |procedure, k| {
+            procedure.stuck.as_ref()?.get((k, axis)).copied()
+        });
+        panel
+    }
+
+    /// One axis for the errors of all columns, in %.
+    fn error_axis(&self) -> Axis {
         let errors = self
             .procedures
             .iter()
@@ -170,38 +174,34 @@ impl Sheet<'_> {
         let all = errors
             .chain(self.error_limits)
             .filter(|share| share.is_finite());
-        let y = Axis::upright_log(all.map(|share| percent(*share)), ERROR);
-        self.panel(corner, (width, ERROR), y)
+        Axis::upright_log(all.map(|share| percent(*share)), ERROR)
     }
 
-    /// The panel of an axis' stuck shares in %, on one vertical axis from 0 for all columns.
-    fn stuck_panel(&self, corner: Point, width: f64) -> Panel {
+    /// One axis for the stuck shares of all columns, in %, from 0.
+    fn stuck_axis(&self) -> Axis {
         let shares = self
             .procedures
             .iter()
             .filter_map(|procedure| procedure.stuck.as_ref())
             .flatten();
         let all = shares.chain(&self.stuck_limit).chain(&[0.0]);
-        let y = Axis::linear(all.map(|share| 100.0 * share), STUCK);
-        self.panel(corner, (width, STUCK), y)
+        Axis::linear(all.map(|share| 100.0 * share), STUCK)
     }
 
     /// A panel over the iterations.
-    fn panel(&self, (x, y): Point, (width, height): (f64, f64), vertical: Axis) -> Panel {
+    fn panel(&self, (x, y): Point, height: f64, vertical: Axis) -> Panel {
         let iterations = self
             .procedures
             .iter()
-            .map(|procedure| procedure.error.nrows())
-            .max()
-            .unwrap_or(1);
+            .map(|procedure| procedure.error.nrows());
         Panel {
             rect: Rect {
                 x,
                 y,
-                width,
+                width: self.width,
                 height,
             },
-            x: Axis::counts(1, iterations, width),
+            x: Axis::counts(1, iterations.max().unwrap_or(1), self.width),
             y: vertical,
         }
     }
@@ -211,7 +211,6 @@ impl Sheet<'_> {
         &self,
         figure: &mut Figure,
         panel: &Panel,
-        inks: &[Ink],
         limits: &[f64],
         share: impl Fn(&Procedure, usize) -> Option<f64>,
     ) {
@@ -220,15 +219,21 @@ impl Sheet<'_> {
                 let ends = [0.0, 1.0].map(|end| (panel.x.value(end), percent(limit)));
                 panel.curve(figure, &ends, &LIMIT);
             }
-            for (procedure, ink) in self.procedures.iter().zip(inks) {
-                let known = |k: usize| share(procedure, k).filter(|share| share.is_finite());
-                let values: Vec<(f64, f64)> = (0..procedure.error.nrows())
-                    .map(|k| ((k + 1) as f64, known(k).map_or(f64::NAN, percent)))
-                    .collect();
+            for (procedure, ink) in self.procedures.iter().zip(&self.inks) {
+                let n_iterations = procedure.error.nrows();
+                let values = over_iterations(n_iterations, |k| share(procedure, k));
                 panel.curve(figure, &values, ink);
             }
         });
     }
+}
+
+/// Shares in % over the number of the iteration, NaN where they are not known.
+fn over_iterations(n_iterations: usize, share: impl Fn(usize) -> Option<f64>) -> Vec<(f64, f64)> {
+    let known = |k: usize| share(k).filter(|share| share.is_finite());
+    (0..n_iterations)
+        .map(|k| ((k + 1) as f64, known(k).map_or(f64::NAN, percent)))
+        .collect()
 }
 
 /// A share in %, at least the least that a logarithmic axis shows.

@@ -26,13 +26,12 @@ impl Labels {
 
     /// Title of one entry: `τ1 → dq2/dt`.
     pub(crate) fn entry(&self, output: usize, input: usize) -> String {
-        let name = |names: &[String], k: usize| {
-            names.get(k).cloned().unwrap_or_else(|| (k + 1).to_string())
-        };
-        format!(
-            "{} → {}",
-            name(&self.inputs, input),
-            name(&self.outputs, output)
-        )
+        let (input, output) = (name(&self.inputs, input), name(&self.outputs, output));
+        format!("{input} → {output}")
     }
+}
+
+/// Name of a channel, its number from 1 where it has none.
+fn name(names: &[String], k: usize) -> String {
+    names.get(k).cloned().unwrap_or_else(|| (k + 1).to_string())
 }

@@ -42,29 +42,12 @@ pub struct SpectralLine {
 /// # Errors
 /// [`ReportError`] if there are no lines or a frequency is not a finite number above zero.
 pub fn spectrum(lines: &[SpectralLine], label: &str) -> Result<Figure, ReportError> {
-    if lines.is_empty() {
-        return Err(ReportError::Empty {
-            figure: "a spectrum",
-            missing: "lines",
-        });
-    }
-    let frequencies = || lines.iter().map(|line| line.frequency_hz);
-    validation::log_frequencies("a frequency_hz", frequencies())?;
+    check(lines)?;
     let legend = legend(lines);
     let top = 16.0 + legend.height();
     let mut figure = Figure::new(LEFT + WIDTH + RIGHT, top + HEIGHT + BELOW);
     legend.draw(&mut figure, LEFT, 8.0);
-    let amplitudes = lines.iter().map(|line| line.amplitude);
-    let panel = Panel {
-        rect: Rect {
-            x: LEFT,
-            y: top,
-            width: WIDTH,
-            height: HEIGHT,
-        },
-        x: Axis::frequency(frequencies(), WIDTH),
-        y: Axis::linear(amplitudes.chain([0.0]), HEIGHT),
-    };
+    let panel = panel(lines, top);
     panel.draw(&mut figure, |figure| {
         for line in lines {
             draw_line(figure, &panel, line);
@@ -73,6 +56,34 @@ pub fn spectrum(lines: &[SpectralLine], label: &str) -> Result<Figure, ReportErr
     panel.label_y(&mut figure, label);
     panel.label_x(&mut figure, "Frequency in Hz");
     Ok(figure)
+}
+
+/// Refuses no lines, and frequencies that a logarithmic axis cannot hold.
+fn check(lines: &[SpectralLine]) -> Result<(), ReportError> {
+    if lines.is_empty() {
+        return Err(ReportError::Empty {
+            figure: "a spectrum",
+            missing: "lines",
+        });
+    }
+    let frequencies = lines.iter().map(|line| line.frequency_hz);
+    validation::log_frequencies("a frequency_hz", frequencies)
+}
+
+/// The panel that holds every line from its foot at 0.
+fn panel(lines: &[SpectralLine], top: f64) -> Panel {
+    let frequencies = lines.iter().map(|line| line.frequency_hz);
+    let amplitudes = lines.iter().map(|line| line.amplitude);
+    Panel {
+        rect: Rect {
+            x: LEFT,
+            y: top,
+            width: WIDTH,
+            height: HEIGHT,
+        },
+        x: Axis::frequency(frequencies, WIDTH),
+        y: Axis::linear(amplitudes.chain([0.0]), HEIGHT),
+    }
 }
 
 /// The legend: the roles that occur.

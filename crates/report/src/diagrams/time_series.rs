@@ -44,14 +44,7 @@ pub struct TimePanel<'a> {
 /// # Errors
 /// [`ReportError`] if there are no panels, or `sample_time_s` is not a finite number above zero.
 pub fn time_series(sample_time_s: f64, panels: &[TimePanel]) -> Result<Figure, ReportError> {
-    if panels.is_empty() {
-        return Err(ReportError::Empty {
-            figure: "a time series",
-            missing: "panels",
-        });
-    }
-    let needed = "a finite number above 0";
-    validation::value("sample_time_s", sample_time_s, needed, |value| value > 0.0)?;
+    check(sample_time_s, panels)?;
     let inks = trace_inks(panels);
     let legend = legend(panels, &inks);
     let top = 16.0 + legend.height();
@@ -60,8 +53,7 @@ pub fn time_series(sample_time_s: f64, panels: &[TimePanel]) -> Result<Figure, R
         top + panels.len() as f64 * (HEIGHT + GAP) - GAP + BELOW,
     );
     legend.draw(&mut figure, LEFT, 8.0);
-    let longest = panels.iter().map(TimePanel::longest).max().unwrap_or(0);
-    let time = Axis::exact([0.0, longest as f64 * sample_time_s].into_iter(), WIDTH);
+    let time = time_axis(sample_time_s, panels);
     for (row, content) in panels.iter().enumerate() {
         let panel = content.panel(top + row as f64 * (HEIGHT + GAP), time.clone());
         panel.draw(&mut figure, |figure| {
@@ -73,6 +65,24 @@ pub fn time_series(sample_time_s: f64, panels: &[TimePanel]) -> Result<Figure, R
         }
     }
     Ok(figure)
+}
+
+/// Refuses no panels, and a sample time that is not above zero.
+fn check(sample_time_s: f64, panels: &[TimePanel]) -> Result<(), ReportError> {
+    if panels.is_empty() {
+        return Err(ReportError::Empty {
+            figure: "a time series",
+            missing: "panels",
+        });
+    }
+    let needed = "a finite number above 0";
+    validation::value("sample_time_s", sample_time_s, needed, |value| value > 0.0)
+}
+
+/// The time from 0 to the end of the longest trace of all panels.
+fn time_axis(sample_time_s: f64, panels: &[TimePanel]) -> Axis {
+    let longest = panels.iter().map(TimePanel::longest).max().unwrap_or(0);
+    Axis::exact([0.0, longest as f64 * sample_time_s].into_iter(), WIDTH)
 }
 
 /// Every label of a trace once, in order, with its ink.

@@ -20,6 +20,16 @@ pub(crate) enum Align {
     Right,
 }
 
+impl Align {
+    fn anchor(self) -> TextAnchor {
+        match self {
+            Self::Left => TextAnchor::Start,
+            Self::Center => TextAnchor::Middle,
+            Self::Right => TextAnchor::End,
+        }
+    }
+}
+
 impl Figure {
     /// A stroked line through the points.
     pub(crate) fn line(&mut self, points: Vec<Point>, pen: Pen) {
@@ -112,17 +122,12 @@ impl Figure {
         align: Align,
         rotate: Option<f64>,
     ) {
-        let anchor = match align {
-            Align::Left => TextAnchor::Start,
-            Align::Center => TextAnchor::Middle,
-            Align::Right => TextAnchor::End,
-        };
         self.push(Primitive::Text {
             x,
             y,
             content: printable(text),
             size,
-            anchor,
+            anchor: align.anchor(),
             rotate,
             bold: false,
             color: Some(Color::from("#000000")),
@@ -232,9 +237,13 @@ fn path_data(outline: &[Point]) -> String {
 /// Text as XML can hold it, taken literally: control characters are replaced, and dollars escaped,
 /// which kuva would read as mathematics.
 fn printable(text: &str) -> String {
-    let legal = |c: char| !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}');
     text.chars()
-        .map(|c| if legal(c) { c } else { '\u{fffd}' })
+        .map(|c| if is_legal(c) { c } else { '\u{fffd}' })
         .collect::<String>()
         .replace('$', "\\$")
+}
+
+/// Whether XML can hold a character.
+fn is_legal(c: char) -> bool {
+    !c.is_control() && !matches!(c, '\u{fffe}' | '\u{ffff}')
 }

@@ -2,6 +2,7 @@
 
 use crate::figure::Figure;
 use crate::figure::drawing::Align;
+use crate::figure::geometry::Point;
 use crate::figure::ink::Ink;
 use crate::figure::panel::TICK_SIZE;
 
@@ -41,14 +42,19 @@ impl<'a> Legend<'a> {
         for (k, (label, ink)) in self.entries.iter().enumerate() {
             let x = left + self.column * (k % self.columns) as f64;
             let y = top + ROW * ((k / self.columns) as f64 + 0.5);
-            if let Some(pen) = ink.pen {
-                figure.line(vec![(x, y), (x + SAMPLE, y)], pen);
-            }
-            if let Some(marker) = ink.marker {
-                figure.marker((x + SAMPLE / 2.0, y), marker, 3.0, ink.color);
-            }
+            draw_sample(figure, (x, y), ink);
             figure.text((x + SAMPLE + 6.0, y + 4.0), label, TICK_SIZE, Align::Left);
         }
+    }
+}
+
+/// Draws a short line and a marker, the line's left end at the point.
+fn draw_sample(figure: &mut Figure, (x, y): Point, ink: &Ink) {
+    if let Some(pen) = ink.pen {
+        figure.line(vec![(x, y), (x + SAMPLE, y)], pen);
+    }
+    if let Some(marker) = ink.marker {
+        figure.marker((x + SAMPLE / 2.0, y), marker, 3.0, ink.color);
     }
 }
 

@@ -77,13 +77,14 @@ impl Figure {
                 }
             }
         }
-        let svg = SvgBackend::new().render_scene(&self.scene(shapes, patterns));
-        // Without a viewBox an SVG does not scale with the page it is put on.
-        svg.replacen(
-            "<svg ",
-            &format!("<svg viewBox=\"0 0 {} {}\" ", self.width, self.height),
-            1,
-        )
+        self.with_view_box(&SvgBackend::new().render_scene(&self.scene(shapes, patterns)))
+    }
+
+    /// The SVG with a viewBox: without one it does not scale with the page it is put on.
+    fn with_view_box(&self, svg: &str) -> String {
+        let (width, height) = (self.width, self.height);
+        let start = format!("<svg viewBox=\"0 0 {width} {height}\" ");
+        svg.replacen("<svg ", &start, 1)
     }
 
     /// The picture as a PNG file, `scale` pixels per CSS pixel (2 is right for screens, 4 for
@@ -93,26 +94,31 @@ impl Figure {
     /// [`ReportError::Value`] if `scale` is not above zero or gives more than 128 million pixels,
     /// [`ReportError::Png`].
     pub fn png(&self, scale: f64) -> Result<Vec<u8>, ReportError> {
-        let pixels = self.width * self.height * scale * scale;
-        if !(scale > 0.0 && pixels <= MOST_PIXELS) {
-            let needed = "above 0 and at most 128 million pixels in the picture";
-            return Err(ReportError::Value {
-                what: "PNG scale".to_owned(),
-                found: scale,
-                needed,
-            });
-        }
+        self.check_scale(scale)?;
         // kuva's rasteriser begins the dash pattern again at every point, so dense dashed curves
         // would come out solid.
-        let plain = |shape: &Shape| match shape {
+        let shapes = self.shapes.iter().flat_map(|shape| match shape {
             Shape::Plain(primitive) => cut_dashes(primitive),
             Shape::Image(image) => vec![image.cells()],
-        };
-        let scene = self.scene(self.shapes.iter().flat_map(plain).collect(), Vec::new());
+        });
+        let scene = self.scene(shapes.collect(), Vec::new());
         RasterBackend::new()
             .with_scale(scale as f32)
             .render_scene(&scene)
             .map_err(ReportError::Png)
+    }
+
+    /// Refuses a scale that gives no picture or too large a one.
+    fn check_scale(&self, scale: f64) -> Result<(), ReportError> {
+        let pixels = self.width * self.height * scale * scale;
+        if scale > 0.0 && pixels <= MOST_PIXELS {
+            return Ok(());
+        }
+        Err(ReportError::Value {
+            what: "PNG scale".to_owned(),
+            found: scale,
+            needed: "above 0 and at most 128 million pixels in the picture",
+        })
     }
 
     /// The sheet with these shapes; clip paths and patterns are its definitions.

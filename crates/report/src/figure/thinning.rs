@@ -1,10 +1,10 @@
-//! Thinning of polylines: dropping the points that nobody sees.
+//! Thinning of polylines: dropping the points that cannot be seen.
 
 use crate::figure::geometry::Point;
 
-/// A polyline that runs to the right, without the points nobody sees: of all points within half a
-/// pixel the first, lowest, highest and last are kept, and of these the ones more than a tenth of a
-/// pixel off the line between their neighbours.
+/// A polyline that runs to the right, without the points that cannot be seen: of all points within
+/// half a pixel the first, lowest, highest and last are kept, and of these the ones more than a
+/// tenth of a pixel off the line between their neighbours.
 pub(crate) fn thinned(points: impl Iterator<Item = Point>) -> Vec<Point> {
     let mut kept: Vec<Point> = Vec::new();
     let mut column: Vec<Point> = Vec::new();

@@ -36,16 +36,21 @@ pub(crate) fn round_outward((low, high): (f64, f64)) -> (f64, f64) {
     };
     let span = (high / low).ln();
     for digits in 0..4 {
-        let unit = |value: f64| 10f64.powi(value.log10().floor() as i32 - digits);
+        let (low_unit, high_unit) = (unit_of_digit(low, digits), unit_of_digit(high, digits));
         let (down, up) = (
-            (low / unit(low) + 1e-9).floor() * unit(low),
-            (high / unit(high) - 1e-9).ceil() * unit(high),
+            (low / low_unit + 1e-9).floor() * low_unit,
+            (high / high_unit - 1e-9).ceil() * high_unit,
         );
         if (up / down).ln() <= 1.1 * span {
             return (down, up);
         }
     }
     (low, high)
+}
+
+/// The power of ten of a value's digit of that number, from 0.
+fn unit_of_digit(value: f64, digit: i32) -> f64 {
+    10f64.powi(value.log10().floor() as i32 - digit)
 }
 
 /// The powers of ten around a range.
@@ -74,12 +79,10 @@ pub(crate) fn labelled_frequencies(
     } else if fits(2.0) {
         one_digit_values(low, high, &[1.0, 2.0, 5.0])
     } else {
+        let mut tens = one_digit_values(low, high, &[1.0]);
         let every = (room / per_decade).ceil() as i32;
-        let power = |ten: &f64| ten.log10().round() as i32;
-        one_digit_values(low, high, &[1.0])
-            .into_iter()
-            .filter(|ten| power(ten).rem_euclid(every) == 0)
-            .collect()
+        tens.retain(|ten| (ten.log10().round() as i32).rem_euclid(every) == 0);
+        tens
     }
 }
 
@@ -96,10 +99,13 @@ pub(crate) fn round_step(least: f64) -> f64 {
 /// Decimals needed to print multiples of a step.
 pub(crate) fn decimals_of(step: f64) -> usize {
     (0..12)
-        .find(|&digits| {
-            (step * 10f64.powi(digits) - (step * 10f64.powi(digits)).round()).abs() < 1e-6
-        })
+        .find(|&decimals| is_whole(step * 10f64.powi(decimals)))
         .unwrap_or(12) as usize
+}
+
+/// Whether a value is a whole number but for rounding.
+fn is_whole(value: f64) -> bool {
+    (value - value.round()).abs() < 1e-6
 }
 
 /// A tick label with a true minus sign; powers of ten where there would be many zeros.
@@ -109,14 +115,15 @@ pub(crate) fn tick_label(value: f64, decimals: usize) -> String {
     } else {
         format!("{value:.decimals$}")
     };
-    let text = if text
-        .trim_start_matches('-')
-        .trim_matches(['0', '.'])
-        .is_empty()
-    {
-        text.trim_start_matches('-').to_owned()
+    let size = text.trim_start_matches('-');
+    if is_zero(size) {
+        size.to_owned()
     } else {
-        text
-    };
-    text.replace('-', "\u{2212}")
+        text.replace('-', "\u{2212}")
+    }
+}
+
+/// Whether a number without its sign is printed as zero.
+fn is_zero(size: &str) -> bool {
+    size.trim_matches(['0', '.']).is_empty()
 }

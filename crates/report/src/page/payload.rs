@@ -1,5 +1,5 @@
-//! The numbers of a report as its script reads them: JSON, arrays as base64 of little-endian
-//! float32.
+//! Payload of a page: its numbers as its script reads them, JSON with arrays as base64 of
+//! little-endian float32.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;

@@ -48,15 +48,11 @@ fn by_position(campaign: &MultisineCampaign) -> Curve<'_> {
 /// Figure 9: chirps at the first and the best iteration.
 pub(super) fn figure_9(section7: &Section7) -> Result<Named, PaperError> {
     let (orthogonal, sign_flip) = (&section7.orthogonal, &section7.sign_flip);
-    let at = |phasing: &str, iteration: usize, frf| {
-        let label = format!("{phasing}, iteration {iteration}");
-        curve(&label, frf, Style::Line)
-    };
     let curves = [
         truth(section7),
-        at("sign flip", sign_flip.first, &sign_flip.first_frf),
-        at("orthogonal", orthogonal.best, &orthogonal.frf),
-        at("sign flip", sign_flip.best, &sign_flip.frf),
+        at_iteration("sign flip", sign_flip.first, &sign_flip.first_frf),
+        at_iteration("orthogonal", orthogonal.best, &orthogonal.frf),
+        at_iteration("sign flip", sign_flip.best, &sign_flip.frf),
     ];
     let marks = [
         peak_marks(&orthogonal.frf, 2, MarkShape::Cross, "orthogonal"),
@@ -70,6 +66,12 @@ pub(super) fn figure_9(section7: &Section7) -> Result<Named, PaperError> {
             .into(),
         figure: bode_matrix(&curves, &labels(section7), false, &marks)?,
     })
+}
+
+/// The estimate at an iteration of a shaping.
+fn at_iteration<'a>(phasing: &str, iteration: usize, frf: &'a Frf) -> Curve<'a> {
+    let label = format!("{phasing}, iteration {iteration}");
+    curve(&label, frf, Style::Line)
 }
 
 /// Marks at the peaks of the channel from input 1 to output 2, there and in the channel from input

@@ -60,16 +60,20 @@ fn notes(section7: &Section7) -> Vec<String> {
          oppositely, so their friction, an odd function, cancels. With (9) phases and amplitudes of the axes, and with them the \
          friction, differ from experiment to experiment, and the difference is booked on the weak cross channel.",
     ];
-    let of_torques = |whose: &str, warnings: &[String]| -> Vec<String> {
-        let said = |warning| format!("Desired torques of {whose}: {warning}");
-        warnings.iter().map(said).collect()
-    };
     [
         fixed.map(String::from).to_vec(),
-        of_torques("figure 7", &section7.sign_flip.warnings),
-        of_torques("the paper's table 1", &section7.table1_warnings),
+        torque_notes("figure 7", &section7.sign_flip.warnings),
+        torque_notes("the paper's table 1", &section7.table1_warnings),
     ]
     .concat()
+}
+
+/// What is reported of torques that are too weak.
+fn torque_notes(whose: &str, warnings: &[String]) -> Vec<String> {
+    warnings
+        .iter()
+        .map(|warning| format!("Desired torques of {whose}: {warning}"))
+        .collect()
 }
 
 /// The curves of the page's interactive diagram.
@@ -113,18 +117,21 @@ fn convergence_figure(section7: &Section7) -> Result<Named, PaperError> {
 
 /// Errors and stuck shares per axis; NaN where a run was stopped.
 fn procedure(label: &str, iterations: &[Summary], axes: usize) -> Procedure {
-    let of_axis = |shares: &[f64], axis: usize| shares.get(axis).copied().unwrap_or(f64::NAN);
     let error = |(k, axis): (usize, usize)| {
         let errors = iterations[k].channel_error.as_deref();
-        of_axis(errors.unwrap_or_default(), axis)
+        value_or_nan(errors.unwrap_or_default(), axis)
     };
-    let stuck = |(k, axis): (usize, usize)| of_axis(&iterations[k].stuck_share, axis);
+    let stuck = |(k, axis): (usize, usize)| value_or_nan(&iterations[k].stuck_share, axis);
     let shape = (iterations.len(), axes);
     Procedure {
         label: label.into(),
         error: Array2::from_shape_fn(shape, error),
         stuck: Some(Array2::from_shape_fn(shape, stuck)),
     }
+}
+
+fn value_or_nan(values: &[f64], axis: usize) -> f64 {
+    values.get(axis).copied().unwrap_or(f64::NAN)
 }
 
 /// Names of the axes' torques and velocities.

@@ -2,7 +2,7 @@
 
 use frfid_estimate::{SpectrogramOptions, harmonic_levels, spectrogram as spectrogram_of};
 use frfid_report::{Figure, Spectrogram, TimePanel, Trace, spectrogram, time_series};
-use frfid_signals::Waveform as _;
+use frfid_signals::{Chirp, Waveform as _};
 use ndarray::{Array1, ArrayView1};
 
 use crate::error::PaperError;
@@ -81,8 +81,6 @@ fn torque_spectrogram(
 ) -> Result<Figure, PaperError> {
     let density = spectrogram_of(torque, chirps.sample_time_s, &WINDOWS)?;
     let chirp = &chirps.chirp;
-    let instants = (0..=SWEEP).map(|k| chirp.duration_s * f64::from(k) / f64::from(SWEEP));
-    let sweep = instants.map(|time_s| (start_s + time_s, chirp.frequency_at(time_s)));
     let last_harmonic = HARMONICS[HARMONICS.len() - 1];
     let highest_hz = (chirp.high_hz * f64::from(last_harmonic) / 10.0).ceil() * 10.0;
     let nyquist_hz = 0.5 / chirps.sample_time_s;
@@ -94,9 +92,17 @@ fn torque_spectrogram(
         band_hz: (0.0, highest_hz.min(nyquist_hz)),
         log_frequency: false,
         range_db: RANGE_DB,
-        sweep: sweep.collect(),
+        sweep: sweep(chirp, start_s),
         harmonics: HARMONICS.to_vec(),
     })?)
+}
+
+/// Pairs of time and frequency of a chirp that begins at `start_s`.
+fn sweep(chirp: &Chirp, start_s: f64) -> Vec<(f64, f64)> {
+    (0..=SWEEP)
+        .map(|k| chirp.duration_s * f64::from(k) / f64::from(SWEEP))
+        .map(|time_s| (start_s + time_s, chirp.frequency_at(time_s)))
+        .collect()
 }
 
 /// Figure 6: the reference.

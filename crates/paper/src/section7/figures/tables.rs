@@ -60,8 +60,7 @@ fn multisine_rows(coulomb_nm: &[f64], campaign: &MultisineCampaign) -> Vec<Row> 
 }
 
 fn chirp_rows(name: &str, chirps: &ShapedChirps) -> Vec<Row> {
-    let of_name =
-        |what: &str, here: String, paper: &str| row(format!("{name}: {what}"), here, paper);
+    let of_name = |what, here, paper| row(format!("{name}: {what}"), here, paper);
     vec![
         of_name(
             "peak torque in N m",

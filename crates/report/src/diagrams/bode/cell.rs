@@ -27,7 +27,6 @@ pub(crate) struct Axes {
 pub(crate) struct Cell<'a> {
     pub(crate) sheet: &'a Sheet<'a>,
     pub(crate) axes: &'a Axes,
-    pub(crate) inks: &'a [Ink],
     /// Output and input.
     pub(crate) entry: (usize, usize),
     pub(crate) is_leftmost: bool,
@@ -98,7 +97,7 @@ impl Cell<'_> {
 
     /// Every curve with its ink.
     fn curves(&self) -> impl Iterator<Item = (&Curve<'_>, &Ink)> {
-        self.sheet.curves.iter().zip(self.inks)
+        self.sheet.curves.iter().zip(&self.sheet.inks)
     }
 
     /// Draws the region, line and markers of a magnitude.
@@ -128,11 +127,7 @@ impl Cell<'_> {
             .region(self.entry)
             .map(|radius| self.half_width_deg(curve, &radius));
         for run in phase::runs(&phase_deg) {
-            let shifted = |by: &dyn Fn(usize) -> f64| -> Line {
-                run.iter()
-                    .map(|&(k, phase)| (curve.frf.frequency_hz[k], phase + by(k)))
-                    .collect()
-            };
+            let shifted = |by: &dyn Fn(usize) -> f64| shifted_run(curve, &run, by);
             if let Some(half) = &half_width_deg {
                 let (low, high) = (shifted(&|k| -half[k]), shifted(&|k| half[k]));
                 panel.band(figure, &low, &high, ink.color);
@@ -173,7 +168,7 @@ impl Cell<'_> {
         for mark in self.sheet.marks {
             if (mark.output, mark.input) == self.entry {
                 let at = (mark.frequency_hz, mark.magnitude_db);
-                panel.mark(figure, at, &mark.ink(self.inks), MARK);
+                panel.mark(figure, at, &mark.ink(&self.sheet.inks), MARK);
             }
         }
     }
@@ -192,6 +187,13 @@ type Values = fn(&Frf, usize, usize) -> Vec<f64>;
 fn over_frequency(curve: &Curve, values: &[f64]) -> Line {
     let frequencies = curve.frf.frequency_hz.iter().copied();
     frequencies.zip(values.iter().copied()).collect()
+}
+
+/// A run of phases, each shifted by a number of degrees.
+fn shifted_run(curve: &Curve, run: &[(usize, f64)], by: &dyn Fn(usize) -> f64) -> Line {
+    run.iter()
+        .map(|&(k, phase)| (curve.frf.frequency_hz[k], phase + by(k)))
+        .collect()
 }
 
 /// Draws the markers of a curve, where it is not flagged.

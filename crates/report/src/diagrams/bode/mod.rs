@@ -8,6 +8,7 @@ use crate::diagrams::bode::sheet::Sheet;
 use crate::diagrams::curve::Curve;
 use crate::diagrams::labels::Labels;
 use crate::diagrams::mark::Mark;
+use crate::diagrams::style::inks;
 use crate::diagrams::validation::{check_curves, check_entry, check_marks};
 use crate::error::ReportError;
 use crate::figure::Figure;
@@ -36,6 +37,7 @@ pub fn bode(
     check_entry(&curves[0], (output, input), size)?;
     Ok(Sheet {
         curves,
+        inks: inks(curves.iter().map(|curve| curve.style)),
         labels,
         marks: &[],
         rows: vec![output],
@@ -64,6 +66,7 @@ pub fn bode_matrix(
     check_marks(marks, curves, (outputs, inputs))?;
     Ok(Sheet {
         curves,
+        inks: inks(curves.iter().map(|curve| curve.style)),
         labels,
         marks,
         rows: (0..outputs).collect(),

@@ -6,7 +6,6 @@ use crate::diagrams::bode::cell::{Axes, Cell};
 use crate::diagrams::curve::Curve;
 use crate::diagrams::labels::Labels;
 use crate::diagrams::mark::Mark;
-use crate::diagrams::style::inks;
 use crate::figure::Figure;
 use crate::figure::axis::Axis;
 use crate::figure::drawing::Align;
@@ -23,6 +22,8 @@ const DEEPEST_DB: f64 = 140.0;
 /// The layout of a figure: which entries, and the size of a cell's panels in pixels.
 pub(crate) struct Sheet<'a> {
     pub(crate) curves: &'a [Curve<'a>],
+    /// The ink of every curve.
+    pub(crate) inks: Vec<Ink>,
     pub(crate) labels: &'a Labels,
     pub(crate) marks: &'a [Mark],
     pub(crate) rows: Vec<usize>,
@@ -35,9 +36,8 @@ pub(crate) struct Sheet<'a> {
 
 impl Sheet<'_> {
     pub(crate) fn draw(&self) -> Figure {
-        let inks = inks(self.curves.iter().map(|curve| curve.style));
         let across = self.columns.len() as f64 * (self.width + GAP) - GAP;
-        let legend = self.legend(&inks, across);
+        let legend = self.legend(across);
         let (top, height) = (8.0 + legend.height(), self.cell_height());
         let mut figure = Figure::new(
             LEFT + across + RIGHT,
@@ -50,7 +50,7 @@ impl Sheet<'_> {
             for column in 0..self.columns.len() {
                 let left = LEFT + column as f64 * (self.width + GAP);
                 let corner = (left, top + row as f64 * height);
-                self.cell(&mut figure, corner, (row, column), &axes, &inks);
+                self.cell(&mut figure, corner, (row, column), &axes);
             }
         }
         figure
@@ -62,31 +62,29 @@ impl Sheet<'_> {
     }
 
     /// The legend: curves, marks and flagged lines.
-    fn legend<'a>(&'a self, inks: &[Ink], width: f64) -> Legend<'a> {
+    fn legend(&self, width: f64) -> Legend<'_> {
         let labels = self.curves.iter().map(|curve| curve.label.as_str());
-        let curves = labels.zip(inks.iter().copied());
-        let entries = curves
-            .chain(self.named_marks(inks))
-            .chain(self.flagged_lines(inks));
+        let curves = labels.zip(self.inks.iter().copied());
+        let entries = curves.chain(self.named_marks()).chain(self.flagged_lines());
         Legend::new(entries, width)
     }
 
     /// Every name of a mark once, with the ink of the first of that name.
-    fn named_marks(&self, inks: &[Ink]) -> Vec<(&str, Ink)> {
+    fn named_marks(&self) -> Vec<(&str, Ink)> {
         let mut names: Vec<(&str, Ink)> = Vec::new();
         for mark in self.marks {
             if names.iter().all(|(name, _)| *name != mark.label) {
-                names.push((&mark.label, mark.ink(inks)));
+                names.push((&mark.label, mark.ink(&self.inks)));
             }
         }
         names
     }
 
     /// The crosses of every curve that has flagged lines.
-    fn flagged_lines(&self, inks: &[Ink]) -> impl Iterator<Item = (&str, Ink)> {
+    fn flagged_lines(&self) -> impl Iterator<Item = (&str, Ink)> {
         self.curves
             .iter()
-            .zip(inks)
+            .zip(&self.inks)
             .filter(|(curve, _)| (0..curve.frf.n_frequencies()).any(|k| curve.is_flagged(k)))
             .map(|(_, ink)| ("flagged line", Ink::markers(Marker::Cross, ink.color)))
     }
@@ -105,7 +103,6 @@ impl Sheet<'_> {
         (left, top): Point,
         (row, column): (usize, usize),
         axes: &Axes,
-        inks: &[Ink],
     ) {
         let (output, input) = (self.rows[row], self.columns[column]);
         let title = self.labels.entry(output, input);
@@ -114,7 +111,6 @@ impl Sheet<'_> {
         let cell = Cell {
             sheet: self,
             axes,
-            inks,
             entry: (output, input),
             is_leftmost: column == 0,
             is_lowest: row + 1 == self.rows.len(),

@@ -160,11 +160,7 @@ impl Spectrogram<'_> {
         let seen = self.sweep.iter().filter(|(s, _)| panel.x.holds(*s));
         let line: Vec<(f64, f64)> = seen.map(|&(s, hz)| (s, f64::from(harmonic) * hz)).collect();
         panel.curve(figure, &line, &HARMONIC);
-        let name = if harmonic == 1 {
-            "f".to_owned()
-        } else {
-            format!("{harmonic}f")
-        };
+        let name = harmonic_name(harmonic);
         let leaves = line.iter().position(|&(_, hz)| panel.y.share(hz) > 1.0);
         match (leaves, line.last()) {
             (Some(0), _) | (_, None) => {}
@@ -177,6 +173,15 @@ impl Spectrogram<'_> {
                 figure.text(at, &name, TICK_SIZE, Align::Left);
             }
         }
+    }
+}
+
+/// Name of a multiple of the excitation's frequency f.
+fn harmonic_name(harmonic: u32) -> String {
+    if harmonic == 1 {
+        "f".to_owned()
+    } else {
+        format!("{harmonic}f")
     }
 }
 
@@ -197,11 +202,16 @@ fn draw_bar(figure: &mut Figure, scale: &Axis, label: &str) -> Result<(), Report
         y: scale.clone(),
     };
     bar.frame(figure);
-    for (value, text) in &scale.ticks {
-        let (right, y) = bar.at(1.0, *value);
+    label_right(figure, &bar);
+    figure.upward_text((rect.right() + 52.0, rect.middle_y()), label, LABEL_SIZE);
+    Ok(())
+}
+
+/// Ticks and labels to the right of a panel.
+fn label_right(figure: &mut Figure, panel: &Panel) {
+    for (value, text) in &panel.y.ticks {
+        let (right, y) = panel.at(1.0, *value);
         figure.line(vec![(right, y), (right + TICK, y)], FRAME);
         figure.text((right + 6.0, y + 4.0), text, TICK_SIZE, Align::Left);
     }
-    figure.upward_text((rect.right() + 52.0, rect.middle_y()), label, LABEL_SIZE);
-    Ok(())
 }
