@@ -41,7 +41,7 @@ struct Dashes {
 
 impl Dashes {
     fn is_stroke(&self) -> bool {
-        self.turn % 2 == 0
+        self.turn.is_multiple_of(2)
     }
 
     /// Goes along a straight piece of the line.
