@@ -1,4 +1,4 @@
-//! An estimate beside the linear truth, and the numbers by which the two are compared.
+//! Estimate beside the linear truth, and the numbers by which the two are compared.
 
 use std::ops::RangeInclusive;
 
@@ -84,6 +84,7 @@ impl Measured {
         })
     }
 
+    /// Numbers of the lines in a band.
     fn in_band(&self, band_hz: RangeInclusive<f64>) -> impl Iterator<Item = usize> {
         (0..self.frf.n_frequencies()).filter(move |&k| band_hz.contains(&self.frf.frequency_hz[k]))
     }

@@ -3,13 +3,15 @@
 
 mod against_truth;
 mod error;
+mod named_figure;
 mod paper;
 mod section6;
 mod section7;
 
 pub use against_truth::{Measured, largest_relative_difference};
 pub use error::PaperError;
-pub use paper::{Named, Paper, PaperFigures};
+pub use named_figure::Named;
+pub use paper::{Paper, PaperFigures};
 pub use section6::{Pair, Section6};
 pub use section7::Section7;
 pub use section7::chirps::{Conditions, ShapedChirps};

@@ -1,10 +1,12 @@
-//! The paper as a whole: claims, figures and results of both sections, and the page that shows them.
+//! Paper as a whole: claims, figures and results of both sections, and the page that shows them.
 
 use frfid_files::ResultFile;
-use frfid_report::{Claim, Figure, Report};
+use frfid_report::{Claim, Report};
 use frfid_signals::Frf;
 
+use crate::against_truth::Measured;
 use crate::error::PaperError;
+use crate::named_figure::Named;
 use crate::section6::Section6;
 use crate::section7::Section7;
 
@@ -19,24 +21,6 @@ pub struct Paper {
     pub section6: Section6,
     /// The robot.
     pub section7: Section7,
-}
-
-/// A figure with its file name (without ending) and its caption.
-#[derive(Debug, Clone)]
-pub struct Named {
-    /// File name without ending.
-    pub name: &'static str,
-    /// Caption.
-    pub caption: String,
-    /// The figure.
-    pub figure: Figure,
-}
-
-impl Named {
-    /// The figure as a section of the page has it.
-    pub(crate) fn captioned(&self) -> (String, Figure) {
-        (self.caption.clone(), self.figure.clone())
-    }
 }
 
 /// The figures of the paper, by section.
@@ -78,29 +62,19 @@ impl Paper {
     #[must_use]
     pub fn results(&self) -> Vec<(&'static str, ResultFile)> {
         let Self { section6, section7 } = self;
-        let (joint, joints) = (["motor".to_owned()], section7.joint_names.as_slice());
-        let frfs: [(&'static str, &Frf, &[String]); 6] = [
-            (
-                "figure_4_multisine",
-                &section6.friction.multisine.frf,
-                &joint,
-            ),
-            ("figure_4_chirp", &section6.friction.chirp.frf, &joint),
-            (
-                "figure_5_multisine",
-                &section6.stiffening.multisine.frf,
-                &joint,
-            ),
-            ("figure_5_chirp", &section6.stiffening.chirp.frf, &joint),
+        let motor = |measured: &Measured| result(&measured.frf, &["motor".to_owned()]);
+        let joints = |frf: &Frf| result(frf, &section7.joint_names);
+        vec![
+            ("figure_4_multisine", motor(&section6.friction.multisine)),
+            ("figure_4_chirp", motor(&section6.friction.chirp)),
+            ("figure_5_multisine", motor(&section6.stiffening.multisine)),
+            ("figure_5_chirp", motor(&section6.stiffening.chirp)),
             (
                 "figure_10_multisine",
-                &section7.multisine.by_position,
-                joints,
+                joints(&section7.multisine.by_position),
             ),
-            ("figure_10_chirp", &section7.sign_flip.frf, joints),
-        ];
-        let named = frfs.map(|(name, frf, joints)| (name, result(frf, joints)));
-        named.to_vec()
+            ("figure_10_chirp", joints(&section7.sign_flip.frf)),
+        ]
     }
 
     /// The page: the sections one after the other, below the table of claims.
@@ -122,6 +96,7 @@ impl Paper {
     }
 }
 
+/// An FRF as a result of this version of frfid.
 fn result(frf: &Frf, joints: &[String]) -> ResultFile {
     let version = env!("CARGO_PKG_VERSION").to_owned();
     ResultFile {

@@ -1,4 +1,4 @@
-//! What can keep a figure or a report from being made.
+//! Errors of figures and reports.
 
 use frfid_signals::SignalError;
 use thiserror::Error;

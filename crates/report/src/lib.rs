@@ -8,9 +8,13 @@ mod diagrams {
     pub(crate) mod bode;
     pub(crate) mod convergence;
     pub(crate) mod curve;
-    pub(crate) mod phase;
+    pub(crate) mod labels;
+    pub(crate) mod mark;
     pub(crate) mod spectrogram;
+    pub(crate) mod spectrum;
+    pub(crate) mod style;
     pub(crate) mod time_series;
+    pub(crate) mod validation;
 }
 mod error;
 mod figure;
@@ -19,9 +23,13 @@ mod validation;
 
 pub use diagrams::bode::{bode, bode_matrix};
 pub use diagrams::convergence::{Procedure, convergence};
-pub use diagrams::curve::{Band, Curve, Labels, Mark, MarkShape, Style};
+pub use diagrams::curve::{Band, Curve};
+pub use diagrams::labels::Labels;
+pub use diagrams::mark::{Mark, MarkShape};
 pub use diagrams::spectrogram::{Spectrogram, spectrogram};
-pub use diagrams::time_series::{LineRole, SpectralLine, TimePanel, Trace, spectrum, time_series};
+pub use diagrams::spectrum::{LineRole, SpectralLine, spectrum};
+pub use diagrams::style::Style;
+pub use diagrams::time_series::{TimePanel, Trace, time_series};
 pub use error::ReportError;
 pub use figure::Figure;
 pub use page::Report;

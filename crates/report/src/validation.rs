@@ -1,4 +1,4 @@
-//! What is asked of the numbers of a figure.
+//! Validation of a figure's numbers.
 
 use crate::error::ReportError;
 
@@ -22,12 +22,11 @@ pub(crate) fn value(
     needed: &'static str,
     good: impl Fn(f64) -> bool,
 ) -> Result<(), ReportError> {
-    let what = what.to_owned();
     if found.is_finite() && good(found) {
         Ok(())
     } else {
         Err(ReportError::Value {
-            what,
+            what: what.to_owned(),
             found,
             needed,
         })
@@ -45,6 +44,22 @@ pub(crate) fn rising(what: &str, values: &[f64]) -> Result<(), ReportError> {
             |value| value > last,
         )?;
         last = found;
+    }
+    Ok(())
+}
+
+/// Refuses frequencies that a logarithmic axis cannot hold.
+pub(crate) fn log_frequencies(
+    what: &str,
+    frequencies_hz: impl Iterator<Item = f64>,
+) -> Result<(), ReportError> {
+    for hz in frequencies_hz {
+        value(
+            what,
+            hz,
+            "finite and above 0 (the frequency axis is logarithmic)",
+            |hz| hz > 0.0,
+        )?;
     }
     Ok(())
 }

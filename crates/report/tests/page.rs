@@ -1,4 +1,4 @@
-//! The report in a real browser: its script runs under its content security policy, and injected
+//! Report in a real browser: its script runs under its content security policy, and injected
 //! strings stay text.
 #![allow(missing_docs)]
 use std::fs::{self, File};

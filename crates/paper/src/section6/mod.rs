@@ -3,21 +3,14 @@
 
 pub(crate) mod claims;
 pub(crate) mod figures;
+pub(crate) mod variant;
 
-use frfid_experiment::{ConstantVelocityTable, Experiment, ExperimentError, Progress, Template};
-use frfid_plant::Hold;
-use frfid_signals::{Draw, Excitation, Frf, Limit, log_spaced, power};
+use frfid_experiment::{ExperimentError, Progress};
+use frfid_signals::{Draw, Excitation, Frf, log_spaced, power};
+use ndarray::Array3;
 
 use crate::against_truth::Measured;
-
-/// Stiffness beyond the knee of figure 5, 1.7 k1.
-const STIFFER_NM_PER_RAD: f64 = 2.55e5;
-/// Coulomb friction of figure 4.
-const FRICTION_NM: f64 = 50.0;
-/// A constant velocity that the 150 N m excitations cannot turn round.
-const FAST_RAD_S: f64 = 0.25;
-/// One that they do turn round.
-const SLOW_RAD_S: f64 = 0.011;
+use crate::section6::variant::{FAST_RAD_S, FRICTION, LINEAR, SLOW_RAD_S, STIFFENING, Variant};
 
 /// A multisine's and a chirp's FRF of the same joint.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,135 +45,70 @@ pub struct Section6 {
     pub power_share: Vec<f64>,
 }
 
-/// A variant of the paper's joint and of the way it is excited.
-#[derive(Clone, Copy)]
-struct Variant {
-    coulomb_nm: f64,
-    stiffness_beyond_nm_per_rad: f64,
-    velocity_rad_s: f64,
-}
-
-const LINEAR: Variant = Variant {
-    coulomb_nm: 0.0,
-    stiffness_beyond_nm_per_rad: 1.5e5,
-    velocity_rad_s: 0.0,
-};
-
 impl Section6 {
     /// Runs every experiment in simulation.
     ///
     /// # Errors
     /// [`ExperimentError::Interrupted`]; any other would be a fault of this library.
     pub fn run(jobs: usize, progress: Progress) -> Result<Self, ExperimentError> {
-        const EXPERIMENTS: usize = 12;
-        // every experiment is told as 1000 steps, whatever the number of its runs
-        let mut number = 0;
-        let mut measure = |kind: &str, variant: Variant| {
-            let step = |done: usize, total: usize| {
-                progress(
-                    1000 * number + 1000 * done / total.max(1),
-                    1000 * EXPERIMENTS,
-                )
-            };
-            let measured = variant.measure(kind, jobs, &step);
-            number += 1;
-            measured
+        let mut series = Series {
+            jobs,
+            progress,
+            n_done: 0,
         };
-        let mut pair = |variant: Variant| -> Result<Pair, ExperimentError> {
-            Ok(Pair {
-                multisine: measure("multisine", variant)?,
-                chirp: measure("chirp", variant)?,
-            })
-        };
-        let friction = Variant {
-            coulomb_nm: FRICTION_NM,
-            ..LINEAR
-        };
-        let linear = pair(LINEAR)?;
-        let with_friction = pair(friction)?;
-        let gliding = pair(Variant {
-            velocity_rad_s: FAST_RAD_S,
-            ..friction
-        })?;
-        let slow = pair(Variant {
-            velocity_rad_s: SLOW_RAD_S,
-            ..friction
-        })?;
-        let stiffening = pair(Variant {
-            stiffness_beyond_nm_per_rad: STIFFER_NM_PER_RAD,
-            ..LINEAR
-        })?;
-        let dense = log_spaced(1.0, 60.0, 600)?;
         Ok(Self {
-            truth: LINEAR
-                .experiment("chirp")?
-                .truth(&dense, Hold::Zoh, false)?,
-            linear,
-            friction: with_friction,
-            gliding,
-            gliding_frictionless: measure(
-                "chirp",
-                Variant {
-                    velocity_rad_s: FAST_RAD_S,
-                    ..LINEAR
-                },
-            )?,
-            slow,
-            slow_frictionless: measure(
-                "chirp",
-                Variant {
-                    velocity_rad_s: SLOW_RAD_S,
-                    ..LINEAR
-                },
-            )?,
-            stiffening,
+            truth: LINEAR.truth(&log_spaced(1.0, 60.0, 600)?)?,
+            linear: series.pair(LINEAR)?,
+            friction: series.pair(FRICTION)?,
+            gliding: series.pair(FRICTION.gliding_at(FAST_RAD_S))?,
+            slow: series.pair(FRICTION.gliding_at(SLOW_RAD_S))?,
+            stiffening: series.pair(STIFFENING)?,
+            gliding_frictionless: series.measure("chirp", LINEAR.gliding_at(FAST_RAD_S))?,
+            slow_frictionless: series.measure("chirp", LINEAR.gliding_at(SLOW_RAD_S))?,
             power_share: power_share()?,
         })
     }
 }
 
-impl Variant {
-    /// The experiment of the template `kind` on this joint.
-    fn experiment(self, kind: &str) -> Result<Experiment, ExperimentError> {
-        let template = Template::named(kind).expect("the templates of section 6 are built in");
-        let experiment = Experiment::of_template(template)?.with(|config| {
-            if let Some(joint) = &mut config.robot.single_joint {
-                joint.coulomb_nm = self.coulomb_nm;
-                joint.stiffness_beyond_nm_per_rad = Some(self.stiffness_beyond_nm_per_rad);
-            }
-            if self.velocity_rad_s > 0.0 {
-                config.constant_velocity = Some(ConstantVelocityTable {
-                    velocity_rad_s: Some(vec![self.velocity_rad_s]),
-                    travel_rad: None,
-                    glides: 0,
-                });
-                config.limits.remove(Limit::Torque);
-            }
-        });
-        Ok(experiment?)
+/// Number of experiments of section 6.
+const N_EXPERIMENTS: usize = 12;
+/// Steps as which every experiment is reported, whatever the number of its runs.
+const STEPS_EACH: usize = 1000;
+
+/// Experiments done one after the other, their progress reported as that of one.
+struct Series<'a> {
+    jobs: usize,
+    progress: Progress<'a>,
+    n_done: usize,
+}
+
+impl Series<'_> {
+    /// A variant of the joint measured by multisine and chirp.
+    fn pair(&mut self, variant: Variant) -> Result<Pair, ExperimentError> {
+        Ok(Pair {
+            multisine: self.measure("multisine", variant)?,
+            chirp: self.measure("chirp", variant)?,
+        })
     }
 
-    fn measure(
-        self,
-        kind: &str,
-        jobs: usize,
-        progress: Progress,
-    ) -> Result<Measured, ExperimentError> {
-        let experiment = self.experiment(kind)?;
-        let frf = experiment
-            .measure(&*experiment.testbed(), jobs, progress)?
-            .result
-            .frf;
-        let truth = experiment.truth(&frf.frequency_hz, Hold::Zoh, false)?;
-        Ok(Measured { frf, truth })
+    /// One experiment of the template `kind`.
+    fn measure(&mut self, kind: &str, variant: Variant) -> Result<Measured, ExperimentError> {
+        let step = |done: usize, total: usize| {
+            (self.progress)(
+                STEPS_EACH * self.n_done + STEPS_EACH * done / total.max(1),
+                STEPS_EACH * N_EXPERIMENTS,
+            )
+        };
+        let measured = variant.measure(kind, self.jobs, &step);
+        self.n_done += 1;
+        measured
     }
 }
 
 /// Mean power of multisines over that of the chirp of equal peak, for 1000 realizations, sorted
 /// (SK15 section 6.1).
 fn power_share() -> Result<Vec<f64>, ExperimentError> {
-    let chirp = LINEAR.experiment("chirp")?.plan().period(0)?;
-    let chirp_power = power::mean_power(chirp.as_slice().unwrap_or_default());
+    let chirp_power = mean_power(&LINEAR.experiment("chirp")?.plan().period(0)?);
     let experiment = LINEAR.experiment("multisine")?;
     let plan = experiment.plan();
     let Excitation::Multisine(signal) = &plan.excitation else {
@@ -192,11 +120,16 @@ fn power_share() -> Result<Vec<f64>, ExperimentError> {
             realization,
             phasing: plan.phasing,
         })?;
-        Ok(power::mean_power(drawn.signal.as_slice().unwrap_or_default()) / chirp_power)
+        Ok(mean_power(&drawn.signal) / chirp_power)
     };
     let mut shares = (0..1000)
         .map(share)
         .collect::<Result<Vec<f64>, ExperimentError>>()?;
     shares.sort_by(f64::total_cmp);
     Ok(shares)
+}
+
+/// Mean power of one period of a signal.
+fn mean_power(period: &Array3<f64>) -> f64 {
+    power::mean_power(period.as_slice().unwrap_or_default())
 }

@@ -1,12 +1,12 @@
 //! Section 7.2 of the paper: chirps whose references are shaped until the torque is as desired
 //! (figures 3, 7 and 9).
 
-use frfid_estimate::{Estimate, Summary, scaled_condition_number};
+use frfid_estimate::{Estimate, Shaped, Summary, scaled_condition_number};
 use frfid_experiment::{Estimator, Experiment, ExperimentError, Progress};
 use frfid_plant::Hold;
 use frfid_signals::{Chirp, Excitation, Frf, Peaks, Plan};
 use nalgebra::DMatrix;
-use ndarray::Array1;
+use ndarray::{Array1, s};
 use num_complex::Complex64;
 
 /// Axis of figures 3 and 7, from 0.
@@ -71,24 +71,13 @@ impl ShapedChirps {
         progress: Progress,
     ) -> Result<Self, ExperimentError> {
         let plan = experiment.plan();
-        let Excitation::Chirp(chirp) = &plan.excitation else {
-            unreachable!("the template is a chirp")
-        };
+        let chirp = chirp_of(plan);
         let estimator = Estimator::new(plan, &experiment.config().estimate)?;
-        let mut first = None;
-        let shaped = experiment.shape_in_memory(jobs, progress, &mut |iteration| {
-            if first.is_none() && iteration.stuck_share.iter().all(|share| *share < 1.0) {
-                let frf = estimator.frf_of_experiments(&iteration.records)?;
-                first = Some((iteration.number, frf));
-            }
-            Ok(())
-        })?;
+        let (shaped, first) = shape(experiment, &estimator, jobs, progress)?;
         let desired = experiment.desired_signal()?;
         let frf = estimator.frf_of_experiments(&shaped.best.records)?;
         let (first, first_frf) = first.unwrap_or_else(|| (shaped.best.number, frf.clone()));
         let axis = SHOWN_AXIS.min(plan.n_inputs - 1);
-        let estimate = shaped.best.estimate.as_ref();
-        let conditions = estimate.map(|estimate| conditions(estimate, plan, chirp));
         let n_runs = shaped.iterations.len() * plan.n_experiments();
         Ok(Self {
             first,
@@ -96,10 +85,13 @@ impl ShapedChirps {
             truth: experiment.truth(&frf.frequency_hz, Hold::Zoh, true)?,
             frf,
             best: shaped.best.number,
-            conditions: conditions.transpose()?.unwrap_or_default(),
+            conditions: match &shaped.best.estimate {
+                Some(estimate) => Conditions::of(estimate, plan, chirp)?,
+                None => Conditions::default(),
+            },
             sample_time_s: plan.sample_time_s,
             torque_nm: shaped.best.records[0].u.row(axis).to_owned(),
-            desired_nm: desired.slice(ndarray::s![0, axis, ..]).to_owned(),
+            desired_nm: desired.slice(s![0, axis, ..]).to_owned(),
             chirp: chirp.clone(),
             peaks: shaped.best.peaks,
             n_runs,
@@ -110,32 +102,62 @@ impl ShapedChirps {
     }
 }
 
-/// cond(U) as it is, and as the references of the plan would make it through the same response.
-fn conditions(
-    estimate: &Estimate,
-    plan: &Plan,
-    chirp: &Chirp,
-) -> Result<Conditions, ExperimentError> {
+/// Number and FRF of an iteration.
+type NumberedFrf = (usize, Frf);
+
+/// The shaping, and number and FRF of its first iteration in which every axis moves.
+fn shape(
+    experiment: &Experiment,
+    estimator: &Estimator,
+    jobs: usize,
+    progress: Progress,
+) -> Result<(Shaped, Option<NumberedFrf>), ExperimentError> {
+    let mut first = None;
+    let shaped = experiment.shape_in_memory(jobs, progress, &mut |iteration| {
+        if first.is_none() && iteration.stuck_share.iter().all(|share| *share < 1.0) {
+            let frf = estimator.frf_of_experiments(&iteration.records)?;
+            first = Some((iteration.number, frf));
+        }
+        Ok(())
+    })?;
+    Ok((shaped, first))
+}
+
+/// The chirp of a plan.
+fn chirp_of(plan: &Plan) -> &Chirp {
+    match &plan.excitation {
+        Excitation::Chirp(chirp) => chirp,
+        _ => unreachable!("the template is a chirp"),
+    }
+}
+
+impl Conditions {
+    /// cond(U) as it is, and as the references of the plan would make it through the same response.
+    fn of(estimate: &Estimate, plan: &Plan, chirp: &Chirp) -> Result<Self, ExperimentError> {
+        let n = plan.n_inputs;
+        let r_to_u = &estimate.r_to_u;
+        let through_response = |(line, &hz): (usize, &f64)| {
+            let r = references(plan, chirp, hz);
+            let g = DMatrix::from_fn(n, n, |output, input| r_to_u.response[[line, output, input]]);
+            Ok(scaled_condition_number(&(g * r))?)
+        };
+        let lines = r_to_u.frequency_hz.iter().enumerate();
+        let at_reference = lines
+            .map(through_response)
+            .collect::<Result<Vec<f64>, ExperimentError>>()?;
+        Ok(Self {
+            frequency_hz: r_to_u.frequency_hz.clone(),
+            at_torque: estimate.condition.clone(),
+            at_reference,
+        })
+    }
+}
+
+/// The references of a plan at one frequency, `(channel, experiment)`.
+fn references(plan: &Plan, chirp: &Chirp, hz: f64) -> DMatrix<Complex64> {
     let n = plan.n_inputs;
-    let hz = &estimate.r_to_u.frequency_hz;
-    let at_reference = |(line, &hz): (usize, &f64)| {
-        let r = DMatrix::from_fn(n, n, |channel, experiment| {
-            let amplitude = chirp.amplitude[channel % chirp.amplitude.len()].at(hz);
-            Complex64::from_polar(amplitude, plan.phasing.phase_rad(channel, experiment, n))
-        });
-        let g = DMatrix::from_fn(n, n, |output, input| {
-            estimate.r_to_u.response[[line, output, input]]
-        });
-        Ok(scaled_condition_number(&(g * r))?)
-    };
-    let at_reference = hz
-        .iter()
-        .enumerate()
-        .map(at_reference)
-        .collect::<Result<Vec<f64>, ExperimentError>>()?;
-    Ok(Conditions {
-        frequency_hz: hz.clone(),
-        at_torque: estimate.condition.clone(),
-        at_reference,
+    DMatrix::from_fn(n, n, |channel, experiment| {
+        let amplitude = chirp.amplitude[channel % chirp.amplitude.len()].at(hz);
+        Complex64::from_polar(amplitude, plan.phasing.phase_rad(channel, experiment, n))
     })
 }

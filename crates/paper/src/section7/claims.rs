@@ -1,122 +1,122 @@
-//! What section 7 claims, beside what we find.
+//! Claims of section 7 beside our numbers.
 
-use frfid_estimate::{Summary, median};
+use std::iter::zip;
+
+use frfid_estimate::Summary;
 use frfid_report::Claim;
-use frfid_signals::Frf;
 
 use crate::section7::Section7;
 use crate::section7::chirps::ShapedChirps;
+use crate::section7::frf_errors::{
+    cross_errors_db, diagonal_errors_db, disagreement_db, levels_below, middle, peaks,
+    relative_errors, spikes_db,
+};
 
 impl Section7 {
     /// Every claim that section 7 lets one check, with our number.
     #[must_use]
     pub fn claims(&self) -> Vec<Claim> {
-        [
-            self.ripple_claims(),
-            self.shaping_claims(),
-            self.cross_channel_claims(),
-            self.comparison_claims(),
-        ]
-        .concat()
-    }
-
-    fn ripple_claims(&self) -> Vec<Claim> {
-        let campaign = &self.multisine;
-        let error = |frf: &Frf| middle(relative_errors(frf, &campaign.truth));
-        let (none, time, position) = (
-            error(&campaign.uncompensated),
-            error(&campaign.in_time),
-            error(&campaign.by_position),
-        );
-        let spikes = |frf: &Frf| spikes_db(frf, &campaign.by_position);
-        let (before, after) = (spikes(&campaign.uncompensated), spikes(&campaign.in_time));
         vec![
-            Claim {
-                id: "6a",
-                statement: "Subtracting the glide removes the ripple's spikes (figure 8)",
-                expected: "\"no longer distorted at the corresponding frequencies\"",
-                found: format!("largest spike {before:.1} dB before, {after:.1} dB after"),
-                holds: after < 0.5 * before,
-            },
-            Claim {
-                id: "6b",
-                statement: "Subtraction by motor position is better than in time (ours)",
-                expected: "a smaller median error over all entries and lines",
-                found: format!(
-                    "{:.1} % without, {:.1} % in time, {:.1} % by position",
-                    100.0 * none,
-                    100.0 * time,
-                    100.0 * position
-                ),
-                holds: position < time && time < none,
-            },
+            self.spikes_claim(),
+            self.subtraction_claim(),
+            self.shaping_claim(),
+            self.paper_step_claim(),
+            self.table_1_claim(),
+            self.cross_channel_claim(),
+            self.resonance_claim(),
+            self.robot_time_claim(),
         ]
     }
 
-    fn shaping_claims(&self) -> Vec<Claim> {
-        let reached = |chirps: &ShapedChirps| {
-            let best = &chirps.iterations[chirps.best - 1];
-            let stuck = best.stuck_share.iter().copied().fold(0.0, f64::max);
-            (
-                best.error.unwrap_or(f64::INFINITY),
-                worst_axis(best).unwrap_or(f64::INFINITY),
-                stuck,
-                chirps.iterations.len(),
-            )
-        };
-        let (orthogonal, sign_flip) = (reached(&self.orthogonal), reached(&self.sign_flip));
-        let first_stuck = self.sign_flip.iterations[0]
+    fn spikes_claim(&self) -> Claim {
+        let campaign = &self.multisine;
+        let [before, after] = [&campaign.uncompensated, &campaign.in_time]
+            .map(|frf| spikes_db(frf, &campaign.by_position));
+        Claim {
+            id: "6a",
+            statement: "Subtracting the glide removes the ripple's spikes (figure 8)",
+            expected: "\"no longer distorted at the corresponding frequencies\"",
+            found: format!("largest spike {before:.1} dB before, {after:.1} dB after"),
+            holds: after < 0.5 * before,
+        }
+    }
+
+    fn subtraction_claim(&self) -> Claim {
+        let campaign = &self.multisine;
+        let [none, time, position] = [
+            &campaign.uncompensated,
+            &campaign.in_time,
+            &campaign.by_position,
+        ]
+        .map(|frf| middle(relative_errors(frf, &campaign.truth)));
+        Claim {
+            id: "6b",
+            statement: "Subtraction by motor position is better than in time (ours)",
+            expected: "a smaller median error over all entries and lines",
+            found: format!(
+                "{:.1} % without, {:.1} % in time, {:.1} % by position",
+                100.0 * none,
+                100.0 * time,
+                100.0 * position
+            ),
+            holds: position < time && time < none,
+        }
+    }
+
+    fn shaping_claim(&self) -> Claim {
+        let both = [&self.orthogonal, &self.sign_flip].map(BestIteration::of);
+        let [orthogonal, sign_flip] = &both;
+        let all_stuck_first = self.sign_flip.iterations[0]
             .stuck_share
             .iter()
             .all(|share| *share > 0.99);
+        Claim {
+            id: "7a",
+            statement: "Six iterations lead from references in which every axis sticks to the desired torque (figures 7, 9)",
+            expected: "\"very close to the desired\"; error below 10 %, stuck below 15 % of the time",
+            found: format!(
+                "error {:.1} % (9) and {:.1} % (26), worst axis {:.1} and {:.1} %, stuck at most {:.1} and {:.1} %",
+                100.0 * orthogonal.error,
+                100.0 * sign_flip.error,
+                100.0 * orthogonal.worst_axis,
+                100.0 * sign_flip.worst_axis,
+                100.0 * orthogonal.stuck,
+                100.0 * sign_flip.stuck
+            ),
+            holds: all_stuck_first && both.iter().all(BestIteration::is_close),
+        }
+    }
+
+    fn paper_step_claim(&self) -> Claim {
         let errors: Vec<f64> = self.paper_step.iter().filter_map(worst_axis).collect();
         let least = errors.iter().copied().fold(f64::INFINITY, f64::min);
         let last = errors.last().copied().unwrap_or(f64::INFINITY);
-        vec![
-            Claim {
-                id: "7a",
-                statement: "Six iterations lead from references in which every axis sticks to the desired torque (figures 7, 9)",
-                expected: "\"very close to the desired\"; error below 10 %, stuck below 15 % of the time",
-                found: format!(
-                    "error {:.1} % (9) and {:.1} % (26), worst axis {:.1} and {:.1} %, stuck at most {:.1} and {:.1} %",
-                    100.0 * orthogonal.0,
-                    100.0 * sign_flip.0,
-                    100.0 * orthogonal.1,
-                    100.0 * sign_flip.1,
-                    100.0 * orthogonal.2,
-                    100.0 * sign_flip.2
-                ),
-                holds: first_stuck
-                    && [orthogonal, sign_flip]
-                        .iter()
-                        .all(|(error, _, stuck, n)| *error < 0.1 && *stuck < 0.15 && *n <= 6),
-            },
-            Claim {
-                id: "7b",
-                statement: "With friction the paper's undamped step goes apart (ours)",
-                expected: "an error that rises again after its least",
-                found: format!("worst axis: {}", percents(&errors)),
-                holds: last > 1.2 * least,
-            },
-            Claim {
-                id: "7c",
-                statement: "Table 1's torques are too weak for this robot: axis 2 sticks above 40 Hz",
-                expected: "said loudly",
-                found: self.table1_warnings.join("; "),
-                holds: self
-                    .table1_warnings
-                    .iter()
-                    .any(|warning| warning.contains("axis 2")),
-            },
-        ]
+        Claim {
+            id: "7b",
+            statement: "With friction the paper's undamped step goes apart (ours)",
+            expected: "an error that rises again after its least",
+            found: format!("worst axis: {}", percents(&errors)),
+            holds: last > 1.2 * least,
+        }
     }
 
-    fn cross_channel_claims(&self) -> Vec<Claim> {
+    fn table_1_claim(&self) -> Claim {
+        let warnings = &self.table1_warnings;
+        Claim {
+            id: "7c",
+            statement: "Table 1's torques are too weak for this robot: axis 2 sticks above 40 Hz",
+            expected: "said loudly",
+            found: warnings.join("; "),
+            holds: warnings.iter().any(|warning| warning.contains("axis 2")),
+        }
+    }
+
+    fn cross_channel_claim(&self) -> Claim {
         let [orthogonal, sign_flip] =
             [&self.orthogonal, &self.sign_flip].map(|chirps| disagreement_db(&chirps.frf, 0, 1));
         let [orthogonal_error, sign_flip_error] = [&self.orthogonal, &self.sign_flip]
             .map(|chirps| middle(cross_errors_db(&chirps.frf, &chirps.truth)));
-        vec![Claim {
+        Claim {
             id: "8",
             statement: "Cross channels 1 to 2 and 2 to 1, which should be equal, agree better with (26) than with (9)",
             expected: "10 dB in favour of (26), unexplained in the paper",
@@ -125,114 +125,76 @@ impl Section7 {
                  error of the weak entries {orthogonal_error:.1} and {sign_flip_error:.1} dB"
             ),
             holds: sign_flip < orthogonal,
-        }]
+        }
     }
 
-    fn comparison_claims(&self) -> Vec<Claim> {
+    fn resonance_claim(&self) -> Claim {
         let chirp = &self.sign_flip;
         let difference = middle(diagonal_errors_db(&chirp.frf, &chirp.truth));
         let [multisine, chirp, truth] =
             [&self.multisine.by_position, &chirp.frf, &chirp.truth].map(peaks);
-        let each = |value: &dyn Fn(usize) -> String| {
-            (0..truth.len()).map(value).collect::<Vec<_>>().join(", ")
-        };
-        let below =
-            |found: &[(f64, f64)]| each(&|axis| format!("{:.1}", truth[axis].1 - found[axis].1));
-        let shift = |axis: usize| chirp[axis].0 / truth[axis].0 - 1.0;
-        vec![
-            Claim {
-                id: "9",
-                statement: "Multisine and chirp agree where the stiffness is linear; the chirp's resonances show less clearly (figure 10)",
-                expected: "not warped; peaks lower on every axis",
-                found: format!(
-                    "diagonal entries of the chirp off by {difference:.2} dB (median); its peaks {} dB below the truth, the \
-                     multisine's {} dB; peaks shifted by {} %",
-                    below(&chirp),
-                    below(&multisine),
-                    each(&|axis| format!("{:.1}", 100.0 * shift(axis)))
-                ),
-                holds: difference < 1.5
-                    && (0..truth.len())
-                        .all(|axis| shift(axis).abs() < 0.04 && chirp[axis].1 < multisine[axis].1),
-            },
-            Claim {
-                id: "10",
-                statement: "Time on the robot: multisines take longer than shaped chirps",
-                expected: "150 runs against six iterations",
-                found: format!(
-                    "{} runs, {:.0} min, against {} runs, {:.0} min",
-                    self.multisine.n_runs,
-                    self.multisine.robot_time_s / 60.0,
-                    self.sign_flip.n_runs,
-                    self.sign_flip.robot_time_s / 60.0
-                ),
-                holds: self.multisine.robot_time_s > self.sign_flip.robot_time_s,
-            },
-        ]
+        let shifts: Vec<f64> = zip(&chirp, &truth).map(|(a, b)| a.0 / b.0 - 1.0).collect();
+        let are_lower = zip(&chirp, &multisine).all(|(chirp, multisine)| chirp.1 < multisine.1);
+        Claim {
+            id: "9",
+            statement: "Multisine and chirp agree where the stiffness is linear; the chirp's resonances show less clearly (figure 10)",
+            expected: "not warped; peaks lower on every axis",
+            found: format!(
+                "diagonal entries of the chirp off by {difference:.2} dB (median); its peaks {} dB below the truth, the \
+                 multisine's {} dB; peaks shifted by {} %",
+                list(levels_below(&chirp, &truth)),
+                list(levels_below(&multisine, &truth)),
+                list(shifts.iter().map(|shift| 100.0 * shift))
+            ),
+            holds: difference < 1.5 && shifts.iter().all(|shift| shift.abs() < 0.04) && are_lower,
+        }
+    }
+
+    fn robot_time_claim(&self) -> Claim {
+        let (multisine, chirp) = (&self.multisine, &self.sign_flip);
+        Claim {
+            id: "10",
+            statement: "Time on the robot: multisines take longer than shaped chirps",
+            expected: "150 runs against six iterations",
+            found: format!(
+                "{} runs, {:.0} min, against {} runs, {:.0} min",
+                multisine.n_runs,
+                multisine.robot_time_s / 60.0,
+                chirp.n_runs,
+                chirp.robot_time_s / 60.0
+            ),
+            holds: multisine.robot_time_s > chirp.robot_time_s,
+        }
     }
 }
 
-/// |G - P| / |P| of every entry and line.
-fn relative_errors(frf: &Frf, truth: &Frf) -> Vec<f64> {
-    frf.response
-        .iter()
-        .zip(&truth.response)
-        .map(|(g, p)| (g - p).norm() / p.norm())
-        .collect()
+/// How close the best iteration of a shaping came to the desired torque.
+struct BestIteration {
+    /// Error over all axes.
+    error: f64,
+    /// Error of the axis that follows worst.
+    worst_axis: f64,
+    /// Share of the time that the axis sticks which sticks longest.
+    stuck: f64,
+    /// Number of iterations of the shaping.
+    n_iterations: usize,
 }
 
-/// |20 lg |G/P|| of the diagonal entries.
-fn diagonal_errors_db(frf: &Frf, truth: &Frf) -> Vec<f64> {
-    errors_db(frf, truth, |output, input| output == input)
-}
+impl BestIteration {
+    fn of(chirps: &ShapedChirps) -> Self {
+        let best = &chirps.iterations[chirps.best - 1];
+        Self {
+            error: best.error.unwrap_or(f64::INFINITY),
+            worst_axis: worst_axis(best).unwrap_or(f64::INFINITY),
+            stuck: best.stuck_share.iter().copied().fold(0.0, f64::max),
+            n_iterations: chirps.iterations.len(),
+        }
+    }
 
-/// |20 lg |G/P|| of the entries 1 to 2 and 2 to 1.
-fn cross_errors_db(frf: &Frf, truth: &Frf) -> Vec<f64> {
-    errors_db(frf, truth, |output, input| output + input == 1)
-}
-
-fn errors_db(frf: &Frf, truth: &Frf, chosen: impl Fn(usize, usize) -> bool) -> Vec<f64> {
-    let entries = frf.response.indexed_iter().zip(&truth.response);
-    let chosen = entries.filter(|(((_, output, input), _), _)| chosen(*output, *input));
-    chosen
-        .map(|((_, g), p)| (20.0 * (g.norm() / p.norm()).log10()).abs())
-        .filter(|error| error.is_finite())
-        .collect()
-}
-
-/// Largest difference in dB between two estimates over the diagonal entries.
-fn spikes_db(frf: &Frf, smooth: &Frf) -> f64 {
-    diagonal_errors_db(frf, smooth)
-        .into_iter()
-        .fold(0.0, f64::max)
-}
-
-/// Median of |20 lg |G_ab / G_ba|| over the frequencies.
-fn disagreement_db(frf: &Frf, a: usize, b: usize) -> f64 {
-    let lines = frf.response.outer_iter();
-    middle(
-        lines
-            .map(|g| (20.0 * (g[[a, b]].norm() / g[[b, a]].norm()).log10()).abs())
-            .filter(|x| x.is_finite())
-            .collect(),
-    )
-}
-
-/// Frequency in Hz and magnitude in dB of the highest peak of every diagonal entry above 10 Hz,
-/// where the rigid robot's own slope no longer reaches it.
-fn peaks(frf: &Frf) -> Vec<(f64, f64)> {
-    let peak = |axis: usize| {
-        let levels = frf
-            .frequency_hz
-            .iter()
-            .copied()
-            .zip(frf.magnitude_db(axis, axis))
-            .filter(|(hz, _)| *hz > 10.0);
-        levels.fold((f64::NAN, f64::NEG_INFINITY), |highest, level| {
-            if level.1 > highest.1 { level } else { highest }
-        })
-    };
-    (0..frf.n_outputs()).map(peak).collect()
+    /// Whether it is as close as claim 7a says.
+    fn is_close(&self) -> bool {
+        self.error < 0.1 && self.stuck < 0.15 && self.n_iterations <= 6
+    }
 }
 
 /// Error of the axis that follows worst.
@@ -245,15 +207,19 @@ fn worst_axis(iteration: &Summary) -> Option<f64> {
         .reduce(f64::max)
 }
 
+/// Numbers with one decimal, separated by commas.
+fn list(values: impl Iterator<Item = f64>) -> String {
+    values
+        .map(|value| format!("{value:.1}"))
+        .collect::<Vec<_>>()
+        .join(", ")
+}
+
+/// Shares as whole percents, separated by commas.
 fn percents(shares: &[f64]) -> String {
     shares
         .iter()
         .map(|share| format!("{:.0} %", 100.0 * share))
         .collect::<Vec<_>>()
         .join(", ")
-}
-
-/// The median; not a number of none.
-fn middle(values: Vec<f64>) -> f64 {
-    median(values).unwrap_or(f64::NAN)
 }

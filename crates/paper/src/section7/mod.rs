@@ -4,6 +4,7 @@
 pub(crate) mod chirps;
 pub(crate) mod claims;
 pub(crate) mod figures;
+pub(crate) mod frf_errors;
 pub(crate) mod multisine;
 
 use frfid_estimate::Summary;
@@ -41,18 +42,13 @@ pub struct Section7 {
 const SHARES: [usize; 5] = [60, 11, 11, 11, 7];
 
 impl Section7 {
-    /// Does every experiment on the model; `progress` is told in percent.
+    /// Does every experiment on the model; `progress` is reported in percent.
     ///
     /// # Errors
     /// [`ExperimentError::Interrupted`] and [`ExperimentError::ShapingInterrupted`]; any other
     /// would be a fault of this library.
     pub fn run(jobs: usize, progress: Progress) -> Result<Self, ExperimentError> {
-        let part = |number: usize| {
-            let before: usize = SHARES[..number].iter().sum();
-            move |done: usize, total: usize| {
-                progress(before + SHARES[number] * done / total.max(1), 100)
-            }
-        };
+        let part = |number| progress_of_part(number, progress);
         let chirp = of_template("r3-chirp")?;
         let chirps = |number: usize, phasing: Phasing| {
             ShapedChirps::run(&with_phasing(&chirp, phasing)?, jobs, &part(number))
@@ -71,6 +67,13 @@ impl Section7 {
     }
 }
 
+/// The progress of one of the campaigns within that of the whole.
+fn progress_of_part(number: usize, whole: Progress) -> impl Fn(usize, usize) -> bool + Sync {
+    let before: usize = SHARES[..number].iter().sum();
+    move |done, total| whole(before + SHARES[number] * done / total.max(1), 100)
+}
+
+/// The experiment of a template.
 fn of_template(kind: &str) -> Result<Experiment, ExperimentError> {
     let template = Template::named(kind).expect("the templates of section 7 are built in");
     Ok(Experiment::of_template(template)?)
@@ -119,12 +122,15 @@ fn table1(
     progress: Progress,
 ) -> Result<Vec<String>, ExperimentError> {
     const TORQUES_NM: [f64; 3] = [100.0, 150.0, 120.0];
-    let half_above_40_hz =
-        |torque: f64| Amplitude::Points(vec![(38.0, torque), (42.0, 0.5 * torque)]);
     let experiment = experiment.with(|config| {
         if let Some(shape) = &mut config.shape {
             shape.desired_nm = Some(TORQUES_NM.map(half_above_40_hz).to_vec());
         }
     })?;
     Ok(ShapedChirps::run(&experiment, jobs, progress)?.warnings)
+}
+
+/// An amplitude in N m that falls to one half around 40 Hz.
+fn half_above_40_hz(torque_nm: f64) -> Amplitude {
+    Amplitude::Points(vec![(38.0, torque_nm), (42.0, 0.5 * torque_nm)])
 }

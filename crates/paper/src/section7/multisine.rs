@@ -1,8 +1,8 @@
-//! Section 7.1 of the paper: the multisine on a constant velocity, and what becomes of the torque
-//! ripple (figures 6 and 8).
+//! Section 7.1 of the paper: the multisine on a constant velocity, with and without subtraction of
+//! the torque ripple (figures 6 and 8).
 
 use frfid_experiment::{
-    EstimateTable, Experiment, ExperimentError, GlideSubtraction, Load, Progress,
+    EstimateTable, Experiment, ExperimentError, GlideSubtraction, Load, Outcome, Progress,
 };
 use frfid_plant::Hold;
 use frfid_signals::{Frf, RunId};
@@ -52,18 +52,7 @@ impl MultisineCampaign {
         progress: Progress,
     ) -> Result<Self, ExperimentError> {
         let plan = experiment.plan();
-        let way = |glide_subtraction| EstimateTable {
-            glide_subtraction,
-            ..experiment.config().estimate.clone()
-        };
-        let ways = [
-            GlideSubtraction::None,
-            GlideSubtraction::Time,
-            GlideSubtraction::Position,
-        ]
-        .map(way);
-        let outcomes =
-            experiment.measure_each(ways.each_ref(), &*experiment.testbed(), jobs, progress)?;
+        let outcomes = measured_in_three_ways(experiment, jobs, progress)?;
         let flagged = outcomes[2].result.flagged.clone().unwrap_or_default();
         let load = outcomes[2].load.clone().expect("a plan has runs");
         let [uncompensated, in_time, by_position] = outcomes.map(|outcome| outcome.result.frf);
@@ -84,6 +73,24 @@ impl MultisineCampaign {
             robot_time_s: plan.robot_time_s()?,
         })
     }
+}
+
+/// One campaign, estimated without subtraction of the glide, with that in time, and by position.
+fn measured_in_three_ways(
+    experiment: &Experiment,
+    jobs: usize,
+    progress: Progress,
+) -> Result<[Outcome; 3], ExperimentError> {
+    let ways = [
+        GlideSubtraction::None,
+        GlideSubtraction::Time,
+        GlideSubtraction::Position,
+    ]
+    .map(|glide_subtraction| EstimateTable {
+        glide_subtraction,
+        ..experiment.config().estimate.clone()
+    });
+    experiment.measure_each(ways.each_ref(), &*experiment.testbed(), jobs, progress)
 }
 
 /// The linear truths at poses from the start of a run to its end.

@@ -1,16 +1,20 @@
-//! How an iterative procedure converges: error and stuck share over the iterations, one column per
+//! Convergence of an iterative procedure: error and stuck share over the iterations, one column per
 //! axis.
 
 use ndarray::Array2;
 
-use crate::diagrams::curve::{Ink, Style, inks};
+use crate::diagrams::style::{Style, inks};
 use crate::error::ReportError;
+use crate::figure::Figure;
 use crate::figure::axis::Axis;
+use crate::figure::drawing::Align;
+use crate::figure::geometry::{Point, Rect};
+use crate::figure::ink::{Ink, LIMIT, MARKERS};
 use crate::figure::legend::Legend;
 use crate::figure::panel::{BELOW, GAP, LABEL_SIZE, LEFT, Panel, RIGHT};
-use crate::figure::{Align, Figure, Marker, Pen, Rect};
 use crate::validation;
 
+/// Heights of the titles, of the panels of errors and of those of stuck shares, in pixels.
 const TITLE: f64 = 24.0;
 const ERROR: f64 = 170.0;
 const STUCK: f64 = 90.0;
@@ -19,11 +23,6 @@ const ACROSS: f64 = 780.0;
 const COLUMN: (f64, f64) = (150.0, 260.0);
 /// Shares below this are drawn at it: a logarithmic axis has no zero.
 const LEAST: f64 = 1e-4;
-const LIMIT: Pen = Pen {
-    color: "#666666",
-    width: 1.2,
-    dash: "8 4",
-};
 
 /// What one procedure reached at each of its iterations.
 #[derive(Debug, Clone)]
@@ -50,25 +49,33 @@ pub fn convergence(
     error_limits: &[f64],
     stuck_limit: Option<f64>,
 ) -> Result<Figure, ReportError> {
-    if procedures.is_empty() || axes.is_empty() {
-        let missing = if axes.is_empty() {
-            "axes"
-        } else {
-            "procedures"
-        };
-        return Err(ReportError::Empty {
-            figure: "a figure of convergence",
-            missing,
-        });
+    check(procedures, axes)?;
+    Ok(Sheet {
+        procedures,
+        axes,
+        error_limits,
+        stuck_limit,
+        inks: marked_inks(procedures.len()),
+        width: (ACROSS / axes.len() as f64).clamp(COLUMN.0, COLUMN.1),
     }
-    for Procedure {
-        label,
-        error,
-        stuck,
-    } in procedures
-    {
-        validation::length(&format!("axes of \"{label}\""), error.ncols(), axes.len())?;
-        if let Some(stuck) = stuck {
+    .draw())
+}
+
+/// Refuses no procedures, no axes, and procedures with another number of axes.
+fn check(procedures: &[Procedure], axes: &[String]) -> Result<(), ReportError> {
+    let figure = "a figure of convergence";
+    let empty = |missing| Err(ReportError::Empty { figure, missing });
+    if axes.is_empty() {
+        return empty("axes");
+    }
+    if procedures.is_empty() {
+        return empty("procedures");
+    }
+    for procedure in procedures {
+        let label = &procedure.label;
+        let found = procedure.error.ncols();
+        validation::length(&format!("axes of \"{label}\""), found, axes.len())?;
+        if let Some(stuck) = &procedure.stuck {
             validation::length(
                 &format!("axes of the stuck share of \"{label}\""),
                 stuck.ncols(),
@@ -76,108 +83,86 @@ pub fn convergence(
             )?;
         }
     }
-    Ok(Sheet {
-        procedures,
-        axes,
-        error_limits,
-        stuck_limit,
-    }
-    .draw())
+    Ok(())
 }
 
+/// The layout of a figure.
 struct Sheet<'a> {
     procedures: &'a [Procedure],
     axes: &'a [String],
     error_limits: &'a [f64],
     stuck_limit: Option<f64>,
+    /// The ink of every procedure.
+    inks: Vec<Ink>,
+    /// Width of a column in pixels.
+    width: f64,
 }
 
 impl Sheet<'_> {
     fn draw(&self) -> Figure {
-        let inks = marked_inks(self.procedures.len());
-        let limit = Ink {
-            pen: Some(LIMIT),
-            marker: None,
-            color: LIMIT.color,
-        };
-        let width = (ACROSS / self.axes.len() as f64).clamp(COLUMN.0, COLUMN.1);
-        let across = self.axes.len() as f64 * (width + GAP) - GAP;
-        let names = self
-            .procedures
-            .iter()
-            .map(|procedure| procedure.label.as_str())
-            .zip(&inks);
-        let legend = Legend::new(names.chain([("limit", &limit)]), across);
+        let across = self.axes.len() as f64 * (self.width + GAP) - GAP;
+        let legend = self.legend(across);
         let top = 8.0 + legend.height() + TITLE;
-        let stuck = self
-            .procedures
-            .iter()
-            .any(|procedure| procedure.stuck.is_some());
-        let below = if stuck { GAP + STUCK } else { 0.0 };
+        let below = if self.shows_stuck() { GAP + STUCK } else { 0.0 };
         let mut figure = Figure::new(LEFT + across + RIGHT, top + ERROR + below + BELOW);
         legend.draw(&mut figure, LEFT, 8.0);
-        for (axis, name) in self.axes.iter().enumerate() {
-            let left = LEFT + axis as f64 * (width + GAP);
-            figure.text(
-                (left + width / 2.0, top - 7.0),
-                name,
-                LABEL_SIZE,
-                Align::Center,
-            );
-            let error = self.panel(
-                Rect {
-                    x: left,
-                    y: top,
-                    width,
-                    height: ERROR,
-                },
-                self.error_axis(),
-            );
-            self.curves(&mut figure, &error, &inks, self.error_limits, |p, k| {
-                p.error.get((k, axis)).copied()
-            });
-            let share = self.panel(
-                Rect {
-                    x: left,
-                    y: top + ERROR + GAP,
-                    width,
-                    height: STUCK,
-                },
-                self.stuck_axis(),
-            );
-            if stuck {
-                let known = |p: &Procedure, k: usize| p.stuck.as_ref()?.get((k, axis)).copied();
-                self.curves(
-                    &mut figure,
-                    &share,
-                    &inks,
-                    self.stuck_limit.as_slice(),
-                    known,
-                );
-            }
-            if axis == 0 {
-                error.label_y(&mut figure, "Error in %");
-                if stuck {
-                    share.label_y(&mut figure, "Stuck in %");
-                }
-            }
-            (if stuck { &share } else { &error }).label_x(&mut figure, "Iteration");
+        for axis in 0..self.axes.len() {
+            let left = LEFT + axis as f64 * (self.width + GAP);
+            self.column(&mut figure, (left, top), axis);
         }
         figure
     }
 
-    fn panel(&self, rect: Rect, y: Axis) -> Panel {
-        let iterations = self
+    fn legend(&self, width: f64) -> Legend<'_> {
+        let labels = self
             .procedures
             .iter()
-            .map(|procedure| procedure.error.nrows())
-            .max()
-            .unwrap_or(1);
-        Panel {
-            rect,
-            x: Axis::counts(1, iterations, rect.width),
-            y,
+            .map(|procedure| procedure.label.as_str());
+        let entries = labels.zip(self.inks.iter().copied());
+        Legend::new(entries.chain([("limit", LIMIT)]), width)
+    }
+
+    /// Whether any procedure knows how long the axes stuck.
+    fn shows_stuck(&self) -> bool {
+        self.procedures
+            .iter()
+            .any(|procedure| procedure.stuck.is_some())
+    }
+
+    /// Title and panels of one axis, the upper left corner of the first at `corner`.
+    fn column(&self, figure: &mut Figure, (left, top): Point, axis: usize) {
+        let title_at = (left + self.width / 2.0, top - 7.0);
+        figure.text(title_at, &self.axes[axis], LABEL_SIZE, Align::Center);
+        let error = self.error(figure, (left, top), axis);
+        let stuck = self
+            .shows_stuck()
+            .then(|| self.stuck(figure, (left, top + ERROR + GAP), axis));
+        if axis == 0 {
+            error.label_y(figure, "Error in %");
+            if let Some(stuck) = &stuck {
+                stuck.label_y(figure, "Stuck in %");
+            }
         }
+        stuck.unwrap_or(error).label_x(figure, "Iteration");
+    }
+
+    /// Draws the errors of one axis.
+    fn error(&self, figure: &mut Figure, corner: Point, axis: usize) -> Panel {
+        let panel = self.panel(corner, ERROR, self.error_axis());
+        self.curves(figure, &panel, self.error_limits, |procedure, k| {
+            procedure.error.get((k, axis)).copied()
+        });
+        panel
+    }
+
+    /// Draws the stuck shares of one axis.
+    fn stuck(&self, figure: &mut Figure, corner: Point, axis: usize) -> Panel {
+        let panel = self.panel(corner, STUCK, self.stuck_axis());
+        let limits = self.stuck_limit.as_slice();
+        self.curves(figure, &panel, limits, |procedure, k| {
+            procedure.stuck.as_ref()?.get((k, axis)).copied()
+        });
+        panel
     }
 
     /// One axis for the errors of all columns, in %.
@@ -189,7 +174,7 @@ impl Sheet<'_> {
         let all = errors
             .chain(self.error_limits)
             .filter(|share| share.is_finite());
-        Axis::upright_log(all.map(|share| 100.0 * share.max(LEAST)), ERROR)
+        Axis::upright_log(all.map(|share| percent(*share)), ERROR)
     }
 
     /// One axis for the stuck shares of all columns, in %, from 0.
@@ -199,66 +184,71 @@ impl Sheet<'_> {
             .iter()
             .filter_map(|procedure| procedure.stuck.as_ref())
             .flatten();
-        Axis::linear(
-            shares
-                .chain(&self.stuck_limit)
-                .chain(&[0.0])
-                .map(|share| 100.0 * share),
-            STUCK,
-        )
+        let all = shares.chain(&self.stuck_limit).chain(&[0.0]);
+        Axis::linear(all.map(|share| 100.0 * share), STUCK)
     }
 
-    /// One value of every procedure over the iterations, above its limits.
+    /// A panel over the iterations.
+    fn panel(&self, (x, y): Point, height: f64, vertical: Axis) -> Panel {
+        let iterations = self
+            .procedures
+            .iter()
+            .map(|procedure| procedure.error.nrows());
+        Panel {
+            rect: Rect {
+                x,
+                y,
+                width: self.width,
+                height,
+            },
+            x: Axis::counts(1, iterations.max().unwrap_or(1), self.width),
+            y: vertical,
+        }
+    }
+
+    /// One share of every procedure over the iterations, above its limits.
     fn curves(
         &self,
         figure: &mut Figure,
         panel: &Panel,
-        inks: &[Ink],
         limits: &[f64],
         share: impl Fn(&Procedure, usize) -> Option<f64>,
     ) {
-        let percent = |share: f64| 100.0 * share.max(LEAST);
         panel.draw(figure, |figure| {
             for &limit in limits {
-                let (left, right) = (panel.x.value(0.0), panel.x.value(1.0));
-                let ink = Ink {
-                    pen: Some(LIMIT),
-                    marker: None,
-                    color: LIMIT.color,
-                };
-                panel.curve(
-                    figure,
-                    &[(left, percent(limit)), (right, percent(limit))],
-                    &ink,
-                );
+                let ends = [0.0, 1.0].map(|end| (panel.x.value(end), percent(limit)));
+                panel.curve(figure, &ends, &LIMIT);
             }
-            for (procedure, ink) in self.procedures.iter().zip(inks) {
-                let values = (0..procedure.error.nrows()).map(|k| {
-                    let value = share(procedure, k).unwrap_or(f64::NAN);
-                    (
-                        (k + 1) as f64,
-                        if value.is_finite() {
-                            percent(value)
-                        } else {
-                            f64::NAN
-                        },
-                    )
-                });
-                panel.curve(figure, &values.collect::<Vec<_>>(), ink);
+            for (procedure, ink) in self.procedures.iter().zip(&self.inks) {
+                let n_iterations = procedure.error.nrows();
+                let values = over_iterations(n_iterations, |k| share(procedure, k));
+                panel.curve(figure, &values, ink);
             }
         });
     }
 }
 
+/// Shares in % over the number of the iteration, NaN where they are not known.
+fn over_iterations(n_iterations: usize, share: impl Fn(usize) -> Option<f64>) -> Vec<(f64, f64)> {
+    let known = |k: usize| share(k).filter(|share| share.is_finite());
+    (0..n_iterations)
+        .map(|k| ((k + 1) as f64, known(k).map_or(f64::NAN, percent)))
+        .collect()
+}
+
+/// A share in %, at least the least that a logarithmic axis shows.
+fn percent(share: f64) -> f64 {
+    100.0 * share.max(LEAST)
+}
+
 /// Lines with a marker at every iteration, told apart by colour, dash and marker.
 fn marked_inks(count: usize) -> Vec<Ink> {
-    let markers = [Marker::Dot, Marker::Diamond, Marker::Square, Marker::Ring];
-    let lines = inks(std::iter::repeat_n(Style::Line, count));
+    let lines = inks(std::iter::repeat_n(Style::Line, count)).into_iter();
+    let markers = MARKERS.into_iter().cycle();
     lines
-        .into_iter()
-        .enumerate()
-        .map(|(k, ink)| Ink {
-            marker: Some(markers[k % markers.len()]),
+        .zip(markers)
+        .map(|(ink, marker)| Ink {
+            marker: Some(marker),
             ..ink
         })
         .collect()

@@ -1,4 +1,4 @@
-//! A colour map whose lightness rises evenly, so that equal steps look equal, also in grey and to
+//! Colour map whose lightness rises evenly, so that equal steps look equal, also in grey and to
 //! the colour-blind.
 
 use crate::figure::image::Rgb;

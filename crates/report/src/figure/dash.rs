@@ -1,6 +1,6 @@
 //! Dashes along a polyline.
 
-use crate::figure::Point;
+use crate::figure::geometry::Point;
 
 /// Cuts a polyline into its strokes. `pattern` holds the lengths of strokes and gaps in turn, in
 /// pixels, as in SVG ("6 3"); a pattern without positive lengths leaves the line whole.
@@ -10,39 +10,77 @@ pub(crate) fn cut(points: &[Point], pattern: &str) -> Vec<Vec<Point>> {
         .filter_map(|word| word.parse().ok())
         .filter(|&length| length > 0.0)
         .collect();
-    let (Some(&first), Some(&start)) = (lengths.first(), points.first()) else {
+    let (Some(&left), Some(&start)) = (lengths.first(), points.first()) else {
         return vec![points.to_vec()];
     };
-    let (mut strokes, mut stroke) = (Vec::new(), vec![start]);
-    let (mut turn, mut left) = (0, first);
+    let mut dashes = Dashes {
+        lengths,
+        turn: 0,
+        left,
+        stroke: vec![start],
+        finished: Vec::new(),
+    };
     for pair in points.windows(2) {
-        let (mut from, to) = (pair[0], pair[1]);
+        dashes.follow(pair[0], pair[1]);
+    }
+    dashes.strokes()
+}
+
+/// Strokes on the way along a polyline.
+struct Dashes {
+    /// Lengths of strokes and gaps in turn.
+    lengths: Vec<f64>,
+    /// Number of the stroke or gap; strokes are even.
+    turn: usize,
+    /// What is left of it.
+    left: f64,
+    /// The stroke so far.
+    stroke: Vec<Point>,
+    finished: Vec<Vec<Point>>,
+}
+
+impl Dashes {
+    fn is_stroke(&self) -> bool {
+        self.turn.is_multiple_of(2)
+    }
+
+    /// Goes along a straight piece of the line.
+    fn follow(&mut self, mut from: Point, to: Point) {
         let mut rest = (to.0 - from.0).hypot(to.1 - from.1);
-        while rest > left {
-            let share = left / rest;
+        while rest > self.left {
+            let share = self.left / rest;
             from = (
                 from.0 + share * (to.0 - from.0),
                 from.1 + share * (to.1 - from.1),
             );
-            rest -= left;
-            if turn % 2 == 0 {
-                stroke.push(from);
-                strokes.push(std::mem::take(&mut stroke));
-            } else {
-                stroke = vec![from];
-            }
-            turn += 1;
-            left = lengths[turn % lengths.len()];
+            rest -= self.left;
+            self.turn_at(from);
         }
-        left -= rest;
-        if turn % 2 == 0 {
-            stroke.push(to);
+        self.left -= rest;
+        if self.is_stroke() {
+            self.stroke.push(to);
         }
     }
-    if turn % 2 == 0 {
-        strokes.push(stroke);
+
+    /// Ends a stroke or a gap and begins the next.
+    fn turn_at(&mut self, point: Point) {
+        if self.is_stroke() {
+            self.stroke.push(point);
+            self.finished.push(std::mem::take(&mut self.stroke));
+        } else {
+            self.stroke = vec![point];
+        }
+        self.turn += 1;
+        self.left = self.lengths[self.turn % self.lengths.len()];
     }
-    strokes
+
+    /// Every stroke, the last one included.
+    fn strokes(mut self) -> Vec<Vec<Point>> {
+        if self.is_stroke() {
+            self.finished.push(self.stroke);
+        }
+        self.finished
+    }
 }
 
 #[cfg(test)]

@@ -7,7 +7,7 @@ use kuva::render::color::Color;
 use kuva::render::render::{Primitive, Scene};
 
 use crate::error::ReportError;
-use crate::figure::Rect;
+use crate::figure::geometry::Rect;
 
 /// A colour as red, green, blue.
 pub(crate) type Rgb = [u8; 3];
@@ -28,7 +28,7 @@ impl Image {
     ///
     /// # Errors
     /// [`ReportError::Png`].
-    pub fn new(
+    pub(crate) fn new(
         rect: Rect,
         (rows, columns): (usize, usize),
         color: impl Fn(usize, usize) -> Rgb,
@@ -38,35 +38,23 @@ impl Image {
             .map(place)
             .map(|(row, column)| color(row, column))
             .collect();
-        let pixel = Rect {
-            x: 0.0,
-            y: 0.0,
-            width: columns as f64,
-            height: rows as f64,
-        };
-        let mut scene = Scene::new(pixel.width, pixel.height);
-        scene.elements = vec![batch(pixel, (rows, columns), &cells)];
-        let png = RasterBackend::new()
-            .with_scale(1.0)
-            .render_scene(&scene)
-            .map_err(ReportError::Png)?;
         Ok(Self {
             rect,
             columns,
             rows,
+            png: png((rows, columns), &cells)?,
             cells,
-            png,
         })
     }
 
     /// The cells as one shape each, for the rasteriser.
-    pub fn cells(&self) -> Primitive {
+    pub(crate) fn cells(&self) -> Primitive {
         batch(self.rect, (self.rows, self.columns), &self.cells)
     }
 
     /// A rectangle filled with the pattern of that name, for SVG: some ten thousand cells would be
     /// megabytes there.
-    pub fn rectangle(&self, id: &str) -> Primitive {
+    pub(crate) fn rectangle(&self, id: &str) -> Primitive {
         let Rect {
             x,
             y,
@@ -87,16 +75,14 @@ impl Image {
     }
 
     /// The pattern that holds the cells as an embedded PNG.
-    pub fn pattern(&self, id: &str) -> String {
-        let (
-            Rect {
-                x,
-                y,
-                width,
-                height,
-            },
-            data,
-        ) = (self.rect, STANDARD.encode(&self.png));
+    pub(crate) fn pattern(&self, id: &str) -> String {
+        let Rect {
+            x,
+            y,
+            width,
+            height,
+        } = self.rect;
+        let data = STANDARD.encode(&self.png);
         format!(
             "<pattern id=\"{id}\" patternUnits=\"userSpaceOnUse\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\">\
              <image width=\"{width}\" height=\"{height}\" preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" \
@@ -105,34 +91,37 @@ impl Image {
     }
 }
 
+/// The cells as a PNG file, one pixel each.
+fn png((rows, columns): (usize, usize), cells: &[Rgb]) -> Result<Vec<u8>, ReportError> {
+    let rect = Rect {
+        x: 0.0,
+        y: 0.0,
+        width: columns as f64,
+        height: rows as f64,
+    };
+    let mut scene = Scene::new(rect.width, rect.height);
+    scene.elements = vec![batch(rect, (rows, columns), cells)];
+    RasterBackend::new()
+        .with_scale(1.0)
+        .render_scene(&scene)
+        .map_err(ReportError::Png)
+}
+
 /// One rectangle per cell. Each reaches a pixel below the next ones, which are drawn over it: edges
 /// between neighbours would let the background through where they are smoothed.
-fn batch(
-    Rect {
-        x,
-        y,
-        width,
-        height,
-    }: Rect,
-    (rows, columns): (usize, usize),
-    cells: &[Rgb],
-) -> Primitive {
-    let (cell_width, cell_height) = (width / columns as f64, height / rows as f64);
-    let place = |k: usize| {
-        (
-            x + (k % columns) as f64 * cell_width,
-            y + (k / columns) as f64 * cell_height,
-        )
-    };
-    let places = || (0..cells.len()).map(place);
+fn batch(rect: Rect, (rows, columns): (usize, usize), cells: &[Rgb]) -> Primitive {
+    let (width, height) = (rect.width / columns as f64, rect.height / rows as f64);
+    let left = |k: usize| rect.x + (k % columns) as f64 * width;
+    let top = |k: usize| rect.y + (k / columns) as f64 * height;
+    let all = || 0..cells.len();
     Primitive::RectBatch {
-        x: places().map(|(left, _)| left).collect(),
-        y: places().map(|(_, top)| top).collect(),
-        w: places()
-            .map(|(left, _)| (cell_width + 1.0).min(x + width - left))
+        x: all().map(left).collect(),
+        y: all().map(top).collect(),
+        w: all()
+            .map(|k| (width + 1.0).min(rect.right() - left(k)))
             .collect(),
-        h: places()
-            .map(|(_, top)| (cell_height + 1.0).min(y + height - top))
+        h: all()
+            .map(|k| (height + 1.0).min(rect.bottom() - top(k)))
             .collect(),
         fills: cells.iter().map(|&[r, g, b]| Color::Rgb(r, g, b)).collect(),
     }

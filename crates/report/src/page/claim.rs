@@ -1,4 +1,4 @@
-//! A claim of the paper beside our number.
+//! Claim of the paper beside our number.
 
 use serde::Serialize;
 

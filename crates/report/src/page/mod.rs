@@ -1,4 +1,4 @@
-//! The report: one HTML file that needs no network, for a browser or for print.
+//! Page of a report: one HTML file that needs no network, for a browser or for print.
 
 pub(crate) mod claim;
 pub(crate) mod html;
@@ -12,7 +12,7 @@ use base64::engine::general_purpose::STANDARD;
 use frfid_files::Check;
 use sha2::{Digest, Sha256};
 
-use crate::diagrams::curve;
+use crate::diagrams::validation::check_curves;
 use crate::error::ReportError;
 use crate::page::claim::Claim;
 use crate::page::html::{badge, escaped, filled, section, table, table_row};
@@ -61,7 +61,7 @@ impl<'a> Report<'a> {
             .filter_map(|part| part.responses.as_ref())
             .collect();
         for Responses { curves, labels, .. } in &responses {
-            curve::check("the report", curves, labels)?;
+            check_curves("the report", curves, labels)?;
         }
         // Browsers hash what they parsed, with line feeds only.
         let (style, script) = (STYLE.replace('\r', ""), SCRIPT.replace('\r', ""));
@@ -82,29 +82,18 @@ impl<'a> Report<'a> {
         }))
     }
 
+    /// How many claims hold and how many checks passed.
     fn verdict(&self) -> String {
-        let mut text = String::new();
-        let mut count = |all: usize, good: usize, what: &str| {
-            if all > 0 {
-                let class = if all == good { "good" } else { "bad" };
-                text.push_str(&format!(
-                    "<p><span class=\"{class}\">{good} of {all}</span> {what}</p>\n"
-                ));
-            }
-        };
-        count(
-            self.claims.len(),
-            self.claims.iter().filter(|row| row.holds).count(),
-            "claims of the paper hold",
-        );
-        count(
-            self.checks.len(),
-            self.checks.iter().filter(|row| row.passed).count(),
-            "checks passed",
-        );
-        text
+        let claims = self.claims.iter().map(|row| row.holds);
+        let checks = self.checks.iter().map(|row| row.passed);
+        [
+            count(claims, "claims of the paper hold"),
+            count(checks, "checks passed"),
+        ]
+        .concat()
     }
 
+    /// The table of claims.
     fn claims(&self) -> String {
         let rows = self.claims.iter().map(|row| {
             let verdict = badge(row.holds, "holds", "does not hold");
@@ -122,6 +111,7 @@ impl<'a> Report<'a> {
         section("Claims", &table(&columns, rows))
     }
 
+    /// The table of checks.
     fn checks(&self) -> String {
         let rows = self.checks.iter().map(|row| {
             let verdict = badge(row.passed, "passed", "failed");
@@ -142,6 +132,7 @@ impl<'a> Report<'a> {
         )
     }
 
+    /// The table of names and values.
     fn provenance(&self) -> String {
         let rows = self
             .provenance
@@ -149,6 +140,17 @@ impl<'a> Report<'a> {
             .map(|(name, value)| table_row(name, &[escaped(value)]));
         section("Provenance", &table(&[], rows))
     }
+}
+
+/// How many are good of how many, or nothing where there are none.
+fn count(are_good: impl ExactSizeIterator<Item = bool>, what: &str) -> String {
+    let all = are_good.len();
+    if all == 0 {
+        return String::new();
+    }
+    let good = are_good.filter(|is_good| *is_good).count();
+    let class = if all == good { "good" } else { "bad" };
+    format!("<p><span class=\"{class}\">{good} of {all}</span> {what}</p>\n")
 }
 
 /// The source expression that lets one inline style or script through a content security policy.

@@ -4,7 +4,9 @@ use frfid_files::ResultFile;
 use frfid_signals::Frf;
 
 use crate::diagrams::bode::{bode, bode_matrix};
-use crate::diagrams::curve::{Band, Curve, Labels, Style};
+use crate::diagrams::curve::{Band, Curve};
+use crate::diagrams::labels::Labels;
+use crate::diagrams::style::Style;
 use crate::error::ReportError;
 use crate::figure::Figure;
 use crate::page::Report;
@@ -61,6 +63,7 @@ pub fn result_page(
     report.html()
 }
 
+/// The FRF of a result as a curve.
 fn curve<'a>(title: &str, result: &'a ResultFile) -> Curve<'a> {
     let is_dense = result.frf.n_frequencies() > DENSE;
     Curve {
@@ -85,14 +88,14 @@ fn band(frf: &Frf) -> Band {
     }
 }
 
+/// What the figure shows, its shades and crosses included.
 fn caption(result: &ResultFile) -> String {
     let shaded = match band(&result.frf) {
         Band::Total => "; shaded: 95 % region of noise and nonlinear distortion",
         Band::Noise => "; shaded: 95 % region of the measurement noise",
         Band::None => "",
     };
-    let is_flagged = result.flagged.iter().flatten().any(|flagged| *flagged);
-    let crossed = if is_flagged {
+    let crossed = if result.flagged.iter().flatten().any(|flagged| *flagged) {
         "; crossed: lines at which what remains of the torque ripple exceeds the noise"
     } else {
         ""
@@ -102,14 +105,9 @@ fn caption(result: &ResultFile) -> String {
 
 /// Names of the channels; one unit of the gain where all entries share it.
 fn labels(result: &ResultFile) -> Labels {
-    let one = |units: &[String]| {
-        let first = units.first().filter(|unit| !unit.is_empty())?;
-        units
-            .iter()
-            .all(|unit| unit == first)
-            .then(|| first.clone())
-    };
-    let gain_unit = match (one(&result.output_units), one(&result.input_units)) {
+    let output = common_unit(&result.output_units);
+    let input = common_unit(&result.input_units);
+    let gain_unit = match (output, input) {
         (Some(output), Some(input)) => format!("{output} per {input}"),
         _ => "output unit per input unit".to_owned(),
     };
@@ -118,4 +116,10 @@ fn labels(result: &ResultFile) -> Labels {
         outputs: result.output_names.clone(),
         gain_unit,
     }
+}
+
+/// The unit that all channels share, if they do.
+fn common_unit(units: &[String]) -> Option<&String> {
+    let first = units.first().filter(|unit| !unit.is_empty())?;
+    units.iter().all(|unit| unit == first).then_some(first)
 }

@@ -1,12 +1,13 @@
-//! The numbers of a report as its script reads them: JSON, arrays as base64 of little-endian
-//! float32.
+//! Payload of a page: its numbers as its script reads them, JSON with arrays as base64 of
+//! little-endian float32.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use ndarray::Array3;
 use serde::Serialize;
 
-use crate::diagrams::curve::{Curve, Style, confidence_radius};
+use crate::diagrams::curve::{Curve, confidence_radius};
+use crate::diagrams::style::Style;
 use crate::page::section::Responses;
 
 /// Everything an interactive diagram needs.

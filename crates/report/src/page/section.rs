@@ -1,9 +1,10 @@
-//! A part of a report: what it says, in words, tables, an interactive diagram and figures.
+//! Part of a report: paragraphs, tables, an interactive diagram and figures.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-use crate::diagrams::curve::{Curve, Labels};
+use crate::diagrams::curve::Curve;
+use crate::diagrams::labels::Labels;
 use crate::figure::Figure;
 use crate::page::html::{escaped, section, table, table_row};
 use crate::page::table::Table;
@@ -57,6 +58,7 @@ impl Part<'_> {
     }
 }
 
+/// A table below its title.
 fn table_html(content: &Table) -> String {
     let columns: Vec<&str> = content.columns.iter().map(String::as_str).collect();
     let rows = content.rows.iter().map(|(name, cells)| {
@@ -72,6 +74,7 @@ fn table_html(content: &Table) -> String {
     )
 }
 
+/// The frame that the page's script fills with an interactive diagram.
 fn responses_html(responses: &Responses) -> String {
     let (title, unit) = (
         escaped(&responses.title),

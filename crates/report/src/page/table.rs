@@ -1,4 +1,4 @@
-//! A small table of a report.
+//! Table of a report.
 
 /// A table of text: numbers beside numbers of the paper.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -1,13 +1,13 @@
 //! Figures 8, 9 and 10: matrices of FRFs.
 
-use frfid_estimate::{FeatureKind, find_features};
+use frfid_estimate::{Feature, FeatureKind, find_features};
 use frfid_report::{Curve, Mark, MarkShape, Style, bode_matrix};
 use frfid_signals::Frf;
 
 use crate::error::PaperError;
-use crate::paper::Named;
+use crate::named_figure::Named;
 use crate::section7::Section7;
-use crate::section7::figures::{curve, estimate, labels};
+use crate::section7::figures::{curve, estimate, labels, truth};
 use crate::section7::multisine::MultisineCampaign;
 
 /// How far a peak of figure 9 must stand out, in dB.
@@ -17,30 +17,12 @@ const DEPTH_DB: f64 = 30.0;
 
 /// Figure 8: with and without compensation of the ripple.
 pub(super) fn figure_8(section7: &Section7) -> Result<Named, PaperError> {
-    let MultisineCampaign {
-        uncompensated,
-        in_time,
-        by_position,
-        flagged,
-        ..
-    } = &section7.multisine;
-    let position = estimate(
-        "glide subtracted by motor position",
-        by_position,
-        Style::Markers,
-    );
+    let campaign = &section7.multisine;
     let curves = [
-        curve(
-            "linear truth at the pose",
-            &section7.truth,
-            Style::Reference,
-        ),
-        curve("not compensated", uncompensated, Style::Line),
-        curve("glide subtracted in time", in_time, Style::Line),
-        Curve {
-            flagged: Some(flagged.clone()).filter(|flagged| !flagged.is_empty()),
-            ..position
-        },
+        truth(section7),
+        curve("not compensated", &campaign.uncompensated, Style::Line),
+        curve("glide subtracted in time", &campaign.in_time, Style::Line),
+        by_position(campaign),
     ];
     Ok(Named {
         name: "figure_8_ripple",
@@ -51,47 +33,32 @@ pub(super) fn figure_8(section7: &Section7) -> Result<Named, PaperError> {
     })
 }
 
+/// The estimate by subtraction of the glide by position, with its flagged lines.
+fn by_position(campaign: &MultisineCampaign) -> Curve<'_> {
+    Curve {
+        flagged: Some(campaign.flagged.clone()).filter(|flagged| !flagged.is_empty()),
+        ..estimate(
+            "glide subtracted by motor position",
+            &campaign.by_position,
+            Style::Markers,
+        )
+    }
+}
+
 /// Figure 9: chirps at the first and the best iteration.
 pub(super) fn figure_9(section7: &Section7) -> Result<Named, PaperError> {
-    let Section7 {
-        orthogonal,
-        sign_flip,
-        ..
-    } = section7;
+    let (orthogonal, sign_flip) = (&section7.orthogonal, &section7.sign_flip);
     let curves = [
-        curve(
-            "linear truth at the pose",
-            &section7.truth,
-            Style::Reference,
-        ),
-        curve(
-            &format!("sign flip, iteration {}", sign_flip.first),
-            &sign_flip.first_frf,
-            Style::Line,
-        ),
-        curve(
-            &format!("orthogonal, iteration {}", orthogonal.best),
-            &orthogonal.frf,
-            Style::Line,
-        ),
-        curve(
-            &format!("sign flip, iteration {}", sign_flip.best),
-            &sign_flip.frf,
-            Style::Line,
-        ),
+        truth(section7),
+        at_iteration("sign flip", sign_flip.first, &sign_flip.first_frf),
+        at_iteration("orthogonal", orthogonal.best, &orthogonal.frf),
+        at_iteration("sign flip", sign_flip.best, &sign_flip.frf),
     ];
-    let mut marks = peaks(
-        &orthogonal.frf,
-        2,
-        MarkShape::Cross,
-        "peaks of τ1 → dq2/dt, orthogonal",
-    );
-    marks.extend(peaks(
-        &sign_flip.frf,
-        3,
-        MarkShape::Circle,
-        "peaks of τ1 → dq2/dt, sign flip",
-    ));
+    let marks = [
+        peak_marks(&orthogonal.frf, 2, MarkShape::Cross, "orthogonal"),
+        peak_marks(&sign_flip.frf, 3, MarkShape::Circle, "sign flip"),
+    ]
+    .concat();
     Ok(Named {
         name: "figure_9_chirps",
         caption: "Figure 9: the chirp's FRF at the first iteration in which every axis moves, and at the best. The peaks of the channel τ1 → dq2/dt are marked there and, \
@@ -101,56 +68,56 @@ pub(super) fn figure_9(section7: &Section7) -> Result<Named, PaperError> {
     })
 }
 
+/// The estimate at an iteration of a shaping.
+fn at_iteration<'a>(phasing: &str, iteration: usize, frf: &'a Frf) -> Curve<'a> {
+    let label = format!("{phasing}, iteration {iteration}");
+    curve(&label, frf, Style::Line)
+}
+
 /// Marks at the peaks of the channel from input 1 to output 2, there and in the channel from input
 /// 2 to output 1.
-fn peaks(frf: &Frf, curve: usize, shape: MarkShape, label: &str) -> Vec<Mark> {
+fn peak_marks(frf: &Frf, curve: usize, shape: MarkShape, phasing: &str) -> Vec<Mark> {
+    let mark = |peak: &Feature, output, input| Mark {
+        label: format!("peaks of τ1 → dq2/dt, {phasing}"),
+        curve,
+        output,
+        input,
+        frequency_hz: peak.frequency_hz,
+        magnitude_db: peak.magnitude_db,
+        shape,
+    };
+    cross_channel_peaks(frf)
+        .iter()
+        .flat_map(|peak| [mark(peak, 1, 0), mark(peak, 0, 1)])
+        .collect()
+}
+
+/// Resonances of the channel from input 1 to output 2 that stand out of the noise.
+fn cross_channel_peaks(frf: &Frf) -> Vec<Feature> {
     if frf.n_outputs() < 2 || frf.n_inputs() < 2 {
         return Vec::new();
     }
-    let found = find_features(frf, 1, 0, PROMINENCE_DB);
-    let resonances = || {
-        found
-            .iter()
-            .filter(|feature| feature.kind == FeatureKind::Resonance)
-    };
-    let highest = resonances()
+    let mut peaks = find_features(frf, 1, 0, PROMINENCE_DB);
+    peaks.retain(|feature| feature.kind == FeatureKind::Resonance);
+    let highest = peaks
+        .iter()
         .map(|peak| peak.magnitude_db)
         .fold(f64::NEG_INFINITY, f64::max);
-    let marks = resonances()
-        .filter(|peak| peak.magnitude_db >= highest - DEPTH_DB)
-        .flat_map(|peak| {
-            [(1, 0), (0, 1)].map(|(output, input)| Mark {
-                label: label.into(),
-                curve,
-                output,
-                input,
-                frequency_hz: peak.frequency_hz,
-                magnitude_db: peak.magnitude_db,
-                shape,
-            })
-        });
-    marks.collect()
+    peaks.retain(|peak| peak.magnitude_db >= highest - DEPTH_DB);
+    peaks
 }
 
 /// Figure 10: multisine and chirp.
 pub(super) fn figure_10(section7: &Section7) -> Result<Named, PaperError> {
-    let Section7 {
-        multisine,
-        sign_flip,
-        ..
-    } = section7;
+    let (multisine, chirp) = (&section7.multisine, &section7.sign_flip);
     let curves = [
-        curve(
-            "linear truth at the pose",
-            &section7.truth,
-            Style::Reference,
-        ),
+        truth(section7),
         estimate(
             "multisine on constant velocity",
             &multisine.by_position,
             Style::Markers,
         ),
-        curve("shaped chirp", &sign_flip.frf, Style::Line),
+        curve("shaped chirp", &chirp.frf, Style::Line),
     ];
     Ok(Named {
         name: "figure_10_comparison",

@@ -10,12 +10,13 @@ use frfid_signals::Frf;
 use ndarray::Array2;
 
 use crate::error::PaperError;
-use crate::paper::Named;
+use crate::named_figure::Named;
 use crate::section7::Section7;
 
 /// Errors that shaping must and aims to reach, and the stuck share it must stay below.
 const ERROR_LIMITS: [f64; 2] = [0.05, 0.1];
 const STUCK_LIMIT: f64 = 0.15;
+
 impl Section7 {
     /// The figures of section 7: 3, 6 to 10, and the convergence that the paper states in words.
     ///
@@ -36,54 +37,13 @@ impl Section7 {
     /// Section 7 as a part of the report: tables, figures and the responses to look into.
     #[must_use]
     pub(crate) fn part(&self, figures: &[Named]) -> Part<'_> {
-        let Section7 {
-            multisine,
-            orthogonal,
-            sign_flip,
-            ..
-        } = self;
-        let curves = vec![
-            curve("linear truth at the pose", &self.truth, Style::Reference),
-            estimate(
-                "multisine, glide subtracted by position",
-                &multisine.by_position,
-                Style::Markers,
-            ),
-            curve(
-                "multisine, not compensated",
-                &multisine.uncompensated,
-                Style::Markers,
-            ),
-            curve("chirp, orthogonal", &orthogonal.frf, Style::Line),
-            curve("chirp, sign flip", &sign_flip.frf, Style::Line),
-        ];
-        let mut notes: Vec<String> = vec![
-        "Motor torque to motor velocity of the base axes of a simulated robot in closed loop, with Coulomb friction, torque ripple, \
-         quantisation and sensor noise. Everything was simulated and estimated when this page was made."
-            .into(),
-        "Why the cross channels agree better with (26): its column 1 comes from two experiments in which the other axes move exactly \
-         oppositely, so their friction, an odd function, cancels. With (9) phases and amplitudes of the axes, and with them the \
-         friction, differ from experiment to experiment, and the difference is booked on the weak cross channel."
-            .into(),
-    ];
-        notes.extend(
-            sign_flip
-                .warnings
-                .iter()
-                .map(|warning| format!("Desired torques of figure 7: {warning}")),
-        );
-        notes.extend(
-            self.table1_warnings
-                .iter()
-                .map(|warning| format!("Desired torques of the paper's table 1: {warning}")),
-        );
         Part {
             title: "Section 7: the base axes of an industrial robot".into(),
-            notes,
+            notes: notes(self),
             tables: tables::tables(self),
             responses: Some(Responses {
                 title: "Frequency responses".into(),
-                curves,
+                curves: curves_to_look_into(self),
                 labels: labels(self),
             }),
             figures: figures.iter().map(Named::captioned).collect(),
@@ -91,53 +51,77 @@ impl Section7 {
     }
 }
 
-fn convergence_figure(section7: &Section7) -> Result<Named, PaperError> {
-    let Section7 {
-        joint_names,
-        orthogonal,
-        sign_flip,
-        paper_step,
-        ..
-    } = section7;
-    let procedures = [
-        procedure(
-            "damped step, sign flip",
-            &sign_flip.iterations,
-            joint_names.len(),
-        ),
-        procedure(
-            "damped step, orthogonal",
-            &orthogonal.iterations,
-            joint_names.len(),
-        ),
-        procedure("the paper's step, sign flip", paper_step, joint_names.len()),
+/// The paragraphs of section 7, what is reported of weak torques included.
+fn notes(section7: &Section7) -> Vec<String> {
+    let fixed = [
+        "Motor torque to motor velocity of the base axes of a simulated robot in closed loop, with Coulomb friction, torque ripple, \
+         quantisation and sensor noise. Everything was simulated and estimated when this page was made.",
+        "Why the cross channels agree better with (26): its column 1 comes from two experiments in which the other axes move exactly \
+         oppositely, so their friction, an odd function, cancels. With (9) phases and amplitudes of the axes, and with them the \
+         friction, differ from experiment to experiment, and the difference is booked on the weak cross channel.",
     ];
+    [
+        fixed.map(String::from).to_vec(),
+        torque_notes("figure 7", &section7.sign_flip.warnings),
+        torque_notes("the paper's table 1", &section7.table1_warnings),
+    ]
+    .concat()
+}
+
+/// What is reported of torques that are too weak.
+fn torque_notes(whose: &str, warnings: &[String]) -> Vec<String> {
+    warnings
+        .iter()
+        .map(|warning| format!("Desired torques of {whose}: {warning}"))
+        .collect()
+}
+
+/// The curves of the page's interactive diagram.
+fn curves_to_look_into(section7: &Section7) -> Vec<Curve<'_>> {
+    let campaign = &section7.multisine;
+    vec![
+        truth(section7),
+        estimate(
+            "multisine, glide subtracted by position",
+            &campaign.by_position,
+            Style::Markers,
+        ),
+        curve(
+            "multisine, not compensated",
+            &campaign.uncompensated,
+            Style::Markers,
+        ),
+        curve("chirp, orthogonal", &section7.orthogonal.frf, Style::Line),
+        curve("chirp, sign flip", &section7.sign_flip.frf, Style::Line),
+    ]
+}
+
+/// The convergence of the damped step and of the paper's own.
+fn convergence_figure(section7: &Section7) -> Result<Named, PaperError> {
+    let (orthogonal, sign_flip) = (&section7.orthogonal, &section7.sign_flip);
+    let names = &section7.joint_names;
+    let procedures = [
+        ("damped step, sign flip", &sign_flip.iterations),
+        ("damped step, orthogonal", &orthogonal.iterations),
+        ("the paper's step, sign flip", &section7.paper_step),
+    ]
+    .map(|(label, iterations)| procedure(label, iterations, names.len()));
     Ok(Named {
         name: "figure_7b_convergence",
         caption: "Not depicted in the paper: how far the torques are from the desired ones at each iteration (rms over the band; 10 % must \
                   and 5 % should be reached), and the share of time each axis sticks (less than 15 %)."
             .into(),
-        figure: convergence(&procedures, joint_names, &ERROR_LIMITS, Some(STUCK_LIMIT))?,
+        figure: convergence(&procedures, names, &ERROR_LIMITS, Some(STUCK_LIMIT))?,
     })
 }
 
 /// Errors and stuck shares per axis; NaN where a run was stopped.
 fn procedure(label: &str, iterations: &[Summary], axes: usize) -> Procedure {
     let error = |(k, axis): (usize, usize)| {
-        iterations[k]
-            .channel_error
-            .as_ref()
-            .and_then(|errors| errors.get(axis))
-            .copied()
-            .unwrap_or(f64::NAN)
+        let errors = iterations[k].channel_error.as_deref();
+        value_or_nan(errors.unwrap_or_default(), axis)
     };
-    let stuck = |(k, axis): (usize, usize)| {
-        iterations[k]
-            .stuck_share
-            .get(axis)
-            .copied()
-            .unwrap_or(f64::NAN)
-    };
+    let stuck = |(k, axis): (usize, usize)| value_or_nan(&iterations[k].stuck_share, axis);
     let shape = (iterations.len(), axes);
     Procedure {
         label: label.into(),
@@ -146,11 +130,26 @@ fn procedure(label: &str, iterations: &[Summary], axes: usize) -> Procedure {
     }
 }
 
+fn value_or_nan(values: &[f64], axis: usize) -> f64 {
+    values.get(axis).copied().unwrap_or(f64::NAN)
+}
+
+/// Names of the axes' torques and velocities.
 fn labels(section7: &Section7) -> Labels {
     let axes = section7.joint_names.len();
     Labels::torque_to_velocity(axes, axes)
 }
 
+/// The linear truth, which every matrix shows.
+fn truth(section7: &Section7) -> Curve<'_> {
+    curve(
+        "linear truth at the pose",
+        &section7.truth,
+        Style::Reference,
+    )
+}
+
+/// An FRF without its uncertainty.
 fn curve<'a>(label: &str, frf: &'a Frf, style: Style) -> Curve<'a> {
     Curve {
         label: label.into(),
@@ -161,6 +160,7 @@ fn curve<'a>(label: &str, frf: &'a Frf, style: Style) -> Curve<'a> {
     }
 }
 
+/// An FRF with its 95 % region of noise and nonlinear distortion.
 fn estimate<'a>(label: &str, frf: &'a Frf, style: Style) -> Curve<'a> {
     Curve {
         band: Band::Total,

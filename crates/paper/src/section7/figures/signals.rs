@@ -1,12 +1,12 @@
 //! Figures 3, 6 and 7: signals of the experiments.
 
 use frfid_estimate::{SpectrogramOptions, harmonic_levels, spectrogram as spectrogram_of};
-use frfid_report::{Spectrogram, TimePanel, Trace, spectrogram, time_series};
-use frfid_signals::Waveform as _;
-use ndarray::Array1;
+use frfid_report::{Figure, Spectrogram, TimePanel, Trace, spectrogram, time_series};
+use frfid_signals::{Chirp, Waveform as _};
+use ndarray::{Array1, ArrayView1};
 
 use crate::error::PaperError;
-use crate::paper::Named;
+use crate::named_figure::Named;
 use crate::section7::chirps::ShapedChirps;
 use crate::section7::multisine::MultisineCampaign;
 
@@ -22,38 +22,14 @@ const SWEEP: u32 = 200;
 /// Densities this far below the highest are drawn alike, in dB.
 const RANGE_DB: f64 = 80.0;
 
-/// Where the level of the third harmonic is told, in Hz.
+/// Where the level of the third harmonic is reported, in Hz.
 const LEVELS_AT_HZ: [f64; 4] = [4.0, 8.0, 16.0, 32.0];
 
 /// Figure 3: the power spectral density of the torque over time.
 pub(super) fn figure_3(chirps: &ShapedChirps) -> Result<Named, PaperError> {
     let (torque, _) = without_mean(&chirps.torque_nm);
-    let density = spectrogram_of(torque.view(), chirps.sample_time_s, &WINDOWS)?;
-    let chirp = &chirps.chirp;
-    // the record begins with a lead-in and ends with the chirp's tail
-    let lead_in = chirps
-        .torque_nm
-        .len()
-        .saturating_sub(chirp.period_samples(chirps.sample_time_s)?);
-    let start_s = lead_in as f64 * chirps.sample_time_s;
-    let instants = (0..=SWEEP).map(|k| chirp.duration_s * f64::from(k) / f64::from(SWEEP));
-    let sweep = instants.map(|time_s| (start_s + time_s, chirp.frequency_at(time_s)));
-    let highest_hz =
-        (chirp.high_hz * f64::from(HARMONICS[HARMONICS.len() - 1]) / 10.0).ceil() * 10.0;
-    let nyquist_hz = 0.5 / chirps.sample_time_s;
-    let third = harmonic_levels(
-        torque.view(),
-        chirps.sample_time_s,
-        chirp,
-        start_s,
-        &LEVELS_AT_HZ,
-        &[3],
-    )?;
-    let (low, high) = third
-        .iter()
-        .fold((f64::INFINITY, 0.0_f64), |(low, high), x| {
-            (low.min(*x), high.max(*x))
-        });
+    let start_s = start_s(chirps)?;
+    let (low, high) = third_harmonic_range(chirps, torque.view(), start_s)?;
     Ok(Named {
         name: "figure_3_spectrogram",
         caption: format!(
@@ -64,70 +40,102 @@ pub(super) fn figure_3(chirps: &ShapedChirps) -> Result<Named, PaperError> {
             100.0 * low,
             100.0 * high
         ),
-        figure: spectrogram(&Spectrogram {
-            frequency_hz: &density.frequency_hz,
-            time_s: &density.time_s,
-            density: density.density.view(),
-            unit: "(N m)²/Hz".into(),
-            band_hz: (0.0, highest_hz.min(nyquist_hz)),
-            log_frequency: false,
-            range_db: RANGE_DB,
-            sweep: sweep.collect(),
-            harmonics: HARMONICS.to_vec(),
-        })?,
+        figure: torque_spectrogram(chirps, torque.view(), start_s)?,
     })
+}
+
+/// Instant at which the chirp begins: before it the record has a lead-in, after it the chirp's
+/// tail.
+fn start_s(chirps: &ShapedChirps) -> Result<f64, PaperError> {
+    let n_chirp = chirps.chirp.period_samples(chirps.sample_time_s)?;
+    let lead_in = chirps.torque_nm.len().saturating_sub(n_chirp);
+    Ok(lead_in as f64 * chirps.sample_time_s)
+}
+
+/// Lowest and highest level of the third harmonic over the fundamental.
+fn third_harmonic_range(
+    chirps: &ShapedChirps,
+    torque: ArrayView1<f64>,
+    start_s: f64,
+) -> Result<(f64, f64), PaperError> {
+    let levels = harmonic_levels(
+        torque,
+        chirps.sample_time_s,
+        &chirps.chirp,
+        start_s,
+        &LEVELS_AT_HZ,
+        &[3],
+    )?;
+    Ok(levels
+        .iter()
+        .fold((f64::INFINITY, 0.0_f64), |(low, high), x| {
+            (low.min(*x), high.max(*x))
+        }))
+}
+
+/// The heat map of figure 3, up to the last harmonic at the end of the chirp.
+fn torque_spectrogram(
+    chirps: &ShapedChirps,
+    torque: ArrayView1<f64>,
+    start_s: f64,
+) -> Result<Figure, PaperError> {
+    let density = spectrogram_of(torque, chirps.sample_time_s, &WINDOWS)?;
+    let chirp = &chirps.chirp;
+    let last_harmonic = HARMONICS[HARMONICS.len() - 1];
+    let highest_hz = (chirp.high_hz * f64::from(last_harmonic) / 10.0).ceil() * 10.0;
+    let nyquist_hz = 0.5 / chirps.sample_time_s;
+    Ok(spectrogram(&Spectrogram {
+        frequency_hz: &density.frequency_hz,
+        time_s: &density.time_s,
+        density: density.density.view(),
+        unit: "(N m)²/Hz".into(),
+        band_hz: (0.0, highest_hz.min(nyquist_hz)),
+        log_frequency: false,
+        range_db: RANGE_DB,
+        sweep: sweep(chirp, start_s),
+        harmonics: HARMONICS.to_vec(),
+    })?)
+}
+
+/// Pairs of time and frequency of a chirp that begins at `start_s`.
+fn sweep(chirp: &Chirp, start_s: f64) -> Vec<(f64, f64)> {
+    (0..=SWEEP)
+        .map(|k| chirp.duration_s * f64::from(k) / f64::from(SWEEP))
+        .map(|time_s| (start_s + time_s, chirp.frequency_at(time_s)))
+        .collect()
 }
 
 /// Figure 6: the reference.
 pub(super) fn figure_6(multisine: &MultisineCampaign) -> Result<Named, PaperError> {
-    let MultisineCampaign {
-        sample_time_s,
-        reference_rad_s,
-        velocity_rad_s,
-        ..
-    } = multisine;
-    let velocity = Array1::from_elem(
-        reference_rad_s.len(),
-        velocity_rad_s.first().copied().unwrap_or_default(),
-    );
-    let traces = vec![
-        Trace {
-            label: "reference of axis 1".into(),
-            samples: reference_rad_s.view(),
-        },
-        Trace {
-            label: "constant velocity".into(),
-            samples: velocity.view(),
-        },
-    ];
+    let reference = multisine.reference_rad_s.view();
+    let velocity_rad_s = multisine.velocity_rad_s.first().copied();
+    let velocity = Array1::from_elem(reference.len(), velocity_rad_s.unwrap_or_default());
     let panel = TimePanel {
         label: "Velocity in rad/s".into(),
-        traces,
+        traces: vec![
+            trace("reference of axis 1", reference),
+            trace("constant velocity", velocity.view()),
+        ],
         limit: None,
         envelope: None,
     };
     Ok(Named {
         name: "figure_6_reference",
         caption: "Figure 6: reference velocity of axis 1, an odd random multisine on a constant velocity. Its peak is three quarters of that velocity, so that the sum does not change its sign.".into(),
-        figure: time_series(*sample_time_s, &[panel])?,
+        figure: time_series(multisine.sample_time_s, &[panel])?,
     })
 }
 
 /// Figure 7: the torque and what was desired.
 pub(super) fn figure_7(chirps: &ShapedChirps) -> Result<Named, PaperError> {
     let (torque, mean) = without_mean(&chirps.torque_nm);
+    let achieved = format!("achieved, iteration {}", chirps.best);
     let desired = envelope(&chirps.desired_nm);
     let panel = TimePanel {
         label: "Torque of axis 3 in N m".into(),
-        traces: vec![Trace {
-            label: format!("achieved, iteration {}", chirps.best),
-            samples: torque.view(),
-        }],
+        traces: vec![trace(&achieved, torque.view())],
         limit: None,
-        envelope: Some(Trace {
-            label: "desired amplitude".into(),
-            samples: desired.view(),
-        }),
+        envelope: Some(trace("desired amplitude", desired.view())),
     };
     Ok(Named {
         name: "figure_7_torque",
@@ -141,6 +149,14 @@ pub(super) fn figure_7(chirps: &ShapedChirps) -> Result<Named, PaperError> {
     })
 }
 
+/// A signal with its name in the legend.
+fn trace<'a>(label: &str, samples: ArrayView1<'a, f64>) -> Trace<'a> {
+    Trace {
+        label: label.into(),
+        samples,
+    }
+}
+
 /// A signal without its mean, and the mean.
 fn without_mean(signal: &Array1<f64>) -> (Array1<f64>, f64) {
     let mean = signal.mean().unwrap_or_default();
@@ -150,28 +166,30 @@ fn without_mean(signal: &Array1<f64>) -> (Array1<f64>, f64) {
 /// Amplitude over time of a sine whose frequency and amplitude vary slowly: straight lines between
 /// the tops of its half waves, zero where it has not begun or has ended.
 fn envelope(signal: &Array1<f64>) -> Array1<f64> {
-    let last = signal.len().saturating_sub(1);
-    let size = |k: usize| signal[k].abs();
-    let tops = (1..last)
-        .filter(|&k| size(k - 1) < size(k) && size(k) >= size(k + 1))
-        .map(|k| (k, size(k)));
-    let (first, end) = (
-        (0..last).find(|&k| size(k) > 0.0).unwrap_or(0),
-        (0..last).rfind(|&k| size(k) > 0.0).unwrap_or(last),
-    );
-    let corners: Vec<(usize, f64)> = [(first, 0.0)]
-        .into_iter()
-        .chain(tops)
-        .chain([(end, 0.0)])
-        .collect();
     let mut amplitude = Array1::zeros(signal.len());
-    for pair in corners.windows(2) {
+    for pair in envelope_corners(signal).windows(2) {
         let ((left, a), (right, b)) = (pair[0], pair[1]);
         for k in left..right {
             amplitude[k] = a + (b - a) * (k - left) as f64 / (right - left) as f64;
         }
     }
     amplitude
+}
+
+/// Index and height of the tops of a sine's half waves, between zeros at its beginning and end.
+fn envelope_corners(signal: &Array1<f64>) -> Vec<(usize, f64)> {
+    let last = signal.len().saturating_sub(1);
+    let size = |k: usize| signal[k].abs();
+    let tops = (1..last)
+        .filter(|&k| size(k - 1) < size(k) && size(k) >= size(k + 1))
+        .map(|k| (k, size(k)));
+    let first = (0..last).find(|&k| size(k) > 0.0).unwrap_or(0);
+    let end = (0..last).rfind(|&k| size(k) > 0.0).unwrap_or(last);
+    [(first, 0.0)]
+        .into_iter()
+        .chain(tops)
+        .chain([(end, 0.0)])
+        .collect()
 }
 
 #[cfg(test)]

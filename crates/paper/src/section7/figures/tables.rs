@@ -1,4 +1,4 @@
-//! The numbers of section 7 beside the paper's.
+//! Tables of section 7: its numbers beside the paper's.
 
 use frfid_estimate::{Summary, median};
 use frfid_report::Table;
@@ -6,6 +6,7 @@ use frfid_signals::{Limit, Peaks};
 
 use crate::section7::Section7;
 use crate::section7::chirps::ShapedChirps;
+use crate::section7::multisine::MultisineCampaign;
 
 /// What the paper says of its own robot (SK15 (23) to (25), section 7.2).
 const PAPER_TORQUES: &str = "200, 136, 62";
@@ -16,125 +17,68 @@ pub(crate) fn tables(section7: &Section7) -> Vec<Table> {
     vec![torques_and_durations(section7), shaping(section7)]
 }
 
+/// Peak torques, runs and durations.
 fn torques_and_durations(section7: &Section7) -> Table {
-    let Section7 {
-        multisine,
-        orthogonal,
-        sign_flip,
-        coulomb_nm,
-        ..
-    } = section7;
-    let mut rows = vec![
+    Table {
+        title: "Peak torques (holding torque included) and durations".into(),
+        columns: ["", "Here", "Paper (another robot)"]
+            .map(str::to_owned)
+            .to_vec(),
+        rows: [
+            multisine_rows(&section7.coulomb_nm, &section7.multisine),
+            chirp_rows("Chirp, orthogonal", &section7.orthogonal),
+            chirp_rows("Chirp, sign flip", &section7.sign_flip),
+        ]
+        .concat(),
+    }
+}
+
+fn multisine_rows(coulomb_nm: &[f64], campaign: &MultisineCampaign) -> Vec<Row> {
+    vec![
         row("Coulomb friction in N m", list(coulomb_nm, 0), NONE),
         row(
             "Multisine: peak torque in N m",
-            list(torque(&multisine.load.peaks), 0),
+            list(torque(&campaign.load.peaks), 0),
             PAPER_TORQUES,
         ),
         row(
             "Multisine: constant velocity in rad/s",
-            list(&multisine.velocity_rad_s, 4),
+            list(&campaign.velocity_rad_s, 4),
             NONE,
         ),
         row(
             "Multisine: runs",
-            multisine.n_runs.to_string(),
+            campaign.n_runs.to_string(),
             "10 realizations, 5 repetitions",
         ),
         row(
             "Multisine: time on the robot",
-            duration(multisine.robot_time_s),
+            duration(campaign.robot_time_s),
             NONE,
         ),
-    ];
-    for (name, chirps) in [
-        ("Chirp, orthogonal", orthogonal),
-        ("Chirp, sign flip", sign_flip),
-    ] {
-        let ShapedChirps {
-            peaks,
-            n_runs,
-            robot_time_s,
-            iterations,
-            ..
-        } = chirps;
-        let said = |what: &str| format!("{name}: {what}");
-        rows.extend([
-            row(
-                said("peak torque in N m"),
-                list(torque(peaks), 0),
-                "100, 150, 120 desired (table 1)",
-            ),
-            row(said("iterations"), iterations.len().to_string(), "6"),
-            row(said("runs"), n_runs.to_string(), NONE),
-            row(
-                said("time on the robot"),
-                duration(*robot_time_s),
-                "20 s for each sweep",
-            ),
-        ]);
-    }
-    let columns = ["", "Here", "Paper (another robot)"]
-        .map(str::to_owned)
-        .to_vec();
-    Table {
-        title: "Peak torques (holding torque included) and durations".into(),
-        columns,
-        rows,
-    }
+    ]
 }
 
-fn shaping(section7: &Section7) -> Table {
-    let Section7 {
-        orthogonal,
-        sign_flip,
-        paper_step,
-        ..
-    } = section7;
-    let best = |chirps: &ShapedChirps| {
-        chirps
-            .iterations
-            .iter()
-            .find(|summary| summary.number == chirps.best)
-            .cloned()
-    };
-    let reached = |summary: Option<Summary>| -> Vec<String> {
-        let error = summary
-            .as_ref()
-            .and_then(|summary| summary.channel_error.as_deref())
-            .map_or(NONE.into(), percents);
-        let stuck = summary
-            .as_ref()
-            .map_or(NONE.into(), |summary| percents(&summary.stuck_share));
-        vec![
-            summary.map_or(NONE.into(), |summary| summary.number.to_string()),
-            error,
-            stuck,
-        ]
-    };
-    let with_condition = |chirps: &ShapedChirps| {
-        let conditions = [
-            middle(&chirps.conditions.at_torque),
-            middle(&chirps.conditions.at_reference),
-        ];
-        [reached(best(chirps)), conditions.to_vec()].concat()
-    };
-    let last = [
-        reached(paper_step.last().cloned()),
-        vec![NONE.into(), NONE.into()],
+fn chirp_rows(name: &str, chirps: &ShapedChirps) -> Vec<Row> {
+    let of_name = |what, here, paper| row(format!("{name}: {what}"), here, paper);
+    vec![
+        of_name(
+            "peak torque in N m",
+            list(torque(&chirps.peaks), 0),
+            "100, 150, 120 desired (table 1)",
+        ),
+        of_name("iterations", chirps.iterations.len().to_string(), "6"),
+        of_name("runs", chirps.n_runs.to_string(), NONE),
+        of_name(
+            "time on the robot",
+            duration(chirps.robot_time_s),
+            "20 s for each sweep",
+        ),
     ]
-    .concat();
-    let rows = vec![
-        (
-            "Damped step, orthogonal, best".into(),
-            with_condition(orthogonal),
-        ),
-        (
-            "Damped step, sign flip, best".into(),
-            with_condition(sign_flip),
-        ),
-        ("The paper's step, sign flip, last".into(), last),
-    ];
+}
+
+/// What shaping reached by every procedure.
+fn shaping(section7: &Section7) -> Table {
     let columns = [
         "Procedure",
         "Iteration",
@@ -143,17 +87,57 @@ fn shaping(section7: &Section7) -> Table {
         "cond(U), made at u (median)",
         "cond(U), made at r (median)",
     ];
+    let paper_last = [reached(section7.paper_step.last()), vec![NONE.into(); 2]].concat();
     Table {
         title: "Shaping".into(),
         columns: columns.map(str::to_owned).to_vec(),
-        rows,
+        rows: vec![
+            (
+                "Damped step, orthogonal, best".into(),
+                reached_at_best(&section7.orthogonal),
+            ),
+            (
+                "Damped step, sign flip, best".into(),
+                reached_at_best(&section7.sign_flip),
+            ),
+            ("The paper's step, sign flip, last".into(), paper_last),
+        ],
     }
 }
 
-fn row(name: impl Into<String>, here: String, paper: &str) -> (String, Vec<String>) {
+/// Number, error and stuck share of an iteration.
+fn reached(iteration: Option<&Summary>) -> Vec<String> {
+    let number = iteration.map(|summary| summary.number.to_string());
+    let error = iteration.and_then(|summary| summary.channel_error.as_deref());
+    let stuck = iteration.map(|summary| summary.stuck_share.as_slice());
+    [number, error.map(percents), stuck.map(percents)]
+        .map(|cell| cell.unwrap_or(NONE.into()))
+        .to_vec()
+}
+
+/// The same of the best iteration, and how well its spectra can be inverted.
+fn reached_at_best(chirps: &ShapedChirps) -> Vec<String> {
+    let mut iterations = chirps.iterations.iter();
+    let best = iterations.find(|summary| summary.number == chirps.best);
+    let conditions = &chirps.conditions;
+    [
+        reached(best),
+        vec![
+            middle(&conditions.at_torque),
+            middle(&conditions.at_reference),
+        ],
+    ]
+    .concat()
+}
+
+/// A row of a table: its name and the cells behind it.
+type Row = (String, Vec<String>);
+
+fn row(name: impl Into<String>, here: String, paper: &str) -> Row {
     (name.into(), vec![here, paper.into()])
 }
 
+/// Numbers separated by commas.
 fn list(values: &[f64], decimals: usize) -> String {
     values
         .iter()
@@ -162,6 +146,7 @@ fn list(values: &[f64], decimals: usize) -> String {
         .join(", ")
 }
 
+/// Shares in percent.
 fn percents(shares: &[f64]) -> String {
     list(
         &shares.iter().map(|share| 100.0 * share).collect::<Vec<_>>(),
@@ -179,6 +164,7 @@ fn duration(time_s: f64) -> String {
     }
 }
 
+/// The median with two decimals.
 fn middle(values: &[f64]) -> String {
     median(values.to_vec()).map_or(NONE.into(), |value| format!("{value:.2}"))
 }

@@ -1,10 +1,10 @@
-//! Phase curves between -180 and 180 degrees without the vertical strokes of a wrap.
+//! Runs of phase curves between -180 and 180 degrees without the vertical strokes of a wrap.
 
 /// Splits a phase curve in degrees where it wraps, into runs of `(index, phase)` that may be drawn
 /// as lines.
 ///
 /// Neighbours are taken to be less than half a turn apart. A run that leaves at one edge is
-/// continued by one point beyond it and begins anew one turn away, so that, clipped at +-180, lines
+/// continued by one point beyond it and begins again one turn away, so that, clipped at +-180, lines
 /// reach the edge on both sides. `phase_deg` may hold NaN, which ends a run.
 pub(crate) fn runs(phase_deg: &[f64]) -> Vec<Vec<(usize, f64)>> {
     let mut runs = Vec::new();

@@ -1,0 +1,206 @@
+//! Cell of a Bode diagram: magnitude above phase of one entry.
+
+use frfid_signals::Frf;
+
+use crate::diagrams::bode::phase;
+use crate::diagrams::bode::sheet::Sheet;
+use crate::diagrams::curve::Curve;
+use crate::figure::Figure;
+use crate::figure::axis::Axis;
+use crate::figure::geometry::{Point, Rect};
+use crate::figure::ink::{Ink, Marker};
+use crate::figure::panel::{GAP, Panel};
+
+/// Half the height of a mark in pixels.
+const MARK: f64 = 5.5;
+/// The same of the cross at a flagged line.
+const CROSS: f64 = 3.2;
+
+/// The axes that all cells share.
+pub(crate) struct Axes {
+    pub(crate) frequency: Axis,
+    pub(crate) magnitude: Axis,
+    pub(crate) phase: Axis,
+}
+
+/// One entry of a sheet, and which of its edges carry labels.
+pub(crate) struct Cell<'a> {
+    pub(crate) sheet: &'a Sheet<'a>,
+    pub(crate) axes: &'a Axes,
+    /// Output and input.
+    pub(crate) entry: (usize, usize),
+    pub(crate) is_leftmost: bool,
+    pub(crate) is_lowest: bool,
+}
+
+/// A curve of an entry over frequency: pairs of Hz and dB or degrees.
+type Line = Vec<(f64, f64)>;
+
+impl Cell<'_> {
+    /// Draws magnitude and phase with the upper left corner at `corner`.
+    pub(crate) fn draw(&self, figure: &mut Figure, (left, top): Point) {
+        let magnitude = self.magnitude(figure, (left, top));
+        let phase_top = top + self.sheet.magnitude + GAP;
+        let phase = self
+            .sheet
+            .phase
+            .map(|height| self.phase(figure, (left, phase_top), height));
+        if self.is_lowest {
+            let lowest = phase.unwrap_or(magnitude);
+            lowest.label_x(figure, "Frequency in Hz");
+        }
+    }
+
+    /// Draws the magnitudes of all curves, and the marks.
+    fn magnitude(&self, figure: &mut Figure, corner: Point) -> Panel {
+        let panel = self.panel(corner, self.sheet.magnitude, &self.axes.magnitude);
+        panel.draw(figure, |figure| {
+            for (curve, ink) in self.curves() {
+                self.magnitude_curve(figure, &panel, curve, ink);
+            }
+        });
+        self.flags(figure, &panel, Frf::magnitude_db);
+        self.marks(figure, &panel);
+        if self.is_leftmost {
+            panel.label_y(figure, "Magnitude in dB");
+        }
+        panel
+    }
+
+    /// Draws the phases of all curves.
+    fn phase(&self, figure: &mut Figure, corner: Point, height: f64) -> Panel {
+        let panel = self.panel(corner, height, &self.axes.phase);
+        panel.draw(figure, |figure| {
+            for (curve, ink) in self.curves() {
+                self.phase_curve(figure, &panel, curve, ink);
+            }
+        });
+        self.flags(figure, &panel, Frf::phase_deg);
+        if self.is_leftmost {
+            panel.label_y(figure, "Phase in deg");
+        }
+        panel
+    }
+
+    fn panel(&self, (x, y): Point, height: f64, vertical: &Axis) -> Panel {
+        Panel {
+            rect: Rect {
+                x,
+                y,
+                width: self.sheet.width,
+                height,
+            },
+            x: self.axes.frequency.clone(),
+            y: vertical.clone(),
+        }
+    }
+
+    /// Every curve with its ink.
+    fn curves(&self) -> impl Iterator<Item = (&Curve<'_>, &Ink)> {
+        self.sheet.curves.iter().zip(&self.sheet.inks)
+    }
+
+    /// Draws the region, line and markers of a magnitude.
+    fn magnitude_curve(&self, figure: &mut Figure, panel: &Panel, curve: &Curve, ink: &Ink) {
+        if let Some(radius) = curve.region(self.entry) {
+            let [low, high] = [-1.0, 1.0].map(|sign| self.bound_db(curve, &radius, sign));
+            panel.band(figure, &low, &high, ink.color);
+        }
+        let line = over_frequency(curve, &self.values(curve, Frf::magnitude_db));
+        panel.curve(figure, &line, &ink.without_markers());
+        draw_markers(figure, panel, curve, &line, ink);
+    }
+
+    /// The magnitude with the radius of its region added or subtracted.
+    fn bound_db(&self, curve: &Curve, radius: &[f64], sign: f64) -> Line {
+        let (output, input) = self.entry;
+        let response = &curve.frf.response;
+        let bound = |k: usize| response[[k, output, input]].norm() + sign * radius[k];
+        let bound_db = |k: usize| 20.0 * bound(k).max(0.0).log10();
+        over_frequency(curve, &(0..radius.len()).map(bound_db).collect::<Vec<_>>())
+    }
+
+    /// Draws the region, line and markers of a phase, with gaps where it wraps.
+    fn phase_curve(&self, figure: &mut Figure, panel: &Panel, curve: &Curve, ink: &Ink) {
+        let phase_deg = self.values(curve, Frf::phase_deg);
+        let half_width_deg = curve
+            .region(self.entry)
+            .map(|radius| self.half_width_deg(curve, &radius));
+        for run in phase::runs(&phase_deg) {
+            let shifted = |by: &dyn Fn(usize) -> f64| shifted_run(curve, &run, by);
+            if let Some(half) = &half_width_deg {
+                let (low, high) = (shifted(&|k| -half[k]), shifted(&|k| half[k]));
+                panel.band(figure, &low, &high, ink.color);
+            }
+            panel.curve(figure, &shifted(&|_| 0.0), &ink.without_markers());
+        }
+        let line = over_frequency(curve, &phase_deg);
+        draw_markers(figure, panel, curve, &line, ink);
+    }
+
+    /// Half the width of the region of a phase, seen from the origin.
+    fn half_width_deg(&self, curve: &Curve, radius: &[f64]) -> Vec<f64> {
+        let (output, input) = self.entry;
+        let response = &curve.frf.response;
+        let half_width =
+            |(k, radius): (usize, &f64)| match radius / response[[k, output, input]].norm() {
+                ratio if ratio < 1.0 => ratio.asin().to_degrees(),
+                _ => 180.0,
+            };
+        radius.iter().enumerate().map(half_width).collect()
+    }
+
+    /// Draws crosses where curves are flagged, over all curves.
+    fn flags(&self, figure: &mut Figure, panel: &Panel, values: Values) {
+        for (curve, ink) in self.curves() {
+            let cross = Ink::markers(Marker::Cross, ink.color);
+            let line = over_frequency(curve, &self.values(curve, values));
+            for (k, point) in line.into_iter().enumerate() {
+                if curve.is_flagged(k) {
+                    panel.mark(figure, point, &cross, CROSS);
+                }
+            }
+        }
+    }
+
+    /// Draws the marks of this entry.
+    fn marks(&self, figure: &mut Figure, panel: &Panel) {
+        for mark in self.sheet.marks {
+            if (mark.output, mark.input) == self.entry {
+                let at = (mark.frequency_hz, mark.magnitude_db);
+                panel.mark(figure, at, &mark.ink(&self.sheet.inks), MARK);
+            }
+        }
+    }
+
+    /// Values of a curve at this entry.
+    fn values(&self, curve: &Curve, of_entry: Values) -> Vec<f64> {
+        let (output, input) = self.entry;
+        of_entry(curve.frf, output, input)
+    }
+}
+
+/// Magnitude or phase of one entry of an FRF.
+type Values = fn(&Frf, usize, usize) -> Vec<f64>;
+
+/// Values of a curve with their frequencies.
+fn over_frequency(curve: &Curve, values: &[f64]) -> Line {
+    let frequencies = curve.frf.frequency_hz.iter().copied();
+    frequencies.zip(values.iter().copied()).collect()
+}
+
+/// A run of phases, each shifted by a number of degrees.
+fn shifted_run(curve: &Curve, run: &[(usize, f64)], by: &dyn Fn(usize) -> f64) -> Line {
+    run.iter()
+        .map(|&(k, phase)| (curve.frf.frequency_hz[k], phase + by(k)))
+        .collect()
+}
+
+/// Draws the markers of a curve, where it is not flagged.
+fn draw_markers(figure: &mut Figure, panel: &Panel, curve: &Curve, line: &[(f64, f64)], ink: &Ink) {
+    let sound: Line = (0..line.len())
+        .filter(|&k| !curve.is_flagged(k))
+        .map(|k| line[k])
+        .collect();
+    panel.curve(figure, &sound, &ink.without_line());
+}

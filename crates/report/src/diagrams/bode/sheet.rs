@@ -1,0 +1,160 @@
+//! Sheet of Bode diagrams: the layout of cells, titles and legend, and the axes of all cells.
+
+use frfid_signals::Frf;
+
+use crate::diagrams::bode::cell::{Axes, Cell};
+use crate::diagrams::curve::Curve;
+use crate::diagrams::labels::Labels;
+use crate::diagrams::mark::Mark;
+use crate::figure::Figure;
+use crate::figure::axis::Axis;
+use crate::figure::drawing::Align;
+use crate::figure::geometry::Point;
+use crate::figure::ink::{Ink, Marker};
+use crate::figure::legend::Legend;
+use crate::figure::panel::{BELOW, GAP, LABEL_SIZE, LEFT, RIGHT, TICK_SIZE};
+
+/// Height of a cell's title in pixels.
+const TITLE: f64 = 24.0;
+/// What lies further below the highest magnitude is rounding and does not stretch the axis, in dB.
+const DEEPEST_DB: f64 = 140.0;
+
+/// The layout of a figure: which entries, and the size of a cell's panels in pixels.
+pub(crate) struct Sheet<'a> {
+    pub(crate) curves: &'a [Curve<'a>],
+    /// The ink of every curve.
+    pub(crate) inks: Vec<Ink>,
+    pub(crate) labels: &'a Labels,
+    pub(crate) marks: &'a [Mark],
+    pub(crate) rows: Vec<usize>,
+    pub(crate) columns: Vec<usize>,
+    pub(crate) width: f64,
+    pub(crate) magnitude: f64,
+    /// Height of the phase; `None` for magnitudes only.
+    pub(crate) phase: Option<f64>,
+}
+
+impl Sheet<'_> {
+    pub(crate) fn draw(&self) -> Figure {
+        let across = self.columns.len() as f64 * (self.width + GAP) - GAP;
+        let legend = self.legend(across);
+        let (top, height) = (8.0 + legend.height(), self.cell_height());
+        let mut figure = Figure::new(
+            LEFT + across + RIGHT,
+            top + self.rows.len() as f64 * height + BELOW + 10.0,
+        );
+        legend.draw(&mut figure, LEFT, 8.0);
+        self.explain_reference(&mut figure, LEFT + across);
+        let axes = self.axes();
+        for row in 0..self.rows.len() {
+            for column in 0..self.columns.len() {
+                let left = LEFT + column as f64 * (self.width + GAP);
+                let corner = (left, top + row as f64 * height);
+                self.cell(&mut figure, corner, (row, column), &axes);
+            }
+        }
+        figure
+    }
+
+    /// Height of a cell with its title.
+    fn cell_height(&self) -> f64 {
+        TITLE + self.magnitude + self.phase.map_or(0.0, |height| height + GAP) + 6.0
+    }
+
+    /// The legend: curves, marks and flagged lines.
+    fn legend(&self, width: f64) -> Legend<'_> {
+        let labels = self.curves.iter().map(|curve| curve.label.as_str());
+        let curves = labels.zip(self.inks.iter().copied());
+        let entries = curves.chain(self.named_marks()).chain(self.flagged_lines());
+        Legend::new(entries, width)
+    }
+
+    /// Every name of a mark once, with the ink of the first of that name.
+    fn named_marks(&self) -> Vec<(&str, Ink)> {
+        let mut names: Vec<(&str, Ink)> = Vec::new();
+        for mark in self.marks {
+            if names.iter().all(|(name, _)| *name != mark.label) {
+                names.push((&mark.label, mark.ink(&self.inks)));
+            }
+        }
+        names
+    }
+
+    /// The crosses of every curve that has flagged lines.
+    fn flagged_lines(&self) -> impl Iterator<Item = (&str, Ink)> {
+        self.curves
+            .iter()
+            .zip(&self.inks)
+            .filter(|(curve, _)| (0..curve.frf.n_frequencies()).any(|k| curve.is_flagged(k)))
+            .map(|(_, ink)| ("flagged line", Ink::markers(Marker::Cross, ink.color)))
+    }
+
+    /// Says below the cells what 0 dB is.
+    fn explain_reference(&self, figure: &mut Figure, right: f64) {
+        let text = format!("0 dB = 1 {}", self.labels.gain_unit);
+        let at = (right, figure.height() - 8.0);
+        figure.text(at, &text, TICK_SIZE, Align::Right);
+    }
+
+    /// A cell with its title; labels stand at the left and lower edge of the matrix.
+    fn cell(
+        &self,
+        figure: &mut Figure,
+        (left, top): Point,
+        (row, column): (usize, usize),
+        axes: &Axes,
+    ) {
+        let (output, input) = (self.rows[row], self.columns[column]);
+        let title = self.labels.entry(output, input);
+        let at = (left + self.width / 2.0, top + TITLE - 7.0);
+        figure.text(at, &title, LABEL_SIZE, Align::Center);
+        let cell = Cell {
+            sheet: self,
+            axes,
+            entry: (output, input),
+            is_leftmost: column == 0,
+            is_lowest: row + 1 == self.rows.len(),
+        };
+        cell.draw(figure, (left, top + TITLE));
+    }
+
+    /// Axes that hold every curve of every entry.
+    fn axes(&self) -> Axes {
+        let frequencies = self
+            .curves
+            .iter()
+            .flat_map(|curve| curve.frf.frequency_hz.iter().copied());
+        let phases = self.values(Frf::phase_deg).into_iter();
+        Axes {
+            frequency: Axis::frequency(frequencies, self.width),
+            magnitude: Axis::linear(self.magnitudes_db().into_iter(), self.magnitude),
+            phase: Axis::degrees(phases, self.phase.unwrap_or(self.magnitude)),
+        }
+    }
+
+    /// The magnitudes that the axis must hold, those of marks included.
+    fn magnitudes_db(&self) -> Vec<f64> {
+        let mut magnitudes = self.values(Frf::magnitude_db);
+        let highest = magnitudes
+            .iter()
+            .copied()
+            .filter(|db| db.is_finite())
+            .fold(f64::NEG_INFINITY, f64::max);
+        magnitudes.retain(|db| *db >= highest - DEEPEST_DB);
+        magnitudes.extend(self.marks.iter().map(|mark| mark.magnitude_db));
+        magnitudes
+    }
+
+    /// Values of every curve at every entry of the sheet.
+    fn values(&self, of_entry: fn(&Frf, usize, usize) -> Vec<f64>) -> Vec<f64> {
+        let mut values = Vec::new();
+        for &output in &self.rows {
+            for &input in &self.columns {
+                for curve in self.curves {
+                    values.extend(of_entry(curve.frf, output, input));
+                }
+            }
+        }
+        values
+    }
+}

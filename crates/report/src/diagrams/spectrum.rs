@@ -1,0 +1,128 @@
+//! Spectrum of a period: its excited, detection and other lines.
+
+use crate::error::ReportError;
+use crate::figure::Figure;
+use crate::figure::axis::Axis;
+use crate::figure::geometry::Rect;
+use crate::figure::ink::{COLORS, Ink, Marker, Pen};
+use crate::figure::legend::Legend;
+use crate::figure::panel::{BELOW, LEFT, Panel, RIGHT};
+use crate::validation;
+
+const WIDTH: f64 = 540.0;
+const HEIGHT: f64 = 210.0;
+const GREY: &str = "#888888";
+
+/// What a line of the period is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LineRole {
+    /// It carries excitation.
+    Excited,
+    /// It was left out on purpose, to detect what the nonlinearities put there.
+    Detection,
+    /// Any other line.
+    Other,
+}
+
+/// One line of a spectrum.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SpectralLine {
+    /// Frequency in Hz.
+    pub frequency_hz: f64,
+    /// Single-sided physical amplitude 2|X|/N, in the unit the figure's label states.
+    pub amplitude: f64,
+    /// What the line is for.
+    pub role: LineRole,
+}
+
+/// Amplitudes of a period's lines over a logarithmic frequency axis: excited lines as stems with
+/// dots, detection lines as rings, the others as grey stems. `label` names quantity and unit:
+/// `Amplitude of torque in N m`.
+///
+/// # Errors
+/// [`ReportError`] if there are no lines or a frequency is not a finite number above zero.
+pub fn spectrum(lines: &[SpectralLine], label: &str) -> Result<Figure, ReportError> {
+    check(lines)?;
+    let legend = legend(lines);
+    let top = 16.0 + legend.height();
+    let mut figure = Figure::new(LEFT + WIDTH + RIGHT, top + HEIGHT + BELOW);
+    legend.draw(&mut figure, LEFT, 8.0);
+    let panel = panel(lines, top);
+    panel.draw(&mut figure, |figure| {
+        for line in lines {
+            draw_line(figure, &panel, line);
+        }
+    });
+    panel.label_y(&mut figure, label);
+    panel.label_x(&mut figure, "Frequency in Hz");
+    Ok(figure)
+}
+
+/// Refuses no lines, and frequencies that a logarithmic axis cannot hold.
+fn check(lines: &[SpectralLine]) -> Result<(), ReportError> {
+    if lines.is_empty() {
+        return Err(ReportError::Empty {
+            figure: "a spectrum",
+            missing: "lines",
+        });
+    }
+    let frequencies = lines.iter().map(|line| line.frequency_hz);
+    validation::log_frequencies("a frequency_hz", frequencies)
+}
+
+/// The panel that holds every line from its foot at 0.
+fn panel(lines: &[SpectralLine], top: f64) -> Panel {
+    let frequencies = lines.iter().map(|line| line.frequency_hz);
+    let amplitudes = lines.iter().map(|line| line.amplitude);
+    Panel {
+        rect: Rect {
+            x: LEFT,
+            y: top,
+            width: WIDTH,
+            height: HEIGHT,
+        },
+        x: Axis::frequency(frequencies, WIDTH),
+        y: Axis::linear(amplitudes.chain([0.0]), HEIGHT),
+    }
+}
+
+/// The legend: the roles that occur.
+fn legend(lines: &[SpectralLine]) -> Legend<'static> {
+    let entries = [LineRole::Excited, LineRole::Detection, LineRole::Other]
+        .into_iter()
+        .filter(|role| lines.iter().any(|line| line.role == *role))
+        .map(|role| (role.name(), role.ink()));
+    Legend::new(entries, WIDTH)
+}
+
+/// Draws a stem and its marker.
+fn draw_line(figure: &mut Figure, panel: &Panel, line: &SpectralLine) {
+    let ink = line.role.ink();
+    let (foot, head) = (
+        (line.frequency_hz, 0.0),
+        (line.frequency_hz, line.amplitude),
+    );
+    let stem = Ink::line(Pen::solid(ink.color, 1.0));
+    panel.curve(figure, &[foot, head], &stem);
+    panel.curve(figure, &[head], &ink.without_line());
+}
+
+impl LineRole {
+    /// Its name in the legend.
+    fn name(self) -> &'static str {
+        match self {
+            Self::Excited => "excited lines",
+            Self::Detection => "detection lines",
+            Self::Other => "other lines",
+        }
+    }
+
+    /// Its ink in the legend.
+    fn ink(self) -> Ink {
+        match self {
+            Self::Excited => Ink::markers(Marker::Dot, COLORS[1]),
+            Self::Detection => Ink::markers(Marker::Ring, COLORS[0]),
+            Self::Other => Ink::line(Pen::solid(GREY, 1.0)),
+        }
+    }
+}
