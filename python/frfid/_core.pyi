@@ -330,6 +330,8 @@ class Frf:
         total_degrees_of_freedom: int | None = None,
         condition: ArrayLike | None = None,
         relative_resolution: float | None = None,
+        torque_rms_nm: Sequence[float] | None = None,
+        flagged: Sequence[bool] | None = None,
         input_names: list[str] | None = None,
         output_names: list[str] | None = None,
         input_units: list[str] | None = None,
@@ -361,6 +363,10 @@ class Frf:
     def condition(self) -> NDArray[np.float64] | None: ...
     @property
     def relative_resolution(self) -> float | None: ...
+    @property
+    def torque_rms_nm(self) -> list[float] | None: ...
+    @property
+    def flagged(self) -> list[bool] | None: ...
     @property
     def shape(self) -> tuple[int, int, int]: ...
     def __getitem__(self, key: Any, /) -> Any: ...

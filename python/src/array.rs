@@ -42,25 +42,15 @@ fn numbers<'py, T: Element, D: Dimension>(
     words: &str,
 ) -> PyResult<PyReadonlyArray<'py, T, D>> {
     let numpy = value.py().import("numpy")?;
-    let needed = || {
-        let shapes: Vec<String> = shapes
-            .iter()
-            .map(|axes| format!("({})", axes.join(", ")))
-            .collect();
-        format!("needed {words} of shape {}", shapes.join(" or "))
-    };
-    let found = numpy
-        .call_method1("asarray", (value,))
-        .map_err(|error| {
-            PyValueError::new_err(format!(
-                "{name} is no regular array ({error}), {}",
-                needed()
-            ))
-        })?
-        .cast_into::<PyUntypedArray>()?;
+    let found = numpy.call_method1("asarray", (value,)).map_err(|error| {
+        let needed = needed(words, shapes);
+        PyValueError::new_err(format!("{name} is no regular array ({error}), {needed}"))
+    })?;
+    let found = found.cast_into::<PyUntypedArray>()?;
     let kind = char::from(found.dtype().kind());
     if !kinds.contains(kind) || shapes.iter().all(|axes| axes.len() != found.ndim()) {
-        let hint = if found.ndim() == 1 && shapes.iter().any(|axes| axes.len() == 2) {
+        let is_channel = found.ndim() == 1 && shapes.iter().any(|axes| axes.len() == 2);
+        let hint = if is_channel {
             format!("; a single channel is {name}[None, :]")
         } else {
             String::new()
@@ -69,24 +59,35 @@ fn numbers<'py, T: Element, D: Dimension>(
             "{name} has dtype {} and shape {}, {}{hint}",
             found.dtype(),
             found.getattr("shape")?,
-            needed(),
+            needed(words, shapes),
         )));
     }
-    let native = numpy.call_method1("require", (found, numpy::dtype::<T>(value.py()), "A"))?;
+    native(&numpy, &found)
+}
+
+fn needed(words: &str, shapes: &[Axes]) -> String {
+    let shapes: Vec<String> = shapes
+        .iter()
+        .map(|axes| format!("({})", axes.join(", ")))
+        .collect();
+    format!("needed {words} of shape {}", shapes.join(" or "))
+}
+
+/// The array in the machine's own numbers, aligned.
+fn native<'py, T: Element, D: Dimension>(
+    numpy: &Bound<'py, PyModule>,
+    found: &Bound<'py, PyUntypedArray>,
+) -> PyResult<PyReadonlyArray<'py, T, D>> {
+    let native = numpy.call_method1("require", (found, numpy::dtype::<T>(numpy.py()), "A"))?;
     let native = native.cast_into::<PyArray<T, D>>()?;
     // rust-numpy divides strides by the item size: a field of a packed structured array would be
     // read from the wrong places
-    if native
-        .strides()
-        .iter()
-        .all(|stride| stride.unsigned_abs() % size_of::<T>() == 0)
-    {
+    let is_whole = |stride: &isize| stride.unsigned_abs().is_multiple_of(size_of::<T>());
+    if native.strides().iter().all(is_whole) {
         return Ok(native.try_readonly()?);
     }
-    let packed = numpy
-        .call_method1("ascontiguousarray", (native,))?
-        .cast_into::<PyArray<T, D>>()?;
-    Ok(packed.try_readonly()?)
+    let packed = numpy.call_method1("ascontiguousarray", (native,))?;
+    Ok(packed.cast_into::<PyArray<T, D>>()?.try_readonly()?)
 }
 
 /// A new C-ordered numpy array; the memory is handed over, not copied, if it is in this order

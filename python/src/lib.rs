@@ -1,81 +1,107 @@
 //! The Python extension module `frfid._core`: the crates of the house, seen from numpy. No
 //! arithmetic happens here.
 
+/// Estimators on arrays, and what is looked at beside them.
+mod estimate {
+    pub(crate) mod compare;
+    pub(crate) mod excerpt;
+    pub(crate) mod glide;
+    pub(crate) mod periods;
+    pub(crate) mod spectrogram;
+}
+/// `Experiment` and `Plan`: the workflow of the command line.
+mod experiment {
+    pub(crate) mod description;
+    pub(crate) mod plan;
+}
+/// `Frf`: an FRF matrix with everything that belongs to it.
+mod frf {
+    pub(crate) mod channels;
+    pub(crate) mod load;
+    pub(crate) mod matrix;
+    pub(crate) mod other_packages;
+    pub(crate) mod parts;
+}
+/// `Plant` and its controller: robots in software.
+mod plant {
+    pub(crate) mod arm;
+    pub(crate) mod controller;
+    pub(crate) mod linear_truth;
+    pub(crate) mod loop_frf;
+    pub(crate) mod open_loop;
+    pub(crate) mod robot;
+    pub(crate) mod states;
+}
+/// `shape`: iterative shaping, and what comes of it.
+mod shape {
+    pub(crate) mod shaped;
+    pub(crate) mod shaping;
+}
+/// Excitations, runs and records.
+mod signals {
+    pub(crate) mod chirp;
+    pub(crate) mod multisine;
+    pub(crate) mod profile;
+    pub(crate) mod record;
+    pub(crate) mod run;
+}
+/// Runs done on simulated machines and on those of Python.
+mod testbed {
+    pub(crate) mod batch;
+    pub(crate) mod python_testbed;
+    pub(crate) mod runs;
+}
 mod array;
-mod batch;
-mod bla;
-mod chirp;
 mod choice;
 mod cli;
-mod compare;
-mod controller;
 mod error;
-mod excerpt;
-mod experiment;
-mod frf;
-mod frf_parts;
-mod glide;
 mod interrupt;
-mod loop_frf;
-mod multisine;
 mod pickle;
-mod plan;
-mod plant;
-mod profile;
-mod record;
-mod result;
-mod run;
-mod runs;
-mod shape;
-mod shaped;
-mod spectrogram;
-mod states;
-mod testbed;
 
 /// Frequency response functions of flexible-joint robots, by experiment: the compiled part of the
 /// package `frfid`.
 #[pyo3::pymodule(gil_used = false)]
 mod _core {
     #[pymodule_export]
-    use crate::bla::{estimate, estimate_bla};
-    #[pymodule_export]
-    use crate::chirp::Chirp;
-    #[pymodule_export]
     use crate::cli::cli;
-    #[pymodule_export]
-    use crate::compare::{Comparison, compare};
-    #[pymodule_export]
-    use crate::controller::{PiController, run_closed_loop};
     #[pymodule_export]
     use crate::error::NumericalError;
     #[pymodule_export]
-    use crate::excerpt::estimate_chirp;
+    use crate::estimate::compare::{Comparison, compare};
     #[pymodule_export]
-    use crate::experiment::Experiment;
+    use crate::estimate::excerpt::estimate_chirp;
     #[pymodule_export]
-    use crate::frf::Frf;
+    use crate::estimate::glide::subtract_glide;
     #[pymodule_export]
-    use crate::glide::subtract_glide;
+    use crate::estimate::periods::{estimate, estimate_bla};
     #[pymodule_export]
-    use crate::loop_frf::loop_frf;
+    use crate::estimate::spectrogram::spectrogram;
     #[pymodule_export]
-    use crate::multisine::Multisine;
+    use crate::experiment::description::Experiment;
     #[pymodule_export]
-    use crate::plan::Plan;
+    use crate::experiment::plan::Plan;
     #[pymodule_export]
-    use crate::plant::Plant;
+    use crate::frf::load::load;
     #[pymodule_export]
-    use crate::record::Record;
+    use crate::frf::matrix::Frf;
     #[pymodule_export]
-    use crate::result::load;
+    use crate::plant::controller::{PiController, run_closed_loop};
     #[pymodule_export]
-    use crate::run::Run;
+    use crate::plant::loop_frf::loop_frf;
     #[pymodule_export]
-    use crate::shape::shape;
+    use crate::plant::robot::Plant;
     #[pymodule_export]
-    use crate::shaped::Shaped;
+    use crate::shape::shaped::Shaped;
     #[pymodule_export]
-    use crate::spectrogram::spectrogram;
+    use crate::shape::shaping::shape;
+    #[pymodule_export]
+    use crate::signals::chirp::Chirp;
+    #[pymodule_export]
+    use crate::signals::multisine::Multisine;
+    #[pymodule_export]
+    use crate::signals::record::Record;
+    #[pymodule_export]
+    use crate::signals::run::Run;
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "its name in Python")]
     const __version__: &str = env!("CARGO_PKG_VERSION");

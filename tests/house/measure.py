@@ -27,6 +27,7 @@ class Function:
     first_line: int
     n_lines: int
     n_tokens: int
+    has_reason: bool  # a comment above says why it is longer than 40 lines
 
 
 def without_tests(text: str) -> str:
@@ -62,7 +63,9 @@ def functions(file: Path) -> list[Function]:
             depth += (mark == "{") - (mark == "}")
             if mark == "}" and depth == 0:
                 first, last = text.count("\n", 0, start) + 1, text.count("\n", 0, all_tokens[end][1]) + 1
-                found.append(Function(file, all_tokens[index + 1][0], first, last - first + 1, end - index + 1))
+                above = re.split(r"^ *}$|^$", text[:start], flags=re.MULTILINE)[-1]
+                has_reason = "// longer than 40 lines: " in above
+                found.append(Function(file, all_tokens[index + 1][0], first, last - first + 1, end - index + 1, has_reason))
                 break
     return found
 

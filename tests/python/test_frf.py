@@ -120,12 +120,15 @@ def test_files_that_are_no_results_are_refused(tmp_path):
 
 def test_names_units_checks_and_provenance_travel(tmp_path):
     check = {"name": "periods", "passed": False, "found": "1", "needed": "2", "advice": "measure longer"}
-    belongings = dict(input_names=["torque"], input_units=["N m"], checks=[check], provenance={"seed": "5"})
+    belongings = dict(input_names=["torque"], input_units=["N m"], checks=[check], provenance={"seed": "5"},
+                      torque_rms_nm=[41.5], flagged=[True])
     frf = frfid.Frf(frequency_hz=[1.0], response=np.ones((1, 2, 1)), **belongings)
     frf.save(tmp_path / "result.json")
     for other in (frf, frfid.load(tmp_path / "result.json"), copy.copy(frf)):
         assert {name: getattr(other, name) for name in belongings} == belongings
         assert (other.output_names, other.output_units) == (["output 1", "output 2"], ["", ""])
+    with pytest.raises(ValueError, match="flagged has 2 entries, needed 1"):
+        frfid.Frf(frequency_hz=[1.0], response=np.ones((1, 2, 1)), flagged=[True, False])
     with pytest.raises(ValueError, match="output_names has 1 entries, needed 2"):
         frfid.Frf(frequency_hz=[1.0], response=np.ones((1, 2, 1)), output_names=["only one"])
 

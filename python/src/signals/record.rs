@@ -75,27 +75,7 @@ impl Record {
         let shape = u.bind(py).shape();
         let batch = shape.len() == 3;
         let n_runs = if batch { shape[0] } else { 1 };
-        let like_u = |name: &str, value| {
-            let other = signal(name, value)?;
-            let found = other.bind(py).shape();
-            if found.len() != shape.len() || (batch && found[0] != n_runs) {
-                return Err(PyValueError::new_err(format!(
-                    "{name} has shape {found:?}, needed as many runs as u {shape:?}"
-                )));
-            }
-            Ok(other)
-        };
-        let events = match events {
-            None => vec![Vec::new(); n_runs],
-            Some(events) if batch => from_python("events", events)?,
-            Some(events) => vec![from_python("events", events)?],
-        };
-        if events.len() != n_runs {
-            return Err(PyValueError::new_err(format!(
-                "events of {} runs, needed {n_runs}",
-                events.len()
-            )));
-        }
+        let like_u = |name: &str, value| signal_like(name, value, shape);
         let record = Self {
             sample_time_s,
             y: like_u("y", y)?,
@@ -104,14 +84,11 @@ impl Record {
                 .map(|position| like_u("position_rad", position))
                 .transpose()?,
             input_kind: choice("input_kind", input_kind)?,
-            events,
+            events: events_of_runs(events, batch, n_runs)?,
             u,
         };
-        record
-            .runs(py)
-            .iter()
-            .try_for_each(Run::check)
-            .map_err(error::signal)?;
+        let checked = record.runs(py).iter().try_for_each(Run::check);
+        checked.map_err(error::signal)?;
         Ok(record)
     }
 
@@ -236,6 +213,43 @@ impl Record {
     pub fn is_batch(&self, py: Python<'_>) -> bool {
         self.u.bind(py).ndim() == 3
     }
+}
+
+/// The events of every run: a list, or a list of lists for a batch.
+fn events_of_runs(
+    events: Option<&Bound<'_, PyAny>>,
+    batch: bool,
+    n_runs: usize,
+) -> PyResult<Vec<Vec<Event>>> {
+    let events: Vec<Vec<Event>> = match events {
+        None => vec![Vec::new(); n_runs],
+        Some(events) if batch => from_python("events", events)?,
+        Some(events) => vec![from_python("events", events)?],
+    };
+    if events.len() != n_runs {
+        let found = events.len();
+        return Err(PyValueError::new_err(format!(
+            "events of {found} runs, needed {n_runs}"
+        )));
+    }
+    Ok(events)
+}
+
+/// A signal of as many runs as one of this shape.
+fn signal_like(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+    shape: &[usize],
+) -> PyResult<Py<PyArrayDyn<f64>>> {
+    let other = signal(name, value)?;
+    let found = other.bind(value.py()).shape();
+    let is_batch = shape.len() == 3;
+    if found.len() != shape.len() || (is_batch && found[0] != shape[0]) {
+        return Err(PyValueError::new_err(format!(
+            "{name} has shape {found:?}, needed as many runs as u {shape:?}"
+        )));
+    }
+    Ok(other)
 }
 
 fn signal(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Py<PyArrayDyn<f64>>> {

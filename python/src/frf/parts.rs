@@ -1,4 +1,4 @@
-//! What a `frfid.Frf` is put together from.
+//! Parts of a `frfid.Frf`: arrays, uncertainty, lists of names.
 
 use frfid_signals::Uncertainty;
 use ndarray::Ix1;
@@ -23,7 +23,7 @@ pub struct Arrays {
 }
 
 /// The keywords of the constructor, attributes of the FRF too.
-pub const PARTS: [&str; 14] = [
+pub const PARTS: [&str; 16] = [
     "frequency_hz",
     "response",
     "noise_covariance",
@@ -32,6 +32,8 @@ pub const PARTS: [&str; 14] = [
     "total_degrees_of_freedom",
     "condition",
     "relative_resolution",
+    "torque_rms_nm",
+    "flagged",
     "input_names",
     "output_names",
     "input_units",
@@ -63,21 +65,17 @@ pub fn uncertainty(
     }
 }
 
-/// One entry for each of `needed` channels.
-pub fn channels(
-    name: &str,
-    given: Option<Vec<String>>,
-    default: Vec<String>,
-    needed: usize,
-) -> PyResult<Vec<String>> {
-    match given {
-        None => Ok(default),
-        Some(list) if list.len() == needed => Ok(list),
-        Some(list) => Err(PyValueError::new_err(format!(
-            "{name} has {} entries, needed {needed}",
-            list.len()
-        ))),
+/// Puts the list that is given in place of another, as long as that is.
+pub fn replace<T>(name: &str, list: &mut Vec<T>, given: Option<Vec<T>>) -> PyResult<()> {
+    let Some(given) = given else { return Ok(()) };
+    if given.len() != list.len() {
+        let (found, needed) = (given.len(), list.len());
+        return Err(PyValueError::new_err(format!(
+            "{name} has {found} entries, needed {needed}"
+        )));
     }
+    *list = given;
+    Ok(())
 }
 
 /// A number for every frequency.

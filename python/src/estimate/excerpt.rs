@@ -1,14 +1,15 @@
 //! `frfid.estimate_chirp`.
 
+use frfid_estimate::estimate_chirp as estimate_excerpts;
 use ndarray::{ArrayView, Axis, Ix4, IxDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::array::{Axes, real};
-use crate::bla::{frf_options, method_for};
-use crate::chirp::Chirp;
 use crate::error;
-use crate::frf::Frf;
+use crate::estimate::periods::{frf_options, method_for};
+use crate::frf::matrix::Frf;
+use crate::signals::chirp::Chirp;
 
 const RECORDINGS: [Axes; 2] = [
     &["experiment", "channel", "sample"],
@@ -71,29 +72,16 @@ pub fn estimate_chirp(
         )));
     }
     let options = frf_options(method_for(r), max_condition);
-    let (u, y) = (
-        real::<IxDyn>("u", u, &RECORDINGS)?,
-        real::<IxDyn>("y", y, &RECORDINGS)?,
-    );
+    let u = real::<IxDyn>("u", u, &RECORDINGS)?;
+    let y = real::<IxDyn>("y", y, &RECORDINGS)?;
     let r = r.map(|r| real::<IxDyn>("r", r, &RECORDINGS)).transpose()?;
     let (u, y, r) = (
         repeats(u.as_array())?,
         repeats(y.as_array())?,
         r.as_ref().map(|r| repeats(r.as_array())).transpose()?,
     );
-    let signal = &chirp.signal;
-    let estimate = || {
-        frfid_estimate::estimate_chirp(
-            u,
-            y,
-            r,
-            signal,
-            sample_time_s,
-            &frequencies_hz,
-            start_s,
-            &options,
-        )
-    };
+    let (hz, signal) = (&frequencies_hz, &chirp.signal);
+    let estimate = || estimate_excerpts(u, y, r, signal, sample_time_s, hz, start_s, &options);
     Ok(py.detach(estimate).map_err(error::estimate)?.into())
 }
 

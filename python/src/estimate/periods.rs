@@ -8,7 +8,7 @@ use pyo3::prelude::*;
 use crate::array::{Axes, real};
 use crate::choice::from_python;
 use crate::error;
-use crate::frf::Frf;
+use crate::frf::matrix::Frf;
 
 const CAMPAIGN: Axes = &["realization", "experiment", "period", "channel", "sample"];
 /// Best linear approximation with its variances, SK15 (13) and (14).

@@ -8,8 +8,8 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::array::c_ordered;
-use crate::record::Record;
-use crate::run::Run;
+use crate::signals::record::Record;
+use crate::signals::run::Run;
 
 /// The object, and the turn that a run waits for: a machine does one run at a time.
 pub struct PythonTestbed {

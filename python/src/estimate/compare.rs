@@ -5,7 +5,7 @@ use pyo3::prelude::*;
 
 use crate::choice::{choice, to_python};
 use crate::error;
-use crate::frf::Frf;
+use crate::frf::matrix::Frf;
 
 /// Two FRFs side by side; made by ``frfid.compare``. Printed, it is its verdicts.
 #[pyclass(frozen, module = "frfid")]

@@ -8,7 +8,7 @@ use crate::array::c_ordered;
 use crate::choice::choice;
 use crate::error;
 use crate::pickle::{NewArguments, attributes};
-use crate::profile::{points, profiles};
+use crate::signals::profile::{points, profiles};
 
 /// A sine whose frequency rises exponentially from ``low_hz`` to ``high_hz``, SK15 (15) and (16).
 ///

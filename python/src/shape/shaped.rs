@@ -9,8 +9,8 @@ use pyo3::prelude::*;
 
 use crate::array::c_ordered;
 use crate::choice::to_python;
-use crate::frf::Frf;
-use crate::record::Record;
+use crate::frf::matrix::Frf;
+use crate::signals::record::Record;
 
 /// A shaped excitation: the best iteration, and what every iteration found; made by
 /// ``frfid.shape``. Printed, it is a table.

@@ -20,24 +20,8 @@ pub fn per_state<'py>(
     answer: &[usize],
     of: impl Fn(&[&[f64]]) -> Result<Vec<f64>, SignalError> + Sync,
 ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-    let states: Vec<ArrayD<f64>> = arguments
-        .iter()
-        .map(|(name, value)| {
-            Ok(real::<IxDyn>(name, value, &STATES)?
-                .as_array()
-                .as_standard_layout()
-                .into_owned())
-        })
-        .collect::<PyResult<_>>()?;
+    let states = states(n_axes, arguments)?;
     let shape = states[0].shape();
-    for ((name, _), state) in arguments.iter().zip(&states) {
-        if state.shape() != shape || shape.last() != Some(&n_axes) {
-            let (found, first) = (state.shape(), arguments[0].0);
-            return Err(PyValueError::new_err(format!(
-                "{name} has shape {found:?}, needed ({n_axes}) or (batch, {n_axes}), the same as {first}"
-            )));
-        }
-    }
     let rows: Vec<_> = states
         .iter()
         .map(|state| state.as_slice().expect("in standard layout").chunks(n_axes))
@@ -45,18 +29,34 @@ pub fn per_state<'py>(
     let values = py.detach(|| {
         let mut values = Vec::new();
         for state in 0..shape.iter().product::<usize>() / n_axes {
-            let parts: Vec<&[f64]> = rows
-                .iter()
-                .filter_map(|rows| rows.clone().nth(state))
-                .collect();
-            values.extend(of(&parts)?);
+            let at_state = rows.iter().filter_map(|rows| rows.clone().nth(state));
+            values.extend(of(&at_state.collect::<Vec<&[f64]>>())?);
         }
         Ok(values)
     });
     let full = [&shape[..shape.len() - 1], answer].concat();
     let values = ArrayD::from_shape_vec(full, values.map_err(error::signal)?);
-    Ok(c_ordered(
-        py,
-        values.map_err(|error| PyValueError::new_err(error.to_string()))?,
-    ))
+    let values = values.map_err(|error| PyValueError::new_err(error.to_string()))?;
+    Ok(c_ordered(py, values))
+}
+
+/// The arguments in standard layout; all must be of one shape.
+fn states(
+    n_axes: usize,
+    arguments: &[(&'static str, &Bound<'_, PyAny>)],
+) -> PyResult<Vec<ArrayD<f64>>> {
+    let mut states: Vec<ArrayD<f64>> = Vec::new();
+    for (name, value) in arguments {
+        let state = real::<IxDyn>(name, value, &STATES)?;
+        let state = state.as_array().as_standard_layout().into_owned();
+        let shape = states.first().unwrap_or(&state).shape();
+        if state.shape() != shape || shape.last() != Some(&n_axes) {
+            let (found, first) = (state.shape(), arguments[0].0);
+            return Err(PyValueError::new_err(format!(
+                "{name} has shape {found:?}, needed ({n_axes}) or (batch, {n_axes}), the same as {first}"
+            )));
+        }
+        states.push(state);
+    }
+    Ok(states)
 }

@@ -6,7 +6,7 @@ use frfid_experiment::Experiment as Description;
 use pyo3::prelude::*;
 
 use crate::error;
-use crate::plan::Plan;
+use crate::experiment::plan::Plan;
 
 /// An experiment as its TOML file describes it; made by ``Experiment.load``.
 #[pyclass(frozen, eq, module = "frfid")]

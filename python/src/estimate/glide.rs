@@ -6,8 +6,8 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::error;
-use crate::frf::Frf;
-use crate::record::Record;
+use crate::frf::matrix::Frf;
+use crate::signals::record::Record;
 
 /// Takes the glide, a run on the constant velocity alone, off a run of the same start and velocity
 /// (SK15 section 4.4 E).

@@ -5,12 +5,12 @@ use std::sync::Arc;
 use frfid_plant::{Controller as _, PiController as Controller, SimulatedRobot};
 use pyo3::prelude::*;
 
-use crate::batch::simulate;
 use crate::error;
 use crate::pickle::{NewArguments, attributes};
-use crate::plant::Plant;
-use crate::profile::per_channel;
-use crate::record::Record;
+use crate::plant::robot::Plant;
+use crate::signals::profile::per_channel;
+use crate::signals::record::Record;
+use crate::testbed::batch::simulate;
 
 /// A sampled PI controller of the motor velocity: ``u = gain e + integral``, which grows by
 /// ``integral_gain e sample_time_s`` per sample; ``e = r - y``, plus ``position_gain`` times the
@@ -59,19 +59,12 @@ impl PiController {
         max_torque_rate_nm_per_s: Option<&Bound<'_, PyAny>>,
         position_gain: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let given = [
-            Some(gain),
-            Some(integral_gain),
-            max_torque_nm,
-            max_torque_rate_nm_per_s,
-            position_gain,
-        ];
-        let n_axes = given
-            .into_iter()
-            .flatten()
-            .filter_map(|value| value.len().ok())
-            .max()
-            .unwrap_or(1);
+        let limits = [max_torque_nm, max_torque_rate_nm_per_s, position_gain];
+        let given = [gain, integral_gain].into_iter();
+        let given = given.chain(limits.into_iter().flatten());
+        let n_axes = given.filter_map(|value| value.len().ok()).max();
+        let n_axes = n_axes.unwrap_or(1);
+        let max_rate = max_torque_rate_nm_per_s;
         let per_axis = |name, value: Option<&Bound<'_, PyAny>>| {
             value.map(|v| per_channel(name, v, n_axes)).transpose()
         };
@@ -81,14 +74,10 @@ impl PiController {
             position_gain_per_s: per_axis("position_gain", position_gain)?,
             delay_samples,
             max_torque_nm: per_axis("max_torque_nm", max_torque_nm)?,
-            max_torque_rate_nm_per_s: per_axis(
-                "max_torque_rate_nm_per_s",
-                max_torque_rate_nm_per_s,
-            )?,
+            max_torque_rate_nm_per_s: per_axis("max_torque_rate_nm_per_s", max_rate)?,
         };
-        controller
-            .check(n_axes, sample_time_s)
-            .map_err(error::signal)?;
+        let checked = controller.check(n_axes, sample_time_s);
+        checked.map_err(error::signal)?;
         Ok(Self {
             controller,
             sample_time_s,

@@ -1,29 +1,22 @@
-//! `frfid.Plant`.
+//! `frfid.Plant`: from parameters, files and text, and back.
 
 use std::path::PathBuf;
 use std::sync::Arc;
 
 use frfid_experiment::{RobotTable, SingleJointTable, TomlText};
-use frfid_plant::{Actuation, Arm, Challenges, Hold, Robot, Sensor, SimulatedRobot};
-use ndarray::Ix1;
-use numpy::PyArrayDyn;
+use frfid_plant::{Challenges, Robot, Sensor};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-use crate::array::real;
-use crate::batch::simulate;
-use crate::choice::{choice, from_json, from_python, json_object, json_value, to_python};
+use crate::choice::{from_json, from_python, json_object, json_value, to_python};
 use crate::error;
-use crate::frf::Frf;
-use crate::record::Record;
-use crate::states::per_state;
 
 /// A robot in software, made by ``Plant.single_joint`` or ``Plant.load``.
 #[pyclass(frozen, eq, module = "frfid")]
 pub struct Plant {
     /// The robot as its file says it.
-    table: RobotTable,
+    pub table: RobotTable,
     pub robot: Arc<dyn Robot>,
     pub sensors: Vec<Sensor>,
 }
@@ -192,232 +185,6 @@ impl Plant {
         self.table.pose()
     }
 
-    /// Linearised truth from motor torque to motor velocity: gear damping and viscous friction are
-    /// in it; Coulomb friction, ripple, quantisation and the stiffness beyond the knee are not.
-    ///
-    /// Parameters
-    /// ----------
-    /// hz : array_like, shape (frequency,)
-    ///     Frequencies in Hz.
-    /// hold : {"zoh", "linear", "continuous"}, optional
-    ///     What the torque does between samples; "continuous" for the transfer function itself.
-    /// sample_time_s : float, optional
-    ///     Sample time in s; needed by all but the plain transfer function.
-    /// sensor : bool, optional
-    ///     Whether the velocity is the reading of the plant's sensors: differenced positions and
-    ///     filters, where it has them.
-    ///
-    /// Returns
-    /// -------
-    /// Frf
-    ///     Response of shape (frequency, output, input), without uncertainty.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     For frequencies or sample times that are not above 0.
-    #[pyo3(signature = (hz, *, hold = "zoh", sample_time_s = None, sensor = false))]
-    fn frf(
-        &self,
-        hz: &Bound<'_, PyAny>,
-        hold: &str,
-        sample_time_s: Option<f64>,
-        sensor: bool,
-    ) -> PyResult<Frf> {
-        let hz = real::<Ix1>("hz", hz, &[&["frequency"]])?
-            .as_array()
-            .to_vec();
-        let hold: Hold = choice("hold", hold)?;
-        let sample_time_s = match sample_time_s {
-            Some(sample_time_s) => sample_time_s,
-            None if hold == Hold::Continuous && !sensor => 1.0, // the transfer function does not depend on it
-            None => {
-                return Err(PyValueError::new_err(
-                    "sample_time_s is needed by a hold and by the sensor",
-                ));
-            }
-        };
-        let frf = if sensor {
-            self.robot
-                .frf_through_sensors(&hz, hold, sample_time_s, &self.sensors)
-        } else {
-            self.robot.frf(&hz, hold, sample_time_s)
-        };
-        Ok(frf.map_err(error::signal)?.into())
-    }
-
-    /// Simulates in open loop, from the pose.
-    ///
-    /// Parameters
-    /// ----------
-    /// u : array_like, shape (input, sample) or (batch, input, sample)
-    ///     Motor torque in N m.
-    /// sample_time_s : float
-    ///     Sample time in s.
-    /// hold : {"zoh", "linear"}, optional
-    ///     What the torque does between samples.
-    /// velocity_rad_s : float or sequence of float, optional
-    ///     Constant velocity in rad/s with which motors and links start; the torques that hold it
-    ///     against friction, and the links against gravity, are added.
-    /// seed : int, optional
-    ///     Seed of the sensors' noise.
-    /// progress : callable, optional
-    ///     Called with (done, total), from (0, total) on; an exception from it stops the
-    ///     simulation.
-    ///
-    /// Returns
-    /// -------
-    /// Record
-    ///     ``u`` is the torque that acted, ``y`` the velocity reading in rad/s, ``r`` the torque
-    ///     that was asked for.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     For shapes that do not fit and samples that are not finite.
-    /// NumericalError
-    ///     If the simulation diverges.
-    #[pyo3(signature = (u, *, sample_time_s, hold = "zoh", velocity_rad_s = None, seed = 0, progress = None))]
-    fn simulate(
-        &self,
-        u: &Bound<'_, PyAny>,
-        sample_time_s: f64,
-        hold: &str,
-        velocity_rad_s: Option<&Bound<'_, PyAny>>,
-        seed: u64,
-        progress: Option<&Bound<'_, PyAny>>,
-    ) -> PyResult<Record> {
-        let (robot, sensors) = (self.robot.clone(), self.sensors.clone());
-        let testbed = SimulatedRobot {
-            sensors,
-            seed,
-            actuation: Actuation::Torque {
-                hold: choice("hold", hold)?,
-            },
-            ..SimulatedRobot::open_loop(robot)
-        };
-        simulate(
-            "u",
-            u,
-            &testbed,
-            sample_time_s,
-            velocity_rad_s,
-            None,
-            progress,
-        )
-    }
-
-    /// Mass matrix of an arm's links.
-    ///
-    /// Parameters
-    /// ----------
-    /// q : array_like, shape (axis,) or (batch, axis)
-    ///     Link positions in rad.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray, float64, shape (axis, axis) or (batch, axis, axis)
-    ///     In kg m^2.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     For a single joint, or another number of axes.
-    fn mass_matrix<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let (arm, n) = (self.arm()?, self.n_axes());
-        let matrix =
-            |state: &[&[f64]]| Ok(arm.mass_matrix(state[0])?.transpose().as_slice().to_vec());
-        per_state(q.py(), n, &[("q", q)], &[n, n], matrix)
-    }
-
-    /// Torques that hold an arm's links against gravity.
-    ///
-    /// Parameters
-    /// ----------
-    /// q : array_like, shape (axis,) or (batch, axis)
-    ///     Link positions in rad.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray, float64, shape of q
-    ///     In N m.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     For a single joint, or another number of axes.
-    fn gravity_torque<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let arm = self.arm()?;
-        per_state(
-            q.py(),
-            self.n_axes(),
-            &[("q", q)],
-            &[self.n_axes()],
-            |state| arm.gravity_torque_nm(state[0]),
-        )
-    }
-
-    /// Accelerations of an arm's links: M^-1 (torque - C qd - g).
-    ///
-    /// Parameters
-    /// ----------
-    /// q, qd, torque : array_like, shape (axis,) or (batch, axis)
-    ///     Link positions in rad, velocities in rad/s, and the torques in N m that the gears
-    ///     transmit.
-    ///
-    /// Returns
-    /// -------
-    /// ndarray, float64, shape of q
-    ///     In rad/s^2.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     For a single joint, or shapes that do not fit.
-    fn link_acceleration<'py>(
-        &self,
-        q: &Bound<'py, PyAny>,
-        qd: &Bound<'py, PyAny>,
-        torque: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let arm = self.arm()?;
-        let arguments = [("q", q), ("qd", qd), ("torque", torque)];
-        per_state(
-            q.py(),
-            self.n_axes(),
-            &arguments,
-            &[self.n_axes()],
-            |state| arm.link_acceleration(state[0], state[1], state[2]),
-        )
-    }
-
-    /// Frequencies of an arm's undamped elastic modes at the pose, without gravity.
-    ///
-    /// Parameters
-    /// ----------
-    /// motors_locked : bool, optional
-    ///     The modes of the links with the motors held: the zeros of the FRFs taken together.
-    ///
-    /// Returns
-    /// -------
-    /// list of float
-    ///     In Hz, rising.
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     For a single joint.
-    #[pyo3(signature = (*, motors_locked = false))]
-    fn modes_hz(&self, motors_locked: bool) -> PyResult<Vec<f64>> {
-        let arm = self.arm()?;
-        if motors_locked {
-            arm.locked_motor_hz()
-        } else {
-            arm.modes_hz()
-        }
-        .map_err(error::signal)
-    }
-
     /// The parameters of a single joint, as ``Plant.single_joint`` takes them.
     #[getter]
     fn parameters<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
@@ -457,12 +224,6 @@ impl Plant {
 }
 
 impl Plant {
-    fn arm(&self) -> PyResult<Arm> {
-        self.table.arm().ok_or_else(|| {
-            PyValueError::new_err("a single joint is no arm: it has one link and one mode")
-        })
-    }
-
     /// The robot that the tables describe, once every number is found sound.
     fn of(table: RobotTable) -> PyResult<Self> {
         let robot = table.robot().map_err(error::config)?;

@@ -11,13 +11,13 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::array::{Axes, real};
-use crate::controller::{PiController, closed_loop};
 use crate::error;
 use crate::interrupt::interruptible;
-use crate::plant::Plant;
-use crate::profile::per_channel;
-use crate::shaped::Shaped;
-use crate::testbed::PythonTestbed;
+use crate::plant::controller::{PiController, closed_loop};
+use crate::plant::robot::Plant;
+use crate::shape::shaped::Shaped;
+use crate::signals::profile::per_channel;
+use crate::testbed::python_testbed::PythonTestbed;
 
 const SIGNALS: [Axes; 1] = [&["experiment", "channel", "sample"]];
 
@@ -82,6 +82,7 @@ const SIGNALS: [Axes; 1] = [&["experiment", "channel", "sample"]];
 ///     does not respond.
 /// NumericalError
 ///     If a simulation diverges or a response cannot be inverted.
+// longer than 40 lines: a line for each keyword
 #[pyfunction]
 #[pyo3(signature = (testbed, *, desired, start, sample_time_s, low_hz = 2.0, high_hz = 60.0, target = "torque",
                     step = "damped", damping = 0.9, smoothing_bins = 30, n_iterations = 6, good_enough = 0.05,

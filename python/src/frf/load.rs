@@ -7,7 +7,7 @@ use frfid_signals::{Frf as Response, Uncertainty};
 use pyo3::prelude::*;
 
 use crate::error;
-use crate::frf::Frf;
+use crate::frf::matrix::Frf;
 
 /// An FRF of which only the numbers are known: channels are numbered, their units empty.
 impl From<Response> for Frf {

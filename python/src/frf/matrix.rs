@@ -1,20 +1,16 @@
-//! `frfid.Frf`.
+//! `frfid.Frf`: its numbers.
 
-use std::path::PathBuf;
-
-use frfid_files::{Overwrite, ResultFile, write_result};
-use frfid_report::result_figure;
+use frfid_files::ResultFile;
 use frfid_signals::Frf as Response;
 use ndarray::Array1;
 use pyo3::prelude::*;
-use pyo3::types::IntoPyDict;
 
 use crate::array::complex;
-use crate::choice::{from_python, to_python};
+use crate::choice::from_python;
 use crate::error;
-use crate::frf_parts::{Arrays, PARTS, channels, per_frequency, uncertainty};
+use crate::frf::load::described;
+use crate::frf::parts::{Arrays, PARTS, per_frequency, replace, uncertainty};
 use crate::pickle::{NewArguments, attributes};
-use crate::result::described;
 
 /// A frequency response matrix with what is known about its uncertainty.
 ///
@@ -37,6 +33,11 @@ use crate::result::described;
 ///     Condition number of U.
 /// relative_resolution : float, optional
 ///     Half width, relative to the frequency, of the band over which each value blurs the response.
+/// torque_rms_nm : sequence of float, optional
+///     Rms of the motor torque of each input in N m: which of two results had the stronger
+///     excitation.
+/// flagged : sequence of bool, optional
+///     Whether what remains of the torque ripple exceeds the noise, frequency by frequency.
 /// input_names, output_names, input_units, output_units : list of str, optional
 ///     Names and SI units of the channels.
 /// checks : list of dict, optional
@@ -66,10 +67,11 @@ impl Frf {
 
 #[pymethods]
 impl Frf {
+    // longer than 40 lines: a line for each keyword
     #[new]
     #[pyo3(signature = (*, frequency_hz, response, noise_covariance = None, noise_degrees_of_freedom = None,
                         total_covariance = None, total_degrees_of_freedom = None, condition = None,
-                        relative_resolution = None, input_names = None, output_names = None, input_units = None,
+                        relative_resolution = None, torque_rms_nm = None, flagged = None, input_names = None, output_names = None, input_units = None,
                         output_units = None, checks = None, provenance = None))]
     #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
     fn new(
@@ -81,6 +83,8 @@ impl Frf {
         total_degrees_of_freedom: Option<usize>,
         condition: Option<&Bound<'_, PyAny>>,
         relative_resolution: Option<f64>,
+        torque_rms_nm: Option<Vec<f64>>,
+        flagged: Option<Vec<bool>>,
         input_names: Option<Vec<String>>,
         output_names: Option<Vec<String>>,
         input_units: Option<Vec<String>>,
@@ -101,31 +105,34 @@ impl Frf {
             relative_resolution,
         };
         frf.check().map_err(error::signal)?;
-        let unnamed = Self::from(frf).result;
-        let (n_inputs, n_outputs) = (unnamed.input_names.len(), unnamed.output_names.len());
-        Ok(Self::of(ResultFile {
-            input_names: channels("input_names", input_names, unnamed.input_names, n_inputs)?,
-            output_names: channels(
-                "output_names",
-                output_names,
-                unnamed.output_names,
-                n_outputs,
-            )?,
-            input_units: channels("input_units", input_units, unnamed.input_units, n_inputs)?,
-            output_units: channels(
-                "output_units",
-                output_units,
-                unnamed.output_units,
-                n_outputs,
-            )?,
-            checks: checks
-                .map_or_else(|| Ok(Vec::new()), |checks| from_python("checks", checks))?,
-            provenance: provenance
-                .map_or_else(|| Ok(unnamed.provenance), |p| from_python("provenance", p))?,
-            torque_rms_nm: None,
-            flagged: None,
-            frf: unnamed.frf,
-        }))
+        let mut result = Self::from(frf).result;
+        for (name, list, given) in [
+            ("input_names", &mut result.input_names, input_names),
+            ("output_names", &mut result.output_names, output_names),
+            ("input_units", &mut result.input_units, input_units),
+            ("output_units", &mut result.output_units, output_units),
+        ] {
+            replace(name, list, given)?;
+        }
+        if torque_rms_nm.is_some() {
+            let list = result
+                .torque_rms_nm
+                .insert(vec![0.0; result.input_names.len()]);
+            replace("torque_rms_nm", list, torque_rms_nm)?;
+        }
+        if flagged.is_some() {
+            let list = result
+                .flagged
+                .insert(vec![false; result.frf.n_frequencies()]);
+            replace("flagged", list, flagged)?;
+        }
+        if let Some(checks) = checks {
+            result.checks = from_python("checks", checks)?;
+        }
+        if let Some(provenance) = provenance {
+            result.provenance = from_python("provenance", provenance)?;
+        }
+        Ok(Self::of(result))
     }
 
     /// Frequencies in Hz, shape (frequency,).
@@ -138,7 +145,7 @@ impl Frf {
 
     /// Response, complex128, shape (frequency, output, input).
     #[getter]
-    fn response<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
+    pub(crate) fn response<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
         self.arrays
             .response
             .get(py, || Some(self.result.frf.response.clone()))
@@ -231,37 +238,23 @@ impl Frf {
         self.result.frf.relative_resolution
     }
 
+    /// Rms of the motor torque of each input in N m; None where it was not measured.
+    #[getter]
+    fn torque_rms_nm(&self) -> Option<Vec<f64>> {
+        self.result.torque_rms_nm.clone()
+    }
+
+    /// Whether what remains of the torque ripple exceeds the noise, frequency by frequency; None
+    /// where that cannot be told.
+    #[getter]
+    fn flagged(&self) -> Option<Vec<bool>> {
+        self.result.flagged.clone()
+    }
+
     /// Shape of the response, (frequency, output, input).
     #[getter]
     fn shape(&self) -> (usize, usize, usize) {
         self.result.frf.response.dim()
-    }
-
-    /// Part of the response: ``frf[key]`` is ``frf.response[key]``.
-    fn __getitem__<'py>(
-        slf: &Bound<'py, Self>,
-        key: &Bound<'py, PyAny>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        slf.as_any().getattr("response")?.get_item(key)
-    }
-
-    /// The response, where numpy asks for an array.
-    #[pyo3(signature = (dtype = None, copy = None))]
-    fn __array__<'py>(
-        &self,
-        py: Python<'py>,
-        dtype: Option<&Bound<'py, PyAny>>,
-        copy: Option<bool>,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        let (numpy, response) = (py.import("numpy")?, self.response(py));
-        match copy {
-            None => numpy.call_method1("asarray", (response, dtype)), // numpy 1 knows no copy=None
-            Some(copy) => numpy.call_method(
-                "array",
-                (response, dtype),
-                Some(&[("copy", copy)].into_py_dict(py)?),
-            ),
-        }
     }
 
     /// Number of outputs.
@@ -276,107 +269,6 @@ impl Frf {
         self.result.frf.n_inputs()
     }
 
-    /// Names of the inputs.
-    #[getter]
-    fn input_names(&self) -> Vec<String> {
-        self.result.input_names.clone()
-    }
-
-    /// Names of the outputs.
-    #[getter]
-    fn output_names(&self) -> Vec<String> {
-        self.result.output_names.clone()
-    }
-
-    /// SI units of the inputs; empty where they are not known.
-    #[getter]
-    fn input_units(&self) -> Vec<String> {
-        self.result.input_units.clone()
-    }
-
-    /// SI units of the outputs; empty where they are not known.
-    #[getter]
-    fn output_units(&self) -> Vec<String> {
-        self.result.output_units.clone()
-    }
-
-    /// What was checked: a list of dicts with ``name``, ``passed``, ``found``, ``needed`` and
-    /// ``advice``.
-    #[getter]
-    fn checks<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        to_python(py, &self.result.checks)
-    }
-
-    /// Where it comes from, a dict of strings: versions, seeds, hashes, amplitudes, limits.
-    #[getter]
-    fn provenance<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        to_python(py, &self.result.provenance)
-    }
-
-    /// Writes the result as JSON, first beside ``path`` and renamed when it is complete.
-    ///
-    /// Parameters
-    /// ----------
-    /// path : str or path-like
-    ///     The file.
-    /// overwrite : bool, optional
-    ///     Whether a file of this name may be replaced.
-    ///
-    /// Raises
-    /// ------
-    /// FileExistsError
-    ///     If the file exists and may not be replaced.
-    /// OSError
-    ///     If it cannot be written.
-    #[pyo3(signature = (path, *, overwrite = false))]
-    fn save(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
-        let overwrite = if overwrite {
-            Overwrite::Replace
-        } else {
-            Overwrite::Refuse
-        };
-        py.detach(|| write_result(&path, overwrite, &self.result))
-            .map_err(error::file)
-    }
-
-    /// The FRF as ``control.FRD``: rad/s, response (output, input, frequency). It has no room for
-    /// the uncertainty.
-    fn to_control<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        in_python(slf, "to_control")
-    }
-
-    /// The FRF as ``xarray.Dataset`` with dimensions frequency, output and input; variances only
-    /// where measured.
-    fn to_xarray<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        in_python(slf, "to_xarray")
-    }
-
-    /// The Bode diagram as an SVG document, with the 95 % region of the largest variance that was
-    /// measured.
-    ///
-    /// Returns
-    /// -------
-    /// str
-    ///
-    /// Raises
-    /// ------
-    /// ValueError
-    ///     For a frequency that is not above 0.
-    fn to_svg(&self, py: Python<'_>) -> PyResult<String> {
-        let figure = py.detach(|| result_figure("G", &self.result));
-        Ok(figure.map_err(error::report)?.svg())
-    }
-
-    /// Plots: ``frf.plot.bode()``, with matplotlib.
-    #[getter]
-    fn plot<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        in_python(slf, "Plot")
-    }
-
-    fn _repr_html_<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
-        in_python(slf, "repr_html")
-    }
-
     fn __repr__(&self) -> String {
         described(&self.result.frf)
     }
@@ -384,11 +276,4 @@ impl Frf {
     fn __getnewargs_ex__<'py>(slf: &Bound<'py, Self>) -> PyResult<NewArguments<'py>> {
         attributes(slf, &PARTS)
     }
-}
-
-/// What needs another Python package is written in Python.
-fn in_python<'py>(frf: &Bound<'py, Frf>, function: &str) -> PyResult<Bound<'py, PyAny>> {
-    frf.py()
-        .import("frfid._frf")?
-        .call_method1(function, (frf,))
 }

@@ -7,14 +7,14 @@ use pyo3::prelude::*;
 
 use crate::array::{Axes, real};
 use crate::error;
-use crate::profile::per_channel;
-use crate::record::Record;
-use crate::runs::records_of;
+use crate::signals::profile::per_channel;
+use crate::signals::record::Record;
+use crate::testbed::runs::records_of;
 
 const SHAPES: [Axes; 2] = [&["channel", "sample"], &["batch", "channel", "sample"]];
 
-/// What the testbed measured for each reference in `value`, the argument called `name`, from a start, on a
-/// constant velocity.
+/// What the testbed measured for each reference in `value`, the argument called `name`, from a
+/// start, on a constant velocity.
 pub fn simulate(
     name: &'static str,
     value: &Bound<'_, PyAny>,
@@ -27,25 +27,21 @@ pub fn simulate(
     let array = real::<IxDyn>(name, value, &SHAPES)?;
     let (array, stacked) = (array.as_array(), array.as_array().ndim() == 3);
     let array = if stacked {
-        array
+        array.into_dimensionality::<Ix3>()
     } else {
-        array.insert_axis(Axis(0))
+        array.insert_axis(Axis(0)).into_dimensionality()
     };
-    let array = array
-        .into_dimensionality::<Ix3>()
-        .expect("`real` let 2 or 3 axes pass");
+    let array = array.expect("`real` let 2 or 3 axes pass");
     let n_inputs = testbed.n_inputs();
     check(name, &array, n_inputs)?;
-    let zeros = || Ok(vec![0.0; n_inputs]);
-    let velocity_rad_s = velocity_rad_s.map_or_else(zeros, |velocity| {
-        per_channel("velocity_rad_s", velocity, n_inputs)
-    })?;
-    let start_rad =
-        start_rad.map_or_else(zeros, |start| per_channel("start_rad", start, n_inputs))?;
-    let n_runs = array.len_of(Axis(0));
-    let ids: Vec<RunId> = (0..n_runs)
-        .map(|run| RunId::excitation(0, 0, run))
-        .collect();
+    let or_zeros = |name, value: Option<&Bound<'_, PyAny>>| {
+        let zeros = || Ok(vec![0.0; n_inputs]);
+        value.map_or_else(zeros, |value| per_channel(name, value, n_inputs))
+    };
+    let velocity_rad_s = or_zeros("velocity_rad_s", velocity_rad_s)?;
+    let start_rad = or_zeros("start_rad", start_rad)?;
+    let numbers = 0..array.len_of(Axis(0));
+    let ids: Vec<RunId> = numbers.map(|run| RunId::excitation(0, 0, run)).collect();
     let run = |id: RunId| {
         let reference: Array2<f64> = array.index_axis(Axis(0), id.repetition).to_owned();
         Ok(Run {
@@ -56,11 +52,8 @@ pub fn simulate(
             start_rad: start_rad.clone(),
         })
     };
-    Record::of(
-        value.py(),
-        records_of(value.py(), &ids, &run, testbed, 0, progress)?,
-        stacked,
-    )
+    let records = records_of(value.py(), &ids, &run, testbed, 0, progress)?;
+    Record::of(value.py(), records, stacked)
 }
 
 fn check(name: &'static str, array: &ArrayView3<'_, f64>, n_inputs: usize) -> PyResult<()> {

@@ -11,12 +11,12 @@ use pyo3::prelude::*;
 use crate::array::c_ordered;
 use crate::choice::to_python;
 use crate::error;
-use crate::frf::Frf;
+use crate::frf::matrix::Frf;
 use crate::interrupt::interruptible;
-use crate::record::Record;
-use crate::run::Run;
-use crate::runs::{one_by_one, records_of};
-use crate::testbed::PythonTestbed;
+use crate::signals::record::Record;
+use crate::signals::run::Run;
+use crate::testbed::python_testbed::PythonTestbed;
+use crate::testbed::runs::{one_by_one, records_of};
 
 /// Every run of an experiment; made by ``Experiment.design``.
 #[pyclass(frozen, module = "frfid")]

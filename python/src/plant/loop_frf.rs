@@ -5,10 +5,10 @@ use ndarray::Ix1;
 use pyo3::prelude::*;
 
 use crate::array::real;
-use crate::controller::PiController;
 use crate::error;
-use crate::frf::Frf;
-use crate::plant::Plant;
+use crate::frf::matrix::Frf;
+use crate::plant::controller::PiController;
+use crate::plant::robot::Plant;
 
 /// FRFs of the linear closed loop at the plant's pose, between samples: what an ideal experiment
 /// would find.

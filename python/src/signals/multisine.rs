@@ -8,7 +8,7 @@ use crate::array::c_ordered;
 use crate::choice::{choice, to_python};
 use crate::error;
 use crate::pickle::{NewArguments, attributes};
-use crate::profile::{per_channel, points, profile};
+use crate::signals::profile::{per_channel, points, profile};
 
 /// A multisine: sines on lines of the DFT of one period, with random phases.
 ///
