@@ -1,4 +1,4 @@
-//! A cursor over bytes that came from a file: every step is checked against the bytes left before
+//! Cursor over bytes that came from a file: every step is checked against the bytes left before
 //! anything is allocated.
 
 /// More bytes were asked for than are left.

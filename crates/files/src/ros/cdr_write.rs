@@ -1,4 +1,4 @@
-//! Writes CDR messages (see `cdr_read`), little endian.
+//! Writer of CDR messages (see `cdr_read`), little endian.
 
 /// Writes one message, little endian.
 #[derive(Debug, Clone)]

@@ -1,4 +1,5 @@
-//! Decodes a message by its definition, for topics whose type is only known from the file.
+//! Values of a message, decoded by its definition, for topics whose type is only known from the
+//! file.
 
 use crate::ros::cdr_read::{CdrError, CdrReader};
 use crate::ros::definition::{Arity, Definition, Element, Field, Primitive};
