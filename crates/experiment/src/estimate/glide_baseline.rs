@@ -1,5 +1,5 @@
-//! What is taken off the records of a constant velocity before their spectra are taken (SK15
-//! section 4.4 E).
+//! Baseline of the glides: what is taken off the records of a constant velocity before their spectra
+//! are taken (SK15 section 4.4 E).
 
 use frfid_estimate::{RippleTorque, subtract_glide};
 use frfid_signals::{Frf, Record, SignalError};
@@ -27,25 +27,8 @@ impl Baseline {
         let Some(&first) = glides.first() else {
             return Ok(Self::None);
         };
-        let mean = |name, signal: &dyn Fn(&Record) -> &Array2<f64>| {
-            let mut sum = Array2::zeros(signal(first).dim());
-            for glide in glides {
-                if signal(glide).dim() != sum.dim() {
-                    let needed = format!("{:?}, as in the first glide", sum.shape());
-                    return Err(SignalError::Shape {
-                        name,
-                        found: signal(glide).shape().to_vec(),
-                        needed,
-                    });
-                }
-                sum += signal(glide);
-            }
-            Ok(sum / glides.len() as f64)
-        };
-        let (u, y) = (
-            mean("u of a glide", &|glide| &glide.u)?,
-            mean("y of a glide", &|glide| &glide.y)?,
-        );
+        let u = mean("u of a glide", glides.iter().map(|glide| &glide.u))?;
+        let y = mean("y of a glide", glides.iter().map(|glide| &glide.y))?;
         let position_rad = mean_position(glides);
         Ok(Self::Glide(Record {
             u,
@@ -78,6 +61,29 @@ impl Baseline {
             Self::Ripple(ripple) => Some(ripple.subtract_glide(record)?),
         })
     }
+}
+
+/// The mean of a signal over the glides.
+fn mean<'a>(
+    name: &'static str,
+    signals: impl ExactSizeIterator<Item = &'a Array2<f64>> + Clone,
+) -> Result<Array2<f64>, SignalError> {
+    let (n_glides, shape) = (
+        signals.len() as f64,
+        signals.clone().next().map(Array2::dim),
+    );
+    let mut sum = Array2::zeros(shape.unwrap_or_default());
+    for signal in signals {
+        if signal.dim() != sum.dim() {
+            return Err(SignalError::Shape {
+                name,
+                found: signal.shape().to_vec(),
+                needed: format!("{:?}, as in the first glide", sum.shape()),
+            });
+        }
+        sum += signal;
+    }
+    Ok(sum / n_glides)
 }
 
 /// The mean position of the glides, where all have one of the same shape.

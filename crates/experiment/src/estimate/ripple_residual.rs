@@ -1,5 +1,5 @@
-//! Which lines what remains of the torque ripple still disturbs, told from the lines around them
-//! that are not excited.
+//! Residual of the torque ripple: which lines it still disturbs, seen on the lines around them that
+//! are not excited.
 
 use std::collections::BTreeMap;
 
@@ -31,7 +31,7 @@ pub struct RippleResidual {
 }
 
 impl RippleResidual {
-    /// For the plans of which it can tell something: multisines on a constant velocity with glides,
+    /// For the plans on which it can be seen: multisines on a constant velocity with glides,
     /// repeated.
     ///
     /// # Errors
@@ -85,11 +85,9 @@ impl RippleResidual {
         });
         let mut references: BTreeMap<(usize, usize), Vec<Array2<Complex64>>> = BTreeMap::new();
         for FreeSpectra { place, u, y } in free {
+            let repetitions = references.entry((place.realization, place.experiment));
             let unexplained = self.lines.unexplained(&u, &y, plant)?;
-            references
-                .entry((place.realization, place.experiment))
-                .or_default()
-                .push(unexplained);
+            repetitions.or_default().push(unexplained);
         }
         let repeated = references
             .values()

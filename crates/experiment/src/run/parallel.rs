@@ -1,4 +1,4 @@
-//! Work on many runs at once: the results come in the order of the runs, whatever the number of
+//! Parallel work on many runs: the results come in the order of the runs, whatever the number of
 //! jobs.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};

@@ -1,4 +1,4 @@
-//! Shaping on the description's own model, with nothing on disk.
+//! Shaping in memory, on the description's own model, with nothing on disk.
 
 use frfid_estimate::{Driver, Iteration, Shaped, Shaper};
 use frfid_signals::{Record, Testbed};
