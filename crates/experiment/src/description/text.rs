@@ -226,21 +226,8 @@ impl TomlText {
         let root = DeValue::Table(root.into_inner());
         let (mut outer, mut spans) = (&root, Vec::new());
         for key in path {
-            let (name, value) = match outer {
-                DeValue::Table(table) => match table.iter().find(|(name, _)| name.get_ref() == key)
-                {
-                    Some((name, value)) => (name.span(), value),
-                    None => break,
-                },
-                // a table of a list has no name of its own: the place of its header, or of its
-                // brace
-                DeValue::Array(list) => {
-                    match key.parse().ok().and_then(|index: usize| list.get(index)) {
-                        Some(value) => (value.span(), value),
-                        None => break,
-                    }
-                }
-                _ => break,
+            let Some((name, value)) = entry(outer, key) else {
+                break;
             };
             outer = value.get_ref();
             spans.push(if outer.is_table() { name } else { value.span() });
@@ -263,6 +250,25 @@ impl TomlText {
                 .map_or(1, |marked| marked.chars().count().max(1)),
             text: text.to_owned(),
         }
+    }
+}
+
+/// The value of a key, in a list of a number, and the place of its name. A table of a list has no
+/// name of its own: the place of its header, or of its brace.
+fn entry<'a, 'v>(
+    outer: &'v DeValue<'a>,
+    key: &str,
+) -> Option<(Range<usize>, &'v Spanned<DeValue<'a>>)> {
+    match outer {
+        DeValue::Table(table) => {
+            let (name, value) = table.iter().find(|(name, _)| name.get_ref() == key)?;
+            Some((name.span(), value))
+        }
+        DeValue::Array(list) => {
+            let value = list.get(key.parse::<usize>().ok()?)?;
+            Some((value.span(), value))
+        }
+        _ => None,
     }
 }
 
