@@ -1,4 +1,4 @@
-//! The command line as a whole: its help and its commands.
+//! Arguments of the command line as a whole: its help and its commands.
 
 use std::ffi::OsString;
 
@@ -82,8 +82,8 @@ impl Arguments {
             Command::Compare(arguments) => compare::run(arguments, options, console),
             Command::Export(arguments) => export::run(arguments, options, console),
             Command::Recover(arguments) => recover::run(arguments, options, console),
-            Command::Completions(arguments) => completions::run(arguments, console),
-            Command::Man(arguments) => man::run(arguments, console),
+            Command::Completions(arguments) => completions::run(arguments, command(), console),
+            Command::Man(arguments) => man::run(arguments, command(), console),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! Where a command writes: data to stdout, messages to stderr, every write checked.
+//! Console of a command: data to stdout, messages to stderr, every write checked.
 
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
@@ -14,7 +14,7 @@ use crate::exit::{Exit, Failure};
 pub(crate) struct Console<'a> {
     stdout: &'a mut dyn Write,
     stderr: &'a mut dyn Write,
-    /// Neither messages nor progress; warnings and errors are always told.
+    /// Neither messages nor progress; warnings and errors are always shown.
     pub quiet: bool,
     colour: ColorChoice,
     /// The reader of stdout has left (`| head`): nobody to write to any more, and no error.

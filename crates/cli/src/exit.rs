@@ -1,4 +1,4 @@
-//! How a command ends: the exit code, and what is said about a failure.
+//! Exit of a command: its code, and what is said about a failure.
 
 use std::error::Error;
 
@@ -21,6 +21,13 @@ pub(crate) enum Exit {
     Flawed = 3,
     /// Stopped by the user: 128 + SIGINT.
     Interrupted = 130,
+}
+
+impl Exit {
+    /// Done, with a flaw unless everything is sound.
+    pub fn flawed_unless(is_sound: bool) -> Self {
+        if is_sound { Self::Done } else { Self::Flawed }
+    }
 }
 
 /// Why a command could not be done.

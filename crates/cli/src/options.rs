@@ -1,4 +1,4 @@
-//! What every command understands: JSON, quiet, colours, force; and paths that must exist.
+//! Options of every command: JSON, quiet, colours, force; and paths that must exist.
 
 use std::path::{Path, PathBuf};
 
@@ -69,7 +69,7 @@ impl Options {
     }
 }
 
-/// A path that must exist: a misspelt name is told before any work is done.
+/// A path that must exist: a misspelt name is reported before any work is done.
 pub(crate) fn existing_path() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| match path.symlink_metadata() {
         Ok(_) => Ok(path),

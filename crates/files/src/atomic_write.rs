@@ -1,6 +1,6 @@
 //! Atomic writing, the one way this crate writes a file: into `NAME.part`, synced, then renamed. A
-//! reader never sees half a file under its final name, a failure keeps what was written, and two processes
-//! cannot write the same file.
+//! reader never sees half a file under its final name, a failure keeps what was written, and two
+//! processes cannot write the same file.
 
 use std::error::Error;
 use std::fs::{File, OpenOptions, TryLockError};

@@ -1,4 +1,5 @@
-//! Plan that a description asks for: excitation, phasing, averaging, all checked against each other.
+//! Plan that a description asks for: excitation, phasing, averaging, all checked against each
+//! other.
 
 use frfid_signals::{Excitation, Injection, Phasing, Plan, SignalError, Target};
 

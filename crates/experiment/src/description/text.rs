@@ -272,8 +272,8 @@ fn entry<'a, 'v>(
     }
 }
 
-/// Makes { kind = "a", x = 1 } to { a = { x = 1 } }, or returns the place of a kind that is no text.
-/// Anything but a table is left to whoever reads it.
+/// Makes { kind = "a", x = 1 } to { a = { x = 1 } }, or returns the place of a kind that is no
+/// text. Anything but a table is left to whoever reads it.
 fn put_behind_kind(
     value: &mut Spanned<DeValue>,
     default: &'static str,

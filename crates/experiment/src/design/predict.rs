@@ -1,4 +1,5 @@
-//! Prediction of what the runs will ask of the robot, by doing them on its model, against the limits.
+//! Prediction of what the runs will ask of the robot, by doing them on its model, against the
+//! limits.
 
 use frfid_plant::SimulatedRobot;
 use frfid_signals::{Excess, Plan, Run, RunId};

@@ -42,8 +42,8 @@ impl ReadRecord<'_> {
         self.losses.is_empty() && self.stop.is_none()
     }
 
-    /// What the record says by each of the estimators. Load and strength are told of records without
-    /// a loss alone.
+    /// What the record says by each of the estimators. Load and strength are those of records
+    /// without a loss alone.
     pub(crate) fn digest(
         &self,
         experiment: &Experiment,

@@ -1,5 +1,5 @@
-//! Estimator of the FRF of a plan from its records: record by record, in any order, so that no campaign is
-//! too long for the memory.
+//! Estimator of the FRF of a plan from its records: record by record, in any order, so that no
+//! campaign is too long for the memory.
 
 use frfid_estimate::{Campaign, Evaluation, PeriodIndex, RunSpectra};
 use frfid_signals::{Frf, Plan, Record, RunId, RunKind};
@@ -94,8 +94,8 @@ impl Estimator {
     /// (SK15 section 4.4 E).
     ///
     /// # Errors
-    /// [`ExperimentError::Logs`] if the plan has glides and none is given, [`ExperimentError::Signal`]
-    /// if they differ in shape.
+    /// [`ExperimentError::Logs`] if the plan has glides and none is given,
+    /// [`ExperimentError::Signal`] if they differ in shape.
     pub fn with_glides(mut self, glides: &[&Record]) -> Result<Self, ExperimentError> {
         if self.options.glide_subtraction == GlideSubtraction::None || self.plan.n_glides == 0 {
             return Ok(self);
@@ -119,8 +119,9 @@ impl Estimator {
             && self.baseline != Baseline::None
     }
 
-    /// The same with the ripple over the motor position, learnt from the glides and one run of every
-    /// experiment of a realization: a first estimate of the plant tells what of the glide is ripple.
+    /// The same with the ripple over the motor position, learnt from the glides and one run of
+    /// every experiment of a realization: a first estimate of the plant tells what of the glide is
+    /// ripple.
     ///
     /// # Errors
     /// [`ExperimentError`] for records that do not make an estimate.

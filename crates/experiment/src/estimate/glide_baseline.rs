@@ -1,5 +1,5 @@
-//! Baseline of the glides: what is taken off the records of a constant velocity before their spectra
-//! are taken (SK15 section 4.4 E).
+//! Baseline of the glides: what is taken off the records of a constant velocity before their
+//! spectra are taken (SK15 section 4.4 E).
 
 use frfid_estimate::{RippleTorque, subtract_glide};
 use frfid_signals::{Frf, Record, SignalError};

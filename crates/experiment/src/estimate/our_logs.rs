@@ -71,11 +71,12 @@ fn unreadable(path: &Path, error: &std::io::Error) -> FileError {
 }
 
 /// Estimates the FRF from the files of one plan, in any order; `options` replaces the `[estimate]`
-/// table that travelled with them. Memory is that of `jobs` records and of the spectra, whatever the
-/// length of the campaign.
+/// table that travelled with them. Memory is that of `jobs` records and of the spectra, whatever
+/// the length of the campaign.
 ///
 /// # Errors
-/// [`ExperimentError`]: no file is readable, files of different plans, a run twice, or too few runs.
+/// [`ExperimentError`]: no file is readable, files of different plans, a run twice, or too few
+/// runs.
 pub(crate) fn estimate_our_logs(
     paths: &[PathBuf],
     options: Option<&EstimateTable>,
@@ -97,7 +98,7 @@ pub(crate) fn estimate_our_logs(
 struct OurLogs {
     paths: Vec<PathBuf>,
     runs: Vec<RunId>,
-    /// The first description that is whole, under the name by which its faults are told.
+    /// The first description that is whole, under the name by which its faults are reported.
     description: Option<TomlText>,
     /// Files that could not be read at all, with the reason.
     unreadable: Vec<(PathBuf, String)>,

@@ -102,8 +102,8 @@ impl Experiment {
         }
     }
 
-    /// An FRF of this experiment as a result: names and units of the joints, and where it came from,
-    /// the amplitudes reached included.
+    /// An FRF of this experiment as a result: names and units of the joints, and where it came
+    /// from, the amplitudes reached included.
     #[must_use]
     pub fn result(&self, frf: Frf, load: Option<&Load>) -> ResultFile {
         let mut provenance = self.provenance();

@@ -1,5 +1,5 @@
-//! Planned runs: of a description, whose references are made from the seed, or of a plan file, whose
-//! references are read.
+//! Planned runs: of a description, whose references are made from the seed, or of a plan file,
+//! whose references are read.
 
 use std::path::Path;
 

@@ -1,5 +1,5 @@
-//! Beginning of the shaping that a description asks for (SK15 section 5.3): from the reference of its `[chirp]`
-//! towards what its `[shape]` desires, inside its limits.
+//! Beginning of the shaping that a description asks for (SK15 section 5.3): from the reference of
+//! its `[chirp]` towards what its `[shape]` desires, inside its limits.
 
 use frfid_estimate::{EstimateError, ShapeError, ShapeOptions, Shaper, Target};
 use frfid_plant::Sensor;

@@ -1,5 +1,5 @@
-//! Folder of an iterative shaping: every reference, record, FRF and error of every iteration. What is
-//! there already is read back instead of being done again, and leads to the same end.
+//! Folder of an iterative shaping: every reference, record, FRF and error of every iteration. What
+//! is there already is read back instead of being done again, and leads to the same end.
 
 use std::path::Path;
 

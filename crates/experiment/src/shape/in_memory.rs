@@ -11,7 +11,7 @@ use crate::run::parallel::{Progress, Steps, for_each, silent};
 pub type Look<'a> = dyn FnMut(&Iteration) -> Result<(), ExperimentError> + 'a;
 
 impl Experiment {
-    /// Shapes the chirp on the model; `look` sees every iteration, `progress` is told of each.
+    /// Shapes the chirp on the model; `look` and `progress` see every iteration.
     ///
     /// # Errors
     /// [`ExperimentError`] of the description, a run or the shaping, or an interruption.

@@ -1,5 +1,5 @@
-//! Report of a shaping, `shape.json` in its folder. No clock and no machine in it: the same runs give
-//! the same bytes.
+//! Report of a shaping, `shape.json` in its folder. No clock and no machine in it: the same runs
+//! give the same bytes.
 
 use std::collections::BTreeMap;
 use std::path::Path;

@@ -1,5 +1,5 @@
-//! Definitions of ROS 2 messages (`.msg` text, schema encoding `ros2msg`): what fields a message has,
-//! so that it can be decoded without knowing its type beforehand.
+//! Definitions of ROS 2 messages (`.msg` text, schema encoding `ros2msg`): what fields a message
+//! has, so that it can be decoded without knowing its type beforehand.
 //! <https://docs.ros.org/en/rolling/Concepts/Basic/About-Interfaces.html>
 
 use std::collections::HashMap;

@@ -166,12 +166,14 @@ mod tests {
                 .expect_err("no such field")
                 .contains("name, velocity")
         );
-        assert!(pick("/js:velocity", &state).is_err());
+        let message = "not a number; name an entry of it: field[0] or field[joint]";
+        assert_eq!(pick("/js:velocity", &state), Err(message.to_owned()));
         let twins = message(vec![
             ("name", texts(&["a", "a"])),
             ("velocity", Value::Numbers(vec![1.0, 2.0])),
         ]);
-        assert!(pick("/js:velocity[a]", &twins).is_err());
+        let message = "the joint a twice";
+        assert_eq!(pick("/js:velocity[a]", &twins), Err(message.to_owned()));
     }
 
     #[test]

@@ -207,7 +207,8 @@ mod tests {
         );
         assert_eq!(value.field("negative").and_then(Value::number), Some(-9.0));
         for length in 0..little.len() {
-            assert!(decode(&definition, &little[..length]).is_err());
+            let cut = decode(&definition, &little[..length]);
+            assert!(matches!(cut, Err(CdrError::Short { .. })), "{cut:?}");
         }
     }
 

@@ -1,5 +1,5 @@
-//! URDF: an arm from such a file and a table of its joints. URDF says where the bodies are and what they weigh,
-//! the table what drives them.
+//! URDF: an arm from such a file and a table of its joints. URDF says where the bodies are and what
+//! they weigh, the table what drives them.
 
 use std::collections::BTreeMap;
 use std::path::Path;
