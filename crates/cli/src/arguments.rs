@@ -63,12 +63,12 @@ enum Command {
 
 impl Arguments {
     /// Reads the arguments, the first one being the program's name.
-    pub fn parse(args: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
+    pub(crate) fn parse(args: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
         Self::from_arg_matches(&command().try_get_matches_from(args)?)
     }
 
     /// Does what the arguments say.
-    pub fn run(&self, console: &mut Console) -> Result<Exit, Failure> {
+    pub(crate) fn run(&self, console: &mut Console) -> Result<Exit, Failure> {
         let options = &self.options;
         match &self.command {
             Command::Demo(arguments) => demo::run(arguments, options, console),

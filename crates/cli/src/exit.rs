@@ -25,7 +25,7 @@ pub(crate) enum Exit {
 
 impl Exit {
     /// Done, with a flaw unless everything is sound.
-    pub fn flawed_unless(is_sound: bool) -> Self {
+    pub(crate) fn flawed_unless(is_sound: bool) -> Self {
         if is_sound { Self::Done } else { Self::Flawed }
     }
 }
@@ -41,7 +41,7 @@ pub(crate) struct Failure {
 
 impl Failure {
     /// The command line asks for something impossible.
-    pub fn usage(message: impl Into<String>) -> Self {
+    pub(crate) fn usage(message: impl Into<String>) -> Self {
         Self {
             exit: Exit::Usage,
             message: message.into(),
@@ -49,7 +49,7 @@ impl Failure {
     }
 
     /// An error with the whole chain of its causes.
-    pub fn of(exit: Exit, error: &(dyn Error + 'static)) -> Self {
+    pub(crate) fn of(exit: Exit, error: &(dyn Error + 'static)) -> Self {
         let mut message = error.to_string();
         let mut cause = error.source();
         while let Some(error) = cause {

@@ -42,7 +42,7 @@ impl MapOptions {
     ///
     /// # Errors
     /// [`Failure`] with line and caret for a file that is no map.
-    pub fn log_map(&self) -> Result<Option<LogMap>, Failure> {
+    pub(crate) fn log_map(&self) -> Result<Option<LogMap>, Failure> {
         if let Some(path) = &self.map {
             return Ok(Some(TomlText::read(path)?.parse()?));
         }

@@ -46,7 +46,7 @@ enum When {
 impl Options {
     /// What to do when the output exists. What an unfinished command left is replaced: every
     /// command can be done again.
-    pub fn overwrite(&self) -> Overwrite {
+    pub(crate) fn overwrite(&self) -> Overwrite {
         if self.force {
             Overwrite::Replace
         } else {
@@ -55,12 +55,12 @@ impl Options {
     }
 
     /// Refuses an output that exists, before any work is done for it.
-    pub fn check_free(&self, path: &Path) -> Result<(), FileError> {
+    pub(crate) fn check_free(&self, path: &Path) -> Result<(), FileError> {
         check_free(path, self.overwrite())
     }
 
     /// When to use colours.
-    pub fn colour(&self) -> ColorChoice {
+    pub(crate) fn colour(&self) -> ColorChoice {
         match self.color {
             When::Auto => ColorChoice::Auto,
             When::Always => ColorChoice::Always,

@@ -4,7 +4,7 @@
 /// More bytes were asked for than are left.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("needs {needed} bytes at offset {at}, {left} are left")]
-pub struct Short {
+pub(crate) struct Short {
     /// Offset of the read.
     pub at: usize,
     /// Bytes needed.

@@ -119,14 +119,13 @@ fn report(
     if options.json {
         console.json(&json!(summary))?;
     } else {
-        let folder = folder.display();
         let (written, skipped) = (count(summary.written.len(), "run"), summary.n_skipped);
+        let folder = folder.display();
+        let table = load.map(|load| reached(summary, &load, experiment.limits()));
         console.data(&format!(
-            "{folder}: {written} written, {skipped} there already\n"
+            "{folder}: {written} written, {skipped} there already\n{}",
+            table.unwrap_or_default()
         ))?;
-        if let Some(load) = &load {
-            console.data(&reached(summary, load, experiment.limits()))?;
-        }
         console.hint(format_args!(
             "frfid estimate {folder} -o frf.json --report frf.html"
         ));

@@ -50,7 +50,7 @@ pub(crate) struct Fault {
 }
 
 impl Fault {
-    pub fn new(path: &[&str], message: impl Into<String>) -> Self {
+    pub(crate) fn new(path: &[&str], message: impl Into<String>) -> Self {
         let path = path.iter().map(|&key| key.to_owned()).collect();
         Self {
             path,
@@ -59,19 +59,19 @@ impl Fault {
     }
 
     /// The same fault seen from farther out: the table lies at `path`.
-    pub fn within(mut self, path: &[&str]) -> Self {
+    pub(crate) fn within(mut self, path: &[&str]) -> Self {
         self.path
             .splice(0..0, path.iter().map(|&key| key.to_owned()));
         self
     }
 
     /// The same fault at another place.
-    pub fn at(self, path: &[&str]) -> Self {
+    pub(crate) fn at(self, path: &[&str]) -> Self {
         Self::new(path, self.message)
     }
 
     /// The same fault seen from the table of this key, or as it is where it does not lie in it.
-    pub fn inside(mut self, key: &str) -> Result<Self, Self> {
+    pub(crate) fn inside(mut self, key: &str) -> Result<Self, Self> {
         if self.path.first().is_none_or(|first| first != key) {
             return Err(self);
         }
@@ -80,7 +80,7 @@ impl Fault {
     }
 
     /// The fault as an error, where no text shows its place.
-    pub fn without_text(self, name: &str) -> ConfigError {
+    pub(crate) fn without_text(self, name: &str) -> ConfigError {
         let file = name.to_owned();
         ConfigError {
             file,
@@ -90,7 +90,7 @@ impl Fault {
     }
 
     /// The same fault, the message saying of which part it is.
-    pub fn of(self, part: &str) -> Self {
+    pub(crate) fn of(self, part: &str) -> Self {
         let message = format!("{part}: {}", self.message);
         Self { message, ..self }
     }

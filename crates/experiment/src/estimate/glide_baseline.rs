@@ -9,7 +9,7 @@ use crate::error::ExperimentError;
 
 /// What every run of a campaign carries besides the answer to its excitation.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Baseline {
+pub(crate) enum Baseline {
     /// Nothing that is known.
     None,
     /// The mean of the glides, sample by sample.
@@ -23,7 +23,7 @@ impl Baseline {
     ///
     /// # Errors
     /// [`ExperimentError::Signal`] if they differ in shape.
-    pub fn of_glides(glides: &[&Record]) -> Result<Self, ExperimentError> {
+    pub(crate) fn of_glides(glides: &[&Record]) -> Result<Self, ExperimentError> {
         let Some(&first) = glides.first() else {
             return Ok(Self::None);
         };
@@ -43,7 +43,7 @@ impl Baseline {
     ///
     /// # Errors
     /// [`ExperimentError::Estimate`] for glides without positions, or a plant that does not fit.
-    pub fn with_ripple(&self, plant: &Frf) -> Result<Self, ExperimentError> {
+    pub(crate) fn with_ripple(&self, plant: &Frf) -> Result<Self, ExperimentError> {
         match self {
             Self::Glide(glide) => Ok(Self::Ripple(RippleTorque::of_glide(glide, plant)?)),
             known => Ok(known.clone()),
@@ -54,7 +54,7 @@ impl Baseline {
     ///
     /// # Errors
     /// [`ExperimentError::Estimate`] for a record that does not fit the glide.
-    pub fn subtract_from(&self, record: &Record) -> Result<Option<Record>, ExperimentError> {
+    pub(crate) fn subtract_from(&self, record: &Record) -> Result<Option<Record>, ExperimentError> {
         Ok(match self {
             Self::None => None,
             Self::Glide(glide) => Some(subtract_glide(record, glide)?),

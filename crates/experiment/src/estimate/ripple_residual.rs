@@ -19,14 +19,14 @@ const REALIZATIONS: usize = 4;
 
 /// Spectra of u and y on the free lines of one period.
 #[derive(Debug, Clone)]
-pub struct FreeSpectra {
+pub(crate) struct FreeSpectra {
     place: PeriodIndex,
     u: Array2<Complex64>,
     y: Array2<Complex64>,
 }
 
 /// Looks at the free lines of a plan.
-pub struct RippleResidual {
+pub(crate) struct RippleResidual {
     lines: FreeLines,
 }
 
@@ -36,7 +36,10 @@ impl RippleResidual {
     ///
     /// # Errors
     /// [`ExperimentError::Estimate`] for lines that do not fit the period.
-    pub fn of_plan(plan: &Plan, options: &EstimateTable) -> Result<Option<Self>, ExperimentError> {
+    pub(crate) fn of_plan(
+        plan: &Plan,
+        options: &EstimateTable,
+    ) -> Result<Option<Self>, ExperimentError> {
         let Excitation::Multisine(Multisine { grid, .. }) = &plan.excitation else {
             return Ok(None);
         };
@@ -53,7 +56,7 @@ impl RippleResidual {
     ///
     /// # Errors
     /// [`ExperimentError::Estimate`] for samples that are not finite.
-    pub fn spectra(
+    pub(crate) fn spectra(
         &self,
         place: PeriodIndex,
         u: ArrayView2<f64>,
@@ -74,7 +77,7 @@ impl RippleResidual {
     ///
     /// # Errors
     /// [`ExperimentError::Estimate`] for spectra of different shapes.
-    pub fn exceeds_noise(
+    pub(crate) fn exceeds_noise(
         &self,
         mut free: Vec<FreeSpectra>,
         plant: &Frf,

@@ -71,13 +71,7 @@ pub fn run_to_folder(
 ) -> Result<RunSummary, ExperimentError> {
     let ids = chosen(planned, options.index)?;
     let experiment = &planned.experiment;
-    let writer = Writer {
-        planned,
-        folder,
-        overwrite: options.overwrite,
-        metadata: experiment.provenance(),
-        pose_rad: experiment.pose_rad.clone(),
-    };
+    let writer = Writer::new(planned, folder, options.overwrite);
     let (open, stopped_before) = writer.open(&ids);
     let model;
     let testbed = match testbed {
@@ -131,10 +125,18 @@ struct Writer<'a> {
     folder: &'a Path,
     overwrite: Overwrite,
     metadata: BTreeMap<String, String>,
-    pose_rad: Vec<f64>,
 }
 
-impl Writer<'_> {
+impl<'a> Writer<'a> {
+    fn new(planned: &'a PlannedRuns, folder: &'a Path, overwrite: Overwrite) -> Self {
+        Self {
+            planned,
+            folder,
+            overwrite,
+            metadata: planned.experiment.provenance(),
+        }
+    }
+
     fn path_of(&self, id: RunId) -> PathBuf {
         self.folder.join(format!("{id}.mcap"))
     }
@@ -174,7 +176,7 @@ impl Writer<'_> {
         let run = self.planned.run(id)?;
         let record = testbed.run(&run)?;
         let file = run_file(experiment, id, record, self.metadata.clone())?;
-        let load = Load::of(&file.record, &run.start_rad, &self.pose_rad);
+        let load = Load::of(&file.record, &run.start_rad, &experiment.pose_rad);
         let report = report(self.path_of(id), load, &file.record);
         write_run(&report.path, self.overwrite, &file)?;
         Ok((report, experiment.strength_of(id, &file.record)))

@@ -8,7 +8,7 @@ use crate::experiment::Experiment;
 use crate::run::parallel::{Progress, Steps, for_each, silent};
 
 /// Sees every iteration of a shaping.
-pub type Look<'a> = dyn FnMut(&Iteration) -> Result<(), ExperimentError> + 'a;
+pub(crate) type Look<'a> = dyn FnMut(&Iteration) -> Result<(), ExperimentError> + 'a;
 
 impl Experiment {
     /// Shapes the chirp on the model; `look` and `progress` see every iteration.

@@ -42,7 +42,7 @@ pub(crate) struct IterationFiles<'a> {
 
 impl<'a> IterationFiles<'a> {
     /// For the iterations of an experiment.
-    pub fn new(experiment: &'a Experiment) -> Result<Self, ExperimentError> {
+    pub(crate) fn new(experiment: &'a Experiment) -> Result<Self, ExperimentError> {
         let estimator = Estimator::new(&experiment.plan, &experiment.config.estimate)?;
         Ok(Self {
             experiment,
@@ -52,19 +52,19 @@ impl<'a> IterationFiles<'a> {
     }
 
     /// The FRF from motor torque to motor velocity, by excerpts of the chirp.
-    pub fn frf(&self, records: &[Record]) -> Result<Frf, ExperimentError> {
+    pub(crate) fn frf(&self, records: &[Record]) -> Result<Frf, ExperimentError> {
         self.estimator.frf_of_experiments(records)
     }
 
     /// Whether U of an iteration can be inverted well.
-    pub fn condition_check(&self, frf: &Frf, iteration: &estimate::Iteration) -> Check {
+    pub(crate) fn condition_check(&self, frf: &Frf, iteration: &estimate::Iteration) -> Check {
         let still = vec![0.0; self.experiment.plan.n_inputs];
         let torques = largest_load(&iteration.records, &still).map(|load| load.torque_rms_nm);
         condition_check(frf, &torques.unwrap_or_default())
     }
 
     /// Writes FRFs and errors beside the runs in `folder`; returns the hash of every file.
-    pub fn write(
+    pub(crate) fn write(
         &self,
         iteration: &estimate::Iteration,
         frf: Option<Frf>,
@@ -101,7 +101,7 @@ impl<'a> IterationFiles<'a> {
     }
 
     /// The FRF of an iteration with the runs in `folder` as a result.
-    pub fn result(
+    pub(crate) fn result(
         &self,
         frf: Frf,
         iteration: &estimate::Iteration,

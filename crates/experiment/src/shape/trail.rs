@@ -94,12 +94,7 @@ impl<'a> Trail<'a> {
             let record = self.done(run, testbed, &folder)?;
             Ok((run.id, record))
         });
-        records.extend(done.map_err(|error| match error {
-            ExperimentError::Interrupted { .. } => {
-                ExperimentError::ShapingInterrupted { iteration }
-            }
-            error => error,
-        })?);
+        records.extend(done.map_err(|error| in_iteration(iteration, error))?);
         Ok(records.into_values().collect())
     }
 
@@ -238,6 +233,14 @@ impl<'a> Trail<'a> {
             Overwrite::Replace,
             self.report.to_json().as_bytes(),
         )?)
+    }
+}
+
+/// An error of the runs of an iteration: an interruption is one of the shaping.
+fn in_iteration(iteration: usize, error: ExperimentError) -> ExperimentError {
+    match error {
+        ExperimentError::Interrupted { .. } => ExperimentError::ShapingInterrupted { iteration },
+        error => error,
     }
 }
 

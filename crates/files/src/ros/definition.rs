@@ -8,7 +8,7 @@ use thiserror::Error;
 
 /// A type built into ROS 2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Primitive {
+pub(crate) enum Primitive {
     /// One octet, 0 or 1.
     Bool,
     /// Signed integer of 1, 2, 4 or 8 bytes.
@@ -25,7 +25,7 @@ pub enum Primitive {
 
 /// What one element of a field is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Element {
+pub(crate) enum Element {
     /// A built-in type.
     Primitive(Primitive),
     /// Another message: its place in [`Definition::messages`].
@@ -34,7 +34,7 @@ pub enum Element {
 
 /// How many elements a field has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Arity {
+pub(crate) enum Arity {
     /// One.
     One,
     /// `[N]`: always N, without a count in front.
@@ -45,7 +45,7 @@ pub enum Arity {
 
 /// A field of a message.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Field {
+pub(crate) struct Field {
     /// Its name.
     pub name: String,
     /// What it holds.
@@ -56,7 +56,7 @@ pub struct Field {
 
 /// A message type and every type it is made of.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Definition {
+pub(crate) struct Definition {
     /// Fields of each type; the first is the message itself. A type without fields is sent as one
     /// octet.
     pub messages: Vec<Vec<Field>>,
@@ -64,7 +64,7 @@ pub struct Definition {
 
 /// Why a definition cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-pub enum DefinitionError {
+pub(crate) enum DefinitionError {
     /// A line that is no field, constant or comment.
     #[error(
         "line {line} of the message definition is `{text}`, needed `type name`, `type name default` or `type NAME=value`"
@@ -111,7 +111,7 @@ struct Types<'a> {
 ///
 /// # Errors
 /// [`DefinitionError`].
-pub fn parse(text: &str) -> Result<Definition, DefinitionError> {
+pub(crate) fn parse(text: &str) -> Result<Definition, DefinitionError> {
     let Types { names, fields } = types(text)?;
     let named = names.iter().enumerate().skip(1);
     let places: HashMap<_, _> = named.map(|(k, name)| (name.as_str(), k)).collect();

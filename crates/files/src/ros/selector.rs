@@ -166,14 +166,18 @@ mod tests {
                 .expect_err("no such field")
                 .contains("name, velocity")
         );
-        let message = "not a number; name an entry of it: field[0] or field[joint]";
-        assert_eq!(pick("/js:velocity", &state), Err(message.to_owned()));
+        assert_eq!(
+            pick("/js:velocity", &state),
+            Err("not a number; name an entry of it: field[0] or field[joint]".into())
+        );
         let twins = message(vec![
             ("name", texts(&["a", "a"])),
             ("velocity", Value::Numbers(vec![1.0, 2.0])),
         ]);
-        let message = "the joint a twice";
-        assert_eq!(pick("/js:velocity[a]", &twins), Err(message.to_owned()));
+        assert_eq!(
+            pick("/js:velocity[a]", &twins),
+            Err("the joint a twice".into())
+        );
     }
 
     #[test]
