@@ -197,7 +197,7 @@ impl<'a> Trail<'a> {
         }
     }
 
-    /// The files of an iteration with their hashes, if all were there when the folder was opened.
+    /// The files of an iteration with their hashes, if they were written before and are all there.
     fn files_before(&self, number: usize, folder: &Path) -> Option<&BTreeMap<String, String>> {
         let known = self.before.as_ref()?.iterations.get(number - 1)?;
         let is_whole = known.files.keys().all(|name| folder.join(name).exists());

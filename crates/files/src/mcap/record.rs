@@ -1,4 +1,4 @@
-//! The records of an MCAP file that we read ourselves (<https://mcap.dev/spec>), bounds-checked;
+//! Records of an MCAP file that we read ourselves (<https://mcap.dev/spec>), bounds-checked;
 //! chunks are unpacked by the `mcap` crate.
 
 use std::collections::BTreeMap;

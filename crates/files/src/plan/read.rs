@@ -92,6 +92,7 @@ impl PlanFile {
         }
     }
 
+    /// The reference of a run, every sample of it sound.
     fn reference(&self, entry: &PlanEntry) -> Result<Array2<f64>, FileError> {
         let (joints, n) = (self.head.joint_names.len(), entry.n_samples);
         let refused = |found: String| not_a_plan(&self.path, format!("run {}: {found}", entry.id));
@@ -120,8 +121,7 @@ impl PlanFile {
         Ok(reference)
     }
 
-    /// Stores the command of one sample; those of other runs, which share a chunk with this one,
-    /// are left out.
+    /// Stores the command of one sample; the commands of other runs are left out.
     fn take_command(
         &self,
         entry: &PlanEntry,
