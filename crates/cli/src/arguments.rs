@@ -1,4 +1,4 @@
-//! The command line as a whole: its help and its commands.
+//! Arguments of the command line as a whole: its help and its commands.
 
 use std::ffi::OsString;
 
@@ -63,12 +63,12 @@ enum Command {
 
 impl Arguments {
     /// Reads the arguments, the first one being the program's name.
-    pub fn parse(args: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
+    pub(crate) fn parse(args: impl IntoIterator<Item = OsString>) -> Result<Self, clap::Error> {
         Self::from_arg_matches(&command().try_get_matches_from(args)?)
     }
 
     /// Does what the arguments say.
-    pub fn run(&self, console: &mut Console) -> Result<Exit, Failure> {
+    pub(crate) fn run(&self, console: &mut Console) -> Result<Exit, Failure> {
         let options = &self.options;
         match &self.command {
             Command::Demo(arguments) => demo::run(arguments, options, console),
@@ -82,8 +82,8 @@ impl Arguments {
             Command::Compare(arguments) => compare::run(arguments, options, console),
             Command::Export(arguments) => export::run(arguments, options, console),
             Command::Recover(arguments) => recover::run(arguments, options, console),
-            Command::Completions(arguments) => completions::run(arguments, console),
-            Command::Man(arguments) => man::run(arguments, console),
+            Command::Completions(arguments) => completions::run(arguments, command(), console),
+            Command::Man(arguments) => man::run(arguments, command(), console),
         }
     }
 }

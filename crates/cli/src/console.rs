@@ -1,4 +1,4 @@
-//! Where a command writes: data to stdout, messages to stderr, every write checked.
+//! Console of a command: data to stdout, messages to stderr, every write checked.
 
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
@@ -14,7 +14,7 @@ use crate::exit::{Exit, Failure};
 pub(crate) struct Console<'a> {
     stdout: &'a mut dyn Write,
     stderr: &'a mut dyn Write,
-    /// Neither messages nor progress; warnings and errors are always told.
+    /// Neither messages nor progress; warnings and errors are always shown.
     pub quiet: bool,
     colour: ColorChoice,
     /// The reader of stdout has left (`| head`): nobody to write to any more, and no error.
@@ -24,7 +24,7 @@ pub(crate) struct Console<'a> {
 impl<'a> Console<'a> {
     /// With [`ColorChoice::Auto`] each stream is coloured as the process's own stream of that name
     /// would be: on a terminal unless `NO_COLOR` is set.
-    pub fn new(
+    pub(crate) fn new(
         stdout: &'a mut dyn Write,
         stderr: &'a mut dyn Write,
         quiet: bool,
@@ -43,7 +43,7 @@ impl<'a> Console<'a> {
     ///
     /// # Errors
     /// [`Failure`] with the operating system's reason if stdout cannot be written.
-    pub fn data(&mut self, text: &str) -> Result<(), Failure> {
+    pub(crate) fn data(&mut self, text: &str) -> Result<(), Failure> {
         if self.left {
             return Ok(());
         }
@@ -69,19 +69,19 @@ impl<'a> Console<'a> {
     ///
     /// # Errors
     /// As [`Console::data`].
-    pub fn json(&mut self, value: &Value) -> Result<(), Failure> {
+    pub(crate) fn json(&mut self, value: &Value) -> Result<(), Failure> {
         self.data(&format!("{value:#}\n"))
     }
 
     /// Tells how things go; nothing if `--quiet`.
-    pub fn note(&mut self, message: impl Display) {
+    pub(crate) fn note(&mut self, message: impl Display) {
         if !self.quiet {
             self.message(&message.to_string());
         }
     }
 
     /// Tells which command comes next; nothing if `--quiet`.
-    pub fn hint(&mut self, message: impl Display) {
+    pub(crate) fn hint(&mut self, message: impl Display) {
         self.note(format_args!(
             "{} {message}",
             label("next:", AnsiColor::Cyan)
@@ -89,7 +89,7 @@ impl<'a> Console<'a> {
     }
 
     /// Tells of something that is not as it should be.
-    pub fn warning(&mut self, message: impl Display) {
+    pub(crate) fn warning(&mut self, message: impl Display) {
         self.message(&format!(
             "{} {message}",
             label("warning:", AnsiColor::Yellow)
@@ -97,7 +97,7 @@ impl<'a> Console<'a> {
     }
 
     /// Tells why the command could not be done.
-    pub fn error(&mut self, failure: &Failure) {
+    pub(crate) fn error(&mut self, failure: &Failure) {
         let (word, colour) = match failure.exit {
             Exit::Interrupted => ("stopped:", AnsiColor::Yellow),
             _ => ("error:", AnsiColor::Red),

@@ -1,4 +1,4 @@
-//! How a command ends: the exit code, and what is said about a failure.
+//! Exit of a command: its code, and what is said about a failure.
 
 use std::error::Error;
 
@@ -23,6 +23,13 @@ pub(crate) enum Exit {
     Interrupted = 130,
 }
 
+impl Exit {
+    /// Done, with a flaw unless everything is sound.
+    pub(crate) fn flawed_unless(is_sound: bool) -> Self {
+        if is_sound { Self::Done } else { Self::Flawed }
+    }
+}
+
 /// Why a command could not be done.
 #[derive(Debug)]
 pub(crate) struct Failure {
@@ -34,7 +41,7 @@ pub(crate) struct Failure {
 
 impl Failure {
     /// The command line asks for something impossible.
-    pub fn usage(message: impl Into<String>) -> Self {
+    pub(crate) fn usage(message: impl Into<String>) -> Self {
         Self {
             exit: Exit::Usage,
             message: message.into(),
@@ -42,7 +49,7 @@ impl Failure {
     }
 
     /// An error with the whole chain of its causes.
-    pub fn of(exit: Exit, error: &(dyn Error + 'static)) -> Self {
+    pub(crate) fn of(exit: Exit, error: &(dyn Error + 'static)) -> Self {
         let mut message = error.to_string();
         let mut cause = error.source();
         while let Some(error) = cause {

@@ -131,6 +131,7 @@ mod tests {
         let work = std::panic::AssertUnwindSafe(|| {
             progress::watched(&mut console, "a", "b", |_| panic!("a fault of ours"))
         });
-        assert!(std::panic::catch_unwind(work).is_err());
+        let panic = std::panic::catch_unwind(work).expect_err("the panic goes on");
+        assert_eq!(panic.downcast_ref(), Some(&"a fault of ours"));
     }
 }

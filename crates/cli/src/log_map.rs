@@ -1,4 +1,4 @@
-//! Which signal of a recording is which, from a TOML file or from options.
+//! Map of the signals of a recording: which is which, from a TOML file or from options.
 
 use std::path::PathBuf;
 
@@ -40,7 +40,7 @@ impl MapOptions {
     ///
     /// # Errors
     /// [`Failure`] with line and caret for a file that is no map.
-    pub fn log_map(&self) -> Result<Option<LogMap>, Failure> {
+    pub(crate) fn log_map(&self) -> Result<Option<LogMap>, Failure> {
         if let Some(path) = &self.map {
             return Ok(Some(TomlText::read(path)?.parse()?));
         }
@@ -88,10 +88,9 @@ mod tests {
             (read.source.as_str(), read.unit.as_str()),
             ("/a=b:effort[x]", "N m")
         );
-        assert!(
-            ["effort", "=A", "current="]
-                .iter()
-                .all(|text| signal(text).is_err())
-        );
+        for text in ["effort", "=A", "current="] {
+            let error = signal(text).expect_err(text);
+            assert!(error.starts_with("needed: SIGNAL=UNIT"), "{error}");
+        }
     }
 }

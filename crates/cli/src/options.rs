@@ -1,4 +1,4 @@
-//! What every command understands: JSON, quiet, colours, force; and paths that must exist.
+//! Options of every command: JSON, quiet, colours, force; and paths that must exist.
 
 use std::path::{Path, PathBuf};
 
@@ -46,7 +46,7 @@ enum When {
 impl Options {
     /// What to do when the output exists. What an unfinished command left is replaced: every
     /// command can be done again.
-    pub fn overwrite(&self) -> Overwrite {
+    pub(crate) fn overwrite(&self) -> Overwrite {
         if self.force {
             Overwrite::Replace
         } else {
@@ -55,12 +55,12 @@ impl Options {
     }
 
     /// Refuses an output that exists, before any work is done for it.
-    pub fn check_free(&self, path: &Path) -> Result<(), FileError> {
+    pub(crate) fn check_free(&self, path: &Path) -> Result<(), FileError> {
         check_free(path, self.overwrite())
     }
 
     /// When to use colours.
-    pub fn colour(&self) -> ColorChoice {
+    pub(crate) fn colour(&self) -> ColorChoice {
         match self.color {
             When::Auto => ColorChoice::Auto,
             When::Always => ColorChoice::Always,
@@ -69,7 +69,7 @@ impl Options {
     }
 }
 
-/// A path that must exist: a misspelt name is told before any work is done.
+/// A path that must exist: a misspelt name is reported before any work is done.
 pub(crate) fn existing_path() -> impl TypedValueParser<Value = PathBuf> {
     PathBufValueParser::new().try_map(|path| match path.symlink_metadata() {
         Ok(_) => Ok(path),

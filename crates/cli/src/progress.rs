@@ -1,5 +1,4 @@
-//! Shows how far a long piece of work is: a bar on a terminal, a line every ten seconds anywhere
-//! else.
+//! Progress of a long piece of work: a bar on a terminal, a line every ten seconds anywhere else.
 
 use std::io::IsTerminal;
 use std::panic::resume_unwind;

@@ -1,4 +1,4 @@
-//! What can go wrong between a configuration and a result.
+//! Errors between a description and its result.
 
 use std::path::PathBuf;
 

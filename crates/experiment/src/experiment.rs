@@ -8,9 +8,9 @@ use frfid_signals::{Limit, Limits, Plan};
 
 use crate::description::config::Config;
 use crate::description::controller::ControllerTable;
+use crate::description::plan::{design, located};
 use crate::description::templates::Template;
 use crate::description::text::{ConfigError, TomlText};
-use crate::design::plan::{design, located};
 
 /// A description that was read and found sound, and everything that it describes.
 #[derive(Debug, Clone)]

@@ -5,16 +5,16 @@ mod description {
     pub(crate) mod config;
     pub(crate) mod controller;
     pub(crate) mod estimate;
+    pub(crate) mod plan;
     pub(crate) mod robot;
     pub(crate) mod schema;
     pub(crate) mod shape;
     pub(crate) mod templates;
     pub(crate) mod text;
 }
-/// Design: from a description to its plan, and what the plan will ask of the robot.
+/// Design: what a plan costs, and what it will ask of the robot.
 mod design {
     pub(crate) mod cost;
-    pub(crate) mod plan;
     pub(crate) mod predict;
     pub(crate) mod preflight;
 }
@@ -29,14 +29,17 @@ mod run {
     pub(crate) mod planned_runs;
     pub(crate) mod provenance;
     pub(crate) mod simulated;
+    pub(crate) mod strength;
 }
 /// Iterative shaping of a chirp in closed loop, with everything on disk.
 mod shape {
     pub(crate) mod begin;
+    pub(crate) mod earlier;
     pub(crate) mod folder;
     pub(crate) mod in_memory;
     pub(crate) mod iteration_files;
     pub(crate) mod report;
+    pub(crate) mod trail;
 }
 
 pub use description::config::{AveragingTable, Config, ConstantVelocityTable};
@@ -55,12 +58,12 @@ pub use design::predict::{Prediction, predict};
 pub use error::ExperimentError;
 pub use estimate::estimator::{Estimator, Spectra};
 pub use estimate::outcome::Outcome;
-pub use estimate::strength::Strength;
 pub use estimate::{EstimateOptions, estimate_logs};
 pub use experiment::Experiment;
 pub use run::folder::{RunOptions, RunReport, RunSummary, run_to_folder};
 pub use run::load::Load;
 pub use run::parallel::{Progress, Steps, for_each, silent};
-pub use run::planned_runs::Order;
+pub use run::planned_runs::PlannedRuns;
+pub use run::strength::Strength;
 pub use shape::folder::{ShapeFolderOptions, shape_to_folder};
 pub use shape::report::{IterationReport, ShapeReport};

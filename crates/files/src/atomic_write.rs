@@ -1,6 +1,6 @@
-//! The one way this crate writes a file: into `NAME.part`, synced, then renamed. A reader never
-//! sees half a file under its final name, a failure keeps what was written, and two processes
-//! cannot write the same file.
+//! Atomic writing, the one way this crate writes a file: into `NAME.part`, synced, then renamed. A
+//! reader never sees half a file under its final name, a failure keeps what was written, and two
+//! processes cannot write the same file.
 
 use std::error::Error;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -95,6 +95,7 @@ pub fn check_free(path: &Path, overwrite: Overwrite) -> Result<(), FileError> {
     Ok(())
 }
 
+/// Opens `part` for the writing of `path`, locked and empty.
 fn open_part(path: &Path, part: &Path, overwrite: Overwrite) -> Result<File, FileError> {
     check_free(path, overwrite)?;
     let left_over = part.symlink_metadata().is_ok();
@@ -109,15 +110,7 @@ fn open_part(path: &Path, part: &Path, overwrite: Overwrite) -> Result<File, Fil
         .truncate(false)
         .open(part)
         .map_err(failed)?;
-    match file.try_lock() {
-        Err(TryLockError::WouldBlock) => {
-            return Err(FileError::Busy {
-                path: part.to_path_buf(),
-            });
-        }
-        // a file system without locks (some network folders) must not keep anyone from writing
-        Ok(()) | Err(TryLockError::Error(_)) => {}
-    }
+    lock(&file, part)?;
     if left_over && overwrite == Overwrite::Refuse {
         return Err(FileError::Leftover {
             path: part.to_path_buf(),
@@ -127,6 +120,17 @@ fn open_part(path: &Path, part: &Path, overwrite: Overwrite) -> Result<File, Fil
         file.set_len(0).map_err(failed)?;
     }
     Ok(file)
+}
+
+/// Refuses a file that another process is writing.
+fn lock(file: &File, part: &Path) -> Result<(), FileError> {
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(FileError::Busy {
+            path: part.to_path_buf(),
+        }),
+        // a file system without locks (some network folders) must not keep anyone from writing
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(()),
+    }
 }
 
 /// Makes the rename last through a power failure, where folders can be synced; the file itself is

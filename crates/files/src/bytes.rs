@@ -1,10 +1,10 @@
-//! A cursor over bytes that came from a file: every step is checked against the bytes left before
+//! Cursor over bytes that came from a file: every step is checked against the bytes left before
 //! anything is allocated.
 
 /// More bytes were asked for than are left.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("needs {needed} bytes at offset {at}, {left} are left")]
-pub struct Short {
+pub(crate) struct Short {
     /// Offset of the read.
     pub at: usize,
     /// Bytes needed.

@@ -1,4 +1,4 @@
-//! What can be wrong with a file: its path, what was found, what was needed, what to do.
+//! Errors of files: the path, what was found, what was needed, what to do.
 
 use std::error::Error;
 use std::path::PathBuf;

@@ -8,7 +8,8 @@ use proptest::prelude::*;
 
 use crate::atomic_write::Overwrite;
 use crate::log::npz::read_npz_array;
-use crate::mcap::read::{LENGTH_LIMIT, Part, scan};
+use crate::mcap::read::{Part, scan};
+use crate::mcap::record::LENGTH_LIMIT;
 use crate::mcap::recover::recover;
 use crate::result::read_result;
 use crate::ros::selector::Selector;

@@ -20,6 +20,7 @@ mod mcap {
     pub(crate) mod record;
     pub(crate) mod recover;
     pub(crate) mod summary;
+    pub(crate) mod walk;
     pub(crate) mod write;
 }
 mod plan;
@@ -37,6 +38,7 @@ mod ros {
 mod run {
     pub(crate) mod header;
     pub(crate) mod read;
+    pub(crate) mod samples;
     #[cfg(test)]
     pub(crate) mod tests;
     pub(crate) mod topics;

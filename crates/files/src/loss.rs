@@ -1,8 +1,13 @@
-//! What could not be read of a recording, so that the periods it hits can be dropped.
+//! Losses of a recording: what of it could not be read, so that the periods it hits can be dropped.
 
 use std::fmt;
 
-use crate::mcap::read::Damage;
+/// A part of the file that could not be read, with the log times it covered where these are known.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub(crate) struct Damage {
+    pub(crate) times_ns: Option<(u64, u64)>,
+    pub(crate) reason: String,
+}
 
 /// A part of a recording that is missing, damaged or not a number: the samples at times in
 /// `[from_s, to_s)`.

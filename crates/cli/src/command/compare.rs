@@ -1,11 +1,11 @@
 //! `frfid compare`: what moved between two FRFs, and what that says about the machine.
 
-use frfid_signals::format::significant;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use frfid_estimate::{CompareOptions, EntryComparison, Side, Sides, compare};
+use frfid_estimate::{Change, CompareOptions, EntryComparison, Feature, Side, Sides, compare};
 use frfid_files::{ResultFile, read_result};
+use frfid_signals::format::significant;
 use serde_json::json;
 
 use crate::console::Console;
@@ -42,9 +42,8 @@ pub(crate) fn run(
     console: &mut Console,
 ) -> Result<Exit, Failure> {
     let (a, b) = (read_result(&arguments.a)?, read_result(&arguments.b)?);
-    let stronger = arguments.stronger.or_else(|| stronger(&a, &b));
     let settings = CompareOptions {
-        stronger,
+        stronger: arguments.stronger.or_else(|| stronger(&a, &b)),
         prominence_db: arguments.prominence_db,
         ..CompareOptions::default()
     };
@@ -55,28 +54,31 @@ pub(crate) fn run(
         console.json(&json!({ "low_hz": low, "high_hz": high, "entries": comparison.entries }))?;
         return Ok(Exit::Done);
     }
-    let (low, high) = comparison.band_hz;
-    let mark = |side| {
-        if stronger == Some(side) {
-            "   stronger excitation"
-        } else {
-            ""
-        }
-    };
-    let name =
-        |letter, path: &PathBuf, side| format!("{letter} {}{}\n", path.display(), mark(side));
-    console.data(&format!(
-        "{}{}band {} to {} Hz\n",
-        name("A", &arguments.a, Side::A),
-        name("B", &arguments.b, Side::B),
-        significant(low, 5),
-        significant(high, 5)
-    ))?;
+    console.data(&heading(arguments, settings.stronger, comparison.band_hz))?;
     for entry in &comparison.entries {
         let (input, output) = (&a.input_names[entry.input], &a.output_names[entry.output]);
         console.data(&format!("\n{input} to {output}\n{}", as_text(entry)))?;
     }
     Ok(Exit::Done)
+}
+
+/// Both results, which of them was measured with the stronger excitation, and their common band.
+fn heading(arguments: &Arguments, stronger: Option<Side>, (low, high): (f64, f64)) -> String {
+    let line = |letter, path: &Path, side| {
+        let mark = if stronger == Some(side) {
+            "   stronger excitation"
+        } else {
+            ""
+        };
+        format!("{letter} {}{mark}\n", path.display())
+    };
+    format!(
+        "{}{}band {} to {} Hz\n",
+        line("A", &arguments.a, Side::A),
+        line("B", &arguments.b, Side::B),
+        significant(low, 5),
+        significant(high, 5)
+    )
 }
 
 /// The result with the larger rms torques on every axis, by a tenth at least; `None` where that is
@@ -95,52 +97,61 @@ fn stronger(a: &ResultFile, b: &ResultFile) -> Option<Side> {
 
 /// The table of features, what differs elsewhere, and the verdicts.
 fn as_text(entry: &EntryComparison) -> String {
-    let mut rows = vec![
-        ["", "A", "B", "shift", "damping A", "damping B", "level B/A"]
-            .map(str::to_owned)
-            .to_vec(),
-    ];
-    let number = |value: Option<f64>, unit: &str| {
-        value.map_or_else(
-            || "-".to_owned(),
-            |value| format!("{}{unit}", significant(value, 4)),
-        )
-    };
-    for change in &entry.changes {
-        rows.push(vec![
-            change.a.kind.name().to_owned(),
-            number(Some(change.a.frequency_hz), " Hz"),
-            number(change.b.map(|b| b.frequency_hz), " Hz"),
-            change
-                .shift_percent()
-                .map_or_else(|| "-".into(), |percent| format!("{percent:+.1} %")),
-            number(change.a.damping, ""),
-            number(change.b.and_then(|b| b.damping), ""),
-            change
-                .level_db
-                .map_or_else(|| "-".into(), |level| format!("{level:+.1} dB")),
-        ]);
-    }
-    for feature in &entry.only_in_b {
-        let mut row = vec!["-".to_owned(); 7];
-        row[0] = feature.kind.name().to_owned();
-        row[2] = number(Some(feature.frequency_hz), " Hz");
-        row[5] = number(feature.damping, "");
-        rows.push(row);
-    }
-    let Sides {
-        a: a_phase,
-        b: b_phase,
-    } = entry.phase_range_deg;
-    let mut text = table(&rows);
+    let Sides { a, b } = entry.phase_range_deg;
+    let mut text = features(entry);
     text += &format!(
-        "  over the band, B/A: median {:+.2} dB, median size {:.2} dB; phase spans {a_phase:.0} deg in A, {b_phase:.0} deg in B\n",
+        "  over the band, B/A: median {:+.2} dB, median size {:.2} dB; phase spans {a:.0} deg in A, {b:.0} deg in B\n",
         entry.level_db, entry.difference_db
     );
     if entry.verdicts.is_empty() {
         text += "  verdict: nothing stands out\n";
     }
-    entry.verdicts.iter().fold(text, |text, verdict| {
-        format!("{text}  verdict: {verdict}\n")
-    })
+    for verdict in &entry.verdicts {
+        text += &format!("  verdict: {verdict}\n");
+    }
+    text
+}
+
+/// A row for each resonance and antiresonance: those of A, beside those of B that they moved to,
+/// and those that are in B alone.
+fn features(entry: &EntryComparison) -> String {
+    let title = ["", "A", "B", "shift", "damping A", "damping B", "level B/A"];
+    let mut rows = vec![title.map(str::to_owned).to_vec()];
+    rows.extend(entry.changes.iter().map(changed));
+    rows.extend(entry.only_in_b.iter().map(only_in_b));
+    table(&rows)
+}
+
+fn changed(change: &Change) -> Vec<String> {
+    let shift = change.shift_percent();
+    vec![
+        change.a.kind.name().to_owned(),
+        known(Some(change.a.frequency_hz), in_hz),
+        known(change.b.map(|b| b.frequency_hz), in_hz),
+        known(shift, |percent| format!("{percent:+.1} %")),
+        known(change.a.damping, damping),
+        known(change.b.and_then(|b| b.damping), damping),
+        known(change.level_db, |level| format!("{level:+.1} dB")),
+    ]
+}
+
+fn only_in_b(feature: &Feature) -> Vec<String> {
+    let mut row = vec!["-".to_owned(); 7];
+    row[0] = feature.kind.name().to_owned();
+    row[2] = in_hz(feature.frequency_hz);
+    row[5] = known(feature.damping, damping);
+    row
+}
+
+/// A value in words, or a dash.
+fn known(value: Option<f64>, in_words: impl Fn(f64) -> String) -> String {
+    value.map_or_else(|| "-".to_owned(), in_words)
+}
+
+fn in_hz(frequency_hz: f64) -> String {
+    format!("{} Hz", significant(frequency_hz, 4))
+}
+
+fn damping(damping: f64) -> String {
+    significant(damping, 4)
 }

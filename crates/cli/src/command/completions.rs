@@ -3,7 +3,6 @@
 use clap::Args;
 use clap_complete::{Shell, generate};
 
-use crate::arguments::command;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 
@@ -19,9 +18,14 @@ pub(crate) struct Arguments {
     shell: Shell,
 }
 
-pub(crate) fn run(arguments: &Arguments, console: &mut Console) -> Result<Exit, Failure> {
+/// `frfid` is the whole command line.
+pub(crate) fn run(
+    arguments: &Arguments,
+    mut frfid: clap::Command,
+    console: &mut Console,
+) -> Result<Exit, Failure> {
     let mut script = Vec::new(); // the generator panics on a broken pipe, so it never gets to see one
-    generate(arguments.shell, &mut command(), "frfid", &mut script);
+    generate(arguments.shell, &mut frfid, "frfid", &mut script);
     console.data(&String::from_utf8_lossy(&script))?;
     Ok(Exit::Done)
 }

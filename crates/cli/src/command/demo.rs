@@ -1,6 +1,5 @@
 //! `frfid demo`: the paper, end to end, with figures, a report and the table of claims.
 
-use frfid_signals::format::significant;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -8,6 +7,7 @@ use clap::Args;
 use frfid_files::{Overwrite, create_folder, write_bytes, write_result};
 use frfid_paper::{Named, Paper, Section6, Section7};
 use frfid_report::Claim;
+use frfid_signals::format::significant;
 use serde_json::json;
 
 use crate::console::Console;
@@ -58,7 +58,7 @@ pub(crate) fn run(
         folder.display()
     ));
     let holds = claims.iter().all(|claim| claim.holds);
-    Ok(if holds { Exit::Done } else { Exit::Flawed })
+    Ok(Exit::flawed_unless(holds))
 }
 
 /// Does every experiment of the paper.

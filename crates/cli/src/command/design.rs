@@ -1,12 +1,12 @@
 //! `frfid design`: the excitation of every run, inside the limits, as a plan file.
 
-use frfid_signals::format::significant;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use clap::Args;
 use frfid_experiment::{ConfigError, Experiment, Prediction, predict};
-use frfid_signals::{Excess, Limit, Limits};
+use frfid_signals::format::significant;
+use frfid_signals::{Excess, Limit, Limits, Plan};
 use serde_json::json;
 
 use crate::console::Console;
@@ -128,40 +128,24 @@ fn by_key(limits: &Limits) -> BTreeMap<&'static str, Option<&[f64]>> {
 /// The limit that binds most, if any is exceeded, at its place in the description.
 fn outside(experiment: &Experiment, prediction: &Prediction) -> Option<ConfigError> {
     let worst = prediction.binding()?;
+    let (axis, unit) = (worst.axis + 1, worst.limit.unit());
     let (found, allowed) = (significant(worst.found, 4), significant(worst.allowed, 4));
-    let (axis, whose, advice) = (
-        worst.axis + 1,
-        experiment.limit_owner(worst),
-        advice(experiment, prediction, worst),
-    );
-    let unit = worst.limit.unit();
+    let owner = experiment.limit_owner(worst);
+    let advice = advice(experiment, prediction, worst);
     let message =
-        format!("axis {axis} would reach {found} {unit}, {whose} is {allowed} {unit}; {advice}");
+        format!("axis {axis} would reach {found} {unit}, {owner} is {allowed} {unit}; {advice}");
     Some(experiment.error_at_limit(worst, message))
 }
 
 /// What to do about the limit that binds most.
 fn advice(experiment: &Experiment, prediction: &Prediction, worst: &Excess) -> String {
-    let glides = experiment
-        .plan()
-        .velocity_rad_s
-        .iter()
-        .any(|velocity| *velocity != 0.0);
     // rounded down, so that the advice is inside the limit
     let factor = (prediction.feasible_factor().unwrap_or(1.0) * 1000.0).floor() / 1000.0;
     if factor > 0.0 {
-        let peaks = experiment.plan().excitation.waveform().peaks();
-        let best: Vec<String> = peaks
-            .iter()
-            .map(|peak| significant(factor * peak, 3))
-            .collect();
-        let unit = experiment.plan().injection.unit();
-        let factor = significant(factor, 3);
-        return format!(
-            "multiply the amplitudes by {factor} or less (to {} {unit}), or raise the limit",
-            best.join(", ")
-        );
+        return smaller_amplitudes(experiment.plan(), factor);
     }
+    let velocity = &experiment.plan().velocity_rad_s;
+    let glides = velocity.iter().any(|velocity| *velocity != 0.0);
     let without = significant(prediction.without_excitation(worst), 4);
     let slower = if glides {
         "lower the constant velocity, shorten lead-in or periods, "
@@ -171,4 +155,12 @@ fn advice(experiment: &Experiment, prediction: &Prediction, worst: &Excess) -> S
     format!(
         "no amplitude is left: without any excitation it is {without} already; {slower}or raise the limit"
     )
+}
+
+fn smaller_amplitudes(plan: &Plan, factor: f64) -> String {
+    let peaks = plan.excitation.waveform().peaks();
+    let smaller = peaks.iter().map(|peak| significant(factor * peak, 3));
+    let smaller = smaller.collect::<Vec<_>>().join(", ");
+    let (factor, unit) = (significant(factor, 3), plan.injection.unit());
+    format!("multiply the amplitudes by {factor} or less (to {smaller} {unit}), or raise the limit")
 }

@@ -1,14 +1,14 @@
 //! `frfid estimate`: from logs to an FRF with its uncertainty and checks.
 
-use frfid_signals::format::significant;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use frfid_estimate::Method;
 use frfid_experiment::{Average, EstimateOptions, EstimateTable, Outcome, estimate_logs};
 use frfid_files::{ResultFile, write_bytes, write_result};
 use frfid_report::result_page;
-use frfid_signals::Uncertainty;
+use frfid_signals::format::significant;
+use frfid_signals::{Frf, Uncertainty};
 use ndarray::Array3;
 use serde_json::{Value, json};
 
@@ -105,21 +105,23 @@ pub(crate) fn run(
     })?;
     write_result(&arguments.output, options.overwrite(), &estimate.result)?;
     if let Some(path) = &arguments.report {
-        let title = arguments
-            .output
-            .file_stem()
-            .unwrap_or_default()
-            .to_string_lossy();
-        let page = result_page(&title, &estimate.result, estimate.warnings.clone())?;
-        write_bytes(path, options.overwrite(), page.as_bytes())?;
+        write_report(path, &arguments.output, &estimate, options)?;
     }
     tell(arguments, &estimate, options, console)?;
     let passed = estimate.result.checks.iter().all(|check| check.passed);
-    Ok(if estimate.is_lossy || !passed {
-        Exit::Flawed
-    } else {
-        Exit::Done
-    })
+    Ok(Exit::flawed_unless(passed && !estimate.is_lossy))
+}
+
+/// Writes the report, under the name of the result.
+fn write_report(
+    path: &Path,
+    result: &Path,
+    estimate: &Outcome,
+    options: &Options,
+) -> Result<(), Failure> {
+    let title = result.file_stem().unwrap_or_default().to_string_lossy();
+    let page = result_page(&title, &estimate.result, estimate.warnings.clone())?;
+    Ok(write_bytes(path, options.overwrite(), page.as_bytes())?)
 }
 
 fn tell(
@@ -153,43 +155,52 @@ fn tell(
 
 fn summary(result: &ResultFile) -> String {
     let frf = &result.frf;
-    let named = |names: &[String], units: &[String]| {
-        names
-            .iter()
-            .zip(units)
-            .map(|(name, unit)| format!("{name} ({unit})"))
-            .collect::<Vec<_>>()
-            .join(", ")
-    };
-    let band = match (frf.frequency_hz.first(), frf.frequency_hz.last()) {
-        (Some(low), Some(high)) => {
-            format!(", {} to {} Hz", significant(*low, 5), significant(*high, 5))
-        }
-        _ => String::new(),
-    };
+    let noise = known(
+        result,
+        frf.noise.as_ref(),
+        frf.noise_variance(),
+        "two periods",
+    );
+    let total = known(
+        result,
+        frf.total.as_ref(),
+        frf.total_variance(),
+        "two realizations",
+    );
     list(&[
-        ("inputs", named(&result.input_names, &result.input_units)),
-        ("outputs", named(&result.output_names, &result.output_units)),
-        ("frequencies", format!("{}{band}", frf.n_frequencies())),
         (
-            "noise",
-            known(
-                result,
-                frf.noise.as_ref(),
-                frf.noise_variance(),
-                "two periods",
-            ),
+            "inputs",
+            with_units(&result.input_names, &result.input_units),
         ),
         (
-            "noise and nonlinear",
-            known(
-                result,
-                frf.total.as_ref(),
-                frf.total_variance(),
-                "two realizations",
-            ),
+            "outputs",
+            with_units(&result.output_names, &result.output_units),
         ),
+        ("frequencies", frequencies(frf)),
+        ("noise", noise),
+        ("noise and nonlinear", total),
     ])
+}
+
+/// Names with their units.
+fn with_units(names: &[String], units: &[String]) -> String {
+    let named = names.iter().zip(units);
+    let named: Vec<String> = named
+        .map(|(name, unit)| format!("{name} ({unit})"))
+        .collect();
+    named.join(", ")
+}
+
+/// How many frequencies there are, and from where to where.
+fn frequencies(frf: &Frf) -> String {
+    let n = frf.n_frequencies();
+    match (frf.frequency_hz.first(), frf.frequency_hz.last()) {
+        (Some(low), Some(high)) => {
+            let (low, high) = (significant(*low, 5), significant(*high, 5));
+            format!("{n}, {low} to {high} Hz")
+        }
+        _ => n.to_string(),
+    }
 }
 
 /// The median relative standard deviation of the averaged FRF, or what it takes to know it.
@@ -227,13 +238,6 @@ fn relative_deviation(result: &ResultFile, variance: &Array3<f64>) -> Option<f64
 
 fn as_json(arguments: &Arguments, estimate: &Outcome) -> Value {
     let (result, frf) = (&estimate.result, &estimate.result.frf);
-    let known = |uncertainty: Option<&Uncertainty>, variance: Option<Array3<f64>>| {
-        let (uncertainty, variance) = (uncertainty?, variance?);
-        Some(json!({
-            "degrees_of_freedom": uncertainty.degrees_of_freedom,
-            "median_relative_deviation": relative_deviation(result, &variance),
-        }))
-    };
     json!({
         "output": arguments.output,
         "report": arguments.report,
@@ -242,11 +246,23 @@ fn as_json(arguments: &Arguments, estimate: &Outcome) -> Value {
         "n_frequencies": frf.n_frequencies(),
         "low_hz": frf.frequency_hz.first(),
         "high_hz": frf.frequency_hz.last(),
-        "noise": known(frf.noise.as_ref(), frf.noise_variance()),
-        "total": known(frf.total.as_ref(), frf.total_variance()),
+        "noise": known_as_json(result, frf.noise.as_ref(), frf.noise_variance()),
+        "total": known_as_json(result, frf.total.as_ref(), frf.total_variance()),
         "checks": result.checks,
         "strength": estimate.strength,
         "warnings": estimate.warnings,
         "is_lossy": estimate.is_lossy,
     })
+}
+
+fn known_as_json(
+    result: &ResultFile,
+    uncertainty: Option<&Uncertainty>,
+    variance: Option<Array3<f64>>,
+) -> Option<Value> {
+    let (uncertainty, variance) = (uncertainty?, variance?);
+    Some(json!({
+        "degrees_of_freedom": uncertainty.degrees_of_freedom,
+        "median_relative_deviation": relative_deviation(result, &variance),
+    }))
 }

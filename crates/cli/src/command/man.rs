@@ -5,7 +5,6 @@ use std::io::{self, Write};
 use clap::Args;
 use clap_mangen::Man;
 
-use crate::arguments::command;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 
@@ -20,28 +19,34 @@ pub(crate) struct Arguments {
     command: Option<String>,
 }
 
-pub(crate) fn run(arguments: &Arguments, console: &mut Console) -> Result<Exit, Failure> {
-    let mut frfid = command();
+/// `frfid` is the whole command line.
+pub(crate) fn run(
+    arguments: &Arguments,
+    mut frfid: clap::Command,
+    console: &mut Console,
+) -> Result<Exit, Failure> {
     frfid.build();
-    let page = match &arguments.command {
-        None => page(frfid),
+    let command = match &arguments.command {
+        None => frfid,
         Some(name) => match frfid.find_subcommand(name) {
-            Some(command) => page(command.clone()),
-            None => {
-                let names: Vec<_> = frfid
-                    .get_subcommands()
-                    .map(clap::Command::get_name)
-                    .collect();
-                return Err(Failure::usage(format!(
-                    "no command is called `{name}`; there are {}",
-                    names.join(", ")
-                )));
-            }
+            Some(command) => command.clone(),
+            None => return Err(no_command(name, &frfid)),
         },
     };
-    let page = page.map_err(|error| Failure::of(Exit::Failed, &error))?;
+    let page = page(command).map_err(|error| Failure::of(Exit::Failed, &error))?;
     console.data(&String::from_utf8_lossy(&page))?;
     Ok(Exit::Done)
+}
+
+fn no_command(name: &str, frfid: &clap::Command) -> Failure {
+    let names: Vec<_> = frfid
+        .get_subcommands()
+        .map(clap::Command::get_name)
+        .collect();
+    Failure::usage(format!(
+        "no command is called `{name}`; there are {}",
+        names.join(", ")
+    ))
 }
 
 /// The page: examples, which the help begins with, follow the description here, as manual pages

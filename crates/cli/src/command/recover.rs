@@ -54,11 +54,7 @@ pub(crate) fn run(
         );
         console.data(&format!("{}: {messages} salvaged\n", output.display()))?;
     }
-    Ok(if recovered.losses.is_empty() {
-        Exit::Done
-    } else {
-        Exit::Flawed
-    })
+    Ok(Exit::flawed_unless(recovered.losses.is_empty()))
 }
 
 /// `logs/a.recovered.mcap` for `logs/a.mcap.part`.

@@ -1,13 +1,13 @@
 //! `frfid run`: the runs of a description or a plan in simulation, one MCAP each.
 
-use frfid_signals::format::{count, significant};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
 use frfid_experiment::{
-    Experiment, Load, Order, RunOptions, RunSummary, Strength, predict, run_to_folder,
+    Experiment, Load, PlannedRuns, RunOptions, RunSummary, Strength, predict, run_to_folder,
 };
-use frfid_signals::{Event, EventKind};
+use frfid_signals::format::{count, significant};
+use frfid_signals::{Event, EventKind, Limits};
 use serde_json::json;
 
 use crate::command::design::{tell, warn, with_seed};
@@ -53,22 +53,14 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
-    let order = order(&arguments.order, arguments.seed)?;
-    warn(&order.experiment, console);
-    let n_runs = order.run_ids().len();
-    if let Some(index) = arguments.index.filter(|&index| index >= n_runs) {
-        let message = format!(
-            "--index is {index}, needed: 0 to {}, one of {}",
-            n_runs - 1,
-            count(n_runs, "run")
-        );
-        return Err(Failure::usage(message));
-    }
+    let planned = planned_runs(&arguments.order, arguments.seed)?;
+    warn(&planned.experiment, console);
+    check_index(arguments.index, planned.run_ids().len())?;
     let Some(folder) = arguments.output.as_ref().filter(|_| !arguments.dry_run) else {
         let prediction = watched(console, "predicting", "runs", |progress| {
-            predict(&order.experiment, arguments.jobs, progress)
+            predict(&planned.experiment, arguments.jobs, progress)
         })?;
-        tell(&order.experiment, &prediction, options, console)?;
+        tell(&planned.experiment, &prediction, options, console)?;
         return Ok(Exit::Done);
     };
     let settings = RunOptions {
@@ -77,26 +69,34 @@ pub(crate) fn run(
         overwrite: options.overwrite(),
     };
     let summary = watched(console, "simulating", "runs", |progress| {
-        run_to_folder(&order, None, folder, &settings, progress)
+        run_to_folder(&planned, None, folder, &settings, progress)
     })?;
-    report(&order.experiment, &summary, folder, options, console)
+    report(&planned.experiment, &summary, folder, options, console)
 }
 
-/// The order, with another seed where one is given; the references of a plan are drawn already.
-fn order(path: &Path, seed: Option<u64>) -> Result<Order, Failure> {
+/// The runs, with another seed where one is given; the references of a plan are drawn already.
+fn planned_runs(path: &Path, seed: Option<u64>) -> Result<PlannedRuns, Failure> {
+    let is_toml = path
+        .extension()
+        .is_some_and(|extension| extension == "toml");
     match seed {
-        None => Ok(Order::load(path)?),
-        Some(_)
-            if path
-                .extension()
-                .is_some_and(|extension| extension == "toml") =>
-        {
-            Ok(Order::of(with_seed(Experiment::load(path)?, seed)?))
-        }
+        None => Ok(PlannedRuns::load(path)?),
+        Some(_) if is_toml => Ok(PlannedRuns::of(with_seed(Experiment::load(path)?, seed)?)),
         Some(_) => Err(Failure::usage(format!(
             "--seed does not go with the plan {}: its references are drawn already; give --seed to frfid design",
             path.display()
         ))),
+    }
+}
+
+fn check_index(index: Option<usize>, n_runs: usize) -> Result<(), Failure> {
+    match index {
+        Some(index) if index >= n_runs => Err(Failure::usage(format!(
+            "--index is {index}, needed: 0 to {}, one of {}",
+            n_runs - 1,
+            count(n_runs, "run")
+        ))),
+        _ => Ok(()),
     }
 }
 
@@ -109,60 +109,59 @@ fn report(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
-    let limits = &experiment.limits();
     let load = Load::largest(summary.written.iter().map(|run| run.load.clone()));
-    let events = summary.written.iter().flat_map(|run| {
-        run.events
-            .iter()
-            .map(|event| format!("{}: {}", run.path.display(), told(event)))
-    });
-    let excesses = load.iter().flat_map(|load| limits.exceeded(&load.peaks));
-    let beyond = excesses.map(|excess| excess_in_words(&excess));
-    let before = summary.stopped_before.iter().map(|path| {
-        format!(
-            "{}: was stopped before its end when it was done; --force does it again",
-            path.display()
-        )
-    });
-    let flaws: Vec<String> = events.chain(beyond).chain(before).collect();
-    for warning in flaws.iter().chain(
-        summary
-            .strength
-            .iter()
-            .flat_map(|strength| &strength.warnings),
-    ) {
+    let flaws = flaws(summary, load.as_ref(), experiment.limits());
+    let strength = summary.strength.as_ref();
+    let too_weak = strength.iter().flat_map(|strength| &strength.warnings);
+    for warning in flaws.iter().chain(too_weak) {
         console.warning(warning);
     }
     if options.json {
         console.json(&json!(summary))?;
     } else {
-        let (written, skipped) = (summary.written.len(), summary.n_skipped);
+        let (written, skipped) = (count(summary.written.len(), "run"), summary.n_skipped);
+        let folder = folder.display();
+        let table = load.map(|load| reached(summary, &load, experiment.limits()));
         console.data(&format!(
-            "{}: {} written, {skipped} there already\n",
-            folder.display(),
-            count(written, "run")
+            "{folder}: {written} written, {skipped} there already\n{}",
+            table.unwrap_or_default()
         ))?;
-        if let Some(load) = &load {
-            let others = [
-                vec![("standing still", standing_still(summary))],
-                strength_rows(summary.strength.as_ref()),
-            ];
-            console.data(&load_as_text("reached", load, limits, &others.concat()))?;
-        }
         console.hint(format_args!(
-            "frfid estimate {} -o frf.json --report frf.html",
-            folder.display()
+            "frfid estimate {folder} -o frf.json --report frf.html"
         ));
     }
-    let crosses_zero = summary
-        .strength
-        .as_ref()
-        .is_some_and(Strength::crosses_zero);
-    Ok(if flaws.is_empty() && !crosses_zero {
-        Exit::Done
-    } else {
-        Exit::Flawed
-    })
+    let crosses_zero = strength.is_some_and(Strength::crosses_zero);
+    Ok(Exit::flawed_unless(flaws.is_empty() && !crosses_zero))
+}
+
+/// Limits that were reached and runs that were stopped, now or before.
+fn flaws(summary: &RunSummary, load: Option<&Load>, limits: &Limits) -> Vec<String> {
+    let mut flaws = Vec::new();
+    for run in &summary.written {
+        let path = run.path.display();
+        flaws.extend(
+            run.events
+                .iter()
+                .map(|event| format!("{path}: {}", told(event))),
+        );
+    }
+    if let Some(load) = load {
+        flaws.extend(limits.exceeded(&load.peaks).iter().map(excess_in_words));
+    }
+    flaws.extend(summary.stopped_before.iter().map(|path| {
+        format!(
+            "{}: was stopped before its end when it was done; --force does it again",
+            path.display()
+        )
+    }));
+    flaws
+}
+
+/// Table of what was reached beside the limits.
+fn reached(summary: &RunSummary, load: &Load, limits: &Limits) -> String {
+    let mut others = vec![("standing still", standing_still(summary))];
+    others.extend(strength_rows(summary.strength.as_ref()));
+    load_as_text("reached", load, limits, &others)
 }
 
 /// Share of the time in which friction held the joint, the largest of all runs, one for each axis.
@@ -187,6 +186,7 @@ fn standing_still(summary: &RunSummary) -> Vec<String> {
         .collect()
 }
 
+/// An event in words.
 fn told(event: &Event) -> String {
     let what = match &event.kind {
         EventKind::PeriodStart { period } => format!("period {period} begins"),

@@ -1,13 +1,13 @@
 //! `frfid shape`: the reference of a chirp in closed loop, shaped until the motor torque follows
 //! what is desired.
 
-use frfid_signals::format::significant;
 use std::path::PathBuf;
 
 use clap::Args;
 use frfid_experiment::{
     Experiment, IterationReport, ShapeFolderOptions, ShapeReport, shape_to_folder,
 };
+use frfid_signals::format::significant;
 use serde_json::json;
 
 use crate::command::design::{warn, with_seed};
@@ -56,11 +56,7 @@ pub(crate) fn run(
         shape_to_folder(&experiment, None, &arguments.output, &settings, progress)
     })?;
     tell(arguments, &report, options, console)?;
-    Ok(if report.is_good() {
-        Exit::Done
-    } else {
-        Exit::Flawed
-    })
+    Ok(Exit::flawed_unless(report.is_good()))
 }
 
 fn tell(
@@ -96,31 +92,29 @@ fn tell(
 
 /// A row for each iteration; where there are several axes, their values stand beside each other.
 fn iterations(report: &ShapeReport) -> String {
-    let percent = |shares: &[f64]| per_axis(shares.iter().map(|share| 100.0 * share), 2);
-    let row = |iteration: &IterationReport| {
-        vec![
-            iteration.number.to_string(),
-            iteration
-                .axis_error
-                .as_deref()
-                .map_or_else(|| "stopped".into(), percent),
-            percent(&iteration.stuck_share),
-            per_axis(iteration.peaks.torque_nm.iter().copied(), 3),
-            iteration
-                .damping
-                .map_or_else(|| "-".into(), |damping| significant(damping, 3)),
-        ]
-    };
     let title = [
         "iteration",
         "error in %",
         "stuck in %",
         "peak torque in N m",
         "damping",
+    ];
+    let mut rows = vec![title.map(str::to_owned).to_vec()];
+    rows.extend(report.iterations.iter().map(row));
+    table(&rows)
+}
+
+fn row(iteration: &IterationReport) -> Vec<String> {
+    let percent = |shares: &[f64]| per_axis(shares.iter().map(|share| 100.0 * share), 2);
+    let error = iteration.axis_error.as_deref();
+    let damping = iteration.damping.map(|damping| significant(damping, 3));
+    vec![
+        iteration.number.to_string(),
+        error.map_or_else(|| "stopped".into(), percent),
+        percent(&iteration.stuck_share),
+        per_axis(iteration.peaks.torque_nm.iter().copied(), 3),
+        damping.unwrap_or_else(|| "-".into()),
     ]
-    .map(str::to_owned)
-    .to_vec();
-    table(&[vec![title], report.iterations.iter().map(row).collect()].concat())
 }
 
 fn per_axis(values: impl Iterator<Item = f64>, digits: usize) -> String {

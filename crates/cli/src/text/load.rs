@@ -29,11 +29,11 @@ pub(crate) fn load_as_text(title: &str, load: &Load, limits: &Limits, others: &O
     table(&rows)
 }
 
-/// The row of a quantity: some are told only where they have a limit.
+/// The row of a quantity: some have one only where they have a limit.
 fn limited(load: &Load, limits: &Limits, limit: Limit, axis: usize) -> Option<Vec<String>> {
     let value = *load.peaks.get(limit)?.get(axis)?;
     let allowed = Some(limits.of(limit, axis)).filter(|allowed| allowed.is_finite());
-    if allowed.is_none() && !is_always_told(limit) {
+    if allowed.is_none() && !is_always_shown(limit) {
         return None;
     }
     let used = |allowed: f64| format!("{:.0} %", 100.0 * value / allowed);
@@ -47,8 +47,8 @@ fn limited(load: &Load, limits: &Limits, limit: Limit, axis: usize) -> Option<Ve
     ])
 }
 
-/// Whether a quantity is told also where it has no limit.
-fn is_always_told(limit: Limit) -> bool {
+/// Whether a quantity has a row also where it has no limit.
+fn is_always_shown(limit: Limit) -> bool {
     match limit {
         Limit::Torque | Limit::TorqueRate | Limit::Velocity | Limit::Travel => true,
         Limit::Acceleration | Limit::Jerk | Limit::LowestPosition | Limit::HighestPosition => false,

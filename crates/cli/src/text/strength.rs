@@ -11,36 +11,39 @@ pub(crate) fn strength_rows(strength: Option<&Strength>) -> Vec<(&'static str, V
     let Some(Strength { axes, .. }) = strength else {
         return Vec::new();
     };
-    let rows = |value: &dyn Fn(&AxisStrength) -> Option<String>| {
-        axes.iter().filter_map(value).collect::<Vec<_>>()
-    };
     let all = [
-        (
-            "torque, rms / friction",
-            rows(&|axis| axis.rms_over_coulomb.map(|ratio| significant(ratio, 3))),
-        ),
-        (
-            "stuck",
-            rows(&|axis| Some(format!("{:.1} %", 100.0 * axis.stuck_share))),
-        ),
-        (
-            "slowest velocity",
-            rows(&|axis| {
-                axis.crosses_zero
-                    .map(|_| format!("{} rad/s", significant(axis.slowest_rad_s, 3)))
-            }),
-        ),
-        (
-            "velocity changes sign",
-            rows(&|axis| {
-                axis.crosses_zero
-                    .map(|crosses| if crosses { "YES" } else { "no" }.into())
-            }),
-        ),
+        ("torque, rms / friction", values(axes, rms_over_friction)),
+        ("stuck", values(axes, stuck)),
+        ("slowest velocity", values(axes, slowest_velocity)),
+        ("velocity changes sign", values(axes, changes_sign)),
     ];
     all.into_iter()
         .filter(|(_, values)| values.len() == axes.len())
         .collect()
+}
+
+/// The value of every axis that has one.
+fn values(axes: &[AxisStrength], value: fn(&AxisStrength) -> Option<String>) -> Vec<String> {
+    axes.iter().filter_map(value).collect()
+}
+
+fn rms_over_friction(axis: &AxisStrength) -> Option<String> {
+    axis.rms_over_coulomb.map(|ratio| significant(ratio, 3))
+}
+
+fn stuck(axis: &AxisStrength) -> Option<String> {
+    Some(format!("{:.1} %", 100.0 * axis.stuck_share))
+}
+
+/// `None` without a constant velocity.
+fn slowest_velocity(axis: &AxisStrength) -> Option<String> {
+    axis.crosses_zero?;
+    Some(format!("{} rad/s", significant(axis.slowest_rad_s, 3)))
+}
+
+/// `None` without a constant velocity.
+fn changes_sign(axis: &AxisStrength) -> Option<String> {
+    Some(if axis.crosses_zero? { "YES" } else { "no" }.into())
 }
 
 /// The same with the values of all axes beside each other.

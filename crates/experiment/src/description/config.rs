@@ -1,4 +1,5 @@
-//! `experiment.toml`: one description of robot, excitation, averaging, limits and estimator.
+//! Tables of `experiment.toml`: one description of robot, excitation, averaging, limits and
+//! estimator.
 
 use frfid_signals::{ChirpDesign, Design, Limits, MultisineDesign, SteppedSineDesign};
 use schemars::JsonSchema;

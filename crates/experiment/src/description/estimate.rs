@@ -1,4 +1,4 @@
-//! How the records become an FRF: the table `[estimate]`.
+//! Table `[estimate]`: how the records become an FRF.
 
 use frfid_estimate::Method;
 use schemars::JsonSchema;

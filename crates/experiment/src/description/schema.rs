@@ -1,4 +1,4 @@
-//! The JSON Schema of `experiment.toml`, for editors that complete and check it.
+//! JSON Schema of `experiment.toml`, for editors that complete and check it.
 
 use schemars::schema_for;
 

@@ -1,4 +1,4 @@
-//! What a reference is shaped towards: the table `[shape]`.
+//! Table `[shape]`: what a reference is shaped towards.
 
 use frfid_estimate::{ShapeOptions, Step};
 use frfid_signals::Amplitude;

@@ -50,7 +50,7 @@ pub(crate) struct Fault {
 }
 
 impl Fault {
-    pub fn new(path: &[&str], message: impl Into<String>) -> Self {
+    pub(crate) fn new(path: &[&str], message: impl Into<String>) -> Self {
         let path = path.iter().map(|&key| key.to_owned()).collect();
         Self {
             path,
@@ -59,19 +59,19 @@ impl Fault {
     }
 
     /// The same fault seen from farther out: the table lies at `path`.
-    pub fn within(mut self, path: &[&str]) -> Self {
+    pub(crate) fn within(mut self, path: &[&str]) -> Self {
         self.path
             .splice(0..0, path.iter().map(|&key| key.to_owned()));
         self
     }
 
     /// The same fault at another place.
-    pub fn at(self, path: &[&str]) -> Self {
+    pub(crate) fn at(self, path: &[&str]) -> Self {
         Self::new(path, self.message)
     }
 
     /// The same fault seen from the table of this key, or as it is where it does not lie in it.
-    pub fn inside(mut self, key: &str) -> Result<Self, Self> {
+    pub(crate) fn inside(mut self, key: &str) -> Result<Self, Self> {
         if self.path.first().is_none_or(|first| first != key) {
             return Err(self);
         }
@@ -80,7 +80,7 @@ impl Fault {
     }
 
     /// The fault as an error, where no text shows its place.
-    pub fn without_text(self, name: &str) -> ConfigError {
+    pub(crate) fn without_text(self, name: &str) -> ConfigError {
         let file = name.to_owned();
         ConfigError {
             file,
@@ -90,7 +90,7 @@ impl Fault {
     }
 
     /// The same fault, the message saying of which part it is.
-    pub fn of(self, part: &str) -> Self {
+    pub(crate) fn of(self, part: &str) -> Self {
         let message = format!("{part}: {}", self.message);
         Self { message, ..self }
     }
@@ -226,21 +226,8 @@ impl TomlText {
         let root = DeValue::Table(root.into_inner());
         let (mut outer, mut spans) = (&root, Vec::new());
         for key in path {
-            let (name, value) = match outer {
-                DeValue::Table(table) => match table.iter().find(|(name, _)| name.get_ref() == key)
-                {
-                    Some((name, value)) => (name.span(), value),
-                    None => break,
-                },
-                // a table of a list has no name of its own: the place of its header, or of its
-                // brace
-                DeValue::Array(list) => {
-                    match key.parse().ok().and_then(|index: usize| list.get(index)) {
-                        Some(value) => (value.span(), value),
-                        None => break,
-                    }
-                }
-                _ => break,
+            let Some((name, value)) = entry(outer, key) else {
+                break;
             };
             outer = value.get_ref();
             spans.push(if outer.is_table() { name } else { value.span() });
@@ -266,8 +253,27 @@ impl TomlText {
     }
 }
 
-/// Makes { kind = "a", x = 1 } to { a = { x = 1 } }, or returns the place of a kind that is no text.
-/// Anything but a table is left to whoever reads it.
+/// The value of a key, in a list of a number, and the place of its name. A table of a list has no
+/// name of its own: the place of its header, or of its brace.
+fn entry<'a, 'v>(
+    outer: &'v DeValue<'a>,
+    key: &str,
+) -> Option<(Range<usize>, &'v Spanned<DeValue<'a>>)> {
+    match outer {
+        DeValue::Table(table) => {
+            let (name, value) = table.iter().find(|(name, _)| name.get_ref() == key)?;
+            Some((name.span(), value))
+        }
+        DeValue::Array(list) => {
+            let value = list.get(key.parse::<usize>().ok()?)?;
+            Some((value.span(), value))
+        }
+        _ => None,
+    }
+}
+
+/// Makes { kind = "a", x = 1 } to { a = { x = 1 } }, or returns the place of a kind that is no
+/// text. Anything but a table is left to whoever reads it.
 fn put_behind_kind(
     value: &mut Spanned<DeValue>,
     default: &'static str,

@@ -1,4 +1,4 @@
-//! What an experiment will cost, before anything is run.
+//! Cost of an experiment, before anything is run.
 
 use frfid_signals::{Plan, SignalError};
 

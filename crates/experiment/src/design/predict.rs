@@ -1,5 +1,7 @@
-//! What the runs will ask of the robot, found by doing them on its model, against the limits.
+//! Prediction of what the runs will ask of the robot, by doing them on its model, against the
+//! limits.
 
+use frfid_plant::SimulatedRobot;
 use frfid_signals::{Excess, Plan, Run, RunId};
 use serde::Serialize;
 
@@ -34,26 +36,17 @@ pub fn predict(
     progress: Progress,
 ) -> Result<Prediction, ExperimentError> {
     let simulator = experiment.simulator(None);
-    let demand = |run: &Run| -> Result<Demand, ExperimentError> {
-        let (record, truth) = simulator.simulate(run)?;
-        let load = Load::of(&record, &run.start_rad, &experiment.pose_rad).with_motion(&truth);
-        Ok(Demand {
-            load,
-            crest_factor: crest_factors(&record),
-        })
-    };
-    let baseline = demand(&glide(&experiment.plan)?)?.load;
-    let ids: Vec<RunId> = experiment
-        .plan
-        .run_ids()
-        .filter(|id| id.repetition == 0)
-        .collect();
+    let plan = &experiment.plan;
+    let baseline = Demand::of(&glide(plan)?, experiment, &simulator)?.load;
+    let ids: Vec<RunId> = plan.run_ids().filter(|id| id.repetition == 0).collect();
     let steps = Steps {
         progress,
         before: 0,
         total: ids.len(),
     };
-    let demands = for_each(&ids, jobs, steps, |id| demand(&experiment.plan.run(*id)?))?;
+    let demands = for_each(&ids, jobs, steps, |id| {
+        Demand::of(&plan.run(*id)?, experiment, &simulator)
+    })?;
     let largest = demands.into_iter().reduce(Demand::larger);
     let Demand { load, crest_factor } = largest.expect("a plan has runs");
     let excesses = experiment.limits.exceeded(&load.peaks);
@@ -82,6 +75,20 @@ struct Demand {
 }
 
 impl Demand {
+    /// Does the run in simulation.
+    fn of(
+        run: &Run,
+        experiment: &Experiment,
+        simulator: &SimulatedRobot,
+    ) -> Result<Self, ExperimentError> {
+        let (record, truth) = simulator.simulate(run)?;
+        let load = Load::of(&record, &run.start_rad, &experiment.pose_rad).with_motion(&truth);
+        Ok(Self {
+            load,
+            crest_factor: crest_factors(&record),
+        })
+    }
+
     fn larger(self, other: Self) -> Self {
         Self {
             load: self.load.larger(&other.load),

@@ -1,5 +1,5 @@
-//! What can be told of an experiment before it is simulated: limits that leave no amplitude, and
-//! what looks like a mistake.
+//! Checks of an experiment before it is simulated: limits that leave no amplitude, and what looks
+//! like a mistake.
 
 use frfid_plant::check_stability;
 use frfid_signals::{Excess, Limit, Peaks};
@@ -32,10 +32,14 @@ impl Experiment {
         let resting = self
             .resting()
             .map_err(|error| self.text.error(&["robot"], error.to_string()))?;
-        let Some(excess) = self.limits.exceeded(&resting).into_iter().next() else {
-            return Ok(());
-        };
-        let Excess {
+        match self.limits.exceeded(&resting).first() {
+            Some(excess) => Err(self.no_amplitude(excess)),
+            None => Ok(()),
+        }
+    }
+
+    fn no_amplitude(&self, excess: &Excess) -> ConfigError {
+        let &Excess {
             axis,
             limit,
             allowed,
@@ -47,17 +51,17 @@ impl Experiment {
              lower the constant velocity, shorten the runs, choose another pose, or raise the limit",
             axis + 1,
             self.joint_names[axis],
-            self.limit_owner(&excess),
+            self.limit_owner(excess),
         );
-        Err(self.error_at_limit(&excess, message))
+        self.error_at_limit(excess, message)
     }
 
     /// The limit, and whose it is.
     #[must_use]
     pub fn limit_owner(&self, excess: &Excess) -> String {
-        let own = self.limit_is_robots_own(excess.limit, excess.axis);
-        let whose = if own { "the robot's" } else { "the limit" };
-        format!("{whose} {}", excess.limit.key())
+        let is_own = self.limit_is_robots_own(excess.limit, excess.axis);
+        let owner = if is_own { "the robot's" } else { "the limit" };
+        format!("{owner} {}", excess.limit.key())
     }
 
     /// An error at the place of the limit in the description.
@@ -72,35 +76,33 @@ impl Experiment {
 
     /// What the runs ask of the robot without their excitation, at both ends of their way.
     fn resting(&self) -> Result<Peaks, ExperimentError> {
-        let (robot, velocity) = (&self.robot, &self.plan.velocity_rad_s);
-        let start = self.plan.start_rad()?;
-        let end: Vec<f64> = start.iter().map(|start| -start).collect();
-        let at_start = robot.start(&start, velocity)?.holding_nm();
-        let at_end = robot.start(&end, velocity)?.holding_nm();
-        let torques = at_start.iter().zip(&at_end);
+        let (velocity, start) = (&self.plan.velocity_rad_s, self.plan.start_rad()?);
+        let sizes = |values: &[f64]| -> Vec<f64> { values.iter().map(|x| x.abs()).collect() };
+        let travel = sizes(&start);
         let from_pose = |sign: f64| {
-            let ways = self.pose_rad.iter().zip(&start);
-            ways.map(|(pose, start)| pose + sign * start.abs())
-                .collect()
+            let ways = self.pose_rad.iter().zip(&travel);
+            ways.map(|(pose, way)| pose + sign * way).collect()
         };
         Ok([
-            (
-                Limit::Torque,
-                torques.map(|(a, b)| a.abs().max(b.abs())).collect(),
-            ),
+            (Limit::Torque, self.holding_nm(&start)?),
             (Limit::TorqueRate, vec![0.0; start.len()]),
-            (
-                Limit::Velocity,
-                velocity.iter().map(|velocity| velocity.abs()).collect(),
-            ),
-            (
-                Limit::Travel,
-                start.iter().map(|start| start.abs()).collect(),
-            ),
+            (Limit::Velocity, sizes(velocity)),
             (Limit::LowestPosition, from_pose(-1.0)),
             (Limit::HighestPosition, from_pose(1.0)),
+            (Limit::Travel, travel),
         ]
         .into_iter()
         .collect())
+    }
+
+    /// Torque that friction and gravity ask for on the way from `start_rad` to its mirror image,
+    /// the larger of both ends.
+    fn holding_nm(&self, start_rad: &[f64]) -> Result<Vec<f64>, ExperimentError> {
+        let (robot, velocity) = (&self.robot, &self.plan.velocity_rad_s);
+        let end_rad: Vec<f64> = start_rad.iter().map(|start| -start).collect();
+        let at_start = robot.start(start_rad, velocity)?.holding_nm();
+        let at_end = robot.start(&end_rad, velocity)?.holding_nm();
+        let torques = at_start.iter().zip(&at_end);
+        Ok(torques.map(|(a, b)| a.abs().max(b.abs())).collect())
     }
 }

@@ -1,5 +1,5 @@
-//! From the records of a plan to its FRF: record by record, in any order, so that no campaign is
-//! too long for the memory.
+//! Estimator of the FRF of a plan from its records: record by record, in any order, so that no
+//! campaign is too long for the memory.
 
 use frfid_estimate::{Campaign, Evaluation, PeriodIndex, RunSpectra};
 use frfid_signals::{Frf, Plan, Record, RunId, RunKind};
@@ -94,8 +94,8 @@ impl Estimator {
     /// (SK15 section 4.4 E).
     ///
     /// # Errors
-    /// [`ExperimentError::Logs`] if the plan has glides and none is given, [`ExperimentError::Signal`]
-    /// if they differ in shape.
+    /// [`ExperimentError::Logs`] if the plan has glides and none is given,
+    /// [`ExperimentError::Signal`] if they differ in shape.
     pub fn with_glides(mut self, glides: &[&Record]) -> Result<Self, ExperimentError> {
         if self.options.glide_subtraction == GlideSubtraction::None || self.plan.n_glides == 0 {
             return Ok(self);
@@ -119,8 +119,9 @@ impl Estimator {
             && self.baseline != Baseline::None
     }
 
-    /// The same with the ripple over the motor position, learnt from the glides and one run of every
-    /// experiment of a realization: a first estimate of the plant tells what of the glide is ripple.
+    /// The same with the ripple over the motor position, learnt from the glides and one run of
+    /// every experiment of a realization: a first estimate of the plant tells what of the glide is
+    /// ripple.
     ///
     /// # Errors
     /// [`ExperimentError`] for records that do not make an estimate.
@@ -156,26 +157,35 @@ impl Estimator {
             / self.period_samples;
         let mut spectra = Spectra::default();
         for period in (0..complete.min(self.plan.n_periods)).filter(|&period| !lost(period)) {
-            let start = self.plan.lead_in_samples + period * self.period_samples;
-            let window = s![.., start..start + self.period_samples];
-            let (u, y) = (record.u.slice(window), record.y.slice(window));
-            let r = record
-                .r
-                .as_ref()
-                .filter(|_| self.options.method().needs_reference())
-                .map(|r| r.slice(window));
-            let place = self.place(id, period);
-            spectra
-                .periods
-                .push((place, RunSpectra::of(&*self.evaluation.transform, u, y, r)?));
-            if let Some(residual) = &self.residual {
-                spectra.free.extend(residual.spectra(place, u, y)?);
-            }
+            self.add_period(&mut spectra, id, record, period)?;
         }
         Ok(spectra)
     }
 
-    /// PeriodIndex of a period in the campaign: repetitions and periods back to back together are the
+    /// Adds the spectra of one period of a record, from which the baseline is taken off.
+    fn add_period(
+        &self,
+        spectra: &mut Spectra,
+        id: RunId,
+        record: &Record,
+        period: usize,
+    ) -> Result<(), ExperimentError> {
+        let start = self.plan.lead_in_samples + period * self.period_samples;
+        let window = s![.., start..start + self.period_samples];
+        let (u, y) = (record.u.slice(window), record.y.slice(window));
+        let reference = record.r.as_ref();
+        let reference = reference.filter(|_| self.options.method().needs_reference());
+        let r = reference.map(|r| r.slice(window));
+        let place = self.place(id, period);
+        let on_lines = RunSpectra::of(&*self.evaluation.transform, u, y, r)?;
+        spectra.periods.push((place, on_lines));
+        if let Some(residual) = &self.residual {
+            spectra.free.extend(residual.spectra(place, u, y)?);
+        }
+        Ok(())
+    }
+
+    /// Index of a period in the campaign: repetitions and periods back to back together are the
     /// estimator's periods.
     fn place(&self, id: RunId, period: usize) -> PeriodIndex {
         let period = id.repetition * self.plan.n_periods + period;

@@ -1,20 +1,20 @@
-//! What the records of a campaign say: each is asked for once, several at a time, and only what
+//! Gathering of a campaign's records: each is asked for once, several at a time, and only what
 //! follows from it is kept, so that no campaign is too long for the memory.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-use frfid_estimate::AxisStrength;
 use frfid_files::Loss;
-use frfid_signals::{Event, EventKind, Record, RunId, RunKind};
+use frfid_signals::{Record, RunId, RunKind};
 
 use crate::description::estimate::EstimateTable;
 use crate::error::ExperimentError;
+use crate::estimate::digest::{Digest, ReadRecord, stop_of};
 use crate::estimate::estimator::{Estimated, Estimator, Spectra};
-use crate::estimate::strength::Strength;
 use crate::experiment::Experiment;
 use crate::run::load::Load;
 use crate::run::parallel::{Progress, Steps, for_each};
+use crate::run::strength::Strength;
 
 /// Where the records of a plan come from: files, memory, or a testbed that does the runs.
 pub(crate) trait Records: Sync {
@@ -38,34 +38,6 @@ pub(crate) struct Gathered {
     pub strength: Option<Strength>,
     /// What was lost, by stops too, with the place of the run; the periods it hit were dropped.
     pub losses: Vec<(usize, Loss)>,
-}
-
-/// A record as it was read.
-struct Read<'a> {
-    place: usize,
-    run: RunId,
-    record: Cow<'a, Record>,
-    /// What was lost of it.
-    losses: Vec<Loss>,
-    /// What a stopped run did not do.
-    stop: Option<Loss>,
-}
-
-/// What one record says.
-struct Digest {
-    place: usize,
-    run: RunId,
-    /// One for each way.
-    spectra: Vec<Spectra>,
-    load: Option<Load>,
-    strength: Option<Vec<AxisStrength>>,
-    losses: Vec<Loss>,
-}
-
-impl Read<'_> {
-    fn is_whole(&self) -> bool {
-        self.losses.is_empty() && self.stop.is_none()
-    }
 }
 
 impl Experiment {
@@ -93,7 +65,7 @@ impl Experiment {
         self.pooled(digests, &estimators)
     }
 
-    /// All digests as one.
+    /// All digests as one, an estimate for each way.
     fn pooled(
         &self,
         digests: Vec<Digest>,
@@ -135,42 +107,28 @@ impl<'a> Gathering<'a> {
     fn first(
         &self,
         estimators: Vec<Estimator>,
-    ) -> Result<(Vec<Read<'a>>, Vec<Estimator>), ExperimentError> {
+    ) -> Result<(Vec<ReadRecord<'a>>, Vec<Estimator>), ExperimentError> {
         let mut first = self.read(&self.places(RunKind::Glide), 0)?;
-        let glides: Vec<&Record> = whole(&first).map(|(_, glide)| glide).collect();
-        let set = |estimator: Estimator| estimator.with_glides(&glides);
-        let estimators: Vec<Estimator> =
-            estimators.into_iter().map(set).collect::<Result<_, _>>()?;
+        let estimators = with_glides(estimators, &first)?;
         if !estimators.iter().any(Estimator::learns_ripple) {
             return Ok((first, estimators));
         }
-        let learning = self.learning(&mut first)?;
-        let runs: Vec<(RunId, &Record)> = whole(&first)
-            .filter(|(run, _)| group_of(*run) == Some(learning))
-            .collect();
-        let learn = |estimator: Estimator| estimator.with_ripple_of(&runs);
-        let estimators = estimators
-            .into_iter()
-            .map(learn)
-            .collect::<Result<_, _>>()?;
+        let realization = self.read_realization(&mut first)?;
+        let estimators = with_ripple(estimators, &first, realization)?;
         Ok((first, estimators))
     }
 
     /// Reads one run of every experiment of the same realization, the first for which all are
     /// whole; returns its realization and repetition.
-    fn learning(&self, first: &mut Vec<Read<'a>>) -> Result<(usize, usize), ExperimentError> {
-        let mut groups: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
-        for place in self.places(RunKind::Excitation) {
-            if let Some(group) = group_of(self.records.runs()[place]) {
-                groups.entry(group).or_default().push(place);
-            }
-        }
-        groups.retain(|_, places| places.len() == self.experiment.plan.n_experiments());
-        for (group, places) in groups {
+    fn read_realization(
+        &self,
+        first: &mut Vec<ReadRecord<'a>>,
+    ) -> Result<(usize, usize), ExperimentError> {
+        for (realization, places) in self.complete_realizations() {
             let before = first.len();
             first.extend(self.read(&places, before)?);
-            if first[before..].iter().all(Read::is_whole) {
-                return Ok(group);
+            if first[before..].iter().all(ReadRecord::is_whole) {
+                return Ok(realization);
             }
         }
         Err(ExperimentError::Logs {
@@ -179,6 +137,18 @@ impl<'a> Gathering<'a> {
             needed: "one run of every experiment of one realization".into(),
             advice: "add the missing files, or set glide_subtraction = \"time\"",
         })
+    }
+
+    /// Places of the runs of each realization and repetition of which every experiment is there.
+    fn complete_realizations(&self) -> BTreeMap<(usize, usize), Vec<usize>> {
+        let mut groups: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
+        for place in self.places(RunKind::Excitation) {
+            if let Some(realization) = realization_of(self.records.runs()[place]) {
+                groups.entry(realization).or_default().push(place);
+            }
+        }
+        groups.retain(|_, places| places.len() == self.experiment.plan.n_experiments());
+        groups
     }
 
     /// Places of the runs of a kind, in the order of the runs.
@@ -191,7 +161,11 @@ impl<'a> Gathering<'a> {
     }
 
     /// The records at these places; `before` were read before.
-    fn read(&self, places: &[usize], before: usize) -> Result<Vec<Read<'a>>, ExperimentError> {
+    fn read(
+        &self,
+        places: &[usize],
+        before: usize,
+    ) -> Result<Vec<ReadRecord<'a>>, ExperimentError> {
         for_each(places, self.jobs, self.steps(before), |&place| {
             self.read_one(place)
         })
@@ -206,11 +180,11 @@ impl<'a> Gathering<'a> {
         }
     }
 
-    fn read_one(&self, place: usize) -> Result<Read<'a>, ExperimentError> {
+    fn read_one(&self, place: usize) -> Result<ReadRecord<'a>, ExperimentError> {
         let (record, losses) = self.records.record(place)?;
         let stop = stop_of(&record, self.experiment.plan.run_samples()?);
         let run = self.records.runs()[place];
-        Ok(Read {
+        Ok(ReadRecord {
             place,
             run,
             record,
@@ -222,13 +196,13 @@ impl<'a> Gathering<'a> {
     /// Digests of all records, those read before included, in the order of the runs.
     fn digests(
         &self,
-        first: &[Read<'a>],
+        first: &[ReadRecord<'a>],
         estimators: &[Estimator],
     ) -> Result<Vec<Digest>, ExperimentError> {
         let known: BTreeSet<usize> = first.iter().map(|read| read.place).collect();
         let mut rest = self.places(RunKind::Excitation);
         rest.retain(|place| !known.contains(place));
-        let digest = |read: &Read| self.digest(read, estimators);
+        let digest = |read: &ReadRecord| read.digest(self.experiment, estimators);
         let mut digests = first.iter().map(digest).collect::<Result<Vec<_>, _>>()?;
         let steps = self.steps(known.len());
         digests.extend(for_each(&rest, self.jobs, steps, |&place| {
@@ -237,88 +211,39 @@ impl<'a> Gathering<'a> {
         digests.sort_by_key(|digest| digest.run);
         Ok(digests)
     }
-
-    fn digest(&self, read: &Read, estimators: &[Estimator]) -> Result<Digest, ExperimentError> {
-        let experiment = self.experiment;
-        let plan = &experiment.plan;
-        let sound = read.losses.is_empty();
-        let losses: Vec<Loss> = read.losses.iter().chain(&read.stop).cloned().collect();
-        let (start, pose) = (plan.start_rad()?, experiment.pose_rad.clone());
-        let period = plan.period_samples()?;
-        let sample = |time_s: f64| (time_s / plan.sample_time_s).round() as usize;
-        let is_lost = |number: usize| {
-            let from = plan.lead_in_samples + number * period;
-            let hits =
-                |loss: &Loss| sample(loss.from_s) < from + period && sample(loss.to_s) > from;
-            losses.iter().any(hits)
-        };
-        let filled = if sound {
-            None
-        } else {
-            Some(filled(&read.record))
-        };
-        let record = filled.as_ref().unwrap_or(&read.record);
-        let spectra = |estimator: &Estimator| estimator.spectra(read.run, record, &is_lost);
-        Ok(Digest {
-            place: read.place,
-            run: read.run,
-            spectra: estimators.iter().map(spectra).collect::<Result<_, _>>()?,
-            load: sound.then(|| Load::of(&read.record, &start, &pose)),
-            strength: if sound {
-                experiment.strength_of(read.run, &read.record)
-            } else {
-                None
-            },
-            losses,
-        })
-    }
 }
 
-/// Runs of the same reference pattern: the experiments of a realization, done once. None for a glide.
-fn group_of(run: RunId) -> Option<(usize, usize)> {
+/// Estimators that subtract what the whole ones among the records read say of the glides.
+fn with_glides(
+    estimators: Vec<Estimator>,
+    read: &[ReadRecord],
+) -> Result<Vec<Estimator>, ExperimentError> {
+    let glides: Vec<&Record> = whole(read).map(|(_, glide)| glide).collect();
+    let with_glides = |estimator: Estimator| estimator.with_glides(&glides);
+    estimators.into_iter().map(with_glides).collect()
+}
+
+/// Estimators that know the ripple from the runs of a realization among the records read.
+fn with_ripple(
+    estimators: Vec<Estimator>,
+    read: &[ReadRecord],
+    realization: (usize, usize),
+) -> Result<Vec<Estimator>, ExperimentError> {
+    let runs: Vec<(RunId, &Record)> = whole(read)
+        .filter(|(run, _)| realization_of(*run) == Some(realization))
+        .collect();
+    let with_ripple = |estimator: Estimator| estimator.with_ripple_of(&runs);
+    estimators.into_iter().map(with_ripple).collect()
+}
+
+/// Realization and repetition of a run: with every experiment they make one estimate. None for a
+/// glide.
+fn realization_of(run: RunId) -> Option<(usize, usize)> {
     (run.kind == RunKind::Excitation).then_some((run.realization, run.repetition))
 }
 
 /// The whole ones among records.
-fn whole<'a>(records: &'a [Read<'_>]) -> impl Iterator<Item = (RunId, &'a Record)> {
+fn whole<'a>(records: &'a [ReadRecord<'_>]) -> impl Iterator<Item = (RunId, &'a Record)> {
     let whole = records.iter().filter(|read| read.is_whole());
     whole.map(|read| (read.run, &*read.record))
-}
-
-/// The record with zeros where samples are lost. They lie in periods that are not used: a number in
-/// their place keeps the rest of the record usable.
-fn filled(record: &Record) -> Record {
-    let mut filled = record.clone();
-    let Record {
-        u,
-        y,
-        r,
-        position_rad,
-        ..
-    } = &mut filled;
-    for signal in [Some(u), Some(y), r.as_mut(), position_rad.as_mut()] {
-        let samples = signal.into_iter().flatten();
-        samples
-            .filter(|sample| !sample.is_finite())
-            .for_each(|sample| *sample = 0.0);
-    }
-    filled
-}
-
-/// What a run that was stopped did not do, as a loss.
-fn stop_of(record: &Record, run_samples: usize) -> Option<Loss> {
-    let why = |event: &Event| match &event.kind {
-        EventKind::Stopped { reason, .. } => Some(reason.clone()),
-        _ => None,
-    };
-    let reason = record.events.iter().find_map(why)?;
-    let time_s = |samples: usize| samples as f64 * record.sample_time_s;
-    let (from_s, to_s) = (time_s(record.n_steady_samples()), time_s(run_samples));
-    let (topic, reason) = ("run".into(), format!("stopped: {reason}"));
-    Some(Loss {
-        topic,
-        from_s,
-        to_s,
-        reason,
-    })
 }

@@ -1,5 +1,5 @@
-//! What is taken off the records of a constant velocity before their spectra are taken (SK15
-//! section 4.4 E).
+//! Baseline of the glides: what is taken off the records of a constant velocity before their
+//! spectra are taken (SK15 section 4.4 E).
 
 use frfid_estimate::{RippleTorque, subtract_glide};
 use frfid_signals::{Frf, Record, SignalError};
@@ -9,7 +9,7 @@ use crate::error::ExperimentError;
 
 /// What every run of a campaign carries besides the answer to its excitation.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Baseline {
+pub(crate) enum Baseline {
     /// Nothing that is known.
     None,
     /// The mean of the glides, sample by sample.
@@ -23,29 +23,12 @@ impl Baseline {
     ///
     /// # Errors
     /// [`ExperimentError::Signal`] if they differ in shape.
-    pub fn of_glides(glides: &[&Record]) -> Result<Self, ExperimentError> {
+    pub(crate) fn of_glides(glides: &[&Record]) -> Result<Self, ExperimentError> {
         let Some(&first) = glides.first() else {
             return Ok(Self::None);
         };
-        let mean = |name, signal: &dyn Fn(&Record) -> &Array2<f64>| {
-            let mut sum = Array2::zeros(signal(first).dim());
-            for glide in glides {
-                if signal(glide).dim() != sum.dim() {
-                    let needed = format!("{:?}, as in the first glide", sum.shape());
-                    return Err(SignalError::Shape {
-                        name,
-                        found: signal(glide).shape().to_vec(),
-                        needed,
-                    });
-                }
-                sum += signal(glide);
-            }
-            Ok(sum / glides.len() as f64)
-        };
-        let (u, y) = (
-            mean("u of a glide", &|glide| &glide.u)?,
-            mean("y of a glide", &|glide| &glide.y)?,
-        );
+        let u = mean("u of a glide", glides.iter().map(|glide| &glide.u))?;
+        let y = mean("y of a glide", glides.iter().map(|glide| &glide.y))?;
         let position_rad = mean_position(glides);
         Ok(Self::Glide(Record {
             u,
@@ -60,7 +43,7 @@ impl Baseline {
     ///
     /// # Errors
     /// [`ExperimentError::Estimate`] for glides without positions, or a plant that does not fit.
-    pub fn with_ripple(&self, plant: &Frf) -> Result<Self, ExperimentError> {
+    pub(crate) fn with_ripple(&self, plant: &Frf) -> Result<Self, ExperimentError> {
         match self {
             Self::Glide(glide) => Ok(Self::Ripple(RippleTorque::of_glide(glide, plant)?)),
             known => Ok(known.clone()),
@@ -71,13 +54,36 @@ impl Baseline {
     ///
     /// # Errors
     /// [`ExperimentError::Estimate`] for a record that does not fit the glide.
-    pub fn subtract_from(&self, record: &Record) -> Result<Option<Record>, ExperimentError> {
+    pub(crate) fn subtract_from(&self, record: &Record) -> Result<Option<Record>, ExperimentError> {
         Ok(match self {
             Self::None => None,
             Self::Glide(glide) => Some(subtract_glide(record, glide)?),
             Self::Ripple(ripple) => Some(ripple.subtract_glide(record)?),
         })
     }
+}
+
+/// The mean of a signal over the glides.
+fn mean<'a>(
+    name: &'static str,
+    signals: impl ExactSizeIterator<Item = &'a Array2<f64>> + Clone,
+) -> Result<Array2<f64>, SignalError> {
+    let (n_glides, shape) = (
+        signals.len() as f64,
+        signals.clone().next().map(Array2::dim),
+    );
+    let mut sum = Array2::zeros(shape.unwrap_or_default());
+    for signal in signals {
+        if signal.dim() != sum.dim() {
+            return Err(SignalError::Shape {
+                name,
+                found: signal.shape().to_vec(),
+                needed: format!("{:?}, as in the first glide", sum.shape()),
+            });
+        }
+        sum += signal;
+    }
+    Ok(sum / n_glides)
 }
 
 /// The mean position of the glides, where all have one of the same shape.

@@ -1,5 +1,6 @@
 //! Estimates: from the records of a plan, or of somebody else, to an FRF with its checks.
 
+pub(crate) mod digest;
 pub(crate) mod estimator;
 pub(crate) mod find_logs;
 pub(crate) mod gather;
@@ -9,7 +10,6 @@ pub(crate) mod our_logs;
 pub(crate) mod outcome;
 pub(crate) mod records;
 pub(crate) mod ripple_residual;
-pub(crate) mod strength;
 
 use std::path::PathBuf;
 
@@ -26,8 +26,8 @@ use crate::run::parallel::Progress;
 /// How logs become a result.
 #[derive(Debug, Clone, Default)]
 pub struct EstimateOptions {
-    /// Replaces the `[estimate]` table that travelled with our own logs; the default for foreign
-    /// ones.
+    /// Replaces the `[estimate]` table that travelled with our own logs; the default for those of
+    /// others.
     pub estimate: Option<EstimateTable>,
     /// Which signal is which, for recordings that frfid did not make.
     pub map: Option<LogMap>,
@@ -35,8 +35,8 @@ pub struct EstimateOptions {
     pub jobs: usize,
 }
 
-/// Estimates the FRF of the logs in files and folders: our own by what travelled with them, foreign
-/// ones by `options.map`.
+/// Estimates the FRF of the logs in files and folders: our own by what travelled with them, those
+/// of others by `options.map`.
 ///
 /// # Errors
 /// [`ExperimentError`].

@@ -1,5 +1,5 @@
-//! Recordings that frfid did not make, to an FRF: period, transient and lines are found in the
-//! reference.
+//! Logs of others, recordings that frfid did not make, to an FRF: period, transient and lines are
+//! found in the reference.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -8,7 +8,7 @@ use frfid_estimate::{
     Campaign, EstimateError, LineDft, PeriodIndex, RunSpectra, count_transient_periods, find_lines,
     find_period,
 };
-use frfid_files::{Check, Log, LogMap, ResultFile, read_log};
+use frfid_files::{Check, Log, LogMap, Loss, ResultFile, read_log};
 use frfid_signals::Frf;
 use ndarray::{Array2, ArrayView2, s};
 
@@ -71,30 +71,29 @@ impl<'a> Recordings<'a> {
 
     /// Finds period and lines in the first recording, the transient in all of them.
     fn periods(&self) -> Result<Periods, ExperimentError> {
-        let in_recording = |number: usize, source| ExperimentError::Recording {
-            path: self.paths[number].clone(),
-            source,
-        };
         let reference = filled(reference(&self.logs[0]));
-        let n_samples = find_period(reference.view()).map_err(|error| in_recording(0, error))?;
+        let n_samples =
+            find_period(reference.view()).map_err(|error| self.in_recording(0, error))?;
         let lines = find_lines(reference.view(), n_samples);
-        let lines = lines.map_err(|error| in_recording(0, error))?;
+        let lines = lines.map_err(|error| self.in_recording(0, error))?;
         let mut n_transient = 0;
         for (number, log) in self.logs.iter().enumerate() {
             let found = transient(log, n_samples, &lines);
-            n_transient = n_transient.max(found.map_err(|error| in_recording(number, error))?);
+            let found = found.map_err(|error| self.in_recording(number, error))?;
+            n_transient = n_transient.max(found);
         }
-        let n_periods = self
-            .logs
-            .iter()
-            .map(|log| log.record.n_samples() / n_samples);
-        let n_periods = n_periods.min().unwrap_or(0);
+        let n_periods = |log: &Log| log.record.n_samples() / n_samples;
         Ok(Periods {
             n_samples,
             lines,
-            n_periods,
+            n_periods: self.logs.iter().map(n_periods).min().unwrap_or(0),
             n_transient,
         })
+    }
+
+    fn in_recording(&self, number: usize, source: EstimateError) -> ExperimentError {
+        let path = self.paths[number].clone();
+        ExperimentError::Recording { path, source }
     }
 
     /// The FRF from the whole periods after the transient.
@@ -119,32 +118,17 @@ impl<'a> Recordings<'a> {
         Ok(campaign.estimate(&options.method().into())?)
     }
 
+    /// The FRF with its checks, and what was lost or odd in the files.
     fn outcome(self, frf: Frf, periods: &Periods) -> Result<Outcome, ExperimentError> {
-        let in_file = |text: &str, path: &PathBuf| format!("{}: {text}", path.display());
-        let (mut losses, mut warnings) = (Vec::new(), Vec::new());
-        for (path, log) in self.paths.iter().zip(&self.logs) {
-            losses.extend(
-                log.losses
-                    .iter()
-                    .map(|loss| in_file(&loss.to_string(), path)),
-            );
-            warnings.extend(log.warnings.iter().map(|warning| in_file(warning, path)));
-        }
-        let is_lossy = !losses.is_empty();
-        let mut provenance = BTreeMap::from([
-            (
-                "frfid_version".to_owned(),
-                env!("CARGO_PKG_VERSION").to_owned(),
-            ),
-            ("period_samples".to_owned(), periods.n_samples.to_string()),
-            ("periods_used".to_owned(), periods.n_used().to_string()),
-            (
-                "transient_periods_dropped".to_owned(),
-                periods.n_transient.to_string(),
-            ),
-        ]);
-        log_hashes(self.paths, &mut provenance)?;
-        let condition = condition_check(&frf, &[]);
+        let mut warnings = self.in_files(|log| log.losses.iter().map(Loss::to_string).collect());
+        let is_lossy = !warnings.is_empty();
+        warnings.extend(self.in_files(|log| log.warnings.clone()));
+        let checks = vec![
+            enough_periods(periods, is_lossy),
+            settled(periods),
+            condition_check(&frf, &[]),
+        ];
+        let provenance = provenance(self.paths, periods)?;
         let first = self.logs.into_iter().next().expect("at least one was read");
         let result = ResultFile {
             frf,
@@ -154,22 +138,44 @@ impl<'a> Recordings<'a> {
             output_units: first.output_units,
             torque_rms_nm: None,
             flagged: None,
-            checks: vec![
-                enough_periods(periods, is_lossy),
-                settled(periods),
-                condition,
-            ],
+            checks,
             provenance,
         };
-        losses.extend(warnings);
         Ok(Outcome {
             result,
-            warnings: losses,
+            warnings,
             is_lossy,
             strength: None,
             load: None,
         })
     }
+
+    /// What there is to say of each log, with the name of its file.
+    fn in_files(&self, said: impl Fn(&Log) -> Vec<String>) -> Vec<String> {
+        let files = self.paths.iter().zip(&self.logs);
+        let of_file = |(path, log): (&PathBuf, &Log)| {
+            let texts = said(log).into_iter();
+            let named = texts.map(|text| format!("{}: {text}", path.display()));
+            named.collect::<Vec<_>>()
+        };
+        files.flat_map(of_file).collect()
+    }
+}
+
+/// Where the result comes from: the periods that were found, and the hash of every file.
+fn provenance(
+    paths: &[PathBuf],
+    periods: &Periods,
+) -> Result<BTreeMap<String, String>, ExperimentError> {
+    let entries = [
+        ("frfid_version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("period_samples", periods.n_samples.to_string()),
+        ("periods_used", periods.n_used().to_string()),
+        ("transient_periods_dropped", periods.n_transient.to_string()),
+    ];
+    let mut provenance = entries.map(|(key, value)| (key.to_owned(), value)).into();
+    log_hashes(paths, &mut provenance)?;
+    Ok(provenance)
 }
 
 fn enough_periods(periods: &Periods, is_lossy: bool) -> Check {

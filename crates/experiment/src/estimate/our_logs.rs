@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use frfid_files::{FORMATS, Format, Loss, read_run, read_run_label};
+use frfid_files::{FORMATS, Format, Loss, RunLabel, read_run, read_run_label};
 use frfid_signals::{Record, RunId};
 
 use crate::description::estimate::EstimateTable;
@@ -17,11 +17,12 @@ use crate::run::parallel::Progress;
 use crate::run::provenance::DESIGN;
 
 /// Estimates the FRF from the files of one plan, in any order; `options` replaces the `[estimate]`
-/// table that travelled with them. Memory is that of `jobs` records and of the spectra, whatever the
-/// length of the campaign.
+/// table that travelled with them. Memory is that of `jobs` records and of the spectra, whatever
+/// the length of the campaign.
 ///
 /// # Errors
-/// [`ExperimentError`]: no file is readable, files of different plans, a run twice, or too few runs.
+/// [`ExperimentError`]: no file is readable, files of different plans, a run twice, or too few
+/// runs.
 pub(crate) fn estimate_our_logs(
     paths: &[PathBuf],
     options: Option<&EstimateTable>,
@@ -58,7 +59,7 @@ fn refuse_others(paths: &[PathBuf]) -> Result<(), ExperimentError> {
 struct OurLogs {
     paths: Vec<PathBuf>,
     runs: Vec<RunId>,
-    /// The first description that is whole, under the name by which its faults are told.
+    /// The first description that is whole, under the name by which its faults are reported.
     description: Option<TomlText>,
     /// Files that could not be read at all, with the reason.
     unreadable: Vec<(PathBuf, String)>,
@@ -88,12 +89,8 @@ impl OurLogs {
         for path in paths {
             match read_run_label(path) {
                 Ok(label) => {
-                    let found = label.metadata.get(DESIGN).cloned().unwrap_or_default();
-                    let needed = design.get_or_insert_with(|| found.clone());
-                    if found != *needed {
-                        return Err(other_design(path, &found, needed));
-                    }
-                    logs.add(path, label.run, label.experiment_toml);
+                    check_design(path, &label, &mut design)?;
+                    logs.add(path, label);
                 }
                 Err(error) => {
                     logs.unreadable.push((path.clone(), error.to_string()));
@@ -107,10 +104,10 @@ impl OurLogs {
         }
     }
 
-    fn add(&mut self, path: &Path, run: RunId, experiment_toml: Option<String>) {
+    fn add(&mut self, path: &Path, label: RunLabel) {
         self.paths.push(path.to_owned());
-        self.runs.push(run);
-        if let (None, Some(text)) = (&self.description, experiment_toml)
+        self.runs.push(label.run);
+        if let (None, Some(text)) = (&self.description, label.experiment_toml)
             && !text.is_empty()
         {
             let name = format!("experiment.toml in {}", path.display());
@@ -126,19 +123,14 @@ impl OurLogs {
 
     /// What is there and what is not, losses by the names of their files.
     fn inventory(&self, gathered: &Gathered) -> Inventory {
-        let mut losses: Vec<(&PathBuf, &Loss)> = gathered
-            .losses
-            .iter()
-            .map(|(place, loss)| (&self.paths[*place], loss))
-            .collect();
-        losses.sort_by_key(|(path, _)| *path);
-        let flawed: BTreeSet<&PathBuf> = losses.iter().map(|(path, _)| *path).collect();
-        let unused =
-            |(path, error): &(PathBuf, String)| format!("{}: not used: {error}", path.display());
-        let unused = self.unreadable.iter().map(unused);
-        let lost = losses
-            .iter()
-            .map(|(path, loss)| format!("{}: {loss}", path.display()));
+        let by_path = |(place, loss): &'_ (usize, Loss)| (&self.paths[*place], loss.to_string());
+        let mut lost: Vec<(&PathBuf, String)> = gathered.losses.iter().map(by_path).collect();
+        lost.sort_by_key(|(path, _)| *path);
+        let flawed: BTreeSet<&PathBuf> = lost.iter().map(|(path, _)| *path).collect();
+        let unused = self.unreadable.iter();
+        let unused = unused.map(|(path, error)| format!("{}: not used: {error}", path.display()));
+        let lost = lost.iter();
+        let lost = lost.map(|(path, loss)| format!("{}: {loss}", path.display()));
         Inventory {
             n_records: self.runs.len(),
             n_flawed: flawed.len(),
@@ -147,21 +139,31 @@ impl OurLogs {
     }
 }
 
+/// Refuses a file of another design than the first one, which is kept in `design`.
+fn check_design(
+    path: &Path,
+    label: &RunLabel,
+    design: &mut Option<String>,
+) -> Result<(), ExperimentError> {
+    let found = label.metadata.get(DESIGN).cloned().unwrap_or_default();
+    let needed = design.get_or_insert_with(|| found.clone());
+    if found == *needed {
+        return Ok(());
+    }
+    let short = |hash: &str| hash.get(..12).unwrap_or(hash).to_owned();
+    Err(ExperimentError::Logs {
+        what: "design of the logs",
+        found: format!("{} in {}", short(&found), path.display()),
+        needed: format!("{}, as in the files before it", short(needed)),
+        advice: "estimate the runs of one plan at a time",
+    })
+}
+
 fn no_description() -> ExperimentError {
     ExperimentError::Logs {
         what: "experiment.toml in the logs",
         found: "none that is readable".into(),
         needed: "the description in at least one of them".into(),
         advice: "the attachment is damaged in every file; say which topic is which (--map)",
-    }
-}
-
-fn other_design(path: &Path, found: &str, needed: &str) -> ExperimentError {
-    let short = |hash: &str| hash.get(..12).unwrap_or(hash).to_owned();
-    ExperimentError::Logs {
-        what: "design of the logs",
-        found: format!("{} in {}", short(found), path.display()),
-        needed: format!("{}, as in the files before it", short(needed)),
-        advice: "estimate the runs of one plan at a time",
     }
 }

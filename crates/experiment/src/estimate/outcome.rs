@@ -10,9 +10,9 @@ use frfid_signals::{Frf, Limit};
 use crate::error::ExperimentError;
 use crate::estimate::estimator::Estimated;
 use crate::estimate::gather::Gathered;
-use crate::estimate::strength::Strength;
 use crate::experiment::Experiment;
 use crate::run::load::Load;
+use crate::run::strength::Strength;
 
 /// Largest condition number of U that passes the check.
 const GOOD_CONDITION: f64 = 20.0;
@@ -66,26 +66,17 @@ impl Experiment {
     ) -> Outcome {
         let complete = self.completeness(&estimated, inventory);
         let is_lossy = !complete.passed;
-        let disturbed_hz = estimated.disturbed_hz();
-        let n_lines = estimated.frf.n_frequencies();
         let torques = load.map_or(&[][..], |load| &load.torque_rms_nm);
         let mut checks = vec![complete, condition_check(&estimated.frf, torques)];
         checks.extend(strength.and_then(Strength::sign_check));
-        let mut warnings = inventory.losses.clone();
-        warnings.extend(missing_warning(estimated.missing.len()));
-        warnings.extend(
-            strength
-                .iter()
-                .flat_map(|strength| strength.warnings.iter().cloned()),
-        );
-        warnings.extend(ripple_warning(&disturbed_hz, n_lines));
-        let flagged = estimated.ripple;
+        let warnings = warnings(&estimated, strength, inventory);
+        let result = ResultFile {
+            flagged: estimated.ripple,
+            checks,
+            ..self.result(estimated.frf, load)
+        };
         Outcome {
-            result: ResultFile {
-                flagged,
-                checks,
-                ..self.result(estimated.frf, load)
-            },
+            result,
             warnings,
             is_lossy,
             strength: strength.cloned(),
@@ -111,8 +102,8 @@ impl Experiment {
         }
     }
 
-    /// An FRF of this experiment as a result: names and units of the joints, and where it came from,
-    /// the amplitudes reached included.
+    /// An FRF of this experiment as a result: names and units of the joints, and where it came
+    /// from, the amplitudes reached included.
     #[must_use]
     pub fn result(&self, frf: Frf, load: Option<&Load>) -> ResultFile {
         let mut provenance = self.provenance();
@@ -133,6 +124,21 @@ impl Experiment {
             ..ResultFile::torque_to_velocity(frf, &self.joint_names)
         }
     }
+}
+
+/// What was lost, missing, too weak or disturbed, in this order.
+fn warnings(
+    estimated: &Estimated,
+    strength: Option<&Strength>,
+    inventory: &Inventory,
+) -> Vec<String> {
+    let mut warnings = inventory.losses.clone();
+    warnings.extend(missing_warning(estimated.missing.len()));
+    let too_weak = strength.iter().flat_map(|strength| &strength.warnings);
+    warnings.extend(too_weak.cloned());
+    let n_lines = estimated.frf.n_frequencies();
+    warnings.extend(ripple_warning(&estimated.disturbed_hz(), n_lines));
+    warnings
 }
 
 fn missing_warning(n_missing: usize) -> Option<String> {

@@ -1,5 +1,5 @@
-//! Which lines what remains of the torque ripple still disturbs, told from the lines around them
-//! that are not excited.
+//! Residual of the torque ripple: which lines it still disturbs, seen on the lines around them that
+//! are not excited.
 
 use std::collections::BTreeMap;
 
@@ -19,24 +19,27 @@ const REALIZATIONS: usize = 4;
 
 /// Spectra of u and y on the free lines of one period.
 #[derive(Debug, Clone)]
-pub struct FreeSpectra {
+pub(crate) struct FreeSpectra {
     place: PeriodIndex,
     u: Array2<Complex64>,
     y: Array2<Complex64>,
 }
 
 /// Looks at the free lines of a plan.
-pub struct RippleResidual {
+pub(crate) struct RippleResidual {
     lines: FreeLines,
 }
 
 impl RippleResidual {
-    /// For the plans of which it can tell something: multisines on a constant velocity with glides,
+    /// For the plans on which it can be seen: multisines on a constant velocity with glides,
     /// repeated.
     ///
     /// # Errors
     /// [`ExperimentError::Estimate`] for lines that do not fit the period.
-    pub fn of_plan(plan: &Plan, options: &EstimateTable) -> Result<Option<Self>, ExperimentError> {
+    pub(crate) fn of_plan(
+        plan: &Plan,
+        options: &EstimateTable,
+    ) -> Result<Option<Self>, ExperimentError> {
         let Excitation::Multisine(Multisine { grid, .. }) = &plan.excitation else {
             return Ok(None);
         };
@@ -53,7 +56,7 @@ impl RippleResidual {
     ///
     /// # Errors
     /// [`ExperimentError::Estimate`] for samples that are not finite.
-    pub fn spectra(
+    pub(crate) fn spectra(
         &self,
         place: PeriodIndex,
         u: ArrayView2<f64>,
@@ -74,7 +77,7 @@ impl RippleResidual {
     ///
     /// # Errors
     /// [`ExperimentError::Estimate`] for spectra of different shapes.
-    pub fn exceeds_noise(
+    pub(crate) fn exceeds_noise(
         &self,
         mut free: Vec<FreeSpectra>,
         plant: &Frf,
@@ -85,11 +88,9 @@ impl RippleResidual {
         });
         let mut references: BTreeMap<(usize, usize), Vec<Array2<Complex64>>> = BTreeMap::new();
         for FreeSpectra { place, u, y } in free {
+            let repetitions = references.entry((place.realization, place.experiment));
             let unexplained = self.lines.unexplained(&u, &y, plant)?;
-            references
-                .entry((place.realization, place.experiment))
-                .or_default()
-                .push(unexplained);
+            repetitions.or_default().push(unexplained);
         }
         let repeated = references
             .values()

@@ -1,5 +1,4 @@
-//! The runs of an order into a folder, one MCAP each; what is there already and belongs to it is
-//! not done again.
+//! Folder of runs, one MCAP each; what is there already and belongs to the plan is not done again.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -10,19 +9,19 @@ use frfid_signals::{Event, EventKind, Plan, Record, RunId, RunKind, Testbed};
 use serde::Serialize;
 
 use crate::error::ExperimentError;
-use crate::estimate::strength::Strength;
 use crate::experiment::Experiment;
 use crate::run::load::Load;
 use crate::run::parallel::{Progress, Steps, for_each};
-use crate::run::planned_runs::Order;
+use crate::run::planned_runs::PlannedRuns;
 use crate::run::provenance::CONFIG;
+use crate::run::strength::Strength;
 
 /// How runs are done.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct RunOptions {
     /// Runs at once; 0: one for each core.
     pub jobs: usize,
-    /// Only the run at this place of the order, from 0: for job arrays.
+    /// Only the run at this place of the plan, from 0: for job arrays.
     pub index: Option<usize>,
     /// What to do with a file that exists and is not this run's.
     pub overwrite: Overwrite,
@@ -57,46 +56,31 @@ pub struct RunReport {
     pub events: Vec<Event>,
 }
 
-/// Does the runs of `order` on `testbed` (the description's own model if `None`) and writes
+/// Does the runs that are `planned` on `testbed` (the description's own model if `None`) and writes
 /// `folder/RUN.mcap` for each.
 ///
 /// # Errors
-/// [`ExperimentError`]: an index beyond the order, a run that fails, a file in the way that is not
+/// [`ExperimentError`]: an index beyond the plan, a run that fails, a file in the way that is not
 /// this run's, a disk that is full. Runs that are complete by then stay.
 pub fn run_to_folder(
-    order: &Order,
+    planned: &PlannedRuns,
     testbed: Option<&dyn Testbed>,
     folder: &Path,
     options: &RunOptions,
     progress: Progress,
 ) -> Result<RunSummary, ExperimentError> {
-    let ids = chosen(order, options.index)?;
-    let experiment = &order.experiment;
-    let writer = Writer {
-        order,
-        folder,
-        overwrite: options.overwrite,
-        metadata: experiment.provenance(),
-        pose_rad: experiment.pose_rad.clone(),
-    };
-    let (mut open, mut stopped_before) = (Vec::new(), Vec::new());
-    for id in &ids {
-        match writer.found(*id) {
-            Found::Whole => {}
-            Found::Stopped if options.overwrite != Overwrite::Replace => {
-                stopped_before.push(writer.path_of(*id));
-            }
-            Found::Stopped | Found::Nothing => open.push(*id),
+    let ids = chosen(planned, options.index)?;
+    let experiment = &planned.experiment;
+    let writer = Writer::new(planned, folder, options.overwrite);
+    let (open, stopped_before) = writer.open(&ids);
+    let model;
+    let testbed = match testbed {
+        Some(testbed) => testbed,
+        None => {
+            model = experiment.testbed();
+            &*model
         }
-    }
-    let model = if testbed.is_none() {
-        Some(experiment.testbed())
-    } else {
-        None
     };
-    let testbed = testbed
-        .or(model.as_deref())
-        .expect("one of the two was given");
     create_folder(folder)?;
     let n_skipped = ids.len() - open.len();
     let steps = Steps {
@@ -104,17 +88,25 @@ pub fn run_to_folder(
         before: n_skipped,
         total: ids.len(),
     };
-    let written = for_each(&open, options.jobs, steps, |id| writer.done(*id, testbed))?;
-    let (mut written, strengths): (Vec<RunReport>, Vec<_>) = written.into_iter().unzip();
-    written.sort_by(|a, b| a.path.cmp(&b.path));
-    let strengths: Vec<_> = strengths.into_iter().flatten().collect();
-    let strength = experiment.strength(&strengths);
+    let done = for_each(&open, options.jobs, steps, |id| writer.done(*id, testbed))?;
+    let (written, strength) = summarized(experiment, done);
     Ok(RunSummary {
         written,
         n_skipped,
         stopped_before,
         strength,
     })
+}
+
+/// What came of a run, and how its axes were driven and moved.
+type Done = (RunReport, Option<Vec<AxisStrength>>);
+
+/// What came of all runs, in the order of their names, and their strength as one.
+fn summarized(experiment: &Experiment, done: Vec<Done>) -> (Vec<RunReport>, Option<Strength>) {
+    let (mut reports, strengths): (Vec<RunReport>, Vec<_>) = done.into_iter().unzip();
+    reports.sort_by(|a, b| a.path.cmp(&b.path));
+    let strengths: Vec<_> = strengths.into_iter().flatten().collect();
+    (reports, experiment.strength(&strengths))
 }
 
 /// What is in the place of a run's file.
@@ -129,16 +121,39 @@ enum Found {
 
 /// Does runs and writes their files.
 struct Writer<'a> {
-    order: &'a Order,
+    planned: &'a PlannedRuns,
     folder: &'a Path,
     overwrite: Overwrite,
     metadata: BTreeMap<String, String>,
-    pose_rad: Vec<f64>,
 }
 
-impl Writer<'_> {
+impl<'a> Writer<'a> {
+    fn new(planned: &'a PlannedRuns, folder: &'a Path, overwrite: Overwrite) -> Self {
+        Self {
+            planned,
+            folder,
+            overwrite,
+            metadata: planned.experiment.provenance(),
+        }
+    }
+
     fn path_of(&self, id: RunId) -> PathBuf {
         self.folder.join(format!("{id}.mcap"))
+    }
+
+    /// The runs that are to be done, and the files of those that were stopped before and stay.
+    fn open(&self, ids: &[RunId]) -> (Vec<RunId>, Vec<PathBuf>) {
+        let (mut open, mut stopped_before) = (Vec::new(), Vec::new());
+        for &id in ids {
+            match self.found(id) {
+                Found::Whole => {}
+                Found::Stopped if self.overwrite != Overwrite::Replace => {
+                    stopped_before.push(self.path_of(id));
+                }
+                Found::Stopped | Found::Nothing => open.push(id),
+            }
+        }
+        (open, stopped_before)
     }
 
     fn found(&self, id: RunId) -> Found {
@@ -155,17 +170,13 @@ impl Writer<'_> {
         }
     }
 
-    /// Does a run and writes it; returns what came of it, and how the axes were driven and moved.
-    fn done(
-        &self,
-        id: RunId,
-        testbed: &dyn Testbed,
-    ) -> Result<(RunReport, Option<Vec<AxisStrength>>), ExperimentError> {
-        let experiment = &self.order.experiment;
-        let run = self.order.run(id)?;
+    /// Does a run and writes it.
+    fn done(&self, id: RunId, testbed: &dyn Testbed) -> Result<Done, ExperimentError> {
+        let experiment = &self.planned.experiment;
+        let run = self.planned.run(id)?;
         let record = testbed.run(&run)?;
         let file = run_file(experiment, id, record, self.metadata.clone())?;
-        let load = Load::of(&file.record, &run.start_rad, &self.pose_rad);
+        let load = Load::of(&file.record, &run.start_rad, &experiment.pose_rad);
         let report = report(self.path_of(id), load, &file.record);
         write_run(&report.path, self.overwrite, &file)?;
         Ok((report, experiment.strength_of(id, &file.record)))
@@ -173,8 +184,8 @@ impl Writer<'_> {
 }
 
 /// All runs, or the one at `index`.
-fn chosen(order: &Order, index: Option<usize>) -> Result<Vec<RunId>, ExperimentError> {
-    let ids = order.run_ids();
+fn chosen(planned: &PlannedRuns, index: Option<usize>) -> Result<Vec<RunId>, ExperimentError> {
+    let ids = planned.run_ids();
     let Some(index) = index else { return Ok(ids) };
     match ids.get(index) {
         Some(&id) => Ok(vec![id]),

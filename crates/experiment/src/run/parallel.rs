@@ -1,4 +1,4 @@
-//! Work on many runs at once: the results come in the order of the runs, whatever the number of
+//! Parallel work on many runs: the results come in the order of the runs, whatever the number of
 //! jobs.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -7,7 +7,7 @@ use rayon::prelude::*;
 
 use crate::error::ExperimentError;
 
-/// Told after each step how many of how many are done; returns whether to go on.
+/// Called after each step with how many of how many are done; returns whether to go on.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) -> bool + Sync);
 
 /// A progress that nobody watches.
@@ -16,10 +16,10 @@ pub fn silent(_done: usize, _total: usize) -> bool {
     true
 }
 
-/// Which steps of a longer work come next, and who is told of them.
+/// Which steps of a longer work come next, and where they are reported.
 #[derive(Clone, Copy)]
 pub struct Steps<'a> {
-    /// Told of every step.
+    /// Called after every step.
     pub progress: Progress<'a>,
     /// Steps done before.
     pub before: usize,
@@ -27,8 +27,8 @@ pub struct Steps<'a> {
     pub total: usize,
 }
 
-/// Does `work` for each of `items` on `jobs` threads (0: one for each core), a step each; the results
-/// are in the order of the items.
+/// Does `work` for each of `items` on `jobs` threads (0: one for each core), a step each; the
+/// results are in the order of the items.
 ///
 /// # Errors
 /// The first error of `work`, or [`ExperimentError::Interrupted`] when the progress said so. Work

@@ -1,10 +1,10 @@
-//! What is to be run: a description, whose references are made from the seed, or a plan file, whose
-//! references are read.
+//! Planned runs: of a description, whose references are made from the seed, or of a plan file,
+//! whose references are read.
 
 use std::path::Path;
 
 use frfid_files::{BoxError, Overwrite, PlanFile, PlanHead, PlannedRun, write_plan};
-use frfid_signals::{Run, RunId, RunKind};
+use frfid_signals::{Plan, Run, RunId, RunKind, SignalError};
 
 use crate::description::text::TomlText;
 use crate::error::ExperimentError;
@@ -13,14 +13,14 @@ use crate::run::parallel::Progress;
 
 /// Runs to be done.
 #[derive(Debug, Clone)]
-pub struct Order {
+pub struct PlannedRuns {
     /// The description.
     pub experiment: Experiment,
     /// The plan file whose references are played instead of those the description would give.
     plan: Option<PlanFile>,
 }
 
-impl Order {
+impl PlannedRuns {
     /// Reads a description (`.toml`) or a plan file (anything else).
     ///
     /// # Errors
@@ -46,7 +46,7 @@ impl Order {
         })
     }
 
-    /// An order to run a description.
+    /// The runs of a description.
     #[must_use]
     pub fn of(experiment: Experiment) -> Self {
         Self {
@@ -89,7 +89,23 @@ impl Experiment {
         progress: Progress,
     ) -> Result<(), ExperimentError> {
         let plan = &self.plan;
-        let head = PlanHead {
+        // repetitions share a reference: only the first of them is written
+        let ids: Vec<RunId> = plan.run_ids().filter(|id| id.repetition == 0).collect();
+        let total = ids.len();
+        let runs = ids.iter().enumerate().map(|(done, &id)| {
+            if !progress(done, total) {
+                let interrupted = ExperimentError::Interrupted { done, total };
+                return Err(BoxError::from(interrupted));
+            }
+            Ok(planned_run(plan, id)?)
+        });
+        Ok(write_plan(path, overwrite, &self.plan_head()?, runs)?)
+    }
+
+    /// What all runs of the plan file have in common.
+    fn plan_head(&self) -> Result<PlanHead, ExperimentError> {
+        let plan = &self.plan;
+        Ok(PlanHead {
             joint_names: self.joint_names.clone(),
             sample_time_s: plan.sample_time_s,
             injection: plan.injection,
@@ -98,26 +114,18 @@ impl Experiment {
             n_periods: plan.n_periods,
             metadata: self.provenance(),
             experiment_toml: self.to_toml(),
-        };
-        // repetitions share a reference: only the first of them is written
-        let ids: Vec<RunId> = plan.run_ids().filter(|id| id.repetition == 0).collect();
-        let runs = ids.iter().enumerate().map(|(done, &id)| {
-            if !progress(done, ids.len()) {
-                return Err(BoxError::from(ExperimentError::Interrupted {
-                    done,
-                    total: ids.len(),
-                }));
-            }
-            let n_repetitions = if id.kind == RunKind::Glide {
-                plan.n_glides
-            } else {
-                plan.n_repetitions
-            };
-            Ok(PlannedRun {
-                run: plan.run(id)?,
-                n_repetitions,
-            })
-        });
-        Ok(write_plan(path, overwrite, &head, runs)?)
+        })
     }
+}
+
+/// A run with the number of its repetitions.
+fn planned_run(plan: &Plan, id: RunId) -> Result<PlannedRun, SignalError> {
+    let n_repetitions = match id.kind {
+        RunKind::Glide => plan.n_glides,
+        RunKind::Excitation => plan.n_repetitions,
+    };
+    Ok(PlannedRun {
+        run: plan.run(id)?,
+        n_repetitions,
+    })
 }

@@ -1,4 +1,4 @@
-//! Where a file comes from: version, seed and hashes, the same in plans, records and results. No
+//! Provenance of a file: version, seed and hashes, the same in plans, records and results. No
 //! clock and no machine in it: the same description gives the same bytes.
 
 use std::collections::BTreeMap;

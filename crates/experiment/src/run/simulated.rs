@@ -1,4 +1,4 @@
-//! The simulated robot that a configuration describes, watched as a real one would be, and its
+//! Simulated robot that a description asks for, watched as a real one would be, and its
 //! linear truth.
 
 use std::sync::Arc;
@@ -58,27 +58,25 @@ impl Experiment {
     /// pose than the largest travel takes its place, on either side.
     #[must_use]
     pub fn watch(&self) -> Watch {
-        let all = &self.limits;
-        let room = |limit: Limit| -> Option<Vec<f64>> {
-            let positions = all.get(limit)?.iter().zip(&self.pose_rad);
-            Some(
-                positions
-                    .map(|(limit, pose)| (limit - pose).abs())
-                    .collect(),
-            )
-        };
         let mut limits: Limits = [Limit::Torque, Limit::Velocity, Limit::Travel]
             .into_iter()
-            .filter_map(|limit| Some((limit, all.get(limit)?.to_vec())))
+            .filter_map(|limit| Some((limit, self.limits.get(limit)?.to_vec())))
             .collect();
-        for room in [room(Limit::LowestPosition), room(Limit::HighestPosition)] {
-            let travel = room.map(|room| (Limit::Travel, room));
+        for side in [Limit::LowestPosition, Limit::HighestPosition] {
+            let travel = self.room_rad(side).map(|room| (Limit::Travel, room));
             limits = limits.tighter(&travel.into_iter().collect());
         }
         Watch {
             limits,
             ramp_s: RAMP_S,
         }
+    }
+
+    /// Distance in rad from the pose to a position limit, one for each axis; `None` without one.
+    fn room_rad(&self, side: Limit) -> Option<Vec<f64>> {
+        let positions = self.limits.get(side)?.iter().zip(&self.pose_rad);
+        let distance = |(limit, pose): (&f64, &f64)| (limit - pose).abs();
+        Some(positions.map(distance).collect())
     }
 }
 

@@ -1,5 +1,5 @@
-//! The shaping that a description asks for (SK15 section 5.3): from the reference of its `[chirp]`
-//! towards what its `[shape]` desires, inside its limits.
+//! Beginning of the shaping that a description asks for (SK15 section 5.3): from the reference of
+//! its `[chirp]` towards what its `[shape]` desires, inside its limits.
 
 use frfid_estimate::{EstimateError, ShapeError, ShapeOptions, Shaper, Target};
 use frfid_plant::Sensor;
@@ -25,22 +25,23 @@ impl Experiment {
         let (chirp, table) = self.shaped()?;
         let (target, _) = self.desired(table)?;
         let options = self.shape_options(chirp, table, target);
-        let made = Shaper::new(
-            self.desired_signal()?,
-            experiments(&self.plan)?,
-            options.clone(),
-        );
-        let shaper = made.map_err(|error| match error {
-            ShapeError::StartTooLarge { .. } => self
-                .text
-                .error(&["chirp", "amplitude_rad_s"], error.to_string())
-                .into(),
+        let (desired, initial) = (self.desired_signal()?, experiments(&self.plan)?);
+        let shaper = Shaper::new(desired, initial, options.clone());
+        Ok((shaper.map_err(|error| self.at_its_place(error))?, options))
+    }
+
+    /// An error of the shaper at the place of what it complains about.
+    fn at_its_place(&self, error: ShapeError) -> ExperimentError {
+        match error {
+            ShapeError::StartTooLarge { .. } => {
+                let key = &["chirp", "amplitude_rad_s"];
+                self.text.error(key, error.to_string()).into()
+            }
             ShapeError::Estimate(EstimateError::Signal(error)) => {
                 self.text.locate(&["shape"], error).into()
             }
-            error => ExperimentError::from(error),
-        })?;
-        Ok((shaper, options))
+            error => error.into(),
+        }
     }
 
     /// What the target shall be, `(experiment, channel, sample)`: the chirp with the amplitudes
@@ -103,52 +104,47 @@ impl Experiment {
                 return Err(self.text.error(&["shape"], message));
             }
         };
-        let n_axes = self.plan.n_inputs;
-        if amplitude.len() != n_axes {
-            let message = format!(
-                "{key} has {} entries, needed: one for each of the {n_axes} axes",
-                amplitude.len()
-            );
-            return Err(self.text.error(&["shape", key], message));
-        }
         let profiles: Vec<Profile> = amplitude.iter().map(Amplitude::profile).collect();
-        for (axis, profile) in profiles.iter().enumerate() {
-            profile
-                .check()
-                .map_err(|error| self.text.error(&["shape", key], error.to_string()))?;
-            if profile.peak() == 0.0 {
-                let message = format!(
-                    "axis {} desires nothing; needed: an amplitude above 0",
-                    axis + 1
-                );
-                return Err(self.text.error(&["shape", key], message));
-            }
-        }
-        self.inside_limits(target, key, &profiles)?;
+        self.check_desired(key, &profiles)
+            .and_then(|()| self.check_inside_limits(target, &profiles))
+            .map_err(|message| self.text.error(&["shape", key], message))?;
         Ok((target, profiles))
     }
 
+    /// Refuses amplitudes that are not one for each axis, of which one is not sound or nothing.
+    fn check_desired(&self, key: &str, profiles: &[Profile]) -> Result<(), String> {
+        let n_axes = self.plan.n_inputs;
+        if profiles.len() != n_axes {
+            let found = profiles.len();
+            return Err(format!(
+                "{key} has {found} entries, needed: one for each of the {n_axes} axes"
+            ));
+        }
+        for (axis, profile) in profiles.iter().enumerate() {
+            profile.check().map_err(|error| error.to_string())?;
+            if profile.peak() == 0.0 {
+                let axis = axis + 1;
+                return Err(format!(
+                    "axis {axis} desires nothing; needed: an amplitude above 0"
+                ));
+            }
+        }
+        Ok(())
+    }
+
     /// Refuses what is desired beyond a limit.
-    fn inside_limits(
-        &self,
-        target: Target,
-        key: &str,
-        profiles: &[Profile],
-    ) -> Result<(), ConfigError> {
+    fn check_inside_limits(&self, target: Target, profiles: &[Profile]) -> Result<(), String> {
         let limit = match target {
             Target::Torque => Limit::Torque,
             Target::Velocity => Limit::Velocity,
         };
-        let limits = &self.limits;
         for (axis, profile) in profiles.iter().enumerate() {
-            let (peak, allowed) = (profile.peak(), limits.of(limit, axis));
+            let (peak, allowed) = (profile.peak(), self.limits.of(limit, axis));
             if peak > allowed {
-                let (unit, name) = (limit.unit(), limit.key());
-                let message = format!(
-                    "axis {} desires {peak} {unit}, beyond its {name} of {allowed}; lower it",
-                    axis + 1
-                );
-                return Err(self.text.error(&["shape", key], message));
+                let (axis, unit, name) = (axis + 1, limit.unit(), limit.key());
+                return Err(format!(
+                    "axis {axis} desires {peak} {unit}, beyond its {name} of {allowed}; lower it"
+                ));
             }
         }
         Ok(())

@@ -1,4 +1,4 @@
-//! Shaping on the description's own model, with nothing on disk.
+//! Shaping in memory, on the description's own model, with nothing on disk.
 
 use frfid_estimate::{Driver, Iteration, Shaped, Shaper};
 use frfid_signals::{Record, Testbed};
@@ -8,10 +8,10 @@ use crate::experiment::Experiment;
 use crate::run::parallel::{Progress, Steps, for_each, silent};
 
 /// Sees every iteration of a shaping.
-pub type Look<'a> = dyn FnMut(&Iteration) -> Result<(), ExperimentError> + 'a;
+pub(crate) type Look<'a> = dyn FnMut(&Iteration) -> Result<(), ExperimentError> + 'a;
 
 impl Experiment {
-    /// Shapes the chirp on the model; `look` sees every iteration, `progress` is told of each.
+    /// Shapes the chirp on the model; `look` and `progress` see every iteration.
     ///
     /// # Errors
     /// [`ExperimentError`] of the description, a run or the shaping, or an interruption.

@@ -1,11 +1,13 @@
-//! The files of one iteration of a shaping: FRFs, errors, and where they come from.
+//! Files of one iteration of a shaping: FRFs, errors, and where they come from.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
 use frfid_estimate as estimate;
-use frfid_files::{Check, Overwrite, ResultFile, sha256_file, write_bytes, write_result};
+use frfid_files::{
+    Check, FileError, Overwrite, ResultFile, sha256_file, write_bytes, write_result,
+};
 use frfid_signals::{Frf, Record, RunId};
 
 use crate::error::ExperimentError;
@@ -22,6 +24,13 @@ const RESPONSE: &str = "response.json";
 const ERRORS: &str = "errors.csv";
 /// The files of an iteration besides its runs.
 pub(crate) const NAMES: [&str; 3] = [U_TO_Y, RESPONSE, ERRORS];
+/// FRF of the best iteration, in the folder of the shaping.
+pub(crate) const BEST: &str = "frf.json";
+
+/// Folder of an iteration.
+pub(crate) fn iteration_name(number: usize) -> String {
+    format!("iteration_{number:02}")
+}
 
 /// Writes the files of iterations.
 pub(crate) struct IterationFiles<'a> {
@@ -33,7 +42,7 @@ pub(crate) struct IterationFiles<'a> {
 
 impl<'a> IterationFiles<'a> {
     /// For the iterations of an experiment.
-    pub fn new(experiment: &'a Experiment) -> Result<Self, ExperimentError> {
+    pub(crate) fn new(experiment: &'a Experiment) -> Result<Self, ExperimentError> {
         let estimator = Estimator::new(&experiment.plan, &experiment.config.estimate)?;
         Ok(Self {
             experiment,
@@ -43,23 +52,19 @@ impl<'a> IterationFiles<'a> {
     }
 
     /// The FRF from motor torque to motor velocity, by excerpts of the chirp.
-    pub fn frf(&self, records: &[Record]) -> Result<Frf, ExperimentError> {
+    pub(crate) fn frf(&self, records: &[Record]) -> Result<Frf, ExperimentError> {
         self.estimator.frf_of_experiments(records)
     }
 
     /// Whether U of an iteration can be inverted well.
-    pub fn condition_check(&self, frf: &Frf, iteration: &estimate::Iteration) -> Check {
+    pub(crate) fn condition_check(&self, frf: &Frf, iteration: &estimate::Iteration) -> Check {
         let still = vec![0.0; self.experiment.plan.n_inputs];
-        let loads = iteration
-            .records
-            .iter()
-            .map(|record| Load::of(record, &still, &still));
-        let torques = Load::largest(loads).map(|load| load.torque_rms_nm);
+        let torques = largest_load(&iteration.records, &still).map(|load| load.torque_rms_nm);
         condition_check(frf, &torques.unwrap_or_default())
     }
 
     /// Writes FRFs and errors beside the runs in `folder`; returns the hash of every file.
-    pub fn write(
+    pub(crate) fn write(
         &self,
         iteration: &estimate::Iteration,
         frf: Option<Frf>,
@@ -73,16 +78,7 @@ impl<'a> IterationFiles<'a> {
             names.push(U_TO_Y.into());
         }
         if let Some(estimate) = &iteration.estimate {
-            write_result(
-                &folder.join(RESPONSE),
-                Overwrite::Replace,
-                &self.response(estimate.r_to_u.clone()),
-            )?;
-            write_bytes(
-                &folder.join(ERRORS),
-                Overwrite::Replace,
-                errors_csv(estimate).as_bytes(),
-            )?;
+            self.write_response(estimate, folder)?;
             names.extend([RESPONSE.into(), ERRORS.into()]);
         }
         let hashed = |name: String| {
@@ -92,8 +88,20 @@ impl<'a> IterationFiles<'a> {
         names.into_iter().map(hashed).collect()
     }
 
+    /// Writes the response from the reference and the errors over frequency.
+    fn write_response(
+        &self,
+        estimate: &estimate::Estimate,
+        folder: &Path,
+    ) -> Result<(), FileError> {
+        let response = self.response(estimate.r_to_u.clone());
+        write_result(&folder.join(RESPONSE), Overwrite::Replace, &response)?;
+        let errors = errors_csv(estimate);
+        write_bytes(&folder.join(ERRORS), Overwrite::Replace, errors.as_bytes())
+    }
+
     /// The FRF of an iteration with the runs in `folder` as a result.
-    pub fn result(
+    pub(crate) fn result(
         &self,
         frf: Frf,
         iteration: &estimate::Iteration,
@@ -101,24 +109,16 @@ impl<'a> IterationFiles<'a> {
         checks: Vec<Check>,
     ) -> Result<ResultFile, ExperimentError> {
         let pose = &self.experiment.pose_rad;
-        let start = vec![0.0; pose.len()];
-        let loads = iteration
-            .records
-            .iter()
-            .map(|record| Load::of(record, &start, pose));
-        let peaks = Load::largest(loads);
+        let load = largest_load(&iteration.records, pose);
         let mut result = ResultFile {
             checks,
-            ..self.experiment.result(frf, peaks.as_ref())
+            ..self.experiment.result(frf, load.as_ref())
         };
-        result
-            .provenance
-            .insert("iteration".into(), iteration.number.to_string());
+        let provenance = &mut result.provenance;
+        provenance.insert("iteration".into(), iteration.number.to_string());
         for name in run_names(iteration) {
-            result.provenance.insert(
-                format!("sha256 of {name}"),
-                sha256_file(&folder.join(&name))?,
-            );
+            let hash = sha256_file(&folder.join(&name))?;
+            provenance.insert(format!("sha256 of {name}"), hash);
         }
         Ok(result)
     }
@@ -141,6 +141,13 @@ impl<'a> IterationFiles<'a> {
             ..ResultFile::torque_to_velocity(frf, &joints)
         }
     }
+}
+
+/// The load of all records, which began at the pose.
+fn largest_load(records: &[Record], pose_rad: &[f64]) -> Option<Load> {
+    let start_rad = vec![0.0; pose_rad.len()];
+    let load = |record| Load::of(record, &start_rad, pose_rad);
+    Load::largest(records.iter().map(load))
 }
 
 fn run_id(realization: usize, experiment: usize) -> RunId {

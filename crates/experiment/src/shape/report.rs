@@ -1,5 +1,5 @@
-//! What a shaping came to, as `shape.json` in its folder tells it. No clock and no machine in it:
-//! the same runs give the same bytes.
+//! Report of a shaping, `shape.json` in its folder. No clock and no machine in it: the same runs
+//! give the same bytes.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -12,6 +12,10 @@ use crate::experiment::Experiment;
 
 /// Name of the file in the folder of a shaping.
 pub(crate) const FILE: &str = "shape.json";
+/// What to do where a folder does not hold what it should.
+pub(crate) const ANOTHER_FOLDER: &str =
+    "choose another folder, or say that it may be replaced (--force, in Python overwrite=True)";
+
 const FORMAT: &str = "frfid-shape";
 const VERSION: u32 = 1;
 
@@ -147,23 +151,24 @@ impl ShapeReport {
                 });
             }
         };
-        let format = |found: String| {
-            FileError::Format {
-            path: path.clone(),
-            found,
-            needed: "a shaping written by frfid (JSON, frfid-shape version 1)",
-            advice: "choose another folder, or say that it may be replaced (--force, in Python overwrite=True)".into(),
+        match Self::of_json(&text) {
+            Ok(report) => Ok(Some(report)),
+            Err(found) => Err(FileError::Format {
+                path,
+                found,
+                needed: "a shaping written by frfid (JSON, frfid-shape version 1)",
+                advice: ANOTHER_FOLDER.into(),
+            }),
         }
-        };
-        let report: Self =
-            serde_json::from_slice(&text).map_err(|error| format(error.to_string()))?;
+    }
+
+    /// The report that the file holds, or what it holds instead.
+    fn of_json(text: &[u8]) -> Result<Self, String> {
+        let report: Self = serde_json::from_slice(text).map_err(|error| error.to_string())?;
         if (report.format.as_str(), report.version) != (FORMAT, VERSION) {
-            return Err(format(format!(
-                "{} version {}",
-                report.format, report.version
-            )));
+            return Err(format!("{} version {}", report.format, report.version));
         }
-        Ok(Some(report))
+        Ok(report)
     }
 
     /// The report as it stands in the file.

@@ -1,4 +1,4 @@
-//! What is inside a chunk, or outside of chunks: topics, messages, metadata and attachments.
+//! Content of chunks, and of records outside of them: topics, messages, metadata and attachments.
 
 use std::collections::{BTreeMap, HashMap};
 
@@ -8,8 +8,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 
 use crate::bytes::Short;
 use crate::error::{FileError, chain};
-use crate::mcap::read::{LENGTH_LIMIT, RawRecord};
-use crate::mcap::record::{self, Attachment, Channel, Message, Schema};
+use crate::mcap::record::{self, Attachment, Channel, LENGTH_LIMIT, Message, RawRecord, Schema};
 
 /// What a file holds, in the order of the file.
 pub(crate) enum Entry<'a> {
@@ -58,32 +57,40 @@ impl Topics {
         body: &[u8],
         visit: &mut Visit,
     ) -> Result<Result<(), Short>, FileError> {
-        let entry = match opcode {
-            op::SCHEMA | op::CHANNEL => return Ok(self.define(opcode, body)),
-            op::METADATA => {
-                record::metadata(body).map(|(name, values)| Entry::Metadata { name, values })
-            }
-            op::ATTACHMENT => record::attachment(body).map(Entry::Attachment),
-            op::MESSAGE => match record::message(body) {
-                Err(short) => Err(short),
-                Ok(message) => {
-                    let Some(channel) = self.channels.get(&message.channel_id) else {
-                        self.orphans += 1;
-                        return Ok(Ok(()));
-                    };
-                    Ok(Entry::Message {
-                        channel,
-                        schema: self.schemas.get(&channel.schema_id),
-                        message,
-                    })
-                }
-            },
-            _ => return Ok(Ok(())),
-        };
-        match entry {
-            Ok(entry) => visit(entry).map(Ok),
+        if matches!(opcode, op::SCHEMA | op::CHANNEL) {
+            return Ok(self.define(opcode, body));
+        }
+        match self.entry(opcode, body) {
+            Ok(Some(entry)) => visit(entry).map(Ok),
+            Ok(None) => Ok(Ok(())),
             Err(short) => Ok(Err(short)),
         }
+    }
+
+    /// What a record holds, if it is of interest.
+    fn entry<'a>(&'a mut self, opcode: u8, body: &'a [u8]) -> Result<Option<Entry<'a>>, Short> {
+        Ok(match opcode {
+            op::METADATA => {
+                let (name, values) = record::metadata(body)?;
+                Some(Entry::Metadata { name, values })
+            }
+            op::ATTACHMENT => Some(Entry::Attachment(record::attachment(body)?)),
+            op::MESSAGE => self.message(record::message(body)?),
+            _ => None,
+        })
+    }
+
+    /// A message with its topic; one without is counted.
+    fn message<'a>(&'a mut self, message: Message<'a>) -> Option<Entry<'a>> {
+        let Some(channel) = self.channels.get(&message.channel_id) else {
+            self.orphans += 1;
+            return None;
+        };
+        Some(Entry::Message {
+            channel,
+            schema: self.schemas.get(&channel.schema_id),
+            message,
+        })
     }
 }
 

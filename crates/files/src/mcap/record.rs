@@ -1,9 +1,32 @@
-//! The records of an MCAP file that we read ourselves (<https://mcap.dev/spec>), bounds-checked;
+//! Records of an MCAP file that we read ourselves (<https://mcap.dev/spec>), bounds-checked;
 //! chunks are unpacked by the `mcap` crate.
 
 use std::collections::BTreeMap;
 
 use crate::bytes::{Bytes, Short};
+
+/// No record, packed or unpacked, may be longer: 256 MiB.
+pub(crate) const LENGTH_LIMIT: u64 = 256 << 20;
+
+/// Length of the opcode and the length in front of every record.
+pub(crate) const HEAD: u64 = 9;
+
+/// One top-level record, head included.
+pub(crate) struct RawRecord {
+    pub(crate) bytes: Vec<u8>,
+    /// The file ends before the record does.
+    pub(crate) is_cut: bool,
+}
+
+impl RawRecord {
+    pub(crate) fn opcode(&self) -> u8 {
+        self.bytes[0]
+    }
+
+    pub(crate) fn body(&self) -> &[u8] {
+        &self.bytes[HEAD as usize..]
+    }
+}
 
 /// A message type as the file describes it.
 #[derive(Debug, Clone, PartialEq, Eq)]

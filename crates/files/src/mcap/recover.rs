@@ -1,4 +1,4 @@
-//! Salvages a damaged or half-written MCAP: everything readable goes into a new file with fresh
+//! Recovery of a damaged or half-written MCAP: everything readable goes into a new file with fresh
 //! chunks, checksums and index.
 
 use std::io::{BufReader, Write};
@@ -14,6 +14,7 @@ use crate::loss::{self, Loss};
 use crate::mcap::chunk::Entry;
 use crate::mcap::open::open_mcap;
 use crate::mcap::read::{Part, scan};
+use crate::mcap::record::{Attachment, Channel, Message, Schema};
 use crate::mcap::write::options;
 
 /// What was salvaged.
@@ -37,13 +38,7 @@ pub struct Recovered {
 /// Those of reading and writing; [`FileError::Shape`] if `output` would be written over the input
 /// on the way.
 pub fn recover(input: &Path, output: &Path, overwrite: Overwrite) -> Result<Recovered, FileError> {
-    let is_input = |path: &Path| {
-        path == input
-            || path
-                .canonicalize()
-                .is_ok_and(|path| input.canonicalize().is_ok_and(|input| path == input))
-    };
-    if is_input(output) || is_input(&part_path(output)) {
+    if is_same_file(output, input) || is_same_file(&part_path(output), input) {
         return Err(FileError::Shape {
             what: "output",
             found: format!(
@@ -63,6 +58,14 @@ pub fn recover(input: &Path, output: &Path, overwrite: Overwrite) -> Result<Reco
     Ok(recovered)
 }
 
+/// Whether two names are of one file.
+fn is_same_file(a: &Path, b: &Path) -> bool {
+    a == b
+        || a.canonicalize()
+            .is_ok_and(|a| b.canonicalize().is_ok_and(|b| a == b))
+}
+
+/// Copies what can be read of the file at `path`.
 fn copy<W: Write>(
     file: BufReader<std::fs::File>,
     path: &Path,
@@ -91,7 +94,7 @@ fn copy<W: Write>(
     Ok(recovered)
 }
 
-/// Schemas and channels are recognised by their content and written once each.
+/// Writes an entry and counts it. A damaged attachment is left out.
 fn put<W: Write>(
     writer: &mut Writer<NoSeek<W>>,
     entry: Entry,
@@ -100,47 +103,70 @@ fn put<W: Write>(
     match entry {
         Entry::Metadata { name, values } => {
             recovered.n_metadata += 1;
-            writer.write_metadata(&Metadata {
-                name,
-                metadata: values,
-            })
+            let metadata = values;
+            writer.write_metadata(&Metadata { name, metadata })
         }
         Entry::Attachment(attachment) if !attachment.is_sound => Ok(()),
         Entry::Attachment(attachment) => {
             recovered.n_attachments += 1;
-            writer.attach(&mcap::Attachment {
-                log_time: attachment.log_time_ns,
-                create_time: attachment.create_time_ns,
-                name: attachment.name,
-                media_type: attachment.media_type,
-                data: attachment.data.into(),
-            })
+            put_attachment(writer, attachment)
         }
         Entry::Message {
             channel,
             schema,
             message,
         } => {
-            let schema_id = match schema {
-                Some(schema) => writer.add_schema(&schema.name, &schema.encoding, &schema.text)?,
-                None => 0,
-            };
-            let channel_id = writer.add_channel(
-                schema_id,
-                &channel.topic,
-                &channel.encoding,
-                &channel.metadata,
-            )?;
-            let header = MessageHeader {
-                channel_id,
-                sequence: message.sequence,
-                log_time: message.log_time_ns,
-                publish_time: message.publish_time_ns,
-            };
+            let channel_id = channel_id(writer, channel, schema)?;
             recovered.n_messages += 1;
-            writer.write_to_known_channel(&header, message.data)
+            put_message(writer, channel_id, &message)
         }
     }
+}
+
+fn put_attachment<W: Write>(
+    writer: &mut Writer<NoSeek<W>>,
+    attachment: Attachment,
+) -> McapResult<()> {
+    writer.attach(&mcap::Attachment {
+        log_time: attachment.log_time_ns,
+        create_time: attachment.create_time_ns,
+        name: attachment.name,
+        media_type: attachment.media_type,
+        data: attachment.data.into(),
+    })
+}
+
+/// The topic's number in the new file. Schemas and channels are recognised by their content and
+/// written once each.
+fn channel_id<W: Write>(
+    writer: &mut Writer<NoSeek<W>>,
+    channel: &Channel,
+    schema: Option<&Schema>,
+) -> McapResult<u16> {
+    let schema_id = match schema {
+        Some(schema) => writer.add_schema(&schema.name, &schema.encoding, &schema.text)?,
+        None => 0,
+    };
+    writer.add_channel(
+        schema_id,
+        &channel.topic,
+        &channel.encoding,
+        &channel.metadata,
+    )
+}
+
+fn put_message<W: Write>(
+    writer: &mut Writer<NoSeek<W>>,
+    channel_id: u16,
+    message: &Message,
+) -> McapResult<()> {
+    let header = MessageHeader {
+        channel_id,
+        sequence: message.sequence,
+        log_time: message.log_time_ns,
+        publish_time: message.publish_time_ns,
+    };
+    writer.write_to_known_channel(&header, message.data)
 }
 
 #[cfg(test)]

@@ -1,5 +1,5 @@
-//! The summary at the end of an MCAP file: the topics once more and where the chunks are. With it,
-//! one broken record does not hide the chunks behind it.
+//! Summary at the end of an MCAP file: the topics once more and where the chunks are. With it, one
+//! broken record does not hide the chunks behind it.
 
 use std::io::{self, Read, Seek, SeekFrom};
 
@@ -7,12 +7,14 @@ use mcap::records::op;
 
 use crate::bytes::{Bytes, Short};
 use crate::mcap::chunk::Topics;
-use crate::mcap::read::LENGTH_LIMIT;
-use crate::mcap::record::{self, ChunkIndex};
+use crate::mcap::record::{self, ChunkIndex, LENGTH_LIMIT};
 
 /// Length of the footer record with its head, and of the magic bytes behind it.
 const FOOTER: u64 = 9 + 20;
 const MAGIC: u64 = 8;
+
+/// The last bytes of a file: its footer and the magic bytes.
+type End = [u8; (FOOTER + MAGIC) as usize];
 
 /// What the end of the file says about its content.
 #[derive(Debug, Default)]
@@ -32,36 +34,46 @@ pub(crate) fn read<R: Read + Seek>(
         return Ok(Err("the file is cut".into()));
     };
     file.seek(SeekFrom::Start(footer_at))?;
-    let mut end = [0; (FOOTER + MAGIC) as usize];
+    let mut end: End = [0; (FOOTER + MAGIC) as usize];
     file.read_exact(&mut end)?;
-    if end[FOOTER as usize..] != *mcap::MAGIC || end[0] != op::FOOTER {
-        return Ok(Err(
-            "the file has no end: it was cut, or its writer did not finish".into(),
-        ));
-    }
-    let start = u64::from_le_bytes(end[9..17].try_into().unwrap_or_default());
-    if start == 0 {
-        return Ok(Ok(Summary::default()));
-    }
-    let Some(size) = footer_at
-        .checked_sub(start)
-        .filter(|&size| size <= LENGTH_LIMIT)
-    else {
-        return Ok(Err(format!(
-            "the footer puts the summary at byte {start}, which cannot be"
-        )));
+    let (start, size) = match place(&end, footer_at) {
+        Ok(Some(place)) => place,
+        Ok(None) => return Ok(Ok(Summary::default())),
+        Err(reason) => return Ok(Err(reason)),
     };
     file.seek(SeekFrom::Start(start))?;
     let mut section = vec![0; size as usize];
     file.read_exact(&mut section)?;
-    let crc = u32::from_le_bytes(end[25..29].try_into().unwrap_or_default());
-    let mut found = crc32fast::Hasher::new_with_initial_len(0, 0);
-    found.update(&section);
-    found.update(&end[..25]);
-    if crc != 0 && crc != found.finalize() {
+    if !is_sound(&section, &end) {
         return Ok(Err("the checksum of the summary fails".into()));
     }
     Ok(parse(&section).map_err(|short| format!("the summary is broken: {short}")))
+}
+
+/// Where the summary begins and how long it is; `None` where the writer left it out.
+fn place(end: &End, footer_at: u64) -> Result<Option<(u64, u64)>, String> {
+    if end[FOOTER as usize..] != *mcap::MAGIC || end[0] != op::FOOTER {
+        return Err("the file has no end: it was cut, or its writer did not finish".into());
+    }
+    let start = u64::from_le_bytes(end[9..17].try_into().unwrap_or_default());
+    if start == 0 {
+        return Ok(None);
+    }
+    match footer_at.checked_sub(start) {
+        Some(size) if size <= LENGTH_LIMIT => Ok(Some((start, size))),
+        _ => Err(format!(
+            "the footer puts the summary at byte {start}, which cannot be"
+        )),
+    }
+}
+
+/// Whether the checksum in the footer, if there is one, is that of summary and footer.
+fn is_sound(section: &[u8], end: &End) -> bool {
+    let crc = u32::from_le_bytes(end[25..29].try_into().unwrap_or_default());
+    let mut found = crc32fast::Hasher::new_with_initial_len(0, 0);
+    found.update(section);
+    found.update(&end[..25]);
+    crc == 0 || crc == found.finalize()
 }
 
 fn parse(section: &[u8]) -> Result<Summary, Short> {

@@ -1,4 +1,4 @@
-//! Writes MCAP files that rosbag2, Foxglove, PlotJuggler and MATLAB open: ROS 2 profile, CDR
+//! Writer of MCAP files that rosbag2, Foxglove, PlotJuggler and MATLAB open: ROS 2 profile, CDR
 //! messages, zstd chunks with checksums, an index, and nothing that depends on the machine or the
 //! clock: same content, same bytes.
 

@@ -1,4 +1,4 @@
-//! A plan as a file: the references of every run, one after the other on one time axis, so that a
+//! Plan files: the references of every run, one after the other on one time axis, so that a
 //! player on the robot's side can send them: `/joint_commands` (effort or velocity), and the start
 //! of every run on `/frfid/events`.
 

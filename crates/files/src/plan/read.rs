@@ -1,15 +1,16 @@
-//! Reads a plan, run by run.
+//! Reader of plan files, run by run.
 
 use std::collections::BTreeMap;
 use std::path::Path;
 
 use frfid_signals::{Injection, Run, RunId};
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView1};
 
 use crate::error::FileError;
 use crate::mcap::chunk::Entry;
 use crate::mcap::open::open_mcap;
 use crate::mcap::read::{Part, scan};
+use crate::mcap::record::Message;
 use crate::mcap::write::stamp_ns;
 use crate::plan::{INDEX, PlanEntry, PlanFile, PlanHead, PlanIndex, PlanStructure, VERSION};
 use crate::ros::joint_state::JointState;
@@ -22,26 +23,11 @@ impl PlanFile {
     /// [`FileError::Io`]; [`FileError::Format`]; [`FileError::Content`] if it is no plan of ours,
     /// cut or damaged: a plan moves a robot, so a damaged one is refused as a whole.
     pub fn open(path: &Path) -> Result<Self, FileError> {
-        let (mut metadata, mut plan, mut index, mut toml) = (BTreeMap::new(), None, None, None);
-        let damages = scan(open_mcap(path)?, path, Part::Description, &mut |entry| {
-            match entry {
-                Entry::Metadata { name, values } if name == header::PROVENANCE => metadata = values,
-                Entry::Metadata { name, values } if name == header::PLAN => plan = Some(values),
-                Entry::Metadata { name, values } if name == INDEX => index = Some(values),
-                Entry::Attachment(attachment)
-                    if attachment.name == header::EXPERIMENT && attachment.is_sound =>
-                {
-                    toml = String::from_utf8(attachment.data.to_vec()).ok();
-                }
-                _ => {}
-            }
-            Ok(())
-        })?;
+        let texts = PlanTexts::read(path)?;
         let refused = |found: String| not_a_plan(path, found);
-        if let Some(damage) = damages.into_iter().next() {
-            return Err(refused(damage.reason));
-        }
-        let (Some(plan), Some(index), Some(experiment_toml)) = (plan, index, toml) else {
+        let (Some(plan), Some(index), Some(experiment_toml)) =
+            (texts.plan, texts.index, texts.experiment_toml)
+        else {
             return Err(refused("an MCAP without the records of a plan".into()));
         };
         let plan: PlanStructure<PlanHead> = header::from_texts(&plan).map_err(refused)?;
@@ -56,7 +42,7 @@ impl PlanFile {
             .map_err(|error| refused(error.to_string()))?;
         Ok(Self {
             head: PlanHead {
-                metadata,
+                metadata: texts.metadata,
                 experiment_toml,
                 ..plan.head
             },
@@ -81,41 +67,32 @@ impl PlanFile {
     /// # Errors
     /// [`FileError::Content`] if the plan does not hold this run, or its reference is damaged.
     pub fn run(&self, id: RunId) -> Result<Run, FileError> {
-        let holds = |entry: &&PlanEntry| {
-            let repetitions =
-                entry.id.repetition..entry.id.repetition.saturating_add(entry.n_repetitions);
-            RunId {
-                repetition: entry.id.repetition,
-                ..id
-            } == entry.id
-                && repetitions.contains(&id.repetition)
-        };
-        let entry = self
-            .runs
-            .iter()
-            .find(holds)
-            .ok_or_else(|| FileError::Content {
-                path: self.path.clone(),
-                what: "runs of the plan".into(),
-                found: format!("no {id}"),
-                needed: match (self.runs.first(), self.runs.last()) {
-                    (Some(first), Some(last)) => {
-                        format!("{} to {}, with their repetitions", first.id, last.id)
-                    }
-                    _ => "a plan with runs".into(),
-                },
-            })?;
-        let reference = self.reference(entry)?;
-        let (velocity_rad_s, start_rad) = (entry.velocity_rad_s.clone(), entry.start_rad.clone());
+        let entry = self.runs.iter().find(|entry| entry.holds(id));
+        let entry = entry.ok_or_else(|| self.no_run(id))?;
         Ok(Run {
             id,
             sample_time_s: self.head.sample_time_s,
-            reference,
-            velocity_rad_s,
-            start_rad,
+            reference: self.reference(entry)?,
+            velocity_rad_s: entry.velocity_rad_s.clone(),
+            start_rad: entry.start_rad.clone(),
         })
     }
 
+    fn no_run(&self, id: RunId) -> FileError {
+        FileError::Content {
+            path: self.path.clone(),
+            what: "runs of the plan".into(),
+            found: format!("no {id}"),
+            needed: match (self.runs.first(), self.runs.last()) {
+                (Some(first), Some(last)) => {
+                    format!("{} to {}, with their repetitions", first.id, last.id)
+                }
+                _ => "a plan with runs".into(),
+            },
+        }
+    }
+
+    /// The reference of a run, every sample of it sound.
     fn reference(&self, entry: &PlanEntry) -> Result<Array2<f64>, FileError> {
         let (joints, n) = (self.head.joint_names.len(), entry.n_samples);
         let refused = |found: String| not_a_plan(&self.path, format!("run {}: {found}", entry.id));
@@ -123,56 +100,107 @@ impl PlanFile {
             return Err(refused(format!("{n} samples")));
         }
         let mut reference = Array2::from_elem((joints, n), f64::NAN);
-        let stamp = |k: usize| {
-            stamp_ns(
-                entry.start_sample.saturating_add(k),
-                self.head.sample_time_s,
-            )
-        };
-        let (start_ns, step_ns) = (stamp(0), self.head.sample_time_s * 1e9);
+        let window = Part::Window(self.stamp_ns(entry, 0), self.stamp_ns(entry, n - 1));
         scan(
             open_mcap(&self.path)?,
             &self.path,
-            Part::Window(start_ns, stamp(n - 1)),
-            &mut |item| {
-                let Entry::Message {
+            window,
+            &mut |item| match item {
+                Entry::Message {
                     channel, message, ..
-                } = item
-                else {
-                    return Ok(());
-                };
-                let sample =
-                    (message.log_time_ns.wrapping_sub(start_ns) as f64 / step_ns).round() as usize;
-                if channel.topic != topics::COMMANDS
-                    || message.log_time_ns < start_ns
-                    || sample >= n
-                {
-                    return Ok(());
-                }
-                let (state, _) =
-                    JointState::decode(message.data).map_err(|error| refused(error.to_string()))?;
-                let values = match self.head.injection {
-                    Injection::Torque => state.effort,
-                    Injection::Velocity => state.velocity,
-                };
-                if values.len() != joints || state.stamp_ns != stamp(sample) {
-                    return Err(refused(format!(
-                        "{} values at {} ns",
-                        values.len(),
-                        state.stamp_ns
-                    )));
-                }
-                reference
-                    .column_mut(sample)
-                    .assign(&ndarray::ArrayView1::from(&values));
-                Ok(())
+                } if channel.topic == topics::COMMANDS => self
+                    .take_command(entry, &message, &mut reference)
+                    .map_err(refused),
+                _ => Ok(()),
             },
         )?;
         let missing = reference.iter().filter(|value| !value.is_finite()).count();
         if missing > 0 {
-            Err(refused(format!("{missing} samples are damaged")))
-        } else {
-            Ok(reference)
+            return Err(refused(format!("{missing} samples are damaged")));
+        }
+        Ok(reference)
+    }
+
+    /// Stores the command of one sample; the commands of other runs are left out.
+    fn take_command(
+        &self,
+        entry: &PlanEntry,
+        message: &Message,
+        reference: &mut Array2<f64>,
+    ) -> Result<(), String> {
+        let (start_ns, step_ns) = (self.stamp_ns(entry, 0), self.head.sample_time_s * 1e9);
+        let since_start_ns = message.log_time_ns.wrapping_sub(start_ns);
+        let sample = (since_start_ns as f64 / step_ns).round() as usize;
+        if message.log_time_ns < start_ns || sample >= reference.ncols() {
+            return Ok(());
+        }
+        let (state, _) = JointState::decode(message.data).map_err(|error| error.to_string())?;
+        let values = match self.head.injection {
+            Injection::Torque => state.effort,
+            Injection::Velocity => state.velocity,
+        };
+        if values.len() != reference.nrows() || state.stamp_ns != self.stamp_ns(entry, sample) {
+            return Err(format!("{} values at {} ns", values.len(), state.stamp_ns));
+        }
+        reference
+            .column_mut(sample)
+            .assign(&ArrayView1::from(&values));
+        Ok(())
+    }
+
+    /// The stamp in ns of a sample of a run.
+    fn stamp_ns(&self, entry: &PlanEntry, sample: usize) -> u64 {
+        stamp_ns(
+            entry.start_sample.saturating_add(sample),
+            self.head.sample_time_s,
+        )
+    }
+}
+
+impl PlanEntry {
+    /// Whether this is one of the repetitions.
+    fn holds(&self, id: RunId) -> bool {
+        let repetition = self.id.repetition;
+        let repetitions = repetition..repetition.saturating_add(self.n_repetitions);
+        RunId { repetition, ..id } == self.id && repetitions.contains(&id.repetition)
+    }
+}
+
+/// What a plan says of itself, not yet understood.
+#[derive(Default)]
+struct PlanTexts {
+    metadata: BTreeMap<String, String>,
+    plan: Option<BTreeMap<String, String>>,
+    index: Option<BTreeMap<String, String>>,
+    experiment_toml: Option<String>,
+}
+
+impl PlanTexts {
+    /// Reads everything but the references; any damage is refused.
+    fn read(path: &Path) -> Result<Self, FileError> {
+        let mut texts = Self::default();
+        let damages = scan(open_mcap(path)?, path, Part::Description, &mut |entry| {
+            texts.take(entry);
+            Ok(())
+        })?;
+        match damages.into_iter().next() {
+            Some(damage) => Err(not_a_plan(path, damage.reason)),
+            None => Ok(texts),
+        }
+    }
+
+    fn take(&mut self, entry: Entry) {
+        match entry {
+            Entry::Metadata { name, values } => match name.as_str() {
+                header::PROVENANCE => self.metadata = values,
+                header::PLAN => self.plan = Some(values),
+                INDEX => self.index = Some(values),
+                _ => {}
+            },
+            Entry::Attachment(attachment) if header::is_experiment(&attachment) => {
+                self.experiment_toml = header::text_of(&attachment);
+            }
+            _ => {}
         }
     }
 }

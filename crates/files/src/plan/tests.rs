@@ -1,4 +1,4 @@
-//! Plans: bit for bit when all is well, refused when not.
+//! Tests of plans: bit for bit when all is well, refused when not.
 
 use frfid_signals::{Injection, Run, RunId, RunKind};
 use ndarray::Array2;

@@ -1,4 +1,4 @@
-//! Writes a plan: the references of all runs on one time axis.
+//! Writer of plan files: the references of all runs on one time axis.
 
 use std::io::Write;
 use std::path::Path;
@@ -13,7 +13,7 @@ use crate::plan::{INDEX, PlanEntry, PlanHead, PlanIndex, PlanStructure, PlannedR
 use crate::ros::joint_state::JointState;
 use crate::run::{header, topics};
 
-/// What is told on `/frfid/events`.
+/// What is said on `/frfid/events`.
 #[derive(Serialize)]
 #[serde(tag = "event", rename_all = "kebab-case")]
 enum Told<'a> {
@@ -46,19 +46,7 @@ pub(crate) fn write_to<W: Write, E: Into<BoxError>>(
     runs: impl IntoIterator<Item = Result<PlannedRun, E>>,
 ) -> Result<(), BoxError> {
     let mut writer = RosWriter::new(file)?;
-    writer.metadata(header::PROVENANCE, &head.metadata)?;
-    writer.metadata(
-        header::PLAN,
-        &header::to_texts(&PlanStructure {
-            version: VERSION,
-            head,
-        }),
-    )?;
-    writer.attach(
-        header::EXPERIMENT,
-        "application/toml",
-        head.experiment_toml.as_bytes(),
-    )?;
+    write_head(&mut writer, head)?;
     let mut commands = writer.joint_topic(topics::COMMANDS)?;
     let mut events = writer.text_topic(topics::EVENTS)?;
     let rest = (REST_S / head.sample_time_s).ceil() as usize;
@@ -69,11 +57,8 @@ pub(crate) fn write_to<W: Write, E: Into<BoxError>>(
         let entry = entry_of(&planned, head, start_sample)?;
         let start_ns = stamp_ns(start_sample, head.sample_time_s);
         writer.flush()?; // a run begins with a chunk of its own, so that it can be read alone
-        writer.text(
-            &mut events,
-            start_ns,
-            &serde_json::to_string(&Told::RunStart(&entry))?,
-        )?;
+        let told = serde_json::to_string(&Told::RunStart(&entry))?;
+        writer.text(&mut events, start_ns, &told)?;
         write_reference(&mut writer, &mut commands, head, &planned.run, start_sample)?;
         start_sample += entry.n_samples + rest;
         index.runs.push(entry);
@@ -82,13 +67,41 @@ pub(crate) fn write_to<W: Write, E: Into<BoxError>>(
     Ok(writer.finish()?)
 }
 
-/// The run's place in the file, if it fits the plan and every number of it may be sent to a robot.
+/// Writes what describes the plan: provenance, header and description.
+fn write_head<W: Write>(writer: &mut RosWriter<W>, head: &PlanHead) -> mcap::McapResult<()> {
+    writer.metadata(header::PROVENANCE, &head.metadata)?;
+    let structure = PlanStructure {
+        version: VERSION,
+        head,
+    };
+    writer.metadata(header::PLAN, &header::to_texts(&structure))?;
+    writer.attach(
+        header::EXPERIMENT,
+        "application/toml",
+        head.experiment_toml.as_bytes(),
+    )
+}
+
+/// The run's place in the file.
 fn entry_of(
     planned: &PlannedRun,
     head: &PlanHead,
     start_sample: usize,
 ) -> Result<PlanEntry, FileError> {
     let run = &planned.run;
+    check(run, head)?;
+    Ok(PlanEntry {
+        id: run.id,
+        n_repetitions: planned.n_repetitions,
+        start_sample,
+        n_samples: run.reference.ncols(),
+        velocity_rad_s: run.velocity_rad_s.clone(),
+        start_rad: run.start_rad.clone(),
+    })
+}
+
+/// Refuses a run that does not fit the plan, or with a number that may not be sent to a robot.
+fn check(run: &Run, head: &PlanHead) -> Result<(), FileError> {
     let refused = |found: String, needed: String| FileError::Shape {
         what: "planned run",
         found: format!("run {} with {found}", run.id),
@@ -103,24 +116,14 @@ fn entry_of(
             "{channels} channels, {velocities} velocities, {n_samples} samples every {} s",
             run.sample_time_s
         );
-        return Err(refused(
-            found,
-            format!(
-                "{joints} joints, some samples every {} s",
-                head.sample_time_s
-            ),
-        ));
+        let needed = format!(
+            "{joints} joints, some samples every {} s",
+            head.sample_time_s
+        );
+        return Err(refused(found, needed));
     }
     check_finite("reference", run.reference.view())
-        .map_err(|error| refused(error.to_string(), "numbers".into()))?;
-    Ok(PlanEntry {
-        id: run.id,
-        n_repetitions: planned.n_repetitions,
-        start_sample,
-        n_samples,
-        velocity_rad_s: run.velocity_rad_s.clone(),
-        start_rad: run.start_rad.clone(),
-    })
+        .map_err(|error| refused(error.to_string(), "numbers".into()))
 }
 
 fn write_reference<W: Write>(

@@ -8,7 +8,7 @@ use crate::bytes::{Bytes, Short};
 
 /// Why bytes are not the message they should be.
 #[derive(Debug, Clone, PartialEq, Error)]
-pub enum CdrError {
+pub(crate) enum CdrError {
     /// The header names an encoding that is not plain CDR.
     #[error(
         "the payload's header is {found:02x?}, needed 00 00 (CDR big endian) or 00 01 (CDR little endian); \
@@ -52,7 +52,7 @@ pub enum CdrError {
 
 /// Reads one message of either byte order.
 #[derive(Debug, Clone)]
-pub struct CdrReader<'a> {
+pub(crate) struct CdrReader<'a> {
     body: Bytes<'a>,
     big_endian: bool,
     field: String,
@@ -67,7 +67,7 @@ macro_rules! number {
             ///
             /// # Errors
             /// [`CdrError::Short`].
-            pub fn $name(&mut self) -> Result<$name, CdrError> {
+            pub(crate) fn $name(&mut self) -> Result<$name, CdrError> {
                 self.align(size_of::<$name>())?;
                 let bytes = self.body.array().map_err(|short| self.short(short))?;
                 Ok(if self.big_endian { $name::from_be_bytes(bytes) } else { $name::from_le_bytes(bytes) })
@@ -81,7 +81,7 @@ impl<'a> CdrReader<'a> {
     ///
     /// # Errors
     /// [`CdrError::Encoding`] for anything but plain CDR, [`CdrError::Short`].
-    pub fn new(message: &'a [u8]) -> Result<Self, CdrError> {
+    pub(crate) fn new(message: &'a [u8]) -> Result<Self, CdrError> {
         let mut header = Bytes::new(message);
         let mut reader = Self {
             body: Bytes::new(&[]),
@@ -103,7 +103,7 @@ impl<'a> CdrReader<'a> {
     }
 
     /// Names the field that is read next, for the errors.
-    pub fn enter(&mut self, field: &str) {
+    pub(crate) fn enter(&mut self, field: &str) {
         field.clone_into(&mut self.field);
     }
 
@@ -135,7 +135,7 @@ impl<'a> CdrReader<'a> {
     ///
     /// # Errors
     /// [`CdrError::Short`].
-    pub fn count(&mut self, least_size: usize) -> Result<usize, CdrError> {
+    pub(crate) fn count(&mut self, least_size: usize) -> Result<usize, CdrError> {
         let count = self.u32()? as usize;
         self.fits(count, least_size)
     }
@@ -144,7 +144,7 @@ impl<'a> CdrReader<'a> {
     ///
     /// # Errors
     /// [`CdrError::Short`].
-    pub fn fits(&self, count: usize, least_size: usize) -> Result<usize, CdrError> {
+    pub(crate) fn fits(&self, count: usize, least_size: usize) -> Result<usize, CdrError> {
         let needed = (count as u64).saturating_mul(least_size as u64);
         if needed > self.body.left() as u64 {
             return Err(self.short(Short {
@@ -158,7 +158,7 @@ impl<'a> CdrReader<'a> {
 
     /// Why a text of wide characters is not read.
     #[must_use]
-    pub fn wide_text(&self) -> CdrError {
+    pub(crate) fn wide_text(&self) -> CdrError {
         CdrError::WideText {
             field: self.field.clone(),
         }
@@ -168,7 +168,7 @@ impl<'a> CdrReader<'a> {
     ///
     /// # Errors
     /// [`CdrError::Short`], [`CdrError::Text`].
-    pub fn text(&mut self) -> Result<&'a str, CdrError> {
+    pub(crate) fn text(&mut self) -> Result<&'a str, CdrError> {
         let length = self.count(1)?;
         let bytes = self
             .body
@@ -188,7 +188,7 @@ impl<'a> CdrReader<'a> {
     ///
     /// # Errors
     /// As [`CdrReader::text`].
-    pub fn texts(&mut self) -> Result<Vec<&'a str>, CdrError> {
+    pub(crate) fn texts(&mut self) -> Result<Vec<&'a str>, CdrError> {
         (0..self.count(4)?).map(|_| self.text()).collect()
     }
 
@@ -196,7 +196,7 @@ impl<'a> CdrReader<'a> {
     ///
     /// # Errors
     /// [`CdrError::Short`].
-    pub fn f64s(&mut self) -> Result<Vec<f64>, CdrError> {
+    pub(crate) fn f64s(&mut self) -> Result<Vec<f64>, CdrError> {
         (0..self.count(8)?).map(|_| self.f64()).collect()
     }
 
@@ -205,7 +205,7 @@ impl<'a> CdrReader<'a> {
     ///
     /// # Errors
     /// [`CdrError::Trailing`].
-    pub fn finish(&self) -> Result<(), CdrError> {
+    pub(crate) fn finish(&self) -> Result<(), CdrError> {
         let left = self.body.left();
         let padded = (self.body.at() + left).is_multiple_of(4) && left < 4;
         if left == 0 || padded {
@@ -277,7 +277,11 @@ mod tests {
     fn cut_and_hostile_messages_are_refused() {
         let whole = cdr::serialize::<_, _, cdr::CdrLe>(&odd(11), cdr::Infinite).expect("encodes");
         for length in 0..whole.len() {
-            assert!(read(&whole[..length]).is_err(), "cut at {length}");
+            let cut = read(&whole[..length]);
+            assert!(
+                matches!(cut, Err(CdrError::Short { .. })),
+                "cut at {length}: {cut:?}"
+            );
         }
         let longer = [&whole[..], &[0; 8]].concat();
         assert_eq!(read(&longer), Err(CdrError::Trailing { left: 8 }));

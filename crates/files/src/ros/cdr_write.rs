@@ -1,8 +1,8 @@
-//! Writes CDR messages (see `cdr_read`), little endian.
+//! Writer of CDR messages (see `cdr_read`), little endian.
 
 /// Writes one message, little endian.
 #[derive(Debug, Clone)]
-pub struct CdrWriter {
+pub(crate) struct CdrWriter {
     bytes: Vec<u8>,
 }
 
@@ -19,12 +19,12 @@ impl Default for CdrWriter {
 impl CdrWriter {
     /// The message, header included.
     #[must_use]
-    pub fn bytes(&self) -> &[u8] {
+    pub(crate) fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 
     /// Forgets the message but keeps its memory for the next one.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.bytes.truncate(HEADER.len());
     }
 
@@ -34,26 +34,26 @@ impl CdrWriter {
     }
 
     /// A signed 32-bit integer.
-    pub fn i32(&mut self, value: i32) {
+    pub(crate) fn i32(&mut self, value: i32) {
         self.align(4);
         self.bytes.extend(value.to_le_bytes());
     }
 
     /// An unsigned 32-bit integer, also every count.
-    pub fn u32(&mut self, value: u32) {
+    pub(crate) fn u32(&mut self, value: u32) {
         self.align(4);
         self.bytes.extend(value.to_le_bytes());
     }
 
     /// A text: its length with the closing NUL, its bytes, the NUL. A message holds at most 4 GiB.
-    pub fn text(&mut self, text: &str) {
+    pub(crate) fn text(&mut self, text: &str) {
         self.u32(text.len() as u32 + 1);
         self.bytes.extend(text.as_bytes());
         self.bytes.push(0);
     }
 
     /// A sequence of texts.
-    pub fn texts(&mut self, texts: &[String]) {
+    pub(crate) fn texts(&mut self, texts: &[String]) {
         self.u32(texts.len() as u32);
         for text in texts {
             self.text(text);
@@ -61,7 +61,7 @@ impl CdrWriter {
     }
 
     /// A sequence of 64-bit numbers; no padding follows an empty one.
-    pub fn f64s(&mut self, values: &[f64]) {
+    pub(crate) fn f64s(&mut self, values: &[f64]) {
         self.u32(values.len() as u32);
         if !values.is_empty() {
             self.align(8);

@@ -1,5 +1,5 @@
-//! ROS 2 message definitions (`.msg` text, schema encoding `ros2msg`): what fields a message has,
-//! so that it can be decoded without knowing its type beforehand.
+//! Definitions of ROS 2 messages (`.msg` text, schema encoding `ros2msg`): what fields a message
+//! has, so that it can be decoded without knowing its type beforehand.
 //! <https://docs.ros.org/en/rolling/Concepts/Basic/About-Interfaces.html>
 
 use std::collections::HashMap;
@@ -8,7 +8,7 @@ use thiserror::Error;
 
 /// A type built into ROS 2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Primitive {
+pub(crate) enum Primitive {
     /// One octet, 0 or 1.
     Bool,
     /// Signed integer of 1, 2, 4 or 8 bytes.
@@ -25,7 +25,7 @@ pub enum Primitive {
 
 /// What one element of a field is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Element {
+pub(crate) enum Element {
     /// A built-in type.
     Primitive(Primitive),
     /// Another message: its place in [`Definition::messages`].
@@ -34,7 +34,7 @@ pub enum Element {
 
 /// How many elements a field has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Arity {
+pub(crate) enum Arity {
     /// One.
     One,
     /// `[N]`: always N, without a count in front.
@@ -45,7 +45,7 @@ pub enum Arity {
 
 /// A field of a message.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Field {
+pub(crate) struct Field {
     /// Its name.
     pub name: String,
     /// What it holds.
@@ -56,7 +56,7 @@ pub struct Field {
 
 /// A message type and every type it is made of.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Definition {
+pub(crate) struct Definition {
     /// Fields of each type; the first is the message itself. A type without fields is sent as one
     /// octet.
     pub messages: Vec<Vec<Field>>,
@@ -64,7 +64,7 @@ pub struct Definition {
 
 /// Why a definition cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
-pub enum DefinitionError {
+pub(crate) enum DefinitionError {
     /// A line that is no field, constant or comment.
     #[error(
         "line {line} of the message definition is `{text}`, needed `type name`, `type name default` or `type NAME=value`"
@@ -100,14 +100,36 @@ struct Written<'a> {
     name: &'a str,
 }
 
+/// The types of a text in its order, the first without a name, and their fields as written.
+struct Types<'a> {
+    names: Vec<String>,
+    fields: Vec<Vec<Written<'a>>>,
+}
+
 /// Reads a definition with its dependencies, each introduced by a line of `=` and
 /// `MSG: package/Type` or `MSG: package/msg/Type`.
 ///
 /// # Errors
 /// [`DefinitionError`].
-pub fn parse(text: &str) -> Result<Definition, DefinitionError> {
-    let mut names = vec![String::new()];
-    let mut written = vec![Vec::new()];
+pub(crate) fn parse(text: &str) -> Result<Definition, DefinitionError> {
+    let Types { names, fields } = types(text)?;
+    let named = names.iter().enumerate().skip(1);
+    let places: HashMap<_, _> = named.map(|(k, name)| (name.as_str(), k)).collect();
+    let look_up = |(fields, parent): (&Vec<Written>, &String)| {
+        let fields = fields.iter();
+        fields
+            .map(|written| resolve(written, parent, &places))
+            .collect()
+    };
+    let messages = fields.iter().zip(&names).map(look_up);
+    let messages = messages.collect::<Result<Vec<_>, _>>()?;
+    check_depth(&messages, &names, 0, 0, &mut Vec::new())?;
+    Ok(Definition { messages })
+}
+
+/// The types as they are written, line by line.
+fn types(text: &str) -> Result<Types<'_>, DefinitionError> {
+    let (mut names, mut fields) = (vec![String::new()], vec![Vec::new()]);
     for (number, line) in text.lines().enumerate() {
         let line = uncommented(line);
         if line.is_empty() || line.len() >= 3 && line.chars().all(|c| c == '=') {
@@ -115,8 +137,8 @@ pub fn parse(text: &str) -> Result<Definition, DefinitionError> {
         }
         if let Some(name) = line.strip_prefix("MSG:") {
             names.push(short_name(name.trim()));
-            written.push(Vec::new());
-        } else if let Some(fields) = written.last_mut() {
+            fields.push(Vec::new());
+        } else if let Some(fields) = fields.last_mut() {
             let bad = || DefinitionError::Line {
                 line: number + 1,
                 text: line.into(),
@@ -124,25 +146,7 @@ pub fn parse(text: &str) -> Result<Definition, DefinitionError> {
             fields.extend(field(line).ok_or_else(bad)?);
         }
     }
-    let places: HashMap<_, _> = names
-        .iter()
-        .enumerate()
-        .skip(1)
-        .map(|(k, name)| (name.as_str(), k))
-        .collect();
-    let look_up = |(fields, parent): (&Vec<Written>, &String)| {
-        fields
-            .iter()
-            .map(|written| resolve(written, parent, &places))
-            .collect::<Result<Vec<_>, _>>()
-    };
-    let messages = written
-        .iter()
-        .zip(&names)
-        .map(look_up)
-        .collect::<Result<Vec<_>, _>>()?;
-    check_depth(&messages, &names, 0, 0, &mut Vec::new())?;
-    Ok(Definition { messages })
+    Ok(Types { names, fields })
 }
 
 /// A line without its comment; a `#` inside the quotes of a default is none.
@@ -181,19 +185,25 @@ fn field(line: &str) -> Option<Option<Written<'_>>> {
     if !rest.is_empty() && !rest.starts_with(char::is_whitespace) {
         return None;
     }
-    let (kind, arity) = match kind.strip_suffix(']').map(|kind| kind.split_once('[')) {
-        None => (kind, Arity::One),
-        Some(None) => return None,
-        Some(Some((kind, ""))) => (kind, Arity::Many),
-        Some(Some((kind, size))) => match size.strip_prefix("<=") {
-            Some(most) => most.parse::<usize>().ok().map(|_| (kind, Arity::Many))?,
-            None => (
-                kind,
-                Arity::Exactly(size.parse().ok().filter(|&size| size > 0)?),
-            ),
-        },
-    };
+    let (kind, arity) = element_and_arity(kind)?;
     Some(Some(Written { kind, arity, name }))
+}
+
+/// The element's type and how many there are, of a type as written; `None` for brackets that make
+/// no sense.
+fn element_and_arity(kind: &str) -> Option<(&str, Arity)> {
+    let Some(open) = kind.strip_suffix(']') else {
+        return Some((kind, Arity::One));
+    };
+    let (kind, size) = open.split_once('[')?;
+    if size.is_empty() {
+        return Some((kind, Arity::Many));
+    }
+    if let Some(most) = size.strip_prefix("<=") {
+        return most.parse::<usize>().ok().map(|_| (kind, Arity::Many));
+    }
+    let size = size.parse().ok().filter(|&size| size > 0)?;
+    Some((kind, Arity::Exactly(size)))
 }
 
 fn resolve(

@@ -1,4 +1,4 @@
-//! The two ROS 2 messages this crate writes: `sensor_msgs/msg/JointState` and
+//! Messages of ROS 2 that this crate writes: `sensor_msgs/msg/JointState` and
 //! `std_msgs/msg/String`.
 
 use crate::ros::cdr_read::{CdrError, CdrReader};
@@ -72,22 +72,18 @@ impl JointState {
         cdr.text()?;
         cdr.enter("name");
         let names = cdr.texts()?;
-        let mut arrays = ["position", "velocity", "effort"].map(|field| (field, Vec::new()));
-        for (field, values) in &mut arrays {
+        let mut array = |field| {
             cdr.enter(field);
-            *values = cdr.f64s()?;
-        }
+            cdr.f64s()
+        };
+        let state = Self {
+            stamp_ns: stamp_ns.max(0) as u64,
+            position: array("position")?,
+            velocity: array("velocity")?,
+            effort: array("effort")?,
+        };
         cdr.finish()?;
-        let [position, velocity, effort] = arrays.map(|(_, values)| values);
-        Ok((
-            Self {
-                stamp_ns: stamp_ns.max(0) as u64,
-                position,
-                velocity,
-                effort,
-            },
-            names,
-        ))
+        Ok((state, names))
     }
 }
 

@@ -1,4 +1,4 @@
-//! `topic:field[index or joint]`: finds one number in a decoded message.
+//! Selector `topic:field[index or joint]`: one number in a decoded message.
 
 use crate::ros::value::Value;
 
@@ -8,6 +8,13 @@ enum Step {
     Field(String),
     Place(usize),
     Named(String),
+}
+
+impl Step {
+    /// Whether it names something.
+    fn is_sound(&self) -> bool {
+        !matches!(self, Self::Field(name) | Self::Named(name) if name.is_empty())
+    }
 }
 
 /// Where a signal is: its topic and the way into the message.
@@ -25,26 +32,10 @@ impl Selector {
     /// Reads `topic:field`, where the way into the message is made of `field`, `.field`, `[place]`
     /// and `[joint]`.
     pub(crate) fn parse(source: &str) -> Option<Self> {
-        let (topic, mut rest) = source.split_once(':')?;
-        let mut steps = Vec::new();
-        while !rest.is_empty() {
-            if let Some(inside) = rest.strip_prefix('[') {
-                let (name, after) = inside.split_once(']')?;
-                steps.push(
-                    name.parse()
-                        .map_or_else(|_| Step::Named(name.into()), Step::Place),
-                );
-                rest = after.strip_prefix('.').unwrap_or(after);
-            } else {
-                let end = rest.find(['.', '[']).unwrap_or(rest.len());
-                steps.push(Step::Field(rest[..end].into()));
-                rest = rest[end..].strip_prefix('.').unwrap_or(&rest[end..]);
-            }
-        }
-        let is_sound =
-            |step: &Step| !matches!(step, Step::Field(name) | Step::Named(name) if name.is_empty());
+        let (topic, way) = source.split_once(':')?;
+        let steps = steps(way)?;
         let starts_well = !topic.is_empty() && matches!(steps.first(), Some(Step::Field(_)));
-        (starts_well && steps.iter().all(is_sound)).then(|| Self {
+        (starts_well && steps.iter().all(Step::is_sound)).then(|| Self {
             topic: topic.into(),
             steps,
         })
@@ -65,22 +56,42 @@ impl Selector {
                 Step::Named(name) => place_of(name, &around)?,
             };
             let Some(place) = place else { return Ok(None) };
-            match at {
+            at = match at {
                 Value::Numbers(numbers) if step == self.steps.last().unwrap_or(step) => {
                     return Ok(numbers.get(place).copied());
                 }
                 Value::List(list) => match list.get(place) {
-                    Some(entry) => at = entry,
+                    Some(entry) => entry,
                     None => return Ok(None),
                 },
                 _ => return Err("no array to take an entry of".into()),
-            }
+            };
             around.push(at);
         }
         at.number()
             .map(Some)
             .ok_or_else(|| "not a number; name an entry of it: field[0] or field[joint]".into())
     }
+}
+
+/// The steps of a way into a message; `None` for a bracket that is not closed.
+fn steps(way: &str) -> Option<Vec<Step>> {
+    let mut steps = Vec::new();
+    let mut rest = way;
+    while !rest.is_empty() {
+        if let Some(inside) = rest.strip_prefix('[') {
+            let (name, after) = inside.split_once(']')?;
+            let named = |_| Step::Named(name.into());
+            steps.push(name.parse().map_or_else(named, Step::Place));
+            rest = after;
+        } else {
+            let end = rest.find(['.', '[']).unwrap_or(rest.len());
+            steps.push(Step::Field(rest[..end].into()));
+            rest = &rest[end..];
+        }
+        rest = rest.strip_prefix('.').unwrap_or(rest);
+    }
+    Some(steps)
 }
 
 fn no_field(name: &str, at: &Value) -> String {
@@ -155,12 +166,18 @@ mod tests {
                 .expect_err("no such field")
                 .contains("name, velocity")
         );
-        assert!(pick("/js:velocity", &state).is_err());
+        assert_eq!(
+            pick("/js:velocity", &state),
+            Err("not a number; name an entry of it: field[0] or field[joint]".into())
+        );
         let twins = message(vec![
             ("name", texts(&["a", "a"])),
             ("velocity", Value::Numbers(vec![1.0, 2.0])),
         ]);
-        assert!(pick("/js:velocity[a]", &twins).is_err());
+        assert_eq!(
+            pick("/js:velocity[a]", &twins),
+            Err("the joint a twice".into())
+        );
     }
 
     #[test]

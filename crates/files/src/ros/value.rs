@@ -1,11 +1,12 @@
-//! Decodes a message by its definition, for topics whose type is only known from the file.
+//! Values of a message, decoded by its definition, for topics whose type is only known from the
+//! file.
 
 use crate::ros::cdr_read::{CdrError, CdrReader};
 use crate::ros::definition::{Arity, Definition, Element, Field, Primitive};
 
 /// A decoded field. Integers of 64 bits beyond 2^53 are rounded to the nearest `f64`.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Value {
+pub(crate) enum Value {
     /// A number or a truth value.
     Number(f64),
     /// A text.
@@ -21,7 +22,7 @@ pub enum Value {
 impl Value {
     /// The field of this name, if it is a message that has one.
     #[must_use]
-    pub fn field(&self, name: &str) -> Option<&Value> {
+    pub(crate) fn field(&self, name: &str) -> Option<&Value> {
         match self {
             Value::Message(fields) => fields
                 .iter()
@@ -33,7 +34,7 @@ impl Value {
 
     /// The number, if it is one.
     #[must_use]
-    pub fn number(&self) -> Option<f64> {
+    pub(crate) fn number(&self) -> Option<f64> {
         match self {
             Value::Number(number) => Some(*number),
             _ => None,
@@ -45,7 +46,7 @@ impl Value {
 ///
 /// # Errors
 /// [`CdrError`] naming the field.
-pub fn decode(definition: &Definition, message: &[u8]) -> Result<Value, CdrError> {
+pub(crate) fn decode(definition: &Definition, message: &[u8]) -> Result<Value, CdrError> {
     let mut cdr = CdrReader::new(message)?;
     let value = read_message(definition, 0, &mut cdr)?;
     cdr.finish()?;
@@ -206,7 +207,8 @@ mod tests {
         );
         assert_eq!(value.field("negative").and_then(Value::number), Some(-9.0));
         for length in 0..little.len() {
-            assert!(decode(&definition, &little[..length]).is_err());
+            let cut = decode(&definition, &little[..length]);
+            assert!(matches!(cut, Err(CdrError::Short { .. })), "{cut:?}");
         }
     }
 

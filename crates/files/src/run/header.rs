@@ -1,5 +1,5 @@
-//! The records with which a run or a plan describes itself: key and value texts, every value in
-//! JSON.
+//! Header of a run or a plan: the records with which a file describes itself, key and value texts,
+//! every value in JSON.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -7,6 +7,7 @@ use serde::{Serialize, de::DeserializeOwned};
 use serde_json::Value;
 
 use crate::error::FileError;
+use crate::mcap::record::Attachment;
 
 /// Metadata record of a run.
 pub(crate) const RUN: &str = "frfid.run";
@@ -17,6 +18,16 @@ pub(crate) const PROVENANCE: &str = "frfid";
 /// Attachment that describes the experiment. Names of attachments are compared, never used as
 /// paths.
 pub(crate) const EXPERIMENT: &str = "experiment.toml";
+
+/// Whether an attachment is the experiment's description, and undamaged.
+pub(crate) fn is_experiment(attachment: &Attachment) -> bool {
+    attachment.name == EXPERIMENT && attachment.is_sound
+}
+
+/// The text of an attachment; `None` where it is not UTF-8.
+pub(crate) fn text_of(attachment: &Attachment) -> Option<String> {
+    String::from_utf8(attachment.data.to_vec()).ok()
+}
 
 /// No signal of a file may hold more values: 2 GiB of them.
 pub(crate) const MOST_VALUES: usize = 1 << 28;

@@ -1,4 +1,4 @@
-//! Runs through thick and thin: bit for bit when all is well; cut, flipped and full disks when not.
+//! Tests of runs: bit for bit when all is well; cut, flipped and full disks when not.
 
 use std::io::{self, Cursor, Write};
 use std::path::Path;

@@ -1,4 +1,4 @@
-//! The topics of runs and plans (docs: file formats).
+//! Topics of runs and plans (docs: file formats).
 
 pub(crate) const STATES: &str = "/joint_states";
 pub(crate) const COMMANDS: &str = "/joint_commands";

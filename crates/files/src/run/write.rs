@@ -1,4 +1,4 @@
-//! A run as a file: one MCAP with the record of one run, its provenance and the experiment it
+//! Writer of run files: one MCAP with the record of one run, its provenance and the experiment it
 //! belongs to.
 //!
 //! | topic | content |
@@ -74,6 +74,7 @@ pub fn write_run(path: &Path, overwrite: Overwrite, run: &RunFile) -> Result<(),
     write_file(path, overwrite, |file| Ok(write_to(file, run)?))
 }
 
+/// Refuses a record that does not fit the joints, or whose signals do not fit each other.
 fn check(run: &RunFile) -> Result<(), FileError> {
     let record = &run.record;
     header::check_joints(&run.joint_names)?;
@@ -88,29 +89,29 @@ fn check(run: &RunFile) -> Result<(), FileError> {
             needed,
         });
     }
-    let pairs = [
-        (
-            "shape of y",
-            Some(&record.y),
-            (record.y.nrows(), record.u.ncols()),
-        ),
-        ("shape of r", record.r.as_ref(), record.u.dim()),
-        (
-            "shape of position_rad",
-            record.position_rad.as_ref(),
-            record.y.dim(),
-        ),
-    ];
-    for (what, signal, needed) in pairs {
-        if let Some(signal) = signal.filter(|signal| signal.dim() != needed) {
-            return Err(FileError::Shape {
-                what,
-                found: format!("{:?}", signal.dim()),
-                needed: format!("{needed:?}"),
-            });
-        }
+    let shape_of_y = (record.y.nrows(), record.u.ncols());
+    check_shape("shape of y", Some(&record.y), shape_of_y)?;
+    check_shape("shape of r", record.r.as_ref(), record.u.dim())?;
+    check_shape(
+        "shape of position_rad",
+        record.position_rad.as_ref(),
+        record.y.dim(),
+    )
+}
+
+fn check_shape(
+    what: &'static str,
+    signal: Option<&Array2<f64>>,
+    needed: (usize, usize),
+) -> Result<(), FileError> {
+    match signal.map(Array2::dim) {
+        Some(found) if found != needed => Err(FileError::Shape {
+            what,
+            found: format!("{found:?}"),
+            needed: format!("{needed:?}"),
+        }),
+        _ => Ok(()),
     }
-    Ok(())
 }
 
 fn structure_of(run: &RunFile) -> RunStructure {
@@ -141,32 +142,61 @@ pub(crate) fn write_to<W: Write>(file: W, run: &RunFile) -> McapResult<()> {
         "application/toml",
         run.experiment_toml.as_bytes(),
     )?;
-    let mut states = writer.joint_topic(topics::STATES)?;
-    let mut commands = writer.joint_topic(topics::COMMANDS)?;
-    let mut excitation = run
-        .record
-        .r
-        .as_ref()
-        .map(|_| writer.joint_topic(topics::EXCITATION))
-        .transpose()?;
-    let mut events = writer.text_topic(topics::EVENTS)?;
+    let mut topics = RunTopics::announce(&mut writer, run)?;
     let mut pending = run.record.events.iter().peekable();
     for sample in 0..run.record.n_samples() {
         let time_s = sample as f64 * run.record.sample_time_s;
         while let Some(event) = pending.next_if(|event| event.time_s <= time_s) {
-            write_event(&mut writer, &mut events, event)?;
+            write_event(&mut writer, &mut topics.events, event)?;
         }
-        let [state, command, injected] = messages(run, sample);
-        writer.joint_state(&mut states, &run.joint_names, &state)?;
-        writer.joint_state(&mut commands, &run.joint_names, &command)?;
-        if let Some(topic) = &mut excitation {
-            writer.joint_state(topic, &run.joint_names, &injected)?;
-        }
+        write_sample(&mut writer, &mut topics, run, sample)?;
     }
     for event in pending {
-        write_event(&mut writer, &mut events, event)?;
+        write_event(&mut writer, &mut topics.events, event)?;
     }
     writer.finish()
+}
+
+/// The topics of a run.
+struct RunTopics {
+    states: Topic,
+    commands: Topic,
+    /// `None` in a run without a reference.
+    excitation: Option<Topic>,
+    events: Topic,
+}
+
+impl RunTopics {
+    fn announce<W: Write>(writer: &mut RosWriter<W>, run: &RunFile) -> McapResult<Self> {
+        let states = writer.joint_topic(topics::STATES)?;
+        let commands = writer.joint_topic(topics::COMMANDS)?;
+        let excitation = match run.record.r {
+            Some(_) => Some(writer.joint_topic(topics::EXCITATION)?),
+            None => None,
+        };
+        let events = writer.text_topic(topics::EVENTS)?;
+        Ok(Self {
+            states,
+            commands,
+            excitation,
+            events,
+        })
+    }
+}
+
+fn write_sample<W: Write>(
+    writer: &mut RosWriter<W>,
+    topics: &mut RunTopics,
+    run: &RunFile,
+    sample: usize,
+) -> McapResult<()> {
+    let [state, command, injected] = messages(run, sample);
+    writer.joint_state(&mut topics.states, &run.joint_names, &state)?;
+    writer.joint_state(&mut topics.commands, &run.joint_names, &command)?;
+    match &mut topics.excitation {
+        Some(topic) => writer.joint_state(topic, &run.joint_names, &injected),
+        None => Ok(()),
+    }
 }
 
 /// A period that has ended is safe on the disk before the next one begins.
@@ -185,31 +215,23 @@ fn write_event<W: Write>(
 /// What /joint_states, /joint_commands and /frfid/excitation say of one sample.
 fn messages(run: &RunFile, sample: usize) -> [JointState; 3] {
     let record = &run.record;
-    let stamp_ns = stamp_ns(sample, record.sample_time_s);
     let values = |signal: &Array2<f64>| {
         let mut values = signal.column(sample).to_vec();
         values.resize(run.joint_names.len(), f64::NAN);
         values
     };
     let reference = || record.r.as_ref().map(values).unwrap_or_default();
-    let mut state = JointState {
-        stamp_ns,
-        position: record.position_rad.as_ref().map(values).unwrap_or_default(),
-        velocity: values(&record.y),
-        effort: vec![],
-    };
-    let mut command = JointState {
-        stamp_ns,
+    let mut messages: [JointState; 3] = std::array::from_fn(|_| JointState {
+        stamp_ns: stamp_ns(sample, record.sample_time_s),
         ..Default::default()
-    };
+    });
+    let [state, command, injected] = &mut messages;
+    state.position = record.position_rad.as_ref().map(values).unwrap_or_default();
+    state.velocity = values(&record.y);
     match record.input_kind {
         InputKind::Measured => state.effort = values(&record.u),
         InputKind::Commanded => command.effort = values(&record.u),
     }
-    let mut injected = JointState {
-        stamp_ns,
-        ..Default::default()
-    };
     match run.injection {
         Injection::Torque => injected.effort = reference(),
         Injection::Velocity => {
@@ -217,5 +239,5 @@ fn messages(run: &RunFile, sample: usize) -> [JointState; 3] {
             injected.velocity = reference();
         }
     }
-    [state, command, injected]
+    messages
 }

@@ -68,7 +68,7 @@ impl BodyTable {
 /// The matrix R = Rz(yaw) Ry(pitch) Rx(roll), row by row: R times a vector of the turned frame is
 /// the vector in the fixed one.
 #[must_use]
-pub fn rotation([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {
+pub(crate) fn rotation([roll, pitch, yaw]: [f64; 3]) -> [[f64; 3]; 3] {
     let ((sr, cr), (sp, cp), (sy, cy)) = (roll.sin_cos(), pitch.sin_cos(), yaw.sin_cos());
     [
         [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],

@@ -59,6 +59,19 @@ impl RobotTable {
             let message = "the joints of an arm have sensors of their own: [body.joint.sensor]";
             return Err(Fault::new(&["sensor"], message));
         }
+        self.check_bodies()?;
+        if self.n_axes() == 0 {
+            let message = "no joint moves; at least one body needs a table [body.joint]";
+            return Err(Fault::new(&["body"], message));
+        }
+        self.check_pose()?;
+        // the whole arm: inertias, axes, and a mass matrix that is positive definite
+        let checked = self.arm().map_or(Ok(()), |arm| arm.check());
+        checked.map_err(|error| self.of_arm(&error))
+    }
+
+    /// Checks every body by itself, and that no two have the same name.
+    fn check_bodies(&self) -> Result<(), Fault> {
         let mut names = BTreeSet::new();
         for (index, body) in self.body.iter().enumerate() {
             body.check().map_err(|fault| self.of_body(index, fault))?;
@@ -68,14 +81,7 @@ impl RobotTable {
                 return Err(self.of_body(index, Fault::new(&["name"], message)));
             }
         }
-        if self.n_axes() == 0 {
-            let message = "no joint moves; at least one body needs a table [body.joint]";
-            return Err(Fault::new(&["body"], message));
-        }
-        self.check_pose()?;
-        // the whole arm: inertias, axes, and a mass matrix that is positive definite
-        let checked = self.arm().map_or(Ok(()), |arm| arm.check());
-        checked.map_err(|error| self.of_arm(&error))
+        Ok(())
     }
 
     /// The arm's complaint, where the value stands: the arm counts its bodies, and so does the
@@ -133,29 +139,30 @@ impl RobotTable {
 
 impl BodyTable {
     fn check(&self) -> Result<(), Fault> {
-        let fault = |keys: &[&str], message: &str| {
-            Err(Fault::new(keys, format!("body {}: {message}", self.name)))
-        };
         if self.name.trim().is_empty() {
-            return fault(
-                &["name"],
-                "it has no name; needed: the name of its joint in the logs",
-            );
+            let message = "it has no name; needed: the name of its joint in the logs";
+            return Err(self.fault(&["name"], message));
         }
+        let locked = &["locked_position_rad"];
         match (&self.joint, self.locked_position_rad) {
-            (None, None) => fault(&[], "needed: locked_position_rad, or a table [body.joint]"),
-            (Some(_), Some(_)) => fault(
-                &["locked_position_rad"],
-                "it is locked and has a joint; keep one of them",
-            ),
+            (None, None) => {
+                Err(self.fault(&[], "needed: locked_position_rad, or a table [body.joint]"))
+            }
+            (Some(_), Some(_)) => {
+                Err(self.fault(locked, "it is locked and has a joint; keep one of them"))
+            }
             (Some(joint), None) => joint
                 .check()
                 .map_err(|fault| fault.of(&format!("joint {}", self.name)).within(&["joint"])),
-            (None, Some(position)) if !position.is_finite() => fault(
-                &["locked_position_rad"],
-                &format!("it is locked at {position} rad, needed: a finite number"),
-            ),
+            (None, Some(position)) if !position.is_finite() => {
+                let message = format!("it is locked at {position} rad, needed: a finite number");
+                Err(self.fault(locked, &message))
+            }
             (None, Some(_)) => Ok(()),
         }
+    }
+
+    fn fault(&self, keys: &[&str], message: &str) -> Fault {
+        Fault::new(keys, format!("body {}: {message}", self.name))
     }
 }

@@ -1,4 +1,4 @@
-//! The robot's tables in `experiment.toml` and in a robot file of its own.
+//! Robot: its tables in `experiment.toml` and in a robot file of its own.
 
 pub(crate) mod body;
 pub(crate) mod check;

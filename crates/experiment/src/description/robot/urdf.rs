@@ -1,5 +1,5 @@
-//! An arm from URDF and a table of its joints: URDF says where the bodies are and what they weigh,
-//! the table what drives them.
+//! URDF: an arm from such a file and a table of its joints. URDF says where the bodies are and what
+//! they weigh, the table what drives them.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -7,7 +7,7 @@ use std::path::Path;
 use frfid_plant::Inertia;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use urdf_rs::{Inertial, Joint, JointType};
+use urdf_rs::{Inertial, Joint, JointType, Link};
 
 use crate::description::robot::RobotTable;
 use crate::description::robot::body::{BodyTable, rotation};
@@ -47,72 +47,61 @@ impl RobotTable {
         let Some(urdf) = self.urdf.take() else {
             return Ok(());
         };
-        let located = |fault: Fault| text.locate(table, fault.within(&["urdf"]));
-        if !self.body.is_empty() {
+        let bodies = if self.body.is_empty() {
+            urdf.read(folder)
+        } else {
             let message = "URDF and [[body]] tables are given; keep one of them";
-            return Err(located(Fault::new(&["file"], message)));
-        }
-        let unread = |message: String| located(Fault::new(&["file"], message));
-        let path = folder.join(&urdf.file);
-        let xml = TomlText::read(&path).map_err(|error| unread(error.to_string()))?;
-        let robot = urdf_rs::read_from_string(&xml.text)
-            .map_err(|error| unread(format!("{}: not URDF: {error}", path.display())))?;
-        self.body = urdf.bodies(&robot).map_err(located)?;
+            Err(Fault::new(&["file"], message))
+        };
+        self.body = bodies.map_err(|fault| text.locate(table, fault.within(&["urdf"])))?;
         self.is_from_urdf = true;
         Ok(())
     }
 }
 
 impl UrdfTable {
+    /// Reads the file, which is looked up in `folder`.
+    fn read(&self, folder: &Path) -> Result<Vec<BodyTable>, Fault> {
+        let unread = |message: String| Fault::new(&["file"], message);
+        let path = folder.join(&self.file);
+        let xml = TomlText::read(&path).map_err(|error| unread(error.to_string()))?;
+        let robot = urdf_rs::read_from_string(&xml.text)
+            .map_err(|error| unread(format!("{}: not URDF: {error}", path.display())))?;
+        self.bodies(&robot)
+    }
+
     /// The bodies of the chain, from the base to the tip.
     fn bodies(&self, robot: &urdf_rs::Robot) -> Result<Vec<BodyTable>, Fault> {
         let chain = self.chain(robot)?;
+        self.check_names(&chain)?;
+        check_nothing_beside(robot, &chain)?;
+        let bodies = chain.into_iter().map(|joint| self.body(robot, joint));
+        bodies.collect()
+    }
+
+    /// Refuses tables and entries for joints that the chain does not have.
+    fn check_names(&self, chain: &[&Joint]) -> Result<(), Fault> {
         let known: Vec<&str> = chain.iter().map(|joint| joint.name.as_str()).collect();
         let joints = self.joint.keys().map(|name| ("joint", name));
         let mut named = joints.chain(self.simplified.iter().map(|name| ("simplified", name)));
-        if let Some((key, name)) = named.find(|(_, name)| !known.contains(&name.as_str())) {
-            return Err(Fault::new(
-                &[key],
-                format!(
-                    "no joint of the chain is called {name}; there are {}",
-                    known.join(", ")
-                ),
-            ));
-        }
-        check_nothing_beside(robot, &chain)?;
-        chain
-            .into_iter()
-            .map(|joint| self.body(robot, joint))
-            .collect()
+        let Some((key, name)) = named.find(|(_, name)| !known.contains(&name.as_str())) else {
+            return Ok(());
+        };
+        let known = known.join(", ");
+        let message = format!("no joint of the chain is called {name}; there are {known}");
+        Err(Fault::new(&[key], message))
     }
 
     /// The joints from the base link to the tip link.
     fn chain<'a>(&self, robot: &'a urdf_rs::Robot) -> Result<Vec<&'a Joint>, Fault> {
-        let above = |link: &str| robot.joints.iter().find(|joint| joint.child.link == link);
-        let links = || robot.links.iter().map(|link| link.name.as_str());
-        let is_base = |link: &&str| above(link).is_none();
-        let is_tip = |link: &&str| robot.joints.iter().all(|joint| joint.parent.link != **link);
-        let base = named(
-            "base_link",
-            self.base_link.as_deref(),
-            links(),
-            links().filter(is_base).collect(),
-        )?;
-        let tip = named(
-            "tip_link",
-            self.tip_link.as_deref(),
-            links(),
-            links().filter(is_tip).collect(),
-        )?;
+        let (base, tip) = self.ends(robot)?;
         let (mut chain, mut link) = (Vec::new(), tip);
         while link != base {
             // a chain longer than all joints runs in a circle
-            let joint = above(link).filter(|_| chain.len() < robot.joints.len());
+            let joint = above(link, robot).filter(|_| chain.len() < robot.joints.len());
             let Some(joint) = joint else {
-                return Err(Fault::new(
-                    &["tip_link"],
-                    format!("no chain of joints leads from {base} to {tip}"),
-                ));
+                let message = format!("no chain of joints leads from {base} to {tip}");
+                return Err(Fault::new(&["tip_link"], message));
             };
             chain.push(joint);
             link = &joint.parent.link;
@@ -121,106 +110,119 @@ impl UrdfTable {
         Ok(chain)
     }
 
+    /// Base link and tip link.
+    fn ends<'a>(&self, robot: &'a urdf_rs::Robot) -> Result<(&'a str, &'a str), Fault> {
+        let links: Vec<&str> = robot.links.iter().map(|link| link.name.as_str()).collect();
+        let is_base = |link: &&str| above(link, robot).is_none();
+        let is_tip = |link: &&str| robot.joints.iter().all(|joint| joint.parent.link != **link);
+        let bases = links.iter().copied().filter(is_base).collect();
+        let base = named("base_link", self.base_link.as_deref(), &links, bases)?;
+        let tips = links.iter().copied().filter(is_tip).collect();
+        let tip = named("tip_link", self.tip_link.as_deref(), &links, tips)?;
+        Ok((base, tip))
+    }
+
+    /// The body that a joint of the chain carries.
     fn body(&self, robot: &urdf_rs::Robot, joint: &Joint) -> Result<BodyTable, Fault> {
-        let name = &joint.name;
-        if joint.mimic.is_some() {
-            return Err(Fault::new(
-                &["file"],
-                format!("joint {name} mimics another; every joint must move on its own"),
-            ));
-        }
-        let table = match joint.joint_type {
-            JointType::Fixed => None,
-            JointType::Revolute | JointType::Continuous => {
-                let Some(table) = self.joint.get(name) else {
-                    return Err(Fault::new(
-                        &["joint"],
-                        format!(
-                            "no table [urdf.joint.{name}]: URDF knows no motor, gear and friction"
-                        ),
-                    ));
-                };
-                Some(with_limits(table, joint))
-            }
-            ref other => {
-                let kind = format!("{other:?}").to_lowercase();
-                return Err(Fault::new(
-                    &["file"],
-                    format!(
-                        "joint {name} is {kind}; only revolute, continuous and fixed joints can be simulated"
-                    ),
-                ));
-            }
-        };
-        let link = robot
-            .links
-            .iter()
-            .find(|link| link.name == joint.child.link);
+        let table = self.table_of(joint)?;
+        let mut links = robot.links.iter();
+        let link = links.find(|link| link.name == joint.child.link);
         let Inertial {
             origin,
             mass,
             inertia,
         } = link.map(|link| link.inertial.clone()).unwrap_or_default();
         Ok(BodyTable {
-            name: name.clone(),
+            name: joint.name.clone(),
             offset_m: joint.origin.xyz.0,
             rotation_rpy_rad: joint.origin.rpy.0,
             axis: joint.axis.xyz.0,
             mass_kg: mass.value,
             center_of_mass_m: origin.xyz.0,
             inertia_kg_m2: tensor(&inertia).turned(&rotation(origin.rpy.0)),
-            simplified: self.simplified.contains(name),
+            simplified: self.simplified.contains(&joint.name),
             locked_position_rad: table.is_none().then_some(0.0),
             joint: table,
         })
     }
+
+    /// Motor and gear of a joint with the limits of both files; `None` for one that is fixed.
+    fn table_of(&self, joint: &Joint) -> Result<Option<JointTable>, Fault> {
+        let name = &joint.name;
+        let refused = |key: &str, message: String| Err(Fault::new(&[key], message));
+        if joint.mimic.is_some() {
+            let message = format!("joint {name} mimics another; every joint must move on its own");
+            return refused("file", message);
+        }
+        match &joint.joint_type {
+            JointType::Fixed => Ok(None),
+            JointType::Revolute | JointType::Continuous => match self.joint.get(name) {
+                Some(table) => Ok(Some(with_limits(table, joint))),
+                None => refused(
+                    "joint",
+                    format!("no table [urdf.joint.{name}]: URDF knows no motor, gear and friction"),
+                ),
+            },
+            other => {
+                let kind = format!("{other:?}").to_lowercase();
+                let message = format!(
+                    "joint {name} is {kind}; only revolute, continuous and fixed joints can be simulated"
+                );
+                refused("file", message)
+            }
+        }
+    }
+}
+
+/// The joint on which a link hangs.
+fn above<'a>(link: &str, robot: &'a urdf_rs::Robot) -> Option<&'a Joint> {
+    robot.joints.iter().find(|joint| joint.child.link == link)
 }
 
 /// Refuses links with a mass that hang beside the chain: what they weigh would be lost.
 fn check_nothing_beside(robot: &urdf_rs::Robot, chain: &[&Joint]) -> Result<(), Fault> {
-    let mut moved: Vec<&str> = chain
-        .iter()
-        .map(|joint| joint.child.link.as_str())
-        .collect();
+    let beside = beside(robot, chain);
+    let has_mass =
+        |link: &&Link| beside.contains(&link.name.as_str()) && link.inertial.mass.value != 0.0;
+    let Some(link) = robot.links.iter().find(has_mass) else {
+        return Ok(());
+    };
+    let message = format!(
+        "link {} of {} kg hangs beside the chain to the tip; give its mass to a link of the chain",
+        link.name, link.inertial.mass.value
+    );
+    Err(Fault::new(&["tip_link"], message))
+}
+
+/// Links that hang on the links of the chain, directly or not, without being of it.
+fn beside<'a>(robot: &'a urdf_rs::Robot, chain: &[&'a Joint]) -> Vec<&'a str> {
+    let child = |joint: &'a Joint| joint.child.link.as_str();
+    let mut moved: Vec<&str> = chain.iter().map(|joint| child(joint)).collect();
     let mut next = 0;
     while let Some(&link) = moved.get(next) {
-        let hanging = robot
-            .joints
-            .iter()
-            .filter(|joint| joint.parent.link == link)
-            .map(|joint| joint.child.link.as_str());
+        let joints = robot.joints.iter();
+        let hanging = joints.filter(|joint| joint.parent.link == link).map(child);
         let new: Vec<&str> = hanging.filter(|child| !moved.contains(child)).collect();
         moved.extend(new);
         next += 1;
     }
-    let beside = &moved[chain.len()..];
-    match robot
-        .links
-        .iter()
-        .find(|link| beside.contains(&link.name.as_str()) && link.inertial.mass.value != 0.0)
-    {
-        None => Ok(()),
-        Some(link) => Err(Fault::new(
-            &["tip_link"],
-            format!(
-                "link {} of {} kg hangs beside the chain to the tip; give its mass to a link of the chain",
-                link.name, link.inertial.mass.value
-            ),
-        )),
-    }
+    moved.split_off(chain.len())
 }
 
 /// The link that is asked for, or the only one that comes into question.
 fn named<'a>(
     key: &'static str,
     asked: Option<&str>,
-    mut all: impl Iterator<Item = &'a str>,
+    all: &[&'a str],
     possible: Vec<&'a str>,
 ) -> Result<&'a str, Fault> {
     match (asked, &possible[..]) {
-        (Some(asked), _) => all
-            .find(|link| *link == asked)
-            .ok_or(Fault::new(&[key], format!("there is no link {asked}"))),
+        (Some(asked), _) => {
+            let found = all.iter().find(|link| **link == asked);
+            found
+                .copied()
+                .ok_or_else(|| Fault::new(&[key], format!("there is no link {asked}")))
+        }
         (None, [only]) => Ok(only),
         (None, _) => Err(Fault::new(
             &[key],

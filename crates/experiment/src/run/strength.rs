@@ -1,5 +1,5 @@
-//! Whether the excitation of a campaign was strong enough to keep friction from hiding the
-//! resonances (SK15 footnote 2).
+//! Strength of the excitation of a campaign: whether friction was kept from hiding the resonances
+//! (SK15 footnote 2).
 
 use frfid_estimate::{AxisStrength, pooled_strength, strength, strength_warnings};
 use frfid_files::Check;

@@ -1,10 +1,10 @@
-//! From `experiment.toml` to the plan: excitation, phasing, averaging, all checked against each
+//! Plan that a description asks for: excitation, phasing, averaging, all checked against each
 //! other.
 
-use frfid_signals::{Excitation, Injection, Plan, SignalError, Target};
+use frfid_signals::{Excitation, Injection, Phasing, Plan, SignalError, Target};
 
 use crate::description::config::{Config, ConstantVelocityTable};
-use crate::description::estimate::GlideSubtraction;
+use crate::description::estimate::{EstimateTable, GlideSubtraction};
 use crate::description::text::Fault;
 
 /// The plan that a configuration describes.
@@ -14,40 +14,65 @@ use crate::description::text::Fault;
 pub(crate) fn design(config: &Config) -> Result<Plan, Fault> {
     let (name, design) = config.excitation()?;
     let at_excitation = |error: SignalError| located(name, &error);
-    let n_inputs = config.robot.n_axes();
-    let injection = match config.controller {
-        Some(_) => Injection::Velocity,
-        None => Injection::Torque,
-    };
-    let target = Target {
-        injection,
-        n_inputs,
-        sample_time_s: config.sample_time_s,
-        seed: config.seed,
-    };
+    let target = target(config);
     let excitation = design.excitation(&target).map_err(at_excitation)?;
-    let glides = config.constant_velocity.as_ref().map(|table| table.glides);
-    let mut plan = Plan {
-        seed: config.seed,
-        sample_time_s: config.sample_time_s,
-        n_inputs,
-        lead_in_samples: lead_in_samples(config, &excitation)?,
-        excitation,
-        phasing: design.phasing(),
-        injection,
-        n_realizations: config.averaging.realizations,
-        n_repetitions: config.averaging.repetitions,
-        n_periods: config.averaging.periods,
-        velocity_rad_s: vec![0.0; n_inputs],
-        n_glides: glides.unwrap_or(0),
-    };
+    let mut plan = plan_at_rest(config, &target, excitation, design.phasing())?;
     if let Some(table) = &config.constant_velocity {
         plan.velocity_rad_s = velocity_rad_s(table, &plan)?;
     }
     design
         .ride(&mut plan.excitation, &plan.velocity_rad_s)
         .map_err(at_excitation)?;
-    let estimate = &config.estimate;
+    check_estimate(&config.estimate, &plan)?;
+    // one draw shows whether amplitudes, phasing and inputs fit together; its numbers are thrown
+    // away
+    plan.period(0).map_err(at_excitation)?;
+    config
+        .limits
+        .check(plan.n_inputs)
+        .map_err(|error| located("limits", &error))?;
+    Ok(plan)
+}
+
+/// What the excitation is made for.
+fn target(config: &Config) -> Target {
+    Target {
+        injection: match config.controller {
+            Some(_) => Injection::Velocity,
+            None => Injection::Torque,
+        },
+        n_inputs: config.robot.n_axes(),
+        sample_time_s: config.sample_time_s,
+        seed: config.seed,
+    }
+}
+
+/// The plan without its constant velocity.
+fn plan_at_rest(
+    config: &Config,
+    target: &Target,
+    excitation: Excitation,
+    phasing: Phasing,
+) -> Result<Plan, Fault> {
+    let glides = config.constant_velocity.as_ref().map(|table| table.glides);
+    Ok(Plan {
+        seed: config.seed,
+        sample_time_s: config.sample_time_s,
+        n_inputs: target.n_inputs,
+        lead_in_samples: lead_in_samples(config, &excitation)?,
+        excitation,
+        phasing,
+        injection: target.injection,
+        n_realizations: config.averaging.realizations,
+        n_repetitions: config.averaging.repetitions,
+        n_periods: config.averaging.periods,
+        velocity_rad_s: vec![0.0; target.n_inputs],
+        n_glides: glides.unwrap_or(0),
+    })
+}
+
+/// Checks the table `[estimate]`, by itself and beside the plan.
+fn check_estimate(estimate: &EstimateTable, plan: &Plan) -> Result<(), Fault> {
     estimate
         .check()
         .map_err(|fault| fault.within(&["estimate"]))?;
@@ -56,14 +81,7 @@ pub(crate) fn design(config: &Config) -> Result<Plan, Fault> {
                        [constant_velocity] glides, or leave it out";
         return Err(Fault::new(&["estimate", "glide_subtraction"], message));
     }
-    // one draw shows whether amplitudes, phasing and inputs fit together; its numbers are thrown
-    // away
-    plan.period(0).map_err(at_excitation)?;
-    config
-        .limits
-        .check(n_inputs)
-        .map_err(|error| located("limits", &error))?;
-    Ok(plan)
+    Ok(())
 }
 
 /// Samples before the first measured period.

@@ -1,0 +1,249 @@
+//! Audit trail of a shaping on disk: runs, files of every iteration and the report, written as they
+//! come and read back where they are there already.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use frfid_estimate::{Iteration, Shaped, Shaper};
+use frfid_files::{
+    Overwrite, check_free, create_folder, read_run, sha256_file, sha256_hex, write_bytes,
+    write_result, write_run,
+};
+use frfid_signals::{Frf, Record, Run, RunId, Testbed};
+
+use crate::error::ExperimentError;
+use crate::experiment::Experiment;
+use crate::run::folder::run_file;
+use crate::run::parallel::{Progress, Steps, for_each};
+use crate::run::provenance::{CONFIG, DESIGN};
+use crate::shape::earlier::{check_same, clear, unfit};
+use crate::shape::iteration_files::{BEST, IterationFiles, iteration_name};
+use crate::shape::report::{ANOTHER_FOLDER, FILE, IterationReport, ShapeReport};
+
+/// Key of the hash of the reference that was applied, in the metadata of a run.
+const REFERENCE: &str = "reference_sha256";
+
+/// The folder of a shaping.
+pub(crate) struct Trail<'a> {
+    experiment: &'a Experiment,
+    folder: &'a Path,
+    jobs: usize,
+    files: IterationFiles<'a>,
+    /// What the folder held when it was opened.
+    before: Option<ShapeReport>,
+    report: ShapeReport,
+}
+
+impl<'a> Trail<'a> {
+    /// Opens the folder: new, or of this very shaping with every file as it was written.
+    pub(crate) fn open(
+        experiment: &'a Experiment,
+        folder: &'a Path,
+        jobs: usize,
+        overwrite: Overwrite,
+        report: ShapeReport,
+    ) -> Result<Self, ExperimentError> {
+        let files = IterationFiles::new(experiment)?;
+        let before = if overwrite == Overwrite::Replace {
+            clear(folder)?;
+            None
+        } else {
+            ShapeReport::load(folder)?
+        };
+        match &before {
+            Some(before) => check_same(folder, before, &report)?,
+            None => [BEST, &iteration_name(1)]
+                .iter()
+                .try_for_each(|name| check_free(&folder.join(name), overwrite))?,
+        }
+        create_folder(folder)?;
+        let trail = Self {
+            experiment,
+            folder,
+            jobs,
+            files,
+            before,
+            report,
+        };
+        if trail.before.is_none() {
+            trail.write_report()?; // from now on the folder is known to be ours
+        }
+        Ok(trail)
+    }
+
+    /// The records of the next iteration: those that are there already, and those of the runs that
+    /// are done now.
+    pub(crate) fn records(
+        &self,
+        shaper: &Shaper,
+        testbed: &dyn Testbed,
+        progress: Progress,
+    ) -> Result<Vec<Record>, ExperimentError> {
+        let (runs, iteration) = (shaper.runs(), shaper.number());
+        let folder = self.folder_of(iteration);
+        create_folder(&folder)?;
+        let mut records = self.records_in(&folder, &runs)?;
+        let mut open: Vec<&Run> = runs.iter().collect();
+        open.retain(|run| !records.contains_key(&run.id));
+        let steps = Steps {
+            progress,
+            before: (iteration - 1) * runs.len() + records.len(),
+            total: self.report.n_iterations * runs.len(),
+        };
+        let done = for_each(&open, self.jobs, steps, |&run| {
+            let record = self.done(run, testbed, &folder)?;
+            Ok((run.id, record))
+        });
+        records.extend(done.map_err(|error| in_iteration(iteration, error))?);
+        Ok(records.into_values().collect())
+    }
+
+    /// The records of the runs that were done before.
+    fn records_in(
+        &self,
+        folder: &Path,
+        runs: &[Run],
+    ) -> Result<BTreeMap<RunId, Record>, ExperimentError> {
+        let mut records = BTreeMap::new();
+        for run in runs {
+            if let Some(record) = self.recorded(&path_of(run.id, folder), run)? {
+                records.insert(run.id, record);
+            }
+        }
+        Ok(records)
+    }
+
+    /// The record of a run that was done before; `None` if it was not.
+    fn recorded(&self, path: &Path, run: &Run) -> Result<Option<Record>, ExperimentError> {
+        if path.symlink_metadata().is_err() {
+            return Ok(None);
+        }
+        let (file, losses) = read_run(path)?;
+        if let Some(loss) = losses.first() {
+            let advice = "delete it, and its run is done again";
+            return Err(unfit(path, loss.to_string(), "a whole recording", advice));
+        }
+        let expected = self.metadata_of(run);
+        let differs = [CONFIG, REFERENCE]
+            .into_iter()
+            .find(|&key| file.metadata.get(key) != expected.get(key));
+        match differs {
+            Some(key) => Err(unfit(
+                path,
+                format!("another {key}"),
+                "the run that follows from the iterations before it",
+                ANOTHER_FOLDER,
+            )),
+            None => Ok(Some(file.record)),
+        }
+    }
+
+    /// Does a run and writes it.
+    fn done(
+        &self,
+        run: &Run,
+        testbed: &dyn Testbed,
+        folder: &Path,
+    ) -> Result<Record, ExperimentError> {
+        let record = testbed.run(run)?;
+        let file = run_file(self.experiment, run.id, record, self.metadata_of(run))?;
+        write_run(&path_of(run.id, folder), Overwrite::Resume, &file)?;
+        Ok(file.record)
+    }
+
+    /// The provenance of a run. The design differs from iteration to iteration: their runs do not
+    /// belong into one estimate.
+    fn metadata_of(&self, run: &Run) -> BTreeMap<String, String> {
+        let mut metadata = self.files.metadata.clone();
+        let design = format!(
+            "{:?} iteration {}",
+            metadata.get(DESIGN),
+            run.id.realization
+        );
+        metadata.insert(DESIGN.into(), sha256_hex(design.as_bytes()));
+        let reference: Vec<u8> = run.reference.iter().flat_map(|r| r.to_le_bytes()).collect();
+        metadata.insert(REFERENCE.into(), sha256_hex(&reference));
+        metadata
+    }
+
+    /// Writes what an iteration says, and adds it to the report.
+    pub(crate) fn keep(&mut self, iteration: &Iteration) -> Result<(), ExperimentError> {
+        let mut report = IterationReport::of(iteration);
+        let frf = self.frf_of(iteration, &mut report.notes);
+        let folder = self.folder_of(iteration.number);
+        report.files = match self.files_before(iteration.number, &folder) {
+            Some(known) => known.clone(),
+            None => self.files.write(iteration, frf, &folder)?,
+        };
+        self.report.iterations.push(report);
+        let before = self.before.as_ref();
+        let n_before = before.map_or(0, |before| before.iterations.len());
+        if self.report.iterations.len() > n_before {
+            self.write_report()?;
+        }
+        Ok(())
+    }
+
+    /// The FRF from torque to velocity of an iteration whose runs went to their end, or a note why
+    /// there is none.
+    fn frf_of(&self, iteration: &Iteration, notes: &mut Vec<String>) -> Option<Frf> {
+        iteration.estimate.as_ref()?;
+        match self.files.frf(&iteration.records) {
+            Ok(frf) => Some(frf),
+            Err(error) => {
+                notes.push(format!("no FRF from torque to velocity: {error}"));
+                None
+            }
+        }
+    }
+
+    /// The files of an iteration with their hashes, if they were written before and are all there.
+    fn files_before(&self, number: usize, folder: &Path) -> Option<&BTreeMap<String, String>> {
+        let known = self.before.as_ref()?.iterations.get(number - 1)?;
+        let is_whole = known.files.keys().all(|name| folder.join(name).exists());
+        is_whole.then_some(&known.files)
+    }
+
+    /// Writes the FRF of the best iteration and the end of the report.
+    pub(crate) fn finish(mut self, shaped: &Shaped) -> Result<ShapeReport, ExperimentError> {
+        let (path, best) = (self.folder.join(BEST), &shaped.best);
+        let frf = self.files.frf(&best.records)?;
+        let high_hz = frf.frequency_hz.last().copied().unwrap_or(f64::INFINITY);
+        self.report
+            .finish(shaped, high_hz, self.files.condition_check(&frf, best));
+        let result = self.files.result(
+            frf,
+            best,
+            &self.folder_of(best.number),
+            self.report.checks.clone(),
+        )?;
+        write_result(&path, Overwrite::Replace, &result)?;
+        self.report.frf_sha256 = Some(sha256_file(&path)?);
+        self.write_report()?;
+        Ok(self.report)
+    }
+
+    fn folder_of(&self, iteration: usize) -> PathBuf {
+        self.folder.join(iteration_name(iteration))
+    }
+
+    fn write_report(&self) -> Result<(), ExperimentError> {
+        Ok(write_bytes(
+            &self.folder.join(FILE),
+            Overwrite::Replace,
+            self.report.to_json().as_bytes(),
+        )?)
+    }
+}
+
+/// An error of the runs of an iteration: an interruption is one of the shaping.
+fn in_iteration(iteration: usize, error: ExperimentError) -> ExperimentError {
+    match error {
+        ExperimentError::Interrupted { .. } => ExperimentError::ShapingInterrupted { iteration },
+        error => error,
+    }
+}
+
+fn path_of(run: RunId, folder: &Path) -> PathBuf {
+    folder.join(format!("{run}.mcap"))
+}
