@@ -16,7 +16,6 @@ mod glide {
     pub(crate) mod torque_table;
 }
 mod harmonics;
-mod median;
 mod period_index;
 /// What is found in a recording that frfid did not make: its period, its lines, its transient.
 mod recording {
@@ -40,12 +39,11 @@ pub use excitation_strength::{AxisStrength, BandStrength, pooled_strength, stren
 pub use frf::excerpts::estimate_chirp;
 pub use frf::singular::{condition_number, scaled_condition_number, singular_values};
 pub use frf::time_series::estimate_bla;
-pub use frf::{FrfMethod, FrfOptions, Method};
+pub use frf::{FrfOptions, Method};
 pub use glide::by_position::RippleTorque;
 pub use glide::in_time::subtract_glide;
 pub use glide::ripple_residual::{FreeLines, ResidualLevel};
 pub use harmonics::harmonic_levels;
-pub use median::median;
 pub use period_index::PeriodIndex;
 pub use recording::lines::{find_lines, lines_at};
 pub use recording::period::find_period;

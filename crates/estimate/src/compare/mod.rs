@@ -6,7 +6,7 @@ pub(crate) mod change;
 pub(crate) mod resonance;
 pub(crate) mod verdict;
 
-use frfid_signals::{Frf, SignalError};
+use frfid_signals::{Frf, SignalError, median};
 use serde::Serialize;
 
 use crate::compare::bode::Bode;
@@ -14,7 +14,6 @@ use crate::compare::change::{Change, Side, Sides};
 use crate::compare::resonance::{Feature, features_of};
 use crate::compare::verdict::{Verdict, verdicts};
 use crate::error::EstimateError;
-use crate::median::median;
 
 /// How two FRFs are compared.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -5,15 +5,14 @@
 //! Known to be biased near sharp resonances: on the paper's linear example 0.03 dB in the median
 //! and 1.8 dB, 14 deg at worst.
 
-use frfid_signals::{Chirp, Frf, SignalError};
-use ndarray::{ArrayView4, s};
-use rayon::prelude::*;
+use frfid_signals::{Chirp, Frf};
+use ndarray::{ArrayView4, ArrayView5, Axis};
 
 use crate::error::EstimateError;
 use crate::frf::FrfOptions;
-use crate::period_index::PeriodIndex;
-use crate::spectra::campaign::{Campaign, RunSpectra};
+use crate::spectra::campaign::Campaign;
 use crate::spectra::excerpt::{ExcerptOptions, Excerpts};
+use crate::spectra::time_series::{TimeSeries, check_same_shape};
 
 /// FRF at `frequencies_hz` (rising) from recordings `(repeat, experiment, channel, sample)` of the
 /// same chirp, which starts `start_s` after the first sample.
@@ -35,22 +34,10 @@ pub fn estimate_chirp(
     start_s: f64,
     options: &FrfOptions,
 ) -> Result<Frf, EstimateError> {
-    let (n_q, n_ex, _, n_samples) = u.dim();
-    for (name, signal) in [("y", Some(&y)), ("r", r.as_ref())] {
-        let Some(signal) = signal else { continue };
-        let (q, m, _, k) = signal.dim();
-        if (q, m, k) != (n_q, n_ex, n_samples) {
-            let needed = format!("({n_q}, {n_ex}, channel, {n_samples}), as u");
-            return Err(SignalError::Shape {
-                name,
-                found: signal.shape().to_vec(),
-                needed,
-            }
-            .into());
-        }
-    }
+    check_same_shape(&u, &y, r.as_ref())?;
     let cut = ExcerptOptions::default();
     let mut campaign = Campaign::new(frequencies_hz.to_vec())?;
+    let n_samples = u.len_of(Axis(3));
     let excerpts = Excerpts::new(
         chirp,
         frequencies_hz,
@@ -59,32 +46,23 @@ pub fn estimate_chirp(
         n_samples,
         &cut,
     )?;
-    let places: Vec<PeriodIndex> = (0..n_q * n_ex)
-        .map(|run| PeriodIndex {
-            realization: 0,
-            period: run / n_ex,
-            experiment: run % n_ex,
-        })
-        .collect();
-    let spectra: Result<Vec<RunSpectra>, EstimateError> = places
-        .par_iter()
-        .map(|place| {
-            let window = s![place.period, place.experiment, .., ..];
-            RunSpectra::of(
-                &excerpts,
-                u.slice(window),
-                y.slice(window),
-                r.as_ref().map(|r| r.slice(window)),
-            )
-        })
-        .collect();
-    for (place, run) in places.into_iter().zip(spectra?) {
-        campaign.insert(place, run)?;
-    }
+    let series = TimeSeries {
+        u: as_one_realization(u),
+        y: as_one_realization(y),
+        r: r.map(as_one_realization),
+    };
+    series.transform_into(&mut campaign, &excerpts)?;
     Ok(Frf {
         relative_resolution: Some(cut.relative_resolution()),
         ..campaign.estimate(options)?
     })
+}
+
+/// `(repeat, experiment, ..)` as `(realization, experiment, period, ..)`.
+fn as_one_realization(signal: ArrayView4<f64>) -> ArrayView5<f64> {
+    let mut signal = signal.insert_axis(Axis(0));
+    signal.swap_axes(1, 2);
+    signal
 }
 
 #[cfg(test)]
@@ -95,7 +73,7 @@ mod tests {
     use frfid_signals::random::{normal, stream};
     use frfid_signals::{Phasing, Profile};
     use nalgebra::{Matrix4, Matrix5, Vector4};
-    use ndarray::{Array4, Axis};
+    use ndarray::{Array4, s};
     use num_complex::Complex64;
 
     const SAMPLE_TIME_S: f64 = 1e-3;

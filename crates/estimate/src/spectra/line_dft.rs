@@ -7,7 +7,7 @@ use std::cmp::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use frfid_signals::{SignalError, check_finite, checks::positive};
-use ndarray::{Array2, ArrayView2, aview_mut1, aview1};
+use ndarray::{Array2, ArrayView1, ArrayView2, aview_mut1, aview1};
 use num_complex::Complex64;
 use realfft::{RealFftPlanner, RealToComplex};
 
@@ -82,46 +82,47 @@ impl Transform for LineDft {
     ) -> Result<Array2<Complex64>, EstimateError> {
         if period.ncols() != self.n_samples() {
             let needed = format!("(channel, {})", self.n_samples());
-            return Err(SignalError::Shape {
-                name,
-                found: period.shape().to_vec(),
-                needed,
-            }
-            .into());
+            return Err(EstimateError::shape(name, period.shape(), needed));
         }
         let mut buffers = self.borrow();
         let mut spectra = Array2::zeros((period.nrows(), self.lines.len()));
         for (channel, mut spectrum) in period.rows().into_iter().zip(spectra.rows_mut()) {
-            let Buffers {
-                samples,
-                bins,
-                scratch,
-            } = &mut buffers;
-            aview_mut1(samples).assign(&channel);
-            // summed out of the buffer, so that the layout of the array cannot change a digit
-            let mean = aview1(samples).sum() / self.n_samples() as f64;
+            let mean = buffers.fill(channel);
             if !mean.is_finite() {
                 check_finite(name, period)?; // one NaN is enough to spoil the sum
             }
-            samples.iter_mut().for_each(|sample| *sample -= mean);
-            let done = self.fft.process_with_scratch(samples, bins, scratch);
-            done.expect("the plan made the buffers, so their lengths fit");
-            spectrum
-                .iter_mut()
-                .zip(&self.lines)
-                .for_each(|(value, &line)| *value = bins[line]);
+            buffers.transform(mean, self.fft.as_ref());
+            for (value, &line) in spectrum.iter_mut().zip(&self.lines) {
+                *value = buffers.bins[line];
+            }
         }
         self.give_back(buffers);
         Ok(spectra)
     }
 }
 
-/// What one transform at a time needs; made once per thread that asks, since making them takes half
+/// Buffers of one transform at a time; made once per thread that asks, since making them takes half
 /// as long as the FFT.
 struct Buffers {
     samples: Vec<f64>,
     bins: Vec<Complex64>,
     scratch: Vec<Complex64>,
+}
+
+impl Buffers {
+    /// Takes the samples of a channel; returns their mean, summed here, so that the layout of the
+    /// array cannot change a digit.
+    fn fill(&mut self, channel: ArrayView1<f64>) -> f64 {
+        aview_mut1(&mut self.samples).assign(&channel);
+        aview1(&self.samples).sum() / self.samples.len() as f64
+    }
+
+    /// From samples to bins, the mean taken off.
+    fn transform(&mut self, mean: f64, fft: &dyn RealToComplex<f64>) {
+        self.samples.iter_mut().for_each(|sample| *sample -= mean);
+        fft.process_with_scratch(&mut self.samples, &mut self.bins, &mut self.scratch)
+            .expect("the plan made the buffers, so their lengths fit");
+    }
 }
 
 impl LineDft {

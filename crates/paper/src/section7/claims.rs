@@ -1,8 +1,8 @@
 //! What section 7 claims, beside what we find.
 
-use frfid_estimate::{Summary, median};
+use frfid_estimate::Summary;
 use frfid_report::Claim;
-use frfid_signals::Frf;
+use frfid_signals::{Frf, median};
 
 use crate::section7::Section7;
 use crate::section7::chirps::ShapedChirps;
