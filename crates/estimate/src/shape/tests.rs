@@ -9,9 +9,10 @@ use frfid_signals::{
 };
 use ndarray::{Array2, Array3, Axis};
 
-use crate::shape::iteration::{Note, Stop};
 use crate::shape::limits::KEPT;
+use crate::shape::note::Note;
 use crate::shape::options::{Step, Target};
+use crate::shape::summary::Stop;
 use crate::shape::*;
 
 const SAMPLE_TIME_S: f64 = 4e-3;
