@@ -10,6 +10,7 @@ mod excitation_strength;
 mod frf;
 /// Glide subtraction: what a constant velocity alone leaves in a record is taken off.
 mod glide {
+    pub(crate) mod apparent_inertia;
     pub(crate) mod by_position;
     pub(crate) mod in_time;
     pub(crate) mod ripple_residual;
@@ -34,8 +35,9 @@ pub use compare::resonance::{Feature, FeatureKind, find_features};
 pub use compare::verdict::Verdict;
 pub use compare::{CompareOptions, Comparison, EntryComparison, compare};
 pub use error::{Deficiency, DeficientLine, EstimateError};
+pub use excitation_strength::pooling::pooled_strength;
 pub use excitation_strength::warnings::strength_warnings;
-pub use excitation_strength::{AxisStrength, BandStrength, pooled_strength, strength};
+pub use excitation_strength::{AxisStrength, BandStrength, strength};
 pub use frf::excerpts::estimate_chirp;
 pub use frf::singular::{condition_number, scaled_condition_number, singular_values};
 pub use frf::time_series::estimate_bla;

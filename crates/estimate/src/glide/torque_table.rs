@@ -31,21 +31,8 @@ impl TorqueTable {
         position_rad: ArrayView1<f64>,
         torque_nm: ArrayView1<f64>,
     ) -> Result<Self, EstimateError> {
-        let (mut place_rad, mut sums): (Vec<f64>, Vec<(f64, f64)>) = (Vec::new(), Vec::new());
-        let mut back_rad = 0.0f64;
-        for (position, &torque) in position_rad.iter().zip(torque_nm) {
-            let place = direction * position;
-            match (place_rad.last(), sums.last_mut()) {
-                (Some(&last), Some(sum)) if place <= last => {
-                    back_rad = back_rad.max(last - place);
-                    *sum = (sum.0 + torque, sum.1 + 1.0);
-                }
-                _ => {
-                    place_rad.push(place);
-                    sums.push((torque, 1.0));
-                }
-            }
-        }
+        let places = position_rad.iter().map(|position| direction * position);
+        let (place_rad, mut torque_nm, back_rad) = averaged(places, torque_nm);
         let way_rad = place_rad
             .last()
             .zip(place_rad.first())
@@ -57,7 +44,6 @@ impl TorqueTable {
                 way_rad,
             });
         }
-        let mut torque_nm: Vec<f64> = sums.iter().map(|(sum, count)| sum / count).collect();
         remove_line(&place_rad, &mut torque_nm);
         Ok(Self {
             direction,
@@ -105,6 +91,30 @@ impl TorqueTable {
             high_rad: a.max(b),
         })
     }
+}
+
+/// Rising places and the mean torque at each, a step back counted to the place before; and how far
+/// back the farthest such step goes.
+fn averaged(
+    places: impl Iterator<Item = f64>,
+    torque_nm: ArrayView1<f64>,
+) -> (Vec<f64>, Vec<f64>, f64) {
+    let (mut place_rad, mut sums): (Vec<f64>, Vec<(f64, f64)>) = (Vec::new(), Vec::new());
+    let mut back_rad = 0.0f64;
+    for (place, &torque) in places.zip(torque_nm) {
+        match (place_rad.last(), sums.last_mut()) {
+            (Some(&last), Some(sum)) if place <= last => {
+                back_rad = back_rad.max(last - place);
+                *sum = (sum.0 + torque, sum.1 + 1.0);
+            }
+            _ => {
+                place_rad.push(place);
+                sums.push((torque, 1.0));
+            }
+        }
+    }
+    let torque_nm = sums.iter().map(|(sum, count)| sum / count).collect();
+    (place_rad, torque_nm, back_rad)
 }
 
 /// Takes off the least-squares straight line of `values` over `places`, of which at least two
