@@ -155,6 +155,7 @@ impl<'a> Sweep<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
     use frfid_signals::{Phasing, Profile};
     use ndarray::{Array1, s};
 
@@ -208,11 +209,14 @@ mod tests {
         let signal = recording();
         let found = levels(&signal, &[3.5, 25.0], &[2, 3, 4]).expect("sound");
         assert!(found.iter().all(|&level| level < 2e-3), "{found}");
-        for (hz, order) in [(2.1, 3), (59.99, 3), (f64::NAN, 3), (50.0, 10)] {
-            assert!(
-                levels(&signal, &[hz], &[order]).is_err(),
-                "{hz} Hz, order {order}"
-            );
+        for (hz, order, said) in [
+            (2.1, 3, "2.1 Hz: the two cycles"),
+            (59.99, 3, "59.99 Hz: the two cycles"),
+            (f64::NAN, 3, "NaN Hz: the two cycles"),
+            (50.0, 10, "high_hz = 500 Hz is not below"),
+        ] {
+            let found = refusal(levels(&signal, &[hz], &[order]));
+            assert!(found.starts_with(said), "{hz} Hz, order {order}: {found}");
         }
         let silent = levels(&Array1::zeros(20_000), &[10.0], &[3]);
         assert_eq!(

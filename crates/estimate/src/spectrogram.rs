@@ -123,6 +123,7 @@ fn n_sides(bin: usize, length: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
     use frfid_signals::random::{normal, stream};
     use ndarray::Array1;
 
@@ -184,18 +185,17 @@ mod tests {
     #[test]
     fn windows_that_do_not_fit_are_refused() {
         let signal = Array1::zeros(100);
-        for (window_s, step_s) in [
-            (0.03, 0.1),
-            (1.01, 0.1),
-            (0.5, 0.0),
-            (f64::NAN, 0.1),
-            (0.5, f64::INFINITY),
+        for (window_s, step_s, said) in [
+            (0.03, 0.1, "window_s is 0.03,"),
+            (1.01, 0.1, "window_s is 1.01,"),
+            (0.5, 0.0, "step_s is 0,"),
+            (f64::NAN, 0.1, "window_s is NaN,"),
+            (0.5, f64::INFINITY, "step_s is inf,"),
         ] {
-            assert!(
-                of(&signal, window_s, step_s).is_err(),
-                "{window_s} {step_s}"
-            );
+            let found = refusal(of(&signal, window_s, step_s));
+            assert!(found.starts_with(said), "{window_s} {step_s}: {found}");
         }
-        assert!(of(&Array1::from_elem(100, f64::NAN), 0.5, 0.1).is_err());
+        let said = refusal(of(&Array1::from_elem(100, f64::NAN), 0.5, 0.1));
+        assert!(said.starts_with("signal: 100 samples are NaN"), "{said}");
     }
 }

@@ -68,6 +68,7 @@ fn as_one_realization(signal: ArrayView4<f64>) -> ArrayView5<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
     use std::f64::consts::TAU;
 
     use frfid_signals::random::{normal, stream};
@@ -237,29 +238,36 @@ mod tests {
     #[test]
     fn frequencies_outside_the_sweep_and_bad_arrays_are_refused() {
         let u = recording();
-        for (hz, start_s) in [
-            (0.9, 0.0),
-            (61.0, 0.0),
-            (f64::NAN, 0.0),
-            (20.0, 30.0),
-            (20.0, -30.0),
-            (20.0, f64::NAN),
+        let (never, too_short) = ("the chirp never has", "less than one period of it");
+        for (hz, start_s, reason) in [
+            (0.9, 0.0, never),
+            (61.0, 0.0, never),
+            (20.0, 30.0, too_short),
+            (20.0, -30.0, too_short),
+            (20.0, f64::NAN, "start_s is NaN"),
         ] {
-            assert!(
-                estimate(&u, &u, &[hz], start_s).is_err(),
-                "{hz} Hz from {start_s} s"
-            );
+            let said = refusal(estimate(&u, &u, &[hz], start_s));
+            assert!(said.contains(reason), "{hz} Hz from {start_s} s: {said}");
         }
+        let said = refusal(estimate(&u, &u, &[f64::NAN], 0.0));
+        assert!(said.contains(never), "{said}");
         let short = u.slice(s![.., .., .., ..100]).to_owned();
-        assert!(
-            estimate(&u, &short, &[20.0], 0.0).is_err()
-                && estimate(&short, &short, &[20.0], 0.0).is_err()
+        let said = refusal(estimate(&u, &short, &[20.0], 0.0));
+        assert_eq!(
+            said,
+            "y has shape [1, 1, 1, 100], needed (1, 1, channel, 20000), as u"
         );
+        let said = refusal(estimate(&short, &short, &[20.0], 0.0));
+        assert!(said.contains(too_short), "{said}");
         let mut holed = u.clone();
         holed[[0, 0, 0, 100]] = f64::NAN;
+        // the NaN lies within this excerpt
+        let said = refusal(estimate(&u, &holed, &[1.3], 0.0));
         assert!(
-            estimate(&u, &holed, &[1.3], 0.0).is_err(),
-            "the NaN lies within this excerpt"
+            said.starts_with(
+                "y: 1 samples are NaN or infinite, the first in channel 0 at sample 100"
+            ),
+            "{said}"
         );
     }
 }

@@ -100,6 +100,7 @@ pub(crate) fn glide_velocity(glide: ArrayView1<f64>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
     use frfid_signals::InputKind;
     use ndarray::Array;
 
@@ -147,19 +148,23 @@ mod tests {
             other_way,
             Err(EstimateError::OtherDirection { channel: 0, .. })
         ));
-        assert!(subtract_glide(&run, &record(0.2, 0.0, SAMPLES - 1)).is_err());
+        let said = refusal(subtract_glide(&run, &record(0.2, 0.0, SAMPLES - 1)));
         assert!(
-            subtract_glide(
-                &run,
-                &Record {
-                    sample_time_s: 2e-3,
-                    ..record(0.2, 0.0, SAMPLES)
-                }
-            )
-            .is_err()
+            said.starts_with("u of the glide has shape [1, 999]"),
+            "{said}"
+        );
+        let slow = Record {
+            sample_time_s: 2e-3,
+            ..record(0.2, 0.0, SAMPLES)
+        };
+        let said = refusal(subtract_glide(&run, &slow));
+        assert!(
+            said.starts_with("sample_time_s of the glide is 0.002,"),
+            "{said}"
         );
         let mut holed = record(0.2, 0.0, SAMPLES);
         holed.u[[0, 3]] = f64::NAN;
-        assert!(subtract_glide(&run, &holed).is_err());
+        let said = refusal(subtract_glide(&run, &holed));
+        assert!(said.starts_with("u: 1 samples are NaN"), "{said}");
     }
 }

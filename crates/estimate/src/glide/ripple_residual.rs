@@ -286,6 +286,7 @@ impl ResidualLevel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
     use frfid_signals::random::{normal, stream};
     use std::f64::consts::TAU;
 
@@ -341,10 +342,10 @@ mod tests {
         for place in (0..lines.n_lines()).filter(|place| inside(*place)) {
             assert!((rest[[0, place]] - 0.25).norm() < 1e-12);
         }
+        let said = refusal(lines.unexplained(&y, &Array2::zeros((2, 3)), &plant));
         assert!(
-            lines
-                .unexplained(&y, &Array2::zeros((2, 3)), &plant)
-                .is_err()
+            said.starts_with("y on free lines has shape [2, 3]"),
+            "{said}"
         );
     }
 
@@ -401,16 +402,24 @@ mod tests {
     #[test]
     fn what_cannot_be_measured_is_refused() {
         let all: Vec<usize> = (1..32).collect();
-        assert!(FreeLines::new(64, &all, 12).is_err() && FreeLines::new(64, &[40], 12).is_err());
+        assert_eq!(
+            FreeLines::new(64, &all, 12).err(),
+            Some(EstimateError::EmptyList("lines that are not excited"))
+        );
+        assert!(refusal(FreeLines::new(64, &[40], 12)).starts_with("line 40 is not"));
         let lines = FreeLines::new(64, &[3, 9], 4).expect("sound");
         let spectra = lines
             .transform("u", Array2::zeros((1, 64)).view())
             .expect("fits");
-        assert!(lines.level(std::slice::from_ref(&spectra)).is_err());
+        let said = refusal(lines.level(std::slice::from_ref(&spectra)));
         assert!(
-            lines
-                .level(&[spectra.clone(), Array2::zeros((1, 2))])
-                .is_err()
+            said.starts_with("repetitions of one reference is 1,"),
+            "{said}"
+        );
+        let said = refusal(lines.level(&[spectra.clone(), Array2::zeros((1, 2))]));
+        assert!(
+            said.starts_with("spectra of a repetition has shape [1, 2]"),
+            "{said}"
         );
         assert_eq!(
             lines

@@ -13,7 +13,7 @@ const BEYOND: f64 = 0.02;
 
 /// Torque on rising places along the way of one axis; readings of equal place are averaged.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct TorqueTable {
+pub(super) struct TorqueTable {
     /// Sign of the motion: `direction * position` rises.
     direction: f64,
     place_rad: Vec<f64>,
@@ -25,7 +25,7 @@ impl TorqueTable {
     ///
     /// # Errors
     /// [`EstimateError::NotMonotone`] if the axis goes back by more than a thousandth of its way.
-    pub fn new(
+    pub(super) fn new(
         channel: usize,
         direction: f64,
         position_rad: ArrayView1<f64>,
@@ -53,7 +53,7 @@ impl TorqueTable {
     }
 
     /// Torque at a position, linear between places, held beyond the ends.
-    pub fn at(&self, position_rad: f64) -> f64 {
+    pub(super) fn at(&self, position_rad: f64) -> f64 {
         let place = self.direction * position_rad;
         let above = self.place_rad.partition_point(|&known| known <= place);
         match (above.checked_sub(1), self.place_rad.get(above)) {
@@ -68,7 +68,7 @@ impl TorqueTable {
     }
 
     /// Refuses positions further beyond the table than an excitation wanders.
-    pub fn check_range(
+    pub(super) fn check_range(
         &self,
         channel: usize,
         position_rad: ArrayView1<f64>,
@@ -175,7 +175,14 @@ mod tests {
             matches!(back, Err(EstimateError::NotMonotone { channel: 2, back_rad, .. }) if back_rad > 1.0)
         );
         let still = Array1::zeros(10);
-        assert!(TorqueTable::new(0, 1.0, still.view(), still.view()).is_err());
+        assert_eq!(
+            TorqueTable::new(0, 1.0, still.view(), still.view()),
+            Err(EstimateError::NotMonotone {
+                channel: 0,
+                back_rad: 0.0,
+                way_rad: 0.0
+            })
+        );
         let table = table(-1.0, 1e-3);
         assert_eq!(
             table.check_range(0, Array1::from_vec(vec![-1.03, 1.03]).view()),

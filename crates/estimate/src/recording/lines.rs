@@ -173,6 +173,7 @@ fn line_at(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
     use frfid_signals::random::{normal, phase, stream};
     use std::f64::consts::TAU;
 
@@ -222,9 +223,11 @@ mod tests {
         assert!(
             matches!(find_lines(triangle.view(), 1000), Err(EstimateError::NoLines { range, .. }) if range > 1e4)
         );
-        assert!(
-            find_lines(triangle.view(), 5000).is_err() && find_lines(triangle.view(), 0).is_err()
-        );
+        for (period, needed) in [(5000, 5000), (0, 1)] {
+            let needed = format!("(channel, {needed} or more)");
+            let expected = EstimateError::shape("reference", &[1, 4000], needed);
+            assert_eq!(find_lines(triangle.view(), period), Err(expected));
+        }
     }
 
     #[test]
@@ -239,15 +242,16 @@ mod tests {
             panic!("2.6 Hz is no line of 2 s");
         };
         assert_eq!((nearest_hz, offered_samples), (2.5, 1923)); // 5 cycles of 2.6 Hz
-        for bad in [
-            vec![],
-            vec![-1.0],
-            vec![f64::NAN],
-            vec![1.0, 1.0],
-            vec![600.0],
-            vec![1e-9],
+        for (bad, said) in [
+            (vec![], "frequencies_hz: none was given"),
+            (vec![-1.0], "frequencies_hz is -1,"),
+            (vec![f64::NAN], "frequencies_hz is NaN,"),
+            (vec![1.0, 1.0], "frequencies_hz must rise"),
+            (vec![600.0], "line 1200 is not between 1 and 999"),
+            (vec![1e-9], "0.000000001 Hz is no line"),
         ] {
-            assert!(lines_at(&bad, 2000, 1e-3).is_err(), "{bad:?}");
+            let found = refusal(lines_at(&bad, 2000, 1e-3));
+            assert!(found.starts_with(said), "{bad:?}: {found}");
         }
     }
 }

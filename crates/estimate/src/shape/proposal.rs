@@ -45,7 +45,10 @@ pub(super) struct Origin<'a> {
 
 impl Proposal {
     /// Refuses an initial reference that is itself beyond a limit of velocity or travel.
-    pub fn check_start(start: &Array3<f64>, options: &ShapeOptions) -> Result<(), ShapeError> {
+    pub(super) fn check_start(
+        start: &Array3<f64>,
+        options: &ShapeOptions,
+    ) -> Result<(), ShapeError> {
         let travel = integral(start, options.sample_time_s);
         let peaks = peaks_of_signals([&Array3::zeros(start.dim()), start, &travel]);
         match exceeded(&options.limits, &peaks).first() {
@@ -60,7 +63,7 @@ impl Proposal {
     /// that moment, in every experiment alike: of a chirp that concerns the frequencies of that
     /// moment only. Should that not be enough, since what follows from a changed reference is not
     /// confined to a moment, the whole step is shortened.
-    pub fn after(
+    pub(super) fn after(
         from: &Origin,
         desired: &[DMatrix<Complex64>],
         damping: &Array2<f64>,

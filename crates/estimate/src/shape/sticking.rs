@@ -87,7 +87,7 @@ pub(super) struct Sweep {
 impl Sweep {
     /// Reads the sweep off the desired signal `(experiment, channel, sample)`; the experiments
     /// differ in phase only, so the first one tells.
-    pub fn of(
+    pub(super) fn of(
         band: &Band,
         desired: &Array3<f64>,
         spectra: &[DMatrix<Complex64>],
@@ -107,7 +107,7 @@ impl Sweep {
     }
 
     /// Share of the sweep that each axis was stuck, over all records.
-    pub fn stuck_share(&self, stuck: &[Array2<bool>]) -> Vec<f64> {
+    pub(super) fn stuck_share(&self, stuck: &[Array2<bool>]) -> Vec<f64> {
         let n_axes = stuck.first().map_or(0, Array2::nrows);
         let share = |axis: usize| {
             let samples = || {
@@ -123,7 +123,7 @@ impl Sweep {
     }
 
     /// Stuck share and torque of every axis in every band, axis by axis.
-    pub fn bands(&self, records: &[Record], stuck: &[Array2<bool>]) -> Vec<BandMotion> {
+    pub(super) fn bands(&self, records: &[Record], stuck: &[Array2<bool>]) -> Vec<BandMotion> {
         let n_axes = stuck.first().map_or(0, Array2::nrows);
         let mut bands = Vec::new();
         for axis in 0..n_axes {

@@ -231,6 +231,7 @@ fn check_spectra(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
 
     fn run(inputs: usize) -> RunSpectra {
         RunSpectra {
@@ -282,15 +283,22 @@ mod tests {
             r: Some(Array2::ones((r, 2))),
             ..run(2)
         };
-        assert!(campaign.insert(place(0, 0, 0), with_r(3)).is_err());
+        assert_eq!(
+            refusal(campaign.insert(place(0, 0, 0), with_r(3))),
+            "r has shape [3, 2], needed (2, 2) (channel, line)"
+        );
         campaign.insert(place(0, 0, 0), run(2)).expect("fits");
         assert_eq!(
             campaign.insert(place(0, 0, 0), run(2)),
             Err(EstimateError::Duplicate(place(0, 0, 0)))
         );
-        assert!(
-            campaign.insert(place(0, 0, 1), run(1)).is_err()
-                && campaign.insert(place(0, 0, 1), with_r(2)).is_err()
+        assert_eq!(
+            refusal(campaign.insert(place(0, 0, 1), run(1))),
+            "u has shape [1, 2], needed (2, 2) (channel, line)"
+        );
+        assert_eq!(
+            refusal(campaign.insert(place(0, 0, 1), with_r(2))),
+            "r has shape [2, 2], needed no r, as in the runs before"
         );
         let mut bad = run(2);
         bad.y[[0, 1]].im = f64::NAN;

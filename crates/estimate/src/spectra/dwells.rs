@@ -22,7 +22,7 @@ impl Dwells {
     ///
     /// # Errors
     /// [`frfid_signals::SignalError`] for a stepped sine that is out of range or longer than the recordings.
-    pub fn new(
+    pub(super) fn new(
         stepped: &SteppedSine,
         sample_time_s: f64,
         n_samples: usize,
@@ -38,7 +38,7 @@ impl Dwells {
 
     /// Frequencies in Hz, rising.
     #[must_use]
-    pub fn frequency_hz(&self) -> Vec<f64> {
+    pub(super) fn frequency_hz(&self) -> Vec<f64> {
         self.dwells.iter().map(|dwell| dwell.hz).collect()
     }
 }

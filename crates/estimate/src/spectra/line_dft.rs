@@ -170,6 +170,7 @@ pub(crate) fn check_rising(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
     use ndarray::{Array, Axis, s};
     use std::f64::consts::TAU;
 
@@ -222,11 +223,20 @@ mod tests {
             };
             assert_eq!(LineDft::new(64, &[bad]).err(), Some(expected.into()));
         }
-        assert!(
-            LineDft::new(64, &[3, 3]).is_err()
-                && LineDft::new(64, &[]).is_err()
-                && LineDft::new(0, &[1]).is_err()
+        assert!(matches!(
+            LineDft::new(64, &[3, 3]).err(),
+            Some(EstimateError::NotRising { index: 1, .. })
+        ));
+        assert_eq!(
+            LineDft::new(64, &[]).err(),
+            Some(EstimateError::EmptyList("lines"))
         );
+        let expected = SignalError::LineOffGrid {
+            line: 1,
+            highest: 0,
+            n_samples: 0,
+        };
+        assert_eq!(LineDft::new(0, &[1]).err(), Some(expected.into()));
         let dft = LineDft::new(64, &[3]).expect("sound");
         let mut period = Array2::zeros((2, 64));
         period[[1, 7]] = f64::INFINITY;
@@ -237,9 +247,10 @@ mod tests {
             sample: 7,
         };
         assert_eq!(dft.transform("y", period.view()), Err(expected.into()));
-        assert!(
-            dft.transform("y", period.slice(s![.., 1..])).is_err()
-                && dft.frequency_hz(f64::NAN).is_err()
+        assert_eq!(
+            dft.transform("y", period.slice(s![.., 1..])),
+            Err(EstimateError::shape("y", &[2, 63], "(channel, 64)".into()))
         );
+        assert!(refusal(dft.frequency_hz(f64::NAN)).starts_with("sample_time_s is NaN"));
     }
 }
