@@ -229,7 +229,7 @@ pub struct DeficientLine {
     pub cause: Deficiency,
 }
 
-/// Why inputs cannot be told apart.
+/// Why the inputs cannot be separated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Deficiency {
     /// An input without any power on the line.

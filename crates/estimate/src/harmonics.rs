@@ -106,8 +106,7 @@ impl Cycles {
         let mean = samples.clone().map(|k| signal[k]).sum::<f64>() / samples.len() as f64;
         let weighted = |k: usize| {
             let (cycles, hz) = sweep.at(k as f64 * sample_time_s - start_s);
-            let hann = (PI * (cycles - first) / CYCLES).sin().powi(2);
-            (TAU * cycles, hann * hz * (signal[k] - mean))
+            (TAU * cycles, hann(cycles - first) * hz * (signal[k] - mean))
         };
         Ok(Self(samples.map(weighted).collect()))
     }
@@ -117,6 +116,11 @@ impl Cycles {
         let turned = |&(phase, value): &(f64, f64)| Complex64::cis(-(order as f64) * phase) * value;
         self.0.iter().map(turned).sum::<Complex64>().norm()
     }
+}
+
+/// Hann's window over the cycles of a level.
+fn hann(cycles: f64) -> f64 {
+    (PI * cycles / CYCLES).sin().powi(2)
 }
 
 /// Cycles of a chirp over its frequency, counted from the start of the sweep.

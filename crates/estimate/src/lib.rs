@@ -1,5 +1,5 @@
-//! From recordings to FRFs: direct, best linear approximation, excerpts, comparison; and the
-//! shaping of excitations in closed loop, which rests on such estimates.
+//! Estimation of FRFs from recordings: direct, best linear approximation, excerpts, comparison; and
+//! the shaping of excitations in closed loop, which rests on such estimates.
 //!
 //! Equation numbers are those of Saupe and Knoblach, MSSP 52-53 (2015) 60-72, cited SK15. Shapes,
 //! units and the DFT follow `frfid_signals`. Nothing here knows files, clocks or chance.
@@ -8,7 +8,7 @@ mod compare;
 mod error;
 mod excitation_strength;
 mod frf;
-/// Glide subtraction: what a constant velocity alone leaves in a record is taken off.
+/// Subtraction of glides: what a constant velocity alone leaves in a record is taken off.
 mod glide {
     pub(crate) mod apparent_inertia;
     pub(crate) mod by_position;
@@ -18,7 +18,7 @@ mod glide {
 }
 mod harmonics;
 mod period_index;
-/// What is found in a recording that frfid did not make: its period, its lines, its transient.
+/// Properties found in a recording that frfid did not make: its period, lines and transient.
 mod recording {
     pub(crate) mod lines;
     pub(crate) mod period;

@@ -57,13 +57,29 @@ pub fn spectrogram(
     check_finite("signal", signal.insert_axis(Axis(0)))?;
     let length = window_samples(signal.len(), sample_time_s, options)?;
     let step = (options.step_s / sample_time_s).round().max(1.0) as usize;
+    let starts: Vec<usize> = (0..=signal.len() - length).step_by(step).collect();
+    let hz = |bin: usize| bin as f64 / (length as f64 * sample_time_s);
+    let centre_s = |&start: &usize| (start as f64 + 0.5 * length as f64) * sample_time_s;
+    Ok(Spectrogram {
+        frequency_hz: (0..=length / 2).map(hz).collect(),
+        time_s: starts.iter().map(centre_s).collect(),
+        density: densities(signal, &starts, length, sample_time_s),
+    })
+}
+
+/// Density of the windows of `length` samples that begin at `starts`, `(frequency, window)`.
+fn densities(
+    signal: ArrayView1<f64>,
+    starts: &[usize],
+    length: usize,
+    sample_time_s: f64,
+) -> Array2<f64> {
     let window = hann(length);
     let scale = sample_time_s / window.iter().map(|w| w * w).sum::<f64>();
-    let starts: Vec<usize> = (0..=signal.len() - length).step_by(step).collect();
     let fft = RealFftPlanner::new().plan_fft_forward(length);
     let (mut samples, mut bins) = (fft.make_input_vec(), fft.make_output_vec());
     let mut density = Array2::zeros((bins.len(), starts.len()));
-    for (&start, mut column) in zip(&starts, density.columns_mut()) {
+    for (&start, mut column) in zip(starts, density.columns_mut()) {
         let piece = signal.slice(s![start..start + length]);
         for ((sample, w), x) in zip(zip(&mut samples, &window), piece) {
             *sample = w * x;
@@ -74,13 +90,7 @@ pub fn spectrogram(
             *value = n_sides(bin, length) * scale * spectrum.norm_sqr();
         }
     }
-    let hz = |bin: usize| bin as f64 / (length as f64 * sample_time_s);
-    let centre_s = |&start: &usize| (start as f64 + 0.5 * length as f64) * sample_time_s;
-    Ok(Spectrogram {
-        frequency_hz: (0..bins.len()).map(hz).collect(),
-        time_s: starts.iter().map(centre_s).collect(),
-        density,
-    })
+    density
 }
 
 /// Length of a window in samples; refuses times that are not above 0 and windows that do not fit.

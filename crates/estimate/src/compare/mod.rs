@@ -71,8 +71,8 @@ pub struct Comparison {
 /// Compares `b` with `a`, entry by entry, over the band they share; the frequency grids may differ.
 ///
 /// # Errors
-/// [`frfid_signals::SignalError::Shape`] for other numbers of channels, [`EstimateError::NoCommonBand`] with fewer
-/// than three frequencies of either in the common band.
+/// [`frfid_signals::SignalError::Shape`] for other numbers of channels,
+/// [`EstimateError::NoCommonBand`] with fewer than three frequencies of either in the common band.
 pub fn compare(a: &Frf, b: &Frf, options: &CompareOptions) -> Result<Comparison, EstimateError> {
     a.check()?;
     b.check()?;

@@ -46,7 +46,7 @@ fn too_weak(axis: &AxisStrength, name: &str, coulomb_nm: Option<f64>) -> Option<
     ))
 }
 
-/// Where an axis sticks: neighbouring bands as one, or the whole run where no band can be told.
+/// Where an axis sticks: neighbouring bands as one, or the whole run if no band is known to.
 fn sticking(axis: &AxisStrength, name: &str, coulomb_nm: Option<f64>) -> Vec<String> {
     let sticks = |band: &BandStrength| band.stuck_share.is_some_and(|share| share > STUCK);
     let runs = axis.bands.chunk_by(|a, b| sticks(a) == sticks(b));

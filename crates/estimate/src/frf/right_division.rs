@@ -1,4 +1,4 @@
-//! Y U^+ for wide or square U: the equation every FRF estimate ends in.
+//! Right division Y U^+ for wide or square U: the equation every FRF estimate ends in.
 //!
 //! Solved as a least-squares problem U^H G^H = Y^H by Householder QR. QR does not care how large
 //! each input is (rows of U); it does care about experiments of very different strength, unless the

@@ -47,8 +47,8 @@ impl RippleTorque {
     ///
     /// # Errors
     /// [`EstimateError::NoPosition`], [`EstimateError::NotMonotone`] where a gliding axis turns
-    /// back, [`EstimateError::SingularPlant`], [`frfid_signals::SignalError::Shape`] if glide and plant have other
-    /// channels.
+    /// back, [`EstimateError::SingularPlant`], [`frfid_signals::SignalError::Shape`] if glide and
+    /// plant have other channels.
     pub fn of_glide(glide: &Record, plant: &Frf) -> Result<Self, EstimateError> {
         glide.check()?;
         let position = position_of(glide, "glide")?;

@@ -140,8 +140,7 @@ impl FreeLines {
     /// [`FreeLines::unexplained`]: same realization, same experiment, glide subtracted.
     ///
     /// # Errors
-    /// [`frfid_signals::SignalError::Parameter`] for fewer than two repetitions, [`frfid_signals::SignalError::Shape`] if they
-    /// differ in shape.
+    /// [`frfid_signals::SignalError`] for fewer than two repetitions, and if they differ in shape.
     pub fn level(&self, repetitions: &[Array2<Complex64>]) -> Result<ResidualLevel, EstimateError> {
         let n_q = repetitions.len() as f64;
         let [first, _, ..] = repetitions else {

@@ -29,8 +29,8 @@ const ROUNDING: f64 = 1e-10;
 ///
 /// # Errors
 /// [`EstimateError::NoLines`] if the amplitudes fall without a gap (noise, or a reference that is
-/// periodic but no multisine), [`frfid_signals::SignalError::Shape`] for a reference shorter than a period,
-/// [`frfid_signals::SignalError::NotFinite`].
+/// periodic but no multisine), [`frfid_signals::SignalError`] for a reference shorter than a period
+/// and for samples that are not finite.
 pub fn find_lines(reference: ArrayView2<f64>, period: usize) -> Result<Vec<usize>, EstimateError> {
     let n_periods = reference.ncols().checked_div(period).unwrap_or(0);
     if n_periods == 0 || reference.nrows() == 0 {
@@ -133,8 +133,8 @@ fn widest_gap(levels: &[f64]) -> Option<usize> {
 ///
 /// # Errors
 /// [`EstimateError::OffGrid`] with the nearest line and a period that would have the frequency, if
-/// it is more than a thousandth of the line spacing away; [`frfid_signals::SignalError::LineOffGrid`] at 0 and
-/// from Nyquist on.
+/// it is more than a thousandth of the line spacing away;
+/// [`frfid_signals::SignalError::LineOffGrid`] at 0 and from Nyquist on.
 pub fn lines_at(
     frequencies_hz: &[f64],
     n_samples: usize,

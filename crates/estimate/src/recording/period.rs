@@ -1,4 +1,4 @@
-//! The period of a recorded reference, found from the recording alone.
+//! Period of a recorded reference, found from the recording alone.
 //!
 //! Every lag T is rated by the share of the power that does not repeat after it,
 //! `d(T) = sum_k (x[k + T] - x[k])^2 / sum_k (x[k + T]^2 + x[k]^2)`: 0 where the signal repeats, 1

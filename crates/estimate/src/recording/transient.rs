@@ -1,5 +1,5 @@
-//! Periods that are still transient: those at the beginning that differ from the last ones by far
-//! more than these differ among each other.
+//! Transient periods of a recording: those at the beginning that differ from the last ones by far more
+//! than these differ among each other.
 
 use std::iter::zip;
 

@@ -32,7 +32,7 @@ pub struct Iteration {
     pub next_predicted: Option<Peaks>,
     /// Whether every run kept all limits to its end: only then can the iteration be the best.
     pub within_limits: bool,
-    /// What is worth saying.
+    /// What its reader should know.
     pub notes: Vec<Note>,
 }
 

@@ -36,7 +36,7 @@ use crate::shape::options::ShapeOptions;
 use crate::shape::shaper::Shaper;
 use crate::shape::summary::Shaped;
 
-/// Whoever does the runs of a shaping and sees its iterations.
+/// Driver of a shaping: it does the runs and sees the iterations.
 pub trait Driver {
     /// Why it cannot go on.
     type Error: From<ShapeError>;

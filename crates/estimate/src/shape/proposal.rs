@@ -1,4 +1,4 @@
-//! The next reference, with the peaks predicted for it, inside every limit.
+//! Proposal of the next reference, with the peaks predicted for it, inside every limit.
 
 use std::f64::consts::PI;
 use std::iter::zip;

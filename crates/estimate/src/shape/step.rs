@@ -1,5 +1,4 @@
-//! The response from the reference and the step that follows from it, SK15 eq. (18) and its damped
-//! form.
+//! Step of the reference, and the response from which it follows, SK15 eq. (18) and its damped form.
 
 use std::iter::zip;
 use std::ops::Range;

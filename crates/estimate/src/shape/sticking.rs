@@ -86,7 +86,7 @@ pub(super) struct Sweep {
 
 impl Sweep {
     /// Reads the sweep off the desired signal `(experiment, channel, sample)`; the experiments
-    /// differ in phase only, so the first one tells.
+    /// differ in phase only, so the first one stands for all.
     pub(super) fn of(
         band: &Band,
         desired: &Array3<f64>,

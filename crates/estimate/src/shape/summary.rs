@@ -35,7 +35,7 @@ pub enum Stop {
     RoseTwice,
     /// The number of iterations is used up.
     AllIterations,
-    /// Whoever watched ended it.
+    /// The watcher ended it.
     Watcher,
 }
 
@@ -72,7 +72,7 @@ pub struct Summary {
     pub peaks: Peaks,
     /// Whether every run kept all limits to its end.
     pub within_limits: bool,
-    /// What is worth saying.
+    /// What its reader should know.
     pub notes: Vec<Note>,
 }
 

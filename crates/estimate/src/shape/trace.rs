@@ -12,7 +12,7 @@ use crate::shape::measure::stack;
 use crate::shape::note::Note;
 use crate::shape::options::ShapeOptions;
 
-/// Stuck share of the sweep from which the response to the reference tells nothing of how an axis
+/// Stuck share of the sweep from which the response to the reference says nothing about how an axis
 /// will move.
 const MOSTLY_STUCK: f64 = 0.5;
 
@@ -62,7 +62,7 @@ pub(super) fn traces(
     let mut travel = travel_of(&from.records, &velocity, sample_time_s);
     let reference_travel = integral(&from.reference, sample_time_s);
     for axis in (0..from.stuck_share.len()).filter(|&axis| from.stuck_share[axis] > MOSTLY_STUCK) {
-        // an axis that sticks tells little of how it will move; at most it follows the reference
+        // an axis that sticks says little about how it will move; at most it follows the reference
         for (motor, reference) in [
             (&mut velocity, &from.reference),
             (&mut velocity_change, &change),

@@ -21,7 +21,8 @@ impl Dwells {
     /// Plans the transform of recordings of `n_samples` that begin with the stepped sine.
     ///
     /// # Errors
-    /// [`frfid_signals::SignalError`] for a stepped sine that is out of range or longer than the recordings.
+    /// [`frfid_signals::SignalError`] for a stepped sine that is out of range or longer than the
+    /// recordings.
     pub(super) fn new(
         stepped: &SteppedSine,
         sample_time_s: f64,

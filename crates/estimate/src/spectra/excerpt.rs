@@ -1,4 +1,4 @@
-//! One excerpt of a chirp recording, SK15 section 5.1: the piece in which the chirp passes a
+//! Excerpt of a chirp recording, SK15 section 5.1: the piece in which the chirp passes a
 //! frequency, as one spectral value.
 //!
 //! Of the four periods around the instant (clipped at the ends of the sweep) the mean is removed; a
@@ -58,7 +58,7 @@ impl Excerpts {
     ///
     /// # Errors
     /// [`EstimateError::OutsideChirp`] for a frequency that the chirp does not pass within the
-    /// recording, [`SignalError::Parameter`] for a chirp or a sample time out of range.
+    /// recording, [`frfid_signals::SignalError`] for a chirp or a sample time out of range.
     pub fn new(
         chirp: &Chirp,
         frequencies_hz: &[f64],

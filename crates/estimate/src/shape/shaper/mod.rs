@@ -1,4 +1,4 @@
-//! The iteration as a state: a reference to apply, then what was measured, then the next reference.
+//! State of a shaping: a reference to apply, then what was measured, then the next reference.
 //!
 //! Nothing but the records decides what follows, so that feeding the recorded iterations again
 //! leads to the same state: that is how a shaping is resumed or looked at again.
