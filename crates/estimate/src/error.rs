@@ -1,4 +1,4 @@
-//! What can keep an estimate from being made: found and needed values in every message.
+//! Errors of an estimate: found and needed values in every message.
 
 use std::fmt;
 
@@ -198,6 +198,24 @@ pub enum EstimateError {
     },
 }
 
+impl EstimateError {
+    /// [`SignalError::Shape`] of a signal or an FRF.
+    pub(crate) fn shape(name: &'static str, found: &[usize], needed: String) -> Self {
+        let found = found.to_vec();
+        SignalError::Shape {
+            name,
+            found,
+            needed,
+        }
+        .into()
+    }
+
+    /// [`SignalError::Parameter`] of a value out of range.
+    pub(crate) fn parameter(key: &'static str, found: f64, needed: &'static str) -> Self {
+        SignalError::Parameter { key, found, needed }.into()
+    }
+}
+
 /// A line on which U cannot be inverted, and why.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DeficientLine {
@@ -211,7 +229,7 @@ pub struct DeficientLine {
     pub cause: Deficiency,
 }
 
-/// Why inputs cannot be told apart.
+/// Why the inputs cannot be separated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Deficiency {
     /// An input without any power on the line.

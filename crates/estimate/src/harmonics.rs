@@ -41,29 +41,34 @@ pub fn harmonic_levels(
     check_finite("signal", signal.insert_axis(Axis(0)))?;
     positive("sample_time_s", sample_time_s)?;
     chirp.check()?;
+    let highest = orders.iter().copied().max().unwrap_or(1).max(1);
     let mut levels = Array2::zeros((orders.len(), frequencies_hz.len()));
     for (&hz, mut column) in frequencies_hz.iter().zip(levels.columns_mut()) {
-        let highest = orders.iter().copied().max().unwrap_or(1).max(1);
-        let (high_hz, nyquist_hz) = (highest as f64 * hz, 0.5 / sample_time_s);
-        if high_hz >= nyquist_hz {
-            return Err(SignalError::AboveNyquist {
-                high_hz,
-                nyquist_hz,
-                sample_time_s,
-            }
-            .into());
-        }
+        check_below_nyquist(highest as f64 * hz, sample_time_s)?;
         let cycles = Cycles::around(hz, signal, sample_time_s, chirp, start_s)?;
         let fundamental = cycles.amplitude(1);
         if fundamental == 0.0 {
             return Err(EstimateError::NoFundamental { frequency_hz: hz });
         }
-        column
-            .iter_mut()
-            .zip(orders)
-            .for_each(|(level, &order)| *level = cycles.amplitude(order) / fundamental);
+        for (level, &order) in column.iter_mut().zip(orders) {
+            *level = cycles.amplitude(order) / fundamental;
+        }
     }
     Ok(levels)
+}
+
+/// Refuses a harmonic that the sampling cannot show.
+fn check_below_nyquist(high_hz: f64, sample_time_s: f64) -> Result<(), EstimateError> {
+    let nyquist_hz = 0.5 / sample_time_s;
+    if high_hz >= nyquist_hz {
+        return Err(SignalError::AboveNyquist {
+            high_hz,
+            nyquist_hz,
+            sample_time_s,
+        }
+        .into());
+    }
+    Ok(())
 }
 
 /// The samples of four cycles around a frequency: phase in rad and weighted value.
@@ -77,16 +82,14 @@ impl Cycles {
         chirp: &Chirp,
         start_s: f64,
     ) -> Result<Self, EstimateError> {
-        let rate = (chirp.high_hz / chirp.low_hz).ln() / chirp.duration_s;
-        let cycles_at = |hz: f64| (hz - chirp.low_hz) / rate; // integral of the frequency from the start of the sweep
-        let instant_at = |cycles: f64| start_s + chirp.instant_of(chirp.low_hz + rate * cycles);
-        let centre = cycles_at(hz);
+        let sweep = Sweep::of(chirp);
+        let centre = sweep.cycles_at(hz);
         let (first, last) = (centre - 0.5 * CYCLES, centre + 0.5 * CYCLES);
-        let (low_s, high_s) = (instant_at(first), instant_at(last));
+        let [low_s, high_s] = [first, last].map(|cycles| start_s + sweep.instant_of(cycles));
         let recording_s = signal.len() as f64 * sample_time_s;
         // NaN fails every comparison
         let fits = first >= 0.0
-            && last <= cycles_at(chirp.high_hz)
+            && last <= sweep.cycles_at(chirp.high_hz)
             && low_s >= 0.0
             && high_s <= recording_s;
         if !fits {
@@ -102,10 +105,8 @@ impl Cycles {
             (low_s / sample_time_s).ceil() as usize..(high_s / sample_time_s).floor() as usize;
         let mean = samples.clone().map(|k| signal[k]).sum::<f64>() / samples.len() as f64;
         let weighted = |k: usize| {
-            let hz = chirp.frequency_at(k as f64 * sample_time_s - start_s);
-            let cycles = cycles_at(hz);
-            let hann = (PI * (cycles - first) / CYCLES).sin().powi(2);
-            (TAU * cycles, hann * hz * (signal[k] - mean))
+            let (cycles, hz) = sweep.at(k as f64 * sample_time_s - start_s);
+            (TAU * cycles, hann(cycles - first) * hz * (signal[k] - mean))
         };
         Ok(Self(samples.map(weighted).collect()))
     }
@@ -117,9 +118,48 @@ impl Cycles {
     }
 }
 
+/// Hann's window over the cycles of a level.
+fn hann(cycles: f64) -> f64 {
+    (PI * cycles / CYCLES).sin().powi(2)
+}
+
+/// Cycles of a chirp over its frequency, counted from the start of the sweep.
+struct Sweep<'a> {
+    chirp: &'a Chirp,
+    /// Growth of the logarithm of the frequency per s.
+    rate: f64,
+}
+
+impl<'a> Sweep<'a> {
+    fn of(chirp: &'a Chirp) -> Self {
+        Self {
+            chirp,
+            rate: (chirp.high_hz / chirp.low_hz).ln() / chirp.duration_s,
+        }
+    }
+
+    /// Cycles until it passes a frequency: the integral of the frequency over time.
+    fn cycles_at(&self, hz: f64) -> f64 {
+        (hz - self.chirp.low_hz) / self.rate
+    }
+
+    /// Instant in s after so many cycles.
+    fn instant_of(&self, cycles: f64) -> f64 {
+        self.chirp
+            .instant_of(self.chirp.low_hz + self.rate * cycles)
+    }
+
+    /// Cycles until an instant in s, and the frequency in Hz there.
+    fn at(&self, time_s: f64) -> (f64, f64) {
+        let hz = self.chirp.frequency_at(time_s);
+        (self.cycles_at(hz), hz)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
     use frfid_signals::{Phasing, Profile};
     use ndarray::{Array1, s};
 
@@ -173,11 +213,14 @@ mod tests {
         let signal = recording();
         let found = levels(&signal, &[3.5, 25.0], &[2, 3, 4]).expect("sound");
         assert!(found.iter().all(|&level| level < 2e-3), "{found}");
-        for (hz, order) in [(2.1, 3), (59.99, 3), (f64::NAN, 3), (50.0, 10)] {
-            assert!(
-                levels(&signal, &[hz], &[order]).is_err(),
-                "{hz} Hz, order {order}"
-            );
+        for (hz, order, said) in [
+            (2.1, 3, "2.1 Hz: the two cycles"),
+            (59.99, 3, "59.99 Hz: the two cycles"),
+            (f64::NAN, 3, "NaN Hz: the two cycles"),
+            (50.0, 10, "high_hz = 500 Hz is not below"),
+        ] {
+            let found = refusal(levels(&signal, &[hz], &[order]));
+            assert!(found.starts_with(said), "{hz} Hz, order {order}: {found}");
         }
         let silent = levels(&Array1::zeros(20_000), &[10.0], &[3]);
         assert_eq!(

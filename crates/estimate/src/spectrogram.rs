@@ -7,8 +7,9 @@
 //! Trans. Audio Electroacoustics 15 (1967) 70).
 
 use std::f64::consts::TAU;
+use std::iter::zip;
 
-use frfid_signals::{SignalError, check_finite, checks::positive};
+use frfid_signals::{check_finite, checks::positive};
 use ndarray::{Array2, ArrayView1, Axis, s};
 use realfft::RealFftPlanner;
 
@@ -46,7 +47,7 @@ pub struct Spectrogram {
 /// Spectrogram of one channel.
 ///
 /// # Errors
-/// [`SignalError::NotFinite`]; [`SignalError::Parameter`] for times that are not above 0, or a
+/// [`frfid_signals::SignalError`] for samples that are not finite, times that are not above 0, or a
 /// window of fewer than four samples or longer than the signal.
 pub fn spectrogram(
     signal: ArrayView1<f64>,
@@ -54,70 +55,85 @@ pub fn spectrogram(
     options: &SpectrogramOptions,
 ) -> Result<Spectrogram, EstimateError> {
     check_finite("signal", signal.insert_axis(Axis(0)))?;
-    for (name, value) in [
-        ("sample_time_s", sample_time_s),
-        ("window_s", options.window_s),
-        ("step_s", options.step_s),
-    ] {
-        positive(name, value)?;
-    }
-    let length = (options.window_s / sample_time_s).round();
-    if !(4.0..=signal.len() as f64).contains(&length) {
-        let needed = "four samples or more, and no longer than the signal";
-        return Err(SignalError::Parameter {
-            key: "window_s",
-            found: options.window_s,
-            needed,
-        }
-        .into());
-    }
-    let (length, step) = (
-        length as usize,
-        (options.step_s / sample_time_s).round().max(1.0) as usize,
-    );
-    let window: Vec<f64> = (0..length)
-        .map(|k| 0.5 - 0.5 * (TAU * k as f64 / length as f64).cos())
-        .collect();
-    let scale = sample_time_s / window.iter().map(|w| w * w).sum::<f64>();
+    let length = window_samples(signal.len(), sample_time_s, options)?;
+    let step = (options.step_s / sample_time_s).round().max(1.0) as usize;
     let starts: Vec<usize> = (0..=signal.len() - length).step_by(step).collect();
+    let hz = |bin: usize| bin as f64 / (length as f64 * sample_time_s);
+    let centre_s = |&start: &usize| (start as f64 + 0.5 * length as f64) * sample_time_s;
+    Ok(Spectrogram {
+        frequency_hz: (0..=length / 2).map(hz).collect(),
+        time_s: starts.iter().map(centre_s).collect(),
+        density: densities(signal, &starts, length, sample_time_s),
+    })
+}
+
+/// Density of the windows of `length` samples that begin at `starts`, `(frequency, window)`.
+fn densities(
+    signal: ArrayView1<f64>,
+    starts: &[usize],
+    length: usize,
+    sample_time_s: f64,
+) -> Array2<f64> {
+    let window = hann(length);
+    let scale = sample_time_s / window.iter().map(|w| w * w).sum::<f64>();
     let fft = RealFftPlanner::new().plan_fft_forward(length);
     let (mut samples, mut bins) = (fft.make_input_vec(), fft.make_output_vec());
     let mut density = Array2::zeros((bins.len(), starts.len()));
-    for (&start, mut column) in starts.iter().zip(density.columns_mut()) {
+    for (&start, mut column) in zip(starts, density.columns_mut()) {
         let piece = signal.slice(s![start..start + length]);
-        samples
-            .iter_mut()
-            .zip(&window)
-            .zip(piece)
-            .for_each(|((sample, w), x)| *sample = w * x);
+        for ((sample, w), x) in zip(zip(&mut samples, &window), piece) {
+            *sample = w * x;
+        }
         fft.process(&mut samples, &mut bins)
             .expect("the plan made the buffers, so their lengths fit");
-        for (bin, (value, spectrum)) in column.iter_mut().zip(&bins).enumerate() {
-            let sides = if bin == 0 || 2 * bin == length {
-                1.0
-            } else {
-                2.0
-            };
-            *value = sides * scale * spectrum.norm_sqr();
+        for (bin, (value, spectrum)) in zip(&mut column, &bins).enumerate() {
+            *value = n_sides(bin, length) * scale * spectrum.norm_sqr();
         }
     }
-    let frequency_hz = (0..bins.len())
-        .map(|bin| bin as f64 / (length as f64 * sample_time_s))
-        .collect();
-    let time_s = starts
-        .iter()
-        .map(|&start| (start as f64 + 0.5 * length as f64) * sample_time_s)
-        .collect();
-    Ok(Spectrogram {
-        frequency_hz,
-        time_s,
-        density,
-    })
+    density
+}
+
+/// Length of a window in samples; refuses times that are not above 0 and windows that do not fit.
+fn window_samples(
+    n_samples: usize,
+    sample_time_s: f64,
+    options: &SpectrogramOptions,
+) -> Result<usize, EstimateError> {
+    positive("sample_time_s", sample_time_s)?;
+    positive("window_s", options.window_s)?;
+    positive("step_s", options.step_s)?;
+    let length = (options.window_s / sample_time_s).round();
+    if !(4.0..=n_samples as f64).contains(&length) {
+        let needed = "four samples or more, and no longer than the signal";
+        return Err(EstimateError::parameter(
+            "window_s",
+            options.window_s,
+            needed,
+        ));
+    }
+    Ok(length as usize)
+}
+
+/// Hann's window.
+fn hann(length: usize) -> Vec<f64> {
+    (0..length)
+        .map(|k| 0.5 - 0.5 * (TAU * k as f64 / length as f64).cos())
+        .collect()
+}
+
+/// Sides of the spectrum that a bin stands for.
+fn n_sides(bin: usize, length: usize) -> f64 {
+    if bin == 0 || 2 * bin == length {
+        1.0
+    } else {
+        2.0
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
     use frfid_signals::random::{normal, stream};
     use ndarray::Array1;
 
@@ -179,18 +195,17 @@ mod tests {
     #[test]
     fn windows_that_do_not_fit_are_refused() {
         let signal = Array1::zeros(100);
-        for (window_s, step_s) in [
-            (0.03, 0.1),
-            (1.01, 0.1),
-            (0.5, 0.0),
-            (f64::NAN, 0.1),
-            (0.5, f64::INFINITY),
+        for (window_s, step_s, said) in [
+            (0.03, 0.1, "window_s is 0.03,"),
+            (1.01, 0.1, "window_s is 1.01,"),
+            (0.5, 0.0, "step_s is 0,"),
+            (f64::NAN, 0.1, "window_s is NaN,"),
+            (0.5, f64::INFINITY, "step_s is inf,"),
         ] {
-            assert!(
-                of(&signal, window_s, step_s).is_err(),
-                "{window_s} {step_s}"
-            );
+            let found = refusal(of(&signal, window_s, step_s));
+            assert!(found.starts_with(said), "{window_s} {step_s}: {found}");
         }
-        assert!(of(&Array1::from_elem(100, f64::NAN), 0.5, 0.1).is_err());
+        let said = refusal(of(&Array1::from_elem(100, f64::NAN), 0.5, 0.1));
+        assert!(said.starts_with("signal: 100 samples are NaN"), "{said}");
     }
 }

@@ -1,4 +1,6 @@
-//! Random matrices for the tests of this crate.
+//! Random matrices and words of errors for the tests of this crate.
+
+use std::fmt::Display;
 
 use frfid_signals::random::{normal, stream};
 use nalgebra::DMatrix;
@@ -15,4 +17,9 @@ pub(crate) fn complex(n_rows: usize, n_columns: usize, seed: u64) -> DMatrix<Com
 /// Random unitary matrix.
 pub(crate) fn unitary(n: usize, seed: u64) -> DMatrix<Complex64> {
     complex(n, n, seed).qr().q()
+}
+
+/// The sentence with which a result refuses.
+pub(crate) fn refusal<T, E: Display>(result: Result<T, E>) -> String {
+    result.err().expect("refused").to_string()
 }

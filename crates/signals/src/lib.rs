@@ -23,6 +23,7 @@ pub use error::SignalError;
 pub use excitation::*;
 pub use frf::{Frf, Uncertainty};
 pub use limits::{Excess, Limit, Limits};
+pub use number::median::median;
 pub use number::spacing::log_spaced;
 pub use number::{checks, format, power, random};
 pub use peaks::{Peaks, largest_by_axis};

@@ -1,5 +1,5 @@
-//! One entry of an FRF as magnitude in dB and unwrapped phase in degrees over the logarithm of
-//! frequency.
+//! Bode curve of one entry of an FRF: magnitude in dB and unwrapped phase in degrees over the
+//! logarithm of frequency.
 
 use frfid_signals::Frf;
 

@@ -1,4 +1,4 @@
-//! What became of a resonance or antiresonance from one FRF to the other.
+//! Change of a resonance or antiresonance from one FRF to the other.
 
 use schemars::JsonSchema;
 use serde::ser::SerializeStruct;

@@ -58,27 +58,16 @@ pub fn find_features(frf: &Frf, output: usize, input: usize, prominence_db: f64)
 /// As [`find_features`], on a curve.
 pub(crate) fn features_of(curve: &Bode, prominence_db: f64) -> Vec<Feature> {
     let upside_down: Vec<f64> = curve.magnitude_db.iter().map(|value| -value).collect();
-    let mut features = peaks(
-        &curve.frequency_hz,
-        &curve.magnitude_db,
-        FeatureKind::Resonance,
-        prominence_db,
-    );
-    for notch in peaks(
-        &curve.frequency_hz,
-        &upside_down,
-        FeatureKind::Antiresonance,
-        prominence_db,
-    ) {
-        features.push(Feature {
-            magnitude_db: -notch.magnitude_db,
-            ..notch
-        });
-    }
+    let found = |level: &[f64], kind| peaks(&curve.frequency_hz, level, kind, prominence_db);
+    let mut features = found(&curve.magnitude_db, FeatureKind::Resonance);
+    let notches = found(&upside_down, FeatureKind::Antiresonance).into_iter();
+    features.extend(notches.map(|notch| Feature {
+        magnitude_db: -notch.magnitude_db,
+        ..notch
+    }));
     for feature in &mut features {
-        feature.resolution_hz = feature
-            .resolution_hz
-            .max(curve.relative_resolution * feature.frequency_hz);
+        let blurred_hz = curve.relative_resolution * feature.frequency_hz;
+        feature.resolution_hz = feature.resolution_hz.max(blurred_hz);
     }
     features.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
     features

@@ -1,4 +1,4 @@
-//! What the difference of two FRFs says about the machine, with the reason.
+//! Verdicts on a machine from the difference of two FRFs, with the reason.
 
 use std::fmt;
 
@@ -87,25 +87,39 @@ impl fmt::Display for Verdict {
                 resonance_down_db,
                 antiresonance_up_db,
                 phase_range_smaller_deg,
-            } => {
-                let name = if *side == Side::A { "A" } else { "B" };
-                write!(
-                    f,
-                    "friction in {name}: its resonance is {resonance_down_db:.1} dB lower, "
-                )?;
-                if let Some(up) = antiresonance_up_db.filter(|up| *up > 0.0) {
-                    write!(f, "its antiresonance {up:.1} dB shallower, ")?;
-                }
-                if *phase_range_smaller_deg > 0.0 {
-                    write!(
-                        f,
-                        "its phase pushed together by {phase_range_smaller_deg:.0} deg, "
-                    )?;
-                }
-                write!(f, "as by a damper")
-            }
+            } => write_friction(
+                f,
+                *side,
+                *resonance_down_db,
+                *antiresonance_up_db,
+                *phase_range_smaller_deg,
+            ),
         }
     }
+}
+
+fn write_friction(
+    f: &mut fmt::Formatter<'_>,
+    side: Side,
+    resonance_down_db: f64,
+    antiresonance_up_db: Option<f64>,
+    phase_range_smaller_deg: f64,
+) -> fmt::Result {
+    let name = if side == Side::A { "A" } else { "B" };
+    write!(
+        f,
+        "friction in {name}: its resonance is {resonance_down_db:.1} dB lower, "
+    )?;
+    if let Some(up) = antiresonance_up_db.filter(|up| *up > 0.0) {
+        write!(f, "its antiresonance {up:.1} dB shallower, ")?;
+    }
+    if phase_range_smaller_deg > 0.0 {
+        write!(
+            f,
+            "its phase pushed together by {phase_range_smaller_deg:.0} deg, "
+        )?;
+    }
+    write!(f, "as by a damper")
 }
 
 /// The verdicts on one entry. Where friction buries a resonance, what is left in its place says
@@ -127,7 +141,7 @@ fn stiffness(changes: &[Change], stronger: Option<Side>) -> Option<Verdict> {
     let moved = changes
         .iter()
         .filter(|change| change.is_resonance() && change.has_moved());
-    let change = moved.max_by(|x, y| x.a.prominence_db.total_cmp(&y.a.prominence_db))?;
+    let change = most_prominent(moved)?;
     let (a_hz, b_hz) = (change.a.frequency_hz, change.b?.frequency_hz);
     let (weaker_hz, stronger_hz) = match stronger {
         None => return Some(Verdict::ResonanceMoved { a_hz, b_hz }),
@@ -149,14 +163,10 @@ fn stiffness(changes: &[Change], stronger: Option<Side>) -> Option<Verdict> {
 
 /// Judges by the most prominent resonance and antiresonance of A.
 fn friction(changes: &[Change], phase_range_deg: Sides<f64>) -> Option<Verdict> {
-    let most_prominent = |resonance: bool| {
-        let kind = changes
-            .iter()
-            .filter(move |change| change.is_resonance() == resonance);
-        kind.max_by(|x, y| x.a.prominence_db.total_cmp(&y.a.prominence_db))
-    };
-    let resonance_db = most_prominent(true)?.level_db?;
-    let antiresonance_db = most_prominent(false).and_then(|change| change.level_db);
+    let resonances = changes.iter().filter(|change| change.is_resonance());
+    let antiresonances = changes.iter().filter(|change| !change.is_resonance());
+    let resonance_db = most_prominent(resonances)?.level_db?;
+    let antiresonance_db = most_prominent(antiresonances).and_then(|change| change.level_db);
     let (side, sign) = if resonance_db < 0.0 {
         (Side::B, 1.0)
     } else {
@@ -173,6 +183,10 @@ fn friction(changes: &[Change], phase_range_deg: Sides<f64>) -> Option<Verdict> 
         antiresonance_up_db,
         phase_range_smaller_deg,
     })
+}
+
+fn most_prominent<'a>(changes: impl Iterator<Item = &'a Change>) -> Option<&'a Change> {
+    changes.max_by(|x, y| x.a.prominence_db.total_cmp(&y.a.prominence_db))
 }
 
 #[cfg(test)]

@@ -9,8 +9,9 @@ use frfid_signals::{
 use ndarray::{Array2, s};
 
 use crate::error::EstimateError;
+use crate::excitation_strength::pooling::pooled_strength;
+use crate::excitation_strength::strength;
 use crate::excitation_strength::warnings::strength_warnings;
-use crate::excitation_strength::{pooled_strength, strength};
 
 const BANDS_HZ: [[f64; 2]; 4] = [[0.1, 1.0], [2.0, 10.0], [10.0, 40.0], [40.0, 60.0]];
 

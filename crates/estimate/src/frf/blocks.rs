@@ -15,11 +15,12 @@
 
 use frfid_signals::{Frf, Uncertainty};
 use nalgebra::DMatrix;
-use ndarray::Array3;
+use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::error::{DeficientLine, EstimateError};
+use crate::frf::matrices::stacked;
 use crate::frf::right_division::check_rank;
 use crate::frf::{FrfMethod, FrfOptions};
 use crate::spectra::campaign::{Block, Campaign};
@@ -48,30 +49,33 @@ impl<M: BlockMethod> FrfMethod for M {
 
     fn frf(&self, campaign: &Campaign, options: &FrfOptions) -> Result<Frf, EstimateError> {
         let realizations = campaign.realizations()?;
-        let estimates: Vec<Result<LineEstimate, DeficientLine>> = campaign
-            .frequency_hz()
-            .par_iter()
-            .enumerate()
-            .map(|(line, &hz)| {
-                let blocks = line_blocks(&realizations, line);
-                let invertible = |u: &DMatrix<Complex64>| check_rank(u, options.max_condition, hz);
-                Ok(with_covariances(&self.estimates(&blocks, &invertible)?))
-            })
-            .collect();
-        let (sound, deficient): (Vec<_>, Vec<_>) = estimates.into_iter().partition(Result::is_ok);
-        if !deficient.is_empty() {
-            let lines = deficient.into_iter().filter_map(Result::err).collect();
-            return Err(EstimateError::RankDeficient(lines));
-        }
-        let sound: Vec<LineEstimate> = sound.into_iter().flatten().collect();
+        let of_line = |(line, &hz): (usize, &f64)| {
+            let invertible = |u: &DMatrix<Complex64>| check_rank(u, options.max_condition, hz);
+            let estimates = self.estimates(&line_blocks(&realizations, line), &invertible)?;
+            Ok(with_covariances(&estimates))
+        };
+        let frequency_hz = campaign.frequency_hz();
+        let lines = frequency_hz.par_iter().enumerate().map(of_line).collect();
         let periods: usize = realizations.iter().map(Vec::len).sum();
         Ok(assemble(
-            campaign.frequency_hz().to_vec(),
-            &sound,
+            frequency_hz.to_vec(),
+            &sound_lines(lines)?,
             periods - realizations.len(),
             realizations.len() - 1,
         ))
     }
+}
+
+/// The estimates, if every line could be inverted.
+fn sound_lines(
+    lines: Vec<Result<LineEstimate, DeficientLine>>,
+) -> Result<Vec<LineEstimate>, EstimateError> {
+    let (sound, deficient): (Vec<_>, Vec<_>) = lines.into_iter().partition(Result::is_ok);
+    if deficient.is_empty() {
+        return Ok(sound.into_iter().flatten().collect());
+    }
+    let lines = deficient.into_iter().filter_map(Result::err).collect();
+    Err(EstimateError::RankDeficient(lines))
 }
 
 /// The blocks of a line, `(realization, period)`.
@@ -92,25 +96,24 @@ pub(crate) struct LineBlock {
 
 impl LineBlock {
     fn of(block: &Block, line: usize) -> Self {
-        let experiments = block.len();
-        let r = block
-            .iter()
-            .map(|run| run.r.as_ref())
-            .collect::<Option<Vec<_>>>();
+        let r: Option<Vec<_>> = block.iter().map(|run| run.r.as_ref()).collect();
         Self {
-            u: DMatrix::from_fn(block[0].u.nrows(), experiments, |channel, m| {
-                block[m].u[[channel, line]]
-            }),
-            y: DMatrix::from_fn(block[0].y.nrows(), experiments, |channel, m| {
-                block[m].y[[channel, line]]
-            }),
-            r: r.map(|r| {
-                DMatrix::from_fn(r[0].nrows(), experiments, |channel, m| {
-                    r[m][[channel, line]]
-                })
-            }),
+            u: on_line(line, block.len(), |m| &block[m].u),
+            y: on_line(line, block.len(), |m| &block[m].y),
+            r: r.map(|r| on_line(line, r.len(), |m| r[m])),
         }
     }
+}
+
+/// One line of the spectra of every experiment.
+fn on_line<'a>(
+    line: usize,
+    n_experiments: usize,
+    spectra: impl Fn(usize) -> &'a Array2<Complex64>,
+) -> DMatrix<Complex64> {
+    DMatrix::from_fn(spectra(0).nrows(), n_experiments, |channel, m| {
+        spectra(m)[[channel, line]]
+    })
 }
 
 /// Estimates of every block, `(realization, period)`, whose mean over periods, then realizations,
@@ -194,26 +197,27 @@ fn assemble(
     noise_freedom: usize,
     total_freedom: usize,
 ) -> Frf {
-    let stack = |part: &dyn Fn(&LineEstimate) -> Option<&DMatrix<Complex64>>| {
-        let matrices: Option<Vec<_>> = lines.iter().map(part).collect();
-        let matrices = matrices?;
-        let shape = (matrices.len(), matrices[0].nrows(), matrices[0].ncols());
-        Some(Array3::from_shape_fn(shape, |(line, row, column)| {
-            matrices[line][(row, column)]
-        }))
-    };
-    let known = |covariance: Option<Array3<Complex64>>, degrees_of_freedom| {
-        covariance.map(|covariance| Uncertainty {
-            covariance,
-            degrees_of_freedom,
-        })
-    };
+    let responses: Vec<_> = lines.iter().map(|line| &line.response).collect();
+    let noise = lines.iter().map(|line| line.noise.as_ref());
+    let total = lines.iter().map(|line| line.total.as_ref());
     Frf {
         frequency_hz,
-        response: stack(&|line| Some(&line.response)).unwrap_or_else(|| Array3::zeros((0, 0, 0))),
-        noise: known(stack(&|line| line.noise.as_ref()), noise_freedom),
-        total: known(stack(&|line| line.total.as_ref()), total_freedom),
+        response: stacked(&responses),
+        noise: uncertainty(noise, noise_freedom),
+        total: uncertainty(total, total_freedom),
         condition: Some(lines.iter().map(|line| line.condition).collect()),
         relative_resolution: None,
     }
+}
+
+/// The covariances of all lines; `None` where they were not measured.
+fn uncertainty<'a>(
+    covariances: impl Iterator<Item = Option<&'a DMatrix<Complex64>>>,
+    degrees_of_freedom: usize,
+) -> Option<Uncertainty> {
+    let covariances: Vec<_> = covariances.collect::<Option<_>>()?;
+    Some(Uncertainty {
+        covariance: stacked(&covariances),
+        degrees_of_freedom,
+    })
 }

@@ -5,15 +5,14 @@
 //! Known to be biased near sharp resonances: on the paper's linear example 0.03 dB in the median
 //! and 1.8 dB, 14 deg at worst.
 
-use frfid_signals::{Chirp, Frf, SignalError};
-use ndarray::{ArrayView4, s};
-use rayon::prelude::*;
+use frfid_signals::{Chirp, Frf};
+use ndarray::{ArrayView4, ArrayView5, Axis};
 
 use crate::error::EstimateError;
 use crate::frf::FrfOptions;
-use crate::period_index::PeriodIndex;
-use crate::spectra::campaign::{Campaign, RunSpectra};
+use crate::spectra::campaign::Campaign;
 use crate::spectra::excerpt::{ExcerptOptions, Excerpts};
+use crate::spectra::time_series::{TimeSeries, check_same_shape};
 
 /// FRF at `frequencies_hz` (rising) from recordings `(repeat, experiment, channel, sample)` of the
 /// same chirp, which starts `start_s` after the first sample.
@@ -35,22 +34,10 @@ pub fn estimate_chirp(
     start_s: f64,
     options: &FrfOptions,
 ) -> Result<Frf, EstimateError> {
-    let (n_q, n_ex, _, n_samples) = u.dim();
-    for (name, signal) in [("y", Some(&y)), ("r", r.as_ref())] {
-        let Some(signal) = signal else { continue };
-        let (q, m, _, k) = signal.dim();
-        if (q, m, k) != (n_q, n_ex, n_samples) {
-            let needed = format!("({n_q}, {n_ex}, channel, {n_samples}), as u");
-            return Err(SignalError::Shape {
-                name,
-                found: signal.shape().to_vec(),
-                needed,
-            }
-            .into());
-        }
-    }
+    check_same_shape(&u, &y, r.as_ref())?;
     let cut = ExcerptOptions::default();
     let mut campaign = Campaign::new(frequencies_hz.to_vec())?;
+    let n_samples = u.len_of(Axis(3));
     let excerpts = Excerpts::new(
         chirp,
         frequencies_hz,
@@ -59,43 +46,35 @@ pub fn estimate_chirp(
         n_samples,
         &cut,
     )?;
-    let places: Vec<PeriodIndex> = (0..n_q * n_ex)
-        .map(|run| PeriodIndex {
-            realization: 0,
-            period: run / n_ex,
-            experiment: run % n_ex,
-        })
-        .collect();
-    let spectra: Result<Vec<RunSpectra>, EstimateError> = places
-        .par_iter()
-        .map(|place| {
-            let window = s![place.period, place.experiment, .., ..];
-            RunSpectra::of(
-                &excerpts,
-                u.slice(window),
-                y.slice(window),
-                r.as_ref().map(|r| r.slice(window)),
-            )
-        })
-        .collect();
-    for (place, run) in places.into_iter().zip(spectra?) {
-        campaign.insert(place, run)?;
-    }
+    let series = TimeSeries {
+        u: as_one_realization(u),
+        y: as_one_realization(y),
+        r: r.map(as_one_realization),
+    };
+    series.transform_into(&mut campaign, &excerpts)?;
     Ok(Frf {
         relative_resolution: Some(cut.relative_resolution()),
         ..campaign.estimate(options)?
     })
 }
 
+/// `(repeat, experiment, ..)` as `(realization, experiment, period, ..)`.
+fn as_one_realization(signal: ArrayView4<f64>) -> ArrayView5<f64> {
+    let mut signal = signal.insert_axis(Axis(0));
+    signal.swap_axes(1, 2);
+    signal
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
     use std::f64::consts::TAU;
 
     use frfid_signals::random::{normal, stream};
     use frfid_signals::{Phasing, Profile};
     use nalgebra::{Matrix4, Matrix5, Vector4};
-    use ndarray::{Array4, Axis};
+    use ndarray::{Array4, s};
     use num_complex::Complex64;
 
     const SAMPLE_TIME_S: f64 = 1e-3;
@@ -259,29 +238,36 @@ mod tests {
     #[test]
     fn frequencies_outside_the_sweep_and_bad_arrays_are_refused() {
         let u = recording();
-        for (hz, start_s) in [
-            (0.9, 0.0),
-            (61.0, 0.0),
-            (f64::NAN, 0.0),
-            (20.0, 30.0),
-            (20.0, -30.0),
-            (20.0, f64::NAN),
+        let (never, too_short) = ("the chirp never has", "less than one period of it");
+        for (hz, start_s, reason) in [
+            (0.9, 0.0, never),
+            (61.0, 0.0, never),
+            (20.0, 30.0, too_short),
+            (20.0, -30.0, too_short),
+            (20.0, f64::NAN, "start_s is NaN"),
         ] {
-            assert!(
-                estimate(&u, &u, &[hz], start_s).is_err(),
-                "{hz} Hz from {start_s} s"
-            );
+            let said = refusal(estimate(&u, &u, &[hz], start_s));
+            assert!(said.contains(reason), "{hz} Hz from {start_s} s: {said}");
         }
+        let said = refusal(estimate(&u, &u, &[f64::NAN], 0.0));
+        assert!(said.contains(never), "{said}");
         let short = u.slice(s![.., .., .., ..100]).to_owned();
-        assert!(
-            estimate(&u, &short, &[20.0], 0.0).is_err()
-                && estimate(&short, &short, &[20.0], 0.0).is_err()
+        let said = refusal(estimate(&u, &short, &[20.0], 0.0));
+        assert_eq!(
+            said,
+            "y has shape [1, 1, 1, 100], needed (1, 1, channel, 20000), as u"
         );
+        let said = refusal(estimate(&short, &short, &[20.0], 0.0));
+        assert!(said.contains(too_short), "{said}");
         let mut holed = u.clone();
         holed[[0, 0, 0, 100]] = f64::NAN;
+        // the NaN lies within this excerpt
+        let said = refusal(estimate(&u, &holed, &[1.3], 0.0));
         assert!(
-            estimate(&u, &holed, &[1.3], 0.0).is_err(),
-            "the NaN lies within this excerpt"
+            said.starts_with(
+                "y: 1 samples are NaN or infinite, the first in channel 0 at sample 100"
+            ),
+            "{said}"
         );
     }
 }

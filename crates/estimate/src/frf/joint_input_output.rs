@@ -13,6 +13,8 @@
 //! distribution has no variance when U is noisy. (R. Pintelon, J. Schoukens, System Identification,
 //! 2nd ed., ch. 2, 3.)
 
+use std::iter::zip;
+
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 
@@ -32,65 +34,73 @@ impl BlockMethod for JointInputOutput {
         invertible: &Invertible,
     ) -> Result<BlockEstimates, DeficientLine> {
         let instruments = instruments(blocks);
-        let correlate = |signal: &dyn Fn(&LineBlock) -> &'_ DMatrix<Complex64>| {
-            let terms = blocks.iter().flatten().zip(instruments.iter().flatten());
-            terms
-                .map(|(block, instrument)| signal(block) * instrument)
-                .sum::<DMatrix<Complex64>>()
-        };
-        let (s_u, s_y) = (correlate(&|block| &block.u), correlate(&|block| &block.y));
+        let s_u = correlation(blocks, &instruments, |block| &block.u);
+        let s_y = correlation(blocks, &instruments, |block| &block.y);
         let condition = invertible(&s_u)?;
         let response = right_divide(&s_y, &s_u);
-        let contribution = |block: &LineBlock, instrument: &DMatrix<Complex64>, count: usize| {
+        let contribution = |(block, instrument): (&LineBlock, &DMatrix<Complex64>),
+                            count: usize| {
             let residual =
                 (&block.y - &response * &block.u) * instrument * Complex64::from(count as f64);
             &response + right_divide(&residual, &s_u)
         };
-        let estimates = blocks
-            .iter()
-            .zip(&instruments)
-            .map(|(periods, instruments)| {
-                // mean over periods, then realizations: with unequal numbers of periods each block
-                // weighs n_p n_q of its own
-                let count = periods.len() * blocks.len();
-                periods
-                    .iter()
-                    .zip(instruments)
-                    .map(|(block, instrument)| contribution(block, instrument, count))
-                    .collect()
-            });
+        let of_realization = |(periods, instruments): (&Vec<LineBlock>, &Vec<_>)| {
+            // mean over periods, then realizations: with unequal numbers of periods each block
+            // weighs n_p n_q of its own
+            let count = periods.len() * blocks.len();
+            let of_period = |period| contribution(period, count);
+            zip(periods, instruments).map(of_period).collect()
+        };
         Ok(BlockEstimates {
-            blocks: estimates.collect(),
+            blocks: zip(blocks, &instruments).map(of_realization).collect(),
             condition,
         })
     }
 }
 
+/// `sum X R^H` of a signal over all blocks.
+fn correlation(
+    blocks: &[Vec<LineBlock>],
+    instruments: &[Vec<DMatrix<Complex64>>],
+    signal: impl Fn(&LineBlock) -> &DMatrix<Complex64>,
+) -> DMatrix<Complex64> {
+    zip(blocks.iter().flatten(), instruments.iter().flatten())
+        .map(|(block, instrument)| signal(block) * instrument)
+        .sum()
+}
+
 /// `R^H` of every block, each reference channel scaled to unit power over the campaign: G does not
 /// depend on the scale, but the condition number would.
 fn instruments(blocks: &[Vec<LineBlock>]) -> Vec<Vec<DMatrix<Complex64>>> {
+    let sizes = reference_sizes(blocks);
+    let of_block = |block: &LineBlock| scaled_adjoint(block.r.as_ref(), &sizes);
+    blocks
+        .iter()
+        .map(|periods| periods.iter().map(of_block).collect())
+        .collect()
+}
+
+/// Root of the power of every reference channel over the campaign.
+fn reference_sizes(blocks: &[Vec<LineBlock>]) -> Vec<f64> {
     let references = || blocks.iter().flatten().filter_map(|block| block.r.as_ref());
-    let channels = references().next().map_or(0, DMatrix::nrows);
     let power = |channel: usize| {
         references()
             .map(|r| r.row(channel).norm_squared())
             .sum::<f64>()
     };
-    let scale: Vec<f64> = (0..channels).map(|channel| power(channel).sqrt()).collect();
-    let instrument = |block: &LineBlock| {
-        let mut adjoint = block
-            .r
-            .as_ref()
-            .map_or_else(|| DMatrix::zeros(0, 0), DMatrix::adjoint);
-        for (mut column, &scale) in adjoint.column_iter_mut().zip(&scale) {
-            if scale > 0.0 {
-                column /= Complex64::from(scale);
-            }
-        }
-        adjoint
-    };
-    blocks
-        .iter()
-        .map(|periods| periods.iter().map(instrument).collect())
+    let n_channels = references().next().map_or(0, DMatrix::nrows);
+    (0..n_channels)
+        .map(|channel| power(channel).sqrt())
         .collect()
+}
+
+/// `R^H`, every channel over its size; empty without R.
+fn scaled_adjoint(r: Option<&DMatrix<Complex64>>, sizes: &[f64]) -> DMatrix<Complex64> {
+    let mut adjoint = r.map_or_else(|| DMatrix::zeros(0, 0), DMatrix::adjoint);
+    for (mut column, &size) in zip(adjoint.column_iter_mut(), sizes) {
+        if size > 0.0 {
+            column /= Complex64::from(size);
+        }
+    }
+    adjoint
 }

@@ -4,6 +4,7 @@ pub(crate) mod blocks;
 pub(crate) mod excerpts;
 mod joint_input_output;
 mod logarithmic_mean;
+pub(crate) mod matrices;
 mod mean_of_frfs;
 mod mean_of_spectra;
 pub(crate) mod right_division;
@@ -39,7 +40,7 @@ pub enum Method {
 }
 
 /// From the spectra of a campaign to its FRF.
-pub trait FrfMethod {
+pub(crate) trait FrfMethod {
     /// Whether the runs must hold the reference.
     fn needs_reference(&self) -> bool;
 
@@ -96,8 +97,9 @@ impl Campaign {
     /// The FRF of the runs given so far.
     ///
     /// # Errors
-    /// As [`FrfMethod::frf`]; [`SignalError::Unfit`] if the method needs the reference and a run
-    /// lacks it.
+    /// [`EstimateError::Incomplete`], [`EstimateError::TooFewExperiments`],
+    /// [`EstimateError::RankDeficient`] with every line that cannot be inverted;
+    /// [`SignalError::Unfit`] if the method needs the reference and a run lacks it.
     pub fn estimate(&self, options: &FrfOptions) -> Result<Frf, EstimateError> {
         if options.method.needs_reference() && !self.has_reference() {
             let what = "the method estimates through the reference r: give it for every run, or \

@@ -1,4 +1,4 @@
-//! Y U^+ for wide or square U: the equation every FRF estimate ends in.
+//! Right division Y U^+ for wide or square U: the equation every FRF estimate ends in.
 //!
 //! Solved as a least-squares problem U^H G^H = Y^H by Householder QR. QR does not care how large
 //! each input is (rows of U); it does care about experiments of very different strength, unless the
@@ -12,8 +12,7 @@ use num_complex::Complex64;
 use crate::error::{Deficiency, DeficientLine};
 use crate::frf::singular::condition_of_finite;
 
-/// Largest condition number of U, rows scaled to equal size, at which a line is inverted unless
-/// somebody says otherwise.
+/// Largest condition number of U, rows scaled to equal size, at which a line is inverted by default.
 pub(crate) const MAX_CONDITION: f64 = 1e10;
 
 /// `G = Y U^+` with `U` (n_u x n_ex) and `Y` (n_y x n_ex), n_ex >= n_u: exact for n_ex = n_u, least
@@ -71,20 +70,22 @@ fn cause_of(u: &DMatrix<Complex64>) -> Deficiency {
     if let Some(input) = u.row_iter().position(|row| row.camax() == 0.0) {
         return Deficiency::InputSilent { input };
     }
-    let similarity = |m: usize, n: usize| {
-        let norms = u.column(m).norm() * u.column(n).norm();
-        if norms > 0.0 {
-            u.column(m).dotc(&u.column(n)).norm() / norms
-        } else {
-            1.0
-        }
-    };
     let pairs = (0..u.ncols()).flat_map(|m| (m + 1..u.ncols()).map(move |n| (m, n)));
     let alike = pairs
-        .map(|pair| (pair, similarity(pair.0, pair.1)))
+        .map(|(m, n)| ((m, n), correlation(u, m, n)))
         .max_by(|a, b| a.1.total_cmp(&b.1));
     let (pair, correlation) = alike.unwrap_or(((0, 0), 1.0));
     Deficiency::ExperimentsAlike { pair, correlation }
+}
+
+/// `|u_m^H u_n| / (|u_m| |u_n|)` of two columns; 1 if one of them is zero.
+fn correlation(u: &DMatrix<Complex64>, m: usize, n: usize) -> f64 {
+    let norms = u.column(m).norm() * u.column(n).norm();
+    if norms > 0.0 {
+        u.column(m).dotc(&u.column(n)).norm() / norms
+    } else {
+        1.0
+    }
 }
 
 #[cfg(test)]

@@ -1,14 +1,13 @@
 //! FRF of a campaign given as arrays of whole periods.
 
 use frfid_signals::{Frf, SignalError};
-use ndarray::{ArrayView2, ArrayView5, s};
-use rayon::prelude::*;
+use ndarray::{ArrayView5, Axis};
 
 use crate::error::EstimateError;
 use crate::frf::FrfOptions;
-use crate::period_index::PeriodIndex;
-use crate::spectra::campaign::{Campaign, RunSpectra};
+use crate::spectra::campaign::Campaign;
 use crate::spectra::line_dft::LineDft;
+use crate::spectra::time_series::{TimeSeries, check_same_shape};
 
 /// Best linear approximation from time series `(realization, experiment, period, channel, sample)`
 /// of any strides.
@@ -36,53 +35,9 @@ pub fn estimate_bla(
                 .to_owned();
         return Err(SignalError::Unfit { key: "r", what }.into());
     }
-    let (n_p, n_ex, n_q, _, n_samples) = u.dim();
-    for (name, signal) in [("y", Some(&y)), ("r", r.as_ref())] {
-        let Some(signal) = signal else { continue };
-        let (p, m, q, _, k) = signal.dim();
-        if (p, m, q, k) != (n_p, n_ex, n_q, n_samples) {
-            let needed = format!("({n_p}, {n_ex}, {n_q}, channel, {n_samples}), as u");
-            return Err(SignalError::Shape {
-                name,
-                found: signal.shape().to_vec(),
-                needed,
-            }
-            .into());
-        }
-    }
-    let dft = LineDft::new(n_samples, harmonics)?;
+    check_same_shape(&u, &y, r.as_ref())?;
+    let dft = LineDft::new(u.len_of(Axis(4)), harmonics)?;
     let mut campaign = Campaign::new(dft.frequency_hz(sample_time_s)?)?;
-    let places: Vec<PeriodIndex> = (0..n_p * n_q * n_ex)
-        .map(|run| PeriodIndex {
-            realization: run / (n_q * n_ex),
-            period: run / n_ex % n_q,
-            experiment: run % n_ex,
-        })
-        .collect();
-    let spectra: Result<Vec<RunSpectra>, EstimateError> = places
-        .par_iter()
-        .map(|&place| {
-            RunSpectra::of(
-                &dft,
-                run_at(&u, place),
-                run_at(&y, place),
-                r.as_ref().map(|r| run_at(r, place)),
-            )
-        })
-        .collect();
-    for (place, run) in places.into_iter().zip(spectra?) {
-        campaign.insert(place, run)?;
-    }
+    TimeSeries { u, y, r }.transform_into(&mut campaign, &dft)?;
     campaign.estimate(options)
-}
-
-/// One run, `(channel, sample)`, out of a campaign's array.
-fn run_at<'a>(signal: &'a ArrayView5<f64>, place: PeriodIndex) -> ArrayView2<'a, f64> {
-    signal.slice(s![
-        place.realization,
-        place.experiment,
-        place.period,
-        ..,
-        ..
-    ])
 }

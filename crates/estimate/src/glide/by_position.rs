@@ -18,26 +18,19 @@
 //! u_g and y_g at the run's position needs no P but is wrong: P does not commute with a bent time
 //! axis.)
 //!
-//! `P^-1 = 2 pi i f M(f)`: the apparent inertia M is interpolated between the frequencies of P and
-//! held beyond them, where it tends to that of the rigid machine. A straight line over position is
-//! taken off d: gravity's gradient belongs to P.
+//! A straight line over position is taken off d: gravity's gradient belongs to P.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
-use frfid_signals::{Frf, Record, SignalError, checks::positive};
-use nalgebra::DMatrix;
+use frfid_signals::{Frf, Record};
 use ndarray::{Array2, ArrayView1, Zip, s};
 use num_complex::Complex64;
 use realfft::RealFftPlanner;
 
 use crate::error::EstimateError;
-use crate::frf::right_division::right_divide;
+use crate::glide::apparent_inertia::ApparentInertia;
 use crate::glide::in_time::{glide_velocity, subtract_glide};
 use crate::glide::torque_table::TorqueTable;
-use crate::spectra::line_dft::check_rising;
-
-/// Frequencies on either side over which the median of the apparent inertia is taken.
-const NEIGHBOURS: usize = 4;
 
 /// The torque ripple of every axis over its motor position, as a glide showed it; made once, taken
 /// off every run.
@@ -54,8 +47,8 @@ impl RippleTorque {
     ///
     /// # Errors
     /// [`EstimateError::NoPosition`], [`EstimateError::NotMonotone`] where a gliding axis turns
-    /// back, [`EstimateError::SingularPlant`], [`SignalError::Shape`] if glide and plant have other
-    /// channels.
+    /// back, [`EstimateError::SingularPlant`], [`frfid_signals::SignalError::Shape`] if glide and
+    /// plant have other channels.
     pub fn of_glide(glide: &Record, plant: &Frf) -> Result<Self, EstimateError> {
         glide.check()?;
         let position = position_of(glide, "glide")?;
@@ -115,19 +108,13 @@ fn position_of<'a>(
     if position.dim() == record.u.dim() && position.dim() == record.y.dim() {
         return Ok(position);
     }
-    let (name, needed) = (
+    let shape = record.u.dim();
+    let needed = format!("{shape:?} as u, and y the same: every axis its own motor");
+    Err(EstimateError::shape(
         "position_rad",
-        format!(
-            "{:?} as u, and y the same: every axis its own motor",
-            record.u.dim()
-        ),
-    );
-    Err(SignalError::Shape {
-        name,
-        found: position.shape().to_vec(),
+        position.shape(),
         needed,
-    }
-    .into())
+    ))
 }
 
 /// `d(t) = u_g - P^-1 y_g`, `(axis, sample)`, without its straight line over time and above the
@@ -140,32 +127,16 @@ fn torque_over_time(glide: &Record, plant: &Frf) -> Result<Array2<f64>, Estimate
     let inertia = ApparentInertia::of(plant, glide.u.nrows())?;
     let n = glide.n_samples();
     if n < 3 {
-        let (key, found) = ("samples of the glide", n as f64);
-        return Err(SignalError::Parameter {
-            key,
-            found,
-            needed: "3 or more",
-        }
-        .into());
+        return Err(EstimateError::parameter(
+            "samples of the glide",
+            n as f64,
+            "3 or more",
+        ));
     }
-    let period = 2 * (n - 1);
-    let mut planner = RealFftPlanner::new();
-    let (forward, inverse) = (
-        planner.plan_fft_forward(period),
-        planner.plan_fft_inverse(period),
-    );
-    let spectrum = |signal: ArrayView1<f64>| {
-        let (mut samples, mut bins) = (reflected(signal), forward.make_output_vec());
-        forward
-            .process(&mut samples, &mut bins)
-            .expect("the plan's own lengths");
-        bins
-    };
-    let [u, y] = [&glide.u, &glide.y]
-        .map(|signal| signal.rows().into_iter().map(spectrum).collect::<Vec<_>>());
-    let mut torque = u; // in place: bins above the plant's frequencies become 0
+    let (mut torque, y) = (reflected_spectra(&glide.u), reflected_spectra(&glide.y));
+    let duration_s = (2 * (n - 1)) as f64 * glide.sample_time_s;
     for bin in 0..n {
-        let hz = bin as f64 / (period as f64 * glide.sample_time_s);
+        let hz = bin as f64 / duration_s;
         let weight = inertia.weight(hz);
         let acceleration: Vec<Complex64> = y
             .iter()
@@ -178,18 +149,39 @@ fn torque_over_time(glide: &Record, plant: &Frf) -> Result<Array2<f64>, Estimate
             });
         }
     }
-    let mut over_time = Array2::zeros(glide.u.dim());
-    for (mut row, mut bins) in over_time.rows_mut().into_iter().zip(torque) {
+    Ok(over_time(torque, n))
+}
+
+/// Spectra of every channel, continued by reflection: as many bins as samples.
+fn reflected_spectra(signal: &Array2<f64>) -> Vec<Vec<Complex64>> {
+    let period = 2 * (signal.ncols() - 1);
+    let forward = RealFftPlanner::new().plan_fft_forward(period);
+    let spectrum = |channel: ArrayView1<f64>| {
+        let (mut samples, mut bins) = (reflected(channel), forward.make_output_vec());
+        forward
+            .process(&mut samples, &mut bins)
+            .expect("the plan's own lengths");
+        bins
+    };
+    signal.rows().into_iter().map(spectrum).collect()
+}
+
+/// The signals of `n` samples that have such spectra, `(channel, sample)`, reflection cut off.
+fn over_time(spectra: Vec<Vec<Complex64>>, n: usize) -> Array2<f64> {
+    let period = 2 * (n - 1);
+    let inverse = RealFftPlanner::new().plan_fft_inverse(period);
+    let mut signals = Array2::zeros((spectra.len(), n));
+    for (mut signal, mut bins) in signals.rows_mut().into_iter().zip(spectra) {
         (bins[0].im, bins[n - 1].im) = (0.0, 0.0); // real by symmetry, but for rounding
         let mut samples = inverse.make_output_vec();
         inverse
             .process(&mut bins, &mut samples)
             .expect("the plan's own lengths, ends real");
-        row.iter_mut()
-            .zip(&samples)
-            .for_each(|(value, sample)| *value = sample / period as f64);
+        for (value, sample) in signal.iter_mut().zip(&samples) {
+            *value = sample / period as f64;
+        }
     }
-    Ok(over_time)
+    signals
 }
 
 /// One period of the signal without its end-to-end line, continued by reflection.
@@ -201,114 +193,4 @@ fn reflected(signal: ArrayView1<f64>) -> Vec<f64> {
         .map(rest)
         .chain((1..last).rev().map(|k| -rest(k)))
         .collect()
-}
-
-/// `M(f) = P^-1 / (2 pi i f)` on the frequencies of an FRF.
-struct ApparentInertia<'a> {
-    frequency_hz: &'a [f64],
-    inertia: Vec<DMatrix<Complex64>>,
-}
-
-impl<'a> ApparentInertia<'a> {
-    fn of(plant: &'a Frf, n_axes: usize) -> Result<Self, EstimateError> {
-        plant.check()?;
-        check_rising(
-            "frequencies of the plant",
-            plant.frequency_hz.iter().copied(),
-        )?;
-        if (plant.n_outputs(), plant.n_inputs()) != (n_axes, n_axes) {
-            let needed =
-                format!("(frequency, {n_axes}, {n_axes}), torque to velocity of the glide's axes");
-            let (name, found) = ("response of the plant", plant.response.shape().to_vec());
-            return Err(SignalError::Shape {
-                name,
-                found,
-                needed,
-            }
-            .into());
-        }
-        let lines = plant.frequency_hz.iter().zip(plant.response.outer_iter());
-        let inertia = lines.map(|(&frequency_hz, response)| {
-            positive("frequencies of the plant", frequency_hz)?;
-            let response =
-                DMatrix::from_fn(n_axes, n_axes, |output, input| response[[output, input]]);
-            let inverse = right_divide(&DMatrix::identity(n_axes, n_axes), &response);
-            let finite = inverse.iter().all(|value| value.is_finite());
-            finite
-                .then(|| inverse / Complex64::new(0.0, TAU * frequency_hz))
-                .ok_or(EstimateError::SingularPlant { frequency_hz })
-        });
-        let inertia: Vec<DMatrix<Complex64>> = inertia.collect::<Result<_, _>>()?;
-        Ok(Self {
-            frequency_hz: &plant.frequency_hz,
-            inertia: medians(&inertia),
-        })
-    }
-
-    /// 1 up to four fifths of the highest frequency, then a half cosine down to 0 there: the ends
-    /// of a band ring less.
-    fn weight(&self, hz: f64) -> f64 {
-        let highest_hz = self.frequency_hz.last().copied().unwrap_or(0.0);
-        let place = ((highest_hz - hz) / (0.2 * highest_hz)).clamp(0.0, 1.0);
-        0.5 - 0.5 * (PI * place).cos()
-    }
-
-    /// Torque in N m of accelerations in rad/s^2 at a frequency.
-    fn torque(&self, hz: f64, acceleration: &[Complex64]) -> Vec<Complex64> {
-        let last = self.frequency_hz.len() - 1;
-        let above = self
-            .frequency_hz
-            .partition_point(|&line_hz| line_hz < hz)
-            .min(last);
-        let below = above.saturating_sub(usize::from(self.frequency_hz[above] > hz));
-        let gap_hz = self.frequency_hz[above] - self.frequency_hz[below];
-        let share = if gap_hz > 0.0 {
-            (hz - self.frequency_hz[below]) / gap_hz
-        } else {
-            0.0
-        };
-        let (low, high) = (&self.inertia[below], &self.inertia[above]);
-        let entry = |row: usize, column: usize| {
-            low[(row, column)] * (1.0 - share) + high[(row, column)] * share
-        };
-        let n = acceleration.len();
-        (0..n)
-            .map(|row| {
-                (0..n)
-                    .map(|column| entry(row, column) * acceleration[column])
-                    .sum()
-            })
-            .collect()
-    }
-}
-
-/// Entry by entry, real and imaginary part, the median over each frequency and its neighbours on
-/// either side: M is smooth, but a first estimate is far off on the few frequencies that the ripple
-/// itself hits.
-fn medians(inertia: &[DMatrix<Complex64>]) -> Vec<DMatrix<Complex64>> {
-    let median = |mut values: Vec<f64>| {
-        values.sort_by(f64::total_cmp);
-        0.5 * (values[(values.len() - 1) / 2] + values[values.len() / 2])
-    };
-    let around = |line: usize| {
-        &inertia[line.saturating_sub(NEIGHBOURS)..(line + NEIGHBOURS + 1).min(inertia.len())]
-    };
-    let smoothed = |line: usize| {
-        let part = |row, column, of: fn(&Complex64) -> f64| {
-            median(
-                around(line)
-                    .iter()
-                    .map(|matrix| of(&matrix[(row, column)]))
-                    .collect(),
-            )
-        };
-        let (n_rows, n_columns) = inertia[line].shape();
-        DMatrix::from_fn(n_rows, n_columns, |row, column| {
-            Complex64::new(
-                part(row, column, |value| value.re),
-                part(row, column, |value| value.im),
-            )
-        })
-    };
-    (0..inertia.len()).map(smoothed).collect()
 }

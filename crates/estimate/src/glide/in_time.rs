@@ -2,7 +2,7 @@
 //! ripple, slow gravity) is recorded once and taken off every run of the same start, velocity and
 //! direction.
 
-use frfid_signals::{Record, SignalError};
+use frfid_signals::Record;
 use ndarray::{Array2, ArrayView1, s};
 
 use crate::error::EstimateError;
@@ -13,7 +13,7 @@ use crate::error::EstimateError;
 /// The glide may be longer than the run (a run that was stopped early), not shorter.
 ///
 /// # Errors
-/// [`SignalError::Parameter`] for another sample time, [`SignalError::Shape`] for other channels or
+/// [`frfid_signals::SignalError`] for another sample time, other channels or
 /// too short a glide, [`EstimateError::OtherDirection`] if a channel of the glide moved the other
 /// way.
 pub fn subtract_glide(run: &Record, glide: &Record) -> Result<Record, EstimateError> {
@@ -33,41 +33,35 @@ pub fn subtract_glide(run: &Record, glide: &Record) -> Result<Record, EstimateEr
     Ok(rest)
 }
 
-/// Same sample time, same channels, glide not shorter.
+/// Refuses a glide of another sample time, of other channels, or shorter than the run.
 fn check_same_clock(run: &Record, glide: &Record) -> Result<(), EstimateError> {
     if !same_clock(glide.sample_time_s, run.sample_time_s, run.n_samples()) {
-        let (key, found) = ("sample_time_s of the glide", glide.sample_time_s);
-        return Err(SignalError::Parameter {
-            key,
-            found,
-            needed: "the sample time of the run",
-        }
-        .into());
+        return Err(EstimateError::parameter(
+            "sample_time_s of the glide",
+            glide.sample_time_s,
+            "the sample time of the run",
+        ));
     }
-    let pairs = [
-        ("u of the glide", Some((&run.u, &glide.u))),
-        ("y of the glide", Some((&run.y, &glide.y))),
-        ("r of the glide", run.r.as_ref().zip(glide.r.as_ref())),
-    ];
-    for (name, pair) in pairs {
-        let Some((signal, glide)) = pair else {
-            continue;
-        };
-        if glide.nrows() != signal.nrows() || glide.ncols() < signal.ncols() {
-            let needed = format!(
-                "({}, {} or more samples), as the run",
-                signal.nrows(),
-                signal.ncols()
-            );
-            return Err(SignalError::Shape {
-                name,
-                found: glide.shape().to_vec(),
-                needed,
-            }
-            .into());
-        }
+    check_holds("u of the glide", &run.u, &glide.u)?;
+    check_holds("y of the glide", &run.y, &glide.y)?;
+    match (&run.r, &glide.r) {
+        (Some(run), Some(glide)) => check_holds("r of the glide", run, glide),
+        _ => Ok(()),
     }
-    Ok(())
+}
+
+/// Refuses a signal of a glide with other channels or fewer samples than that of the run.
+fn check_holds(
+    name: &'static str,
+    run: &Array2<f64>,
+    glide: &Array2<f64>,
+) -> Result<(), EstimateError> {
+    if glide.nrows() == run.nrows() && glide.ncols() >= run.ncols() {
+        return Ok(());
+    }
+    let (n_channels, n_samples) = run.dim();
+    let needed = format!("({n_channels}, {n_samples} or more samples), as the run");
+    Err(EstimateError::shape(name, glide.shape(), needed))
 }
 
 /// Whether two sample times in s are one: stamps of a robot's clock may differ in the last digits,
@@ -106,6 +100,7 @@ pub(crate) fn glide_velocity(glide: ArrayView1<f64>) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
     use frfid_signals::InputKind;
     use ndarray::Array;
 
@@ -153,19 +148,23 @@ mod tests {
             other_way,
             Err(EstimateError::OtherDirection { channel: 0, .. })
         ));
-        assert!(subtract_glide(&run, &record(0.2, 0.0, SAMPLES - 1)).is_err());
+        let said = refusal(subtract_glide(&run, &record(0.2, 0.0, SAMPLES - 1)));
         assert!(
-            subtract_glide(
-                &run,
-                &Record {
-                    sample_time_s: 2e-3,
-                    ..record(0.2, 0.0, SAMPLES)
-                }
-            )
-            .is_err()
+            said.starts_with("u of the glide has shape [1, 999]"),
+            "{said}"
+        );
+        let slow = Record {
+            sample_time_s: 2e-3,
+            ..record(0.2, 0.0, SAMPLES)
+        };
+        let said = refusal(subtract_glide(&run, &slow));
+        assert!(
+            said.starts_with("sample_time_s of the glide is 0.002,"),
+            "{said}"
         );
         let mut holed = record(0.2, 0.0, SAMPLES);
         holed.u[[0, 3]] = f64::NAN;
-        assert!(subtract_glide(&run, &holed).is_err());
+        let said = refusal(subtract_glide(&run, &holed));
+        assert!(said.starts_with("u: 1 samples are NaN"), "{said}");
     }
 }

@@ -1,5 +1,4 @@
-//! What remains of ripple after the glide was subtracted, seen on the lines that a multisine leaves
-//! free.
+//! Residual of ripple after the glide was subtracted, seen on the lines that a multisine leaves free.
 //!
 //! Around every excited line s stand free lines h, on which a linear machine answers with noise
 //! alone. Over the n_q repetitions of one reference the noise differs, what remains of ripple (and
@@ -18,7 +17,7 @@
 
 use std::collections::BTreeSet;
 
-use frfid_signals::{Frf, SignalError};
+use frfid_signals::Frf;
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
@@ -57,19 +56,7 @@ impl FreeLines {
         n_neighbours: usize,
     ) -> Result<Self, EstimateError> {
         LineDft::new(n_samples, excited)?;
-        let taken: BTreeSet<usize> = excited.iter().copied().collect();
-        let free = |line: &usize| !taken.contains(line);
-        let nearest = |&line: &usize| {
-            let below = (1..line).rev().filter(free).take(n_neighbours);
-            let above = (line + 1..=(n_samples - 1) / 2)
-                .filter(free)
-                .take(n_neighbours);
-            let mut around: Vec<usize> = below.chain(above).collect();
-            around.sort_by_key(|&other| other.abs_diff(line));
-            around.truncate(n_neighbours);
-            around
-        };
-        let around: Vec<Vec<usize>> = excited.iter().map(nearest).collect();
+        let around = nearest_free(n_samples, excited, n_neighbours);
         let lines: BTreeSet<usize> = around.iter().flatten().copied().collect();
         if lines.is_empty() {
             return Err(EstimateError::EmptyList("lines that are not excited"));
@@ -93,7 +80,7 @@ impl FreeLines {
     /// free lines too, and y answers to the corrected u as to any other: only E disturbs.
     ///
     /// # Errors
-    /// [`SignalError::Shape`] if the spectra or the plant have other lines or channels.
+    /// [`frfid_signals::SignalError::Shape`] if the spectra or the plant have other lines or channels.
     pub fn unexplained(
         &self,
         u: &Array2<Complex64>,
@@ -101,43 +88,38 @@ impl FreeLines {
         plant: &Frf,
     ) -> Result<Array2<Complex64>, EstimateError> {
         let (n_outputs, n_inputs, n_lines) = (plant.n_outputs(), plant.n_inputs(), self.n_lines());
-        for (name, found, channels) in [
-            ("u on free lines", u, n_inputs),
-            ("y on free lines", y, n_outputs),
-        ] {
-            if found.dim() != (channels, n_lines) {
-                let needed = format!("({channels}, {n_lines})");
-                return Err(SignalError::Shape {
-                    name,
-                    found: found.shape().to_vec(),
-                    needed,
-                }
-                .into());
-            }
-        }
+        check_dim("u on free lines", u, (n_inputs, n_lines))?;
+        check_dim("y on free lines", y, (n_outputs, n_lines))?;
         if plant.n_frequencies() != self.excited.len() {
             let needed = format!("({}, output, input), the excited lines", self.excited.len());
-            return Err(SignalError::Shape {
-                name: "plant",
-                found: plant.response.shape().to_vec(),
+            return Err(EstimateError::shape(
+                "plant",
+                plant.response.shape(),
                 needed,
-            }
-            .into());
+            ));
         }
         Ok(Array2::from_shape_fn(
             (n_outputs, n_lines),
-            |(output, place)| {
-                let (below, above, share) = self.between(self.dft.lines()[place]);
-                let explained: Complex64 = (0..n_inputs)
-                    .map(|input| {
-                        let [low, high] =
-                            [below, above].map(|line| plant.response[[line, output, input]]);
-                        (low + (high - low) * share) * u[[input, place]]
-                    })
-                    .sum();
-                y[[output, place]] - explained
-            },
+            |(output, place)| y[[output, place]] - self.explained(u, plant, output, place),
         ))
+    }
+
+    /// What of an output on a free line the plant explains by u: G U.
+    fn explained(
+        &self,
+        u: &Array2<Complex64>,
+        plant: &Frf,
+        output: usize,
+        place: usize,
+    ) -> Complex64 {
+        let (below, above, share) = self.between(self.dft.lines()[place]);
+        let response = |input: usize| {
+            let [low, high] = [below, above].map(|line| plant.response[[line, output, input]]);
+            low + (high - low) * share
+        };
+        (0..plant.n_inputs())
+            .map(|input| response(input) * u[[input, place]])
+            .sum()
     }
 
     /// The excited lines below and above a line, by their place, and where it stands between them;
@@ -158,43 +140,27 @@ impl FreeLines {
     /// [`FreeLines::unexplained`]: same realization, same experiment, glide subtracted.
     ///
     /// # Errors
-    /// [`SignalError::Parameter`] for fewer than two repetitions, [`SignalError::Shape`] if they
-    /// differ in shape.
+    /// [`frfid_signals::SignalError`] for fewer than two repetitions, and if they differ in shape.
     pub fn level(&self, repetitions: &[Array2<Complex64>]) -> Result<ResidualLevel, EstimateError> {
         let n_q = repetitions.len() as f64;
         let [first, _, ..] = repetitions else {
-            let (key, needed) = (
+            return Err(EstimateError::parameter(
                 "repetitions of one reference",
+                n_q,
                 "2 or more, or what repeats cannot be told from noise",
-            );
-            return Err(SignalError::Parameter {
-                key,
-                found: n_q,
-                needed,
-            }
-            .into());
+            ));
         };
         let mut sum = Array2::zeros(first.dim());
         for spectra in repetitions {
             if spectra.dim() != first.dim() || spectra.ncols() != self.n_lines() {
                 let needed = format!("({}, {}), as the first", first.nrows(), self.n_lines());
-                let (name, found) = ("spectra of a repetition", spectra.shape().to_vec());
-                return Err(SignalError::Shape {
-                    name,
-                    found,
-                    needed,
-                }
-                .into());
+                let name = "spectra of a repetition";
+                return Err(EstimateError::shape(name, spectra.shape(), needed));
             }
             sum += spectra;
         }
         let mean = sum / Complex64::from(n_q);
-        let mut scatter = Array2::<f64>::zeros(first.dim());
-        for spectra in repetitions {
-            scatter.zip_mut_with(&(spectra - &mean), |scatter, deviation| {
-                *scatter += deviation.norm_sqr();
-            });
-        }
+        let scatter = scatter(repetitions, &mean);
         Ok(ResidualLevel {
             coherent_power: self.around(&mean.mapv(|value| value.norm_sqr())),
             noise_power: self.around(&(scatter / (n_q * (n_q - 1.0)))),
@@ -218,6 +184,45 @@ impl FreeLines {
     fn n_lines(&self) -> usize {
         self.dft.lines().len()
     }
+}
+
+/// Of every excited line the free lines nearest to it, near ones first.
+fn nearest_free(n_samples: usize, excited: &[usize], n_neighbours: usize) -> Vec<Vec<usize>> {
+    let taken: BTreeSet<usize> = excited.iter().copied().collect();
+    let free = |line: &usize| !taken.contains(line);
+    let nearest = |&line: &usize| {
+        let below = (1..line).rev().filter(free).take(n_neighbours);
+        let above = line + 1..=(n_samples - 1) / 2;
+        let above = above.filter(free).take(n_neighbours);
+        let mut around: Vec<usize> = below.chain(above).collect();
+        around.sort_by_key(|&other| other.abs_diff(line));
+        around.truncate(n_neighbours);
+        around
+    };
+    excited.iter().map(nearest).collect()
+}
+
+/// `sum_q |X_q - X|^2` about the mean X.
+fn scatter(spectra: &[Array2<Complex64>], mean: &Array2<Complex64>) -> Array2<f64> {
+    let mut scatter = Array2::zeros(mean.dim());
+    for spectra in spectra {
+        scatter.zip_mut_with(&(spectra - mean), |scatter, deviation| {
+            *scatter += deviation.norm_sqr();
+        });
+    }
+    scatter
+}
+
+fn check_dim(
+    name: &'static str,
+    found: &Array2<Complex64>,
+    (n_channels, n_lines): (usize, usize),
+) -> Result<(), EstimateError> {
+    if found.dim() == (n_channels, n_lines) {
+        return Ok(());
+    }
+    let needed = format!("({n_channels}, {n_lines})");
+    Err(EstimateError::shape(name, found.shape(), needed))
 }
 
 impl Transform for FreeLines {
@@ -280,6 +285,7 @@ impl ResidualLevel {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
     use frfid_signals::random::{normal, stream};
     use std::f64::consts::TAU;
 
@@ -335,10 +341,10 @@ mod tests {
         for place in (0..lines.n_lines()).filter(|place| inside(*place)) {
             assert!((rest[[0, place]] - 0.25).norm() < 1e-12);
         }
+        let said = refusal(lines.unexplained(&y, &Array2::zeros((2, 3)), &plant));
         assert!(
-            lines
-                .unexplained(&y, &Array2::zeros((2, 3)), &plant)
-                .is_err()
+            said.starts_with("y on free lines has shape [2, 3]"),
+            "{said}"
         );
     }
 
@@ -395,16 +401,24 @@ mod tests {
     #[test]
     fn what_cannot_be_measured_is_refused() {
         let all: Vec<usize> = (1..32).collect();
-        assert!(FreeLines::new(64, &all, 12).is_err() && FreeLines::new(64, &[40], 12).is_err());
+        assert_eq!(
+            FreeLines::new(64, &all, 12).err(),
+            Some(EstimateError::EmptyList("lines that are not excited"))
+        );
+        assert!(refusal(FreeLines::new(64, &[40], 12)).starts_with("line 40 is not"));
         let lines = FreeLines::new(64, &[3, 9], 4).expect("sound");
         let spectra = lines
             .transform("u", Array2::zeros((1, 64)).view())
             .expect("fits");
-        assert!(lines.level(std::slice::from_ref(&spectra)).is_err());
+        let said = refusal(lines.level(std::slice::from_ref(&spectra)));
         assert!(
-            lines
-                .level(&[spectra.clone(), Array2::zeros((1, 2))])
-                .is_err()
+            said.starts_with("repetitions of one reference is 1,"),
+            "{said}"
+        );
+        let said = refusal(lines.level(&[spectra.clone(), Array2::zeros((1, 2))]));
+        assert!(
+            said.starts_with("spectra of a repetition has shape [1, 2]"),
+            "{said}"
         );
         assert_eq!(
             lines

@@ -13,7 +13,7 @@ const BEYOND: f64 = 0.02;
 
 /// Torque on rising places along the way of one axis; readings of equal place are averaged.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct TorqueTable {
+pub(super) struct TorqueTable {
     /// Sign of the motion: `direction * position` rises.
     direction: f64,
     place_rad: Vec<f64>,
@@ -25,27 +25,14 @@ impl TorqueTable {
     ///
     /// # Errors
     /// [`EstimateError::NotMonotone`] if the axis goes back by more than a thousandth of its way.
-    pub fn new(
+    pub(super) fn new(
         channel: usize,
         direction: f64,
         position_rad: ArrayView1<f64>,
         torque_nm: ArrayView1<f64>,
     ) -> Result<Self, EstimateError> {
-        let (mut place_rad, mut sums): (Vec<f64>, Vec<(f64, f64)>) = (Vec::new(), Vec::new());
-        let mut back_rad = 0.0f64;
-        for (position, &torque) in position_rad.iter().zip(torque_nm) {
-            let place = direction * position;
-            match (place_rad.last(), sums.last_mut()) {
-                (Some(&last), Some(sum)) if place <= last => {
-                    back_rad = back_rad.max(last - place);
-                    *sum = (sum.0 + torque, sum.1 + 1.0);
-                }
-                _ => {
-                    place_rad.push(place);
-                    sums.push((torque, 1.0));
-                }
-            }
-        }
+        let places = position_rad.iter().map(|position| direction * position);
+        let (place_rad, mut torque_nm, back_rad) = averaged(places, torque_nm);
         let way_rad = place_rad
             .last()
             .zip(place_rad.first())
@@ -57,7 +44,6 @@ impl TorqueTable {
                 way_rad,
             });
         }
-        let mut torque_nm: Vec<f64> = sums.iter().map(|(sum, count)| sum / count).collect();
         remove_line(&place_rad, &mut torque_nm);
         Ok(Self {
             direction,
@@ -67,7 +53,7 @@ impl TorqueTable {
     }
 
     /// Torque at a position, linear between places, held beyond the ends.
-    pub fn at(&self, position_rad: f64) -> f64 {
+    pub(super) fn at(&self, position_rad: f64) -> f64 {
         let place = self.direction * position_rad;
         let above = self.place_rad.partition_point(|&known| known <= place);
         match (above.checked_sub(1), self.place_rad.get(above)) {
@@ -82,7 +68,7 @@ impl TorqueTable {
     }
 
     /// Refuses positions further beyond the table than an excitation wanders.
-    pub fn check_range(
+    pub(super) fn check_range(
         &self,
         channel: usize,
         position_rad: ArrayView1<f64>,
@@ -105,6 +91,30 @@ impl TorqueTable {
             high_rad: a.max(b),
         })
     }
+}
+
+/// Rising places and the mean torque at each, a step back counted to the place before; and how far
+/// back the farthest such step goes.
+fn averaged(
+    places: impl Iterator<Item = f64>,
+    torque_nm: ArrayView1<f64>,
+) -> (Vec<f64>, Vec<f64>, f64) {
+    let (mut place_rad, mut sums): (Vec<f64>, Vec<(f64, f64)>) = (Vec::new(), Vec::new());
+    let mut back_rad = 0.0f64;
+    for (place, &torque) in places.zip(torque_nm) {
+        match (place_rad.last(), sums.last_mut()) {
+            (Some(&last), Some(sum)) if place <= last => {
+                back_rad = back_rad.max(last - place);
+                *sum = (sum.0 + torque, sum.1 + 1.0);
+            }
+            _ => {
+                place_rad.push(place);
+                sums.push((torque, 1.0));
+            }
+        }
+    }
+    let torque_nm = sums.iter().map(|(sum, count)| sum / count).collect();
+    (place_rad, torque_nm, back_rad)
 }
 
 /// Takes off the least-squares straight line of `values` over `places`, of which at least two
@@ -165,7 +175,14 @@ mod tests {
             matches!(back, Err(EstimateError::NotMonotone { channel: 2, back_rad, .. }) if back_rad > 1.0)
         );
         let still = Array1::zeros(10);
-        assert!(TorqueTable::new(0, 1.0, still.view(), still.view()).is_err());
+        assert_eq!(
+            TorqueTable::new(0, 1.0, still.view(), still.view()),
+            Err(EstimateError::NotMonotone {
+                channel: 0,
+                back_rad: 0.0,
+                way_rad: 0.0
+            })
+        );
         let table = table(-1.0, 1e-3);
         assert_eq!(
             table.check_range(0, Array1::from_vec(vec![-1.03, 1.03]).view()),

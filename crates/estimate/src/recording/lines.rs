@@ -1,8 +1,7 @@
 //! Excited lines: found in a periodic reference, or checked against the grid of a period.
 
-use frfid_signals::SignalError;
 use frfid_signals::checks::positive;
-use ndarray::{Array2, ArrayView2, s};
+use ndarray::{Array2, ArrayView1, ArrayView2, s};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
@@ -30,34 +29,25 @@ const ROUNDING: f64 = 1e-10;
 ///
 /// # Errors
 /// [`EstimateError::NoLines`] if the amplitudes fall without a gap (noise, or a reference that is
-/// periodic but no multisine), [`SignalError::Shape`] for a reference shorter than a period,
-/// [`SignalError::NotFinite`].
+/// periodic but no multisine), [`frfid_signals::SignalError`] for a reference shorter than a period
+/// and for samples that are not finite.
 pub fn find_lines(reference: ArrayView2<f64>, period: usize) -> Result<Vec<usize>, EstimateError> {
-    let periods = reference.ncols().checked_div(period).unwrap_or(0);
-    if periods == 0 || reference.nrows() == 0 {
+    let n_periods = reference.ncols().checked_div(period).unwrap_or(0);
+    if n_periods == 0 || reference.nrows() == 0 {
         let needed = format!("(channel, {} or more)", period.max(1));
-        return Err(SignalError::Shape {
-            name: "reference",
-            found: reference.shape().to_vec(),
-            needed,
-        }
-        .into());
+        return Err(EstimateError::shape("reference", reference.shape(), needed));
     }
     let candidates: Vec<usize> = (1..period.div_ceil(2)).collect();
     let dft = LineDft::new(period, &candidates)?;
-    let spectra: Result<Vec<Array2<Complex64>>, EstimateError> = (0..periods)
-        .map(|q| {
-            dft.transform(
-                "reference",
-                reference.slice(s![.., q * period..(q + 1) * period]),
-            )
-        })
-        .collect();
-    let (amplitude, floor) = amplitude_above_noise(&spectra?, candidates.len());
+    let spectrum = |q: usize| {
+        let samples = s![.., q * period..(q + 1) * period];
+        dft.transform("reference", reference.slice(samples))
+    };
+    let spectra: Vec<_> = (0..n_periods).map(spectrum).collect::<Result<_, _>>()?;
+    let (amplitude, floor) = amplitude_above_noise(&spectra, candidates.len());
     let threshold = threshold(&amplitude, floor)?;
-    Ok(candidates
-        .into_iter()
-        .zip(amplitude)
+    let excited = candidates.into_iter().zip(amplitude);
+    Ok(excited
         .filter(|(_, amplitude)| *amplitude > threshold)
         .map(|(line, _)| line)
         .collect())
@@ -67,36 +57,41 @@ pub fn find_lines(reference: ArrayView2<f64>, period: usize) -> Result<Vec<usize
 /// different units; what is within four standard deviations of zero, known from the differences
 /// between periods, counts as that level, the floor.
 fn amplitude_above_noise(spectra: &[Array2<Complex64>], n_lines: usize) -> (Vec<f64>, f64) {
-    let n = spectra.len() as f64;
     let (mut amplitude, mut floor) = (vec![0.0_f64; n_lines], ROUNDING);
     for channel in 0..spectra[0].nrows() {
         let rows: Vec<_> = spectra
             .iter()
             .map(|spectrum| spectrum.row(channel))
             .collect();
-        let mean: Vec<Complex64> = (0..n_lines)
-            .map(|line| rows.iter().map(|row| row[line]).sum::<Complex64>() / n)
-            .collect();
+        let (mean, deviation) = mean_and_deviation(&rows);
         let strongest = mean
             .iter()
             .map(|value| value.norm())
             .fold(f64::MIN_POSITIVE, f64::max);
-        let squares: f64 = rows
-            .iter()
-            .flat_map(|row| row.iter().zip(&mean))
-            .map(|(x, mean)| (x - mean).norm_sqr())
-            .sum();
-        let deviation = (squares / (n_lines as f64 * n * (n - 1.0).max(1.0))).sqrt();
         floor = floor.max(4.0 * deviation / strongest);
-        amplitude
-            .iter_mut()
-            .zip(&mean)
-            .for_each(|(largest, value)| *largest = largest.max(value.norm() / strongest));
+        for (largest, value) in amplitude.iter_mut().zip(&mean) {
+            *largest = largest.max(value.norm() / strongest);
+        }
     }
-    amplitude
-        .iter_mut()
-        .for_each(|value| *value = value.max(floor));
+    for value in &mut amplitude {
+        *value = value.max(floor);
+    }
     (amplitude, floor)
+}
+
+/// Mean of the spectra of several periods, and its standard deviation over all lines.
+fn mean_and_deviation(periods: &[ArrayView1<Complex64>]) -> (Vec<Complex64>, f64) {
+    let (n, n_lines) = (periods.len() as f64, periods[0].len());
+    let mean: Vec<Complex64> = (0..n_lines)
+        .map(|line| periods.iter().map(|period| period[line]).sum::<Complex64>() / n)
+        .collect();
+    let squares: f64 = periods
+        .iter()
+        .flat_map(|period| period.iter().zip(&mean))
+        .map(|(x, mean)| (x - mean).norm_sqr())
+        .sum();
+    let deviation = (squares / (n_lines as f64 * n * (n - 1.0).max(1.0))).sqrt();
+    (mean, deviation)
 }
 
 /// The middle of the widest gap between amplitudes, or just below the smallest where all are
@@ -104,13 +99,8 @@ fn amplitude_above_noise(spectra: &[Array2<Complex64>], n_lines: usize) -> (Vec<
 fn threshold(amplitude: &[f64], floor: f64) -> Result<f64, EstimateError> {
     let mut levels = amplitude.to_vec();
     levels.sort_by(|a, b| b.total_cmp(a));
-    let counts = |&split: &usize| {
-        levels.len() - split >= FEW || levels[split - 1] >= GAP_ABOVE_FEW * levels[split]
-    };
     let gap = |split: usize| levels[split - 1] / levels[split];
-    let widest = (1..levels.len())
-        .filter(counts)
-        .max_by(|&a, &b| gap(a).total_cmp(&gap(b)));
+    let widest = widest_gap(&levels);
     let split = widest
         .filter(|&split| gap(split) >= GAP)
         .unwrap_or(levels.len());
@@ -128,12 +118,23 @@ fn threshold(amplitude: &[f64], floor: f64) -> Result<f64, EstimateError> {
     })
 }
 
+/// How many of the falling levels lie above their widest gap; a gap above few others must be wider.
+fn widest_gap(levels: &[f64]) -> Option<usize> {
+    let gap = |split: usize| levels[split - 1] / levels[split];
+    let counts = |&split: &usize| {
+        levels.len() - split >= FEW || levels[split - 1] >= GAP_ABOVE_FEW * levels[split]
+    };
+    (1..levels.len())
+        .filter(counts)
+        .max_by(|&a, &b| gap(a).total_cmp(&gap(b)))
+}
+
 /// Lines of a period of `n_samples` at `frequencies_hz`, which must rise.
 ///
 /// # Errors
 /// [`EstimateError::OffGrid`] with the nearest line and a period that would have the frequency, if
-/// it is more than a thousandth of the line spacing away; [`SignalError::LineOffGrid`] at 0 and
-/// from Nyquist on.
+/// it is more than a thousandth of the line spacing away;
+/// [`frfid_signals::SignalError::LineOffGrid`] at 0 and from Nyquist on.
 pub fn lines_at(
     frequencies_hz: &[f64],
     n_samples: usize,
@@ -141,36 +142,38 @@ pub fn lines_at(
 ) -> Result<Vec<usize>, EstimateError> {
     positive("sample_time_s", sample_time_s)?;
     check_rising("frequencies_hz", frequencies_hz.iter().copied())?;
-    let period_s = n_samples as f64 * sample_time_s;
-    let lines: Result<Vec<usize>, EstimateError> = frequencies_hz
+    let lines = frequencies_hz
         .iter()
-        .map(|&frequency_hz| {
-            positive("frequencies_hz", frequency_hz)?;
-            let cycles = frequency_hz * period_s;
-            let line = cycles.round().max(1.0);
-            if (cycles - line).abs() > 1e-3 {
-                let (nearest_hz, offered_samples) = (
-                    line / period_s,
-                    (line / frequency_hz / sample_time_s).round() as usize,
-                );
-                return Err(EstimateError::OffGrid {
-                    frequency_hz,
-                    n_samples,
-                    nearest_hz,
-                    offered_samples,
-                });
-            }
-            Ok(line as usize)
-        })
-        .collect();
-    let lines = lines?;
+        .map(|&hz| line_at(hz, n_samples, sample_time_s))
+        .collect::<Result<Vec<usize>, _>>()?;
     LineDft::new(n_samples, &lines)?;
     Ok(lines)
+}
+
+fn line_at(
+    frequency_hz: f64,
+    n_samples: usize,
+    sample_time_s: f64,
+) -> Result<usize, EstimateError> {
+    positive("frequencies_hz", frequency_hz)?;
+    let period_s = n_samples as f64 * sample_time_s;
+    let cycles = frequency_hz * period_s;
+    let line = cycles.round().max(1.0);
+    if (cycles - line).abs() > 1e-3 {
+        return Err(EstimateError::OffGrid {
+            frequency_hz,
+            n_samples,
+            nearest_hz: line / period_s,
+            offered_samples: (line / frequency_hz / sample_time_s).round() as usize,
+        });
+    }
+    Ok(line as usize)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
     use frfid_signals::random::{normal, phase, stream};
     use std::f64::consts::TAU;
 
@@ -220,9 +223,11 @@ mod tests {
         assert!(
             matches!(find_lines(triangle.view(), 1000), Err(EstimateError::NoLines { range, .. }) if range > 1e4)
         );
-        assert!(
-            find_lines(triangle.view(), 5000).is_err() && find_lines(triangle.view(), 0).is_err()
-        );
+        for (period, needed) in [(5000, 5000), (0, 1)] {
+            let needed = format!("(channel, {needed} or more)");
+            let expected = EstimateError::shape("reference", &[1, 4000], needed);
+            assert_eq!(find_lines(triangle.view(), period), Err(expected));
+        }
     }
 
     #[test]
@@ -237,15 +242,16 @@ mod tests {
             panic!("2.6 Hz is no line of 2 s");
         };
         assert_eq!((nearest_hz, offered_samples), (2.5, 1923)); // 5 cycles of 2.6 Hz
-        for bad in [
-            vec![],
-            vec![-1.0],
-            vec![f64::NAN],
-            vec![1.0, 1.0],
-            vec![600.0],
-            vec![1e-9],
+        for (bad, said) in [
+            (vec![], "frequencies_hz: none was given"),
+            (vec![-1.0], "frequencies_hz is -1,"),
+            (vec![f64::NAN], "frequencies_hz is NaN,"),
+            (vec![1.0, 1.0], "frequencies_hz must rise"),
+            (vec![600.0], "line 1200 is not between 1 and 999"),
+            (vec![1e-9], "0.000000001 Hz is no line"),
         ] {
-            assert!(lines_at(&bad, 2000, 1e-3).is_err(), "{bad:?}");
+            let found = refusal(lines_at(&bad, 2000, 1e-3));
+            assert!(found.starts_with(said), "{bad:?}: {found}");
         }
     }
 }

@@ -1,10 +1,10 @@
-//! The period of a recorded reference, found from the recording alone.
+//! Period of a recorded reference, found from the recording alone.
 //!
 //! Every lag T is rated by the share of the power that does not repeat after it,
 //! `d(T) = sum_k (x[k + T] - x[k])^2 / sum_k (x[k + T]^2 + x[k]^2)`: 0 where the signal repeats, 1
 //! for noise. All lags at once by autocorrelation.
 
-use frfid_signals::{SignalError, check_finite};
+use frfid_signals::check_finite;
 use ndarray::{ArrayView1, ArrayView2};
 use realfft::RealFftPlanner;
 
@@ -17,26 +17,18 @@ const LIMIT: f64 = 0.1;
 /// any length, also with measurement noise up to 10 dB below the signal.
 ///
 /// # Errors
-/// [`EstimateError::NotPeriodic`], [`SignalError::NotFinite`], [`SignalError::Shape`] for a signal
-/// without channels.
+/// [`EstimateError::NotPeriodic`]; [`frfid_signals::SignalError`] for samples that are not finite and
+/// a signal without channels.
 pub fn find_period(reference: ArrayView2<f64>) -> Result<usize, EstimateError> {
     check_finite("reference", reference)?;
     if reference.is_empty() {
         let needed = "(channel, sample) with at least one of both".to_string();
-        return Err(SignalError::Shape {
-            name: "reference",
-            found: reference.shape().to_vec(),
-            needed,
-        }
-        .into());
+        return Err(EstimateError::shape("reference", reference.shape(), needed));
     }
     let unlike = unlikeness(reference);
     // Small lags look alike for any smooth signal: the search starts where the signal has left its
     // own neighbourhood.
-    let start = unlike
-        .iter()
-        .position(|&value| value > 0.5)
-        .unwrap_or(unlike.len());
+    let start = first_lag(&unlike, 0, |value| value > 0.5);
     let best = (start..unlike.len()).min_by(|&a, &b| unlike[a].total_cmp(&unlike[b]));
     let Some(best) = best.filter(|&lag| unlike[lag] <= LIMIT) else {
         let (period, residual) = best.map_or((0, 1.0), |lag| (lag, unlike[lag]));
@@ -48,12 +40,17 @@ pub fn find_period(reference: ArrayView2<f64>) -> Result<usize, EstimateError> {
     };
     // Multiples of the period repeat as well: the first dip as deep as the deepest is the period,
     // but for rounding and noise.
-    let deep = |lag: &usize| unlike[*lag] <= 2.0 * unlike[best] + 1e-12;
-    let first = (start..unlike.len()).find(deep).unwrap_or(best);
-    let end = (first..unlike.len())
-        .find(|lag| !deep(lag))
-        .unwrap_or(unlike.len());
+    let is_deep = |value: f64| value <= 2.0 * unlike[best] + 1e-12;
+    let first = first_lag(&unlike, start, is_deep);
+    let end = first_lag(&unlike, first, |value| !is_deep(value));
     Ok(refine(&unlike, lowest(&unlike, first, end)))
+}
+
+/// The first lag from `from` on whose value is as asked for, or the end.
+fn first_lag(unlike: &[f64], from: usize, is_found: impl Fn(f64) -> bool) -> usize {
+    (from..unlike.len())
+        .find(|&lag| is_found(unlike[lag]))
+        .unwrap_or(unlike.len())
 }
 
 /// The lag with the smallest value in `from..to`.
@@ -128,6 +125,7 @@ fn autocorrelation(x: ArrayView1<f64>, lags: usize) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
     use frfid_signals::random::{normal, phase, stream};
     use ndarray::Array2;
     use std::f64::consts::TAU;
@@ -184,16 +182,21 @@ mod tests {
             matches!(find_period(noise.view()), Err(EstimateError::NotPeriodic { residual, .. }) if residual > 0.5)
         );
         let sweep = Array2::from_shape_fn((1, 20_000), |(_, k)| (1e-5 * (k as f64).powi(2)).sin());
-        assert!(find_period(sweep.view()).is_err());
-        let single = multisine(2500, 60, 1.9, 0.0, 1);
-        assert!(find_period(single.view()).is_err(), "less than two periods");
-        for flat in [
+        let less_than_two_periods = multisine(2500, 60, 1.9, 0.0, 1);
+        for not_periodic in [
+            sweep,
+            less_than_two_periods,
             Array2::zeros((1, 100)),
             Array2::ones((2, 1)),
-            Array2::zeros((0, 10)),
-            Array2::from_elem((1, 9), f64::NAN),
         ] {
-            assert!(find_period(flat.view()).is_err());
+            assert!(matches!(
+                find_period(not_periodic.view()),
+                Err(EstimateError::NotPeriodic { .. })
+            ));
         }
+        let said = refusal(find_period(Array2::zeros((0, 10)).view()));
+        assert!(said.starts_with("reference has shape [0, 10]"), "{said}");
+        let said = refusal(find_period(Array2::from_elem((1, 9), f64::NAN).view()));
+        assert!(said.starts_with("reference: 9 samples are NaN"), "{said}");
     }
 }

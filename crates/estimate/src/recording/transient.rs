@@ -1,7 +1,9 @@
-//! Periods that are still transient: those at the beginning that differ from the last ones by far
-//! more than these differ among each other.
+//! Transient periods of a recording: those at the beginning that differ from the last ones by far more
+//! than these differ among each other.
 
-use ndarray::{ArrayView3, Axis};
+use std::iter::zip;
+
+use ndarray::{Array2, ArrayView3, Axis};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
@@ -30,20 +32,18 @@ pub fn count_transient_periods(
 ) -> Result<usize, EstimateError> {
     let (n_periods, n_channels, n_samples) = periods.dim();
     let dft = LineDft::new(n_samples, lines)?;
-    let spectra: Result<Vec<_>, EstimateError> = periods
+    let spectra: Vec<Array2<Complex64>> = periods
         .axis_iter(Axis(0))
         .map(|period| dft.transform("periods", period))
-        .collect();
-    let spectra = spectra?;
+        .collect::<Result<_, _>>()?;
     if n_periods < 3 {
         return Ok(0);
     }
     let count = |channel: usize| {
-        let channel: Vec<Vec<Complex64>> = spectra
+        let rows = spectra
             .iter()
-            .map(|spectrum| spectrum.row(channel).to_vec())
-            .collect();
-        leading_outliers(&channel, n_periods / 2)
+            .map(|spectrum| spectrum.row(channel).to_vec());
+        leading_outliers(&rows.collect::<Vec<_>>(), n_periods / 2)
     };
     let transient = (0..n_channels).map(count).max().unwrap_or(0);
     if transient == n_periods / 2 {
@@ -60,19 +60,9 @@ pub fn count_transient_periods(
 fn leading_outliers(spectra: &[Vec<Complex64>], first_settled: usize) -> usize {
     let settled = &spectra[first_settled..];
     let count = settled.len() as f64;
-    let mean: Vec<Complex64> = (0..spectra[0].len())
-        .map(|line| {
-            settled
-                .iter()
-                .map(|spectrum| spectrum[line])
-                .sum::<Complex64>()
-                / count
-        })
-        .collect();
+    let mean = mean(settled);
     let distance = |spectrum: &Vec<Complex64>| {
-        spectrum
-            .iter()
-            .zip(&mean)
+        zip(spectrum, &mean)
             .map(|(x, mean)| (x - mean).norm_sqr())
             .sum::<f64>()
     };
@@ -86,9 +76,20 @@ fn leading_outliers(spectra: &[Vec<Complex64>], first_settled: usize) -> usize {
         .count()
 }
 
+/// Mean of spectra, line by line.
+fn mean(spectra: &[Vec<Complex64>]) -> Vec<Complex64> {
+    let count = spectra.len() as f64;
+    let of_line = |line: usize| {
+        let values = spectra.iter().map(|spectrum| spectrum[line]);
+        values.sum::<Complex64>() / count
+    };
+    (0..spectra[0].len()).map(of_line).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
     use frfid_signals::random::{normal, stream};
     use ndarray::Array3;
     use std::f64::consts::TAU;
@@ -144,6 +145,7 @@ mod tests {
         );
         let mut holed = recording(4, 5.0, 1.0, 0.1);
         holed[[1, 0, 3]] = f64::NAN;
-        assert!(count_transient_periods(holed.view(), &LINES).is_err());
+        let said = refusal(count_transient_periods(holed.view(), &LINES));
+        assert!(said.starts_with("periods: 1 samples are NaN"), "{said}");
     }
 }

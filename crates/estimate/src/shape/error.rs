@@ -1,4 +1,4 @@
-//! Why a reference could not be shaped.
+//! Errors of a shaping.
 
 use std::error::Error;
 
@@ -53,7 +53,7 @@ pub enum ShapeError {
     /// [`crate::shape::shaper::Shaper::finish`] before the first iteration was measured.
     #[error("nothing has been measured yet, at least one iteration is needed")]
     NothingMeasured,
-    /// Whoever watched the iterations failed.
+    /// The watcher of the iterations failed.
     #[error(transparent)]
     Watch(Box<dyn Error + Send + Sync>),
 }

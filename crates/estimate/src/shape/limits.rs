@@ -1,10 +1,12 @@
-//! What must not be exceeded: peaks are predicted before a reference is applied, and looked at
+//! Limits of a shaping: peaks are predicted before a reference is applied, and looked at
 //! afterwards.
 
 use std::iter::zip;
 
 use frfid_signals::{Excess, Limit, Limits, Peaks, Record};
 use ndarray::{Array3, ArrayView2, ArrayViewMut1, Axis};
+
+use crate::shape::measure::stack;
 
 /// What is predicted and kept inside its limits: torque, what holds against gravity included;
 /// velocity, of motor and reference; travel from the place where a run begins, of motor and
@@ -25,6 +27,14 @@ pub(super) fn peaks_of_signals(signals: [&Array3<f64>; 3]) -> Peaks {
         signal.axis_iter(Axis(1)).map(largest).collect()
     };
     zip(KEPT, signals.map(peak)).collect()
+}
+
+/// The peaks of torque, velocity and travel that were measured.
+pub(super) fn peaks_of_records(records: &[Record], sample_time_s: f64) -> Peaks {
+    let torque = stack(records, |record| &record.u);
+    let velocity = stack(records, |record| &record.y);
+    let travel = travel_of(records, &velocity, sample_time_s);
+    peaks_of_signals([&torque, &velocity, &travel])
 }
 
 /// Every kept limit that the peaks exceed.
@@ -63,16 +73,13 @@ pub(super) fn travel_of(
 ) -> Array3<f64> {
     let mut travel = velocity.clone();
     for (mut travel, record) in zip(travel.axis_iter_mut(Axis(0)), records) {
-        if let Some(position) = &record.position_rad {
-            for (mut travel, position) in zip(travel.rows_mut(), position.rows()) {
-                zip(travel.iter_mut(), position)
-                    .for_each(|(travel, &at)| *travel = at - position[0]);
-            }
-        } else {
-            travel
-                .rows_mut()
-                .into_iter()
-                .for_each(|row| integrate(row, sample_time_s));
+        let Some(position) = &record.position_rad else {
+            let axes = travel.rows_mut().into_iter();
+            axes.for_each(|axis| integrate(axis, sample_time_s));
+            continue;
+        };
+        for (mut travel, position) in zip(travel.rows_mut(), position.rows()) {
+            zip(travel.iter_mut(), position).for_each(|(travel, &at)| *travel = at - position[0]);
         }
     }
     travel

@@ -1,16 +1,19 @@
-//! What the records of an iteration say: responses, errors, whether every run was complete.
+//! Measurement of an iteration by its records: responses, errors, whether every run was complete.
 
 use frfid_signals::power::rms;
-use frfid_signals::{EventKind, Frf, Record, SignalError};
+use frfid_signals::{Event, EventKind, Frf, Record, SignalError};
 use nalgebra::DMatrix;
 use ndarray::{Array2, Array3, Axis, s};
 use num_complex::Complex64;
 
+use crate::error::EstimateError;
+use crate::frf::matrices::stacked;
 use crate::frf::singular::scaled_condition_number;
 use crate::glide::in_time::same_clock;
 use crate::shape::error::ShapeError;
-use crate::shape::iteration::{Estimate, Note};
-use crate::shape::options::{ShapeOptions, Step, Target};
+use crate::shape::iteration::Estimate;
+use crate::shape::note::Note;
+use crate::shape::options::{ShapeOptions, Target};
 use crate::shape::spectra::Band;
 use crate::shape::step::{coherence, response};
 
@@ -23,62 +26,56 @@ pub(super) fn stopped(
     records: &[Record],
     (n_experiments, n_axes, n_samples): (usize, usize, usize),
     sample_time_s: f64,
-) -> Result<Vec<Note>, ShapeError> {
-    let mut notes = Vec::new();
-    let shape = |name, found: Vec<usize>, needed| {
-        Err(SignalError::Shape {
-            name,
-            found,
-            needed,
-        }
-        .into())
-    };
+) -> Result<Vec<Note>, EstimateError> {
     if records.len() != n_experiments {
-        return shape(
-            "records",
-            vec![records.len()],
-            format!("({n_experiments}), one per experiment"),
-        );
+        let needed = format!("({n_experiments}), one per experiment");
+        return Err(EstimateError::shape("records", &[records.len()], needed));
     }
+    let mut notes = Vec::new();
     for (experiment, record) in records.iter().enumerate() {
-        record.check()?;
-        if !same_clock(record.sample_time_s, sample_time_s, n_samples) {
-            let (key, found) = ("sample_time_s of a record", record.sample_time_s);
-            return Err(SignalError::Parameter {
-                key,
-                found,
-                needed: "that of the reference",
-            }
-            .into());
-        }
-        for (name, signal) in [("u", &record.u), ("y", &record.y)] {
-            if signal.nrows() != n_axes || signal.ncols() > n_samples {
-                return shape(
-                    name,
-                    signal.shape().to_vec(),
-                    format!("({n_axes}, {n_samples}), as the reference"),
-                );
-            }
-        }
+        check_record(record, (n_axes, n_samples), sample_time_s)?;
         if record.n_samples() < n_samples {
-            let said = record
-                .events
-                .iter()
-                .rev()
-                .find_map(|event| match &event.kind {
-                    EventKind::Stopped { reason, .. } => Some(reason.clone()),
-                    _ => None,
-                });
-            let reason = said.unwrap_or_else(|| "no reason given".into());
-            let time_s = record.n_samples() as f64 * sample_time_s;
             notes.push(Note::Stopped {
                 experiment,
-                time_s,
-                reason,
+                time_s: record.n_samples() as f64 * sample_time_s,
+                reason: reason_to_stop(record),
             });
         }
     }
     Ok(notes)
+}
+
+/// Refuses a record of another clock, of other axes or longer than the reference.
+fn check_record(
+    record: &Record,
+    (n_axes, n_samples): (usize, usize),
+    sample_time_s: f64,
+) -> Result<(), EstimateError> {
+    record.check()?;
+    if !same_clock(record.sample_time_s, sample_time_s, n_samples) {
+        return Err(EstimateError::parameter(
+            "sample_time_s of a record",
+            record.sample_time_s,
+            "that of the reference",
+        ));
+    }
+    for (name, signal) in [("u", &record.u), ("y", &record.y)] {
+        if signal.nrows() != n_axes || signal.ncols() > n_samples {
+            let needed = format!("({n_axes}, {n_samples}), as the reference");
+            return Err(EstimateError::shape(name, signal.shape(), needed));
+        }
+    }
+    Ok(())
+}
+
+/// Why a run was stopped, as the last such event says.
+fn reason_to_stop(record: &Record) -> String {
+    let reason = |event: &Event| match &event.kind {
+        EventKind::Stopped { reason, .. } => Some(reason.clone()),
+        _ => None,
+    };
+    let said = record.events.iter().rev().find_map(reason);
+    said.unwrap_or_else(|| "no reason given".into())
 }
 
 /// Responses and errors of complete records of a reference.
@@ -97,37 +94,46 @@ pub(super) fn estimate(
         Target::Torque => (&u, "torque"),
         Target::Velocity => (&y, "velocity"),
     };
-    for (axis, &coherence) in coherence(target, &r, hz)?.iter().enumerate() {
+    check_coherence(name, &coherence(target, &r, hz)?)?;
+    let bins = options.step.smoothing_bins();
+    let error_per_frequency = relative_error(target, &desired[band.inside()]);
+    Ok(Estimate {
+        r_to_u: frf(hz, &response(&u, &r, bins, hz)?)?,
+        r_to_y: frf(hz, &response(&y, &r, bins, hz)?)?,
+        channel_error: rms_per_channel(&error_per_frequency),
+        error: rms(&error_per_frequency.iter().copied().collect::<Vec<_>>()),
+        condition: conditions(&u)?,
+        error_per_frequency,
+    })
+}
+
+/// Refuses a target that does not follow the references.
+fn check_coherence(target: &'static str, coherence: &[f64]) -> Result<(), ShapeError> {
+    for (axis, &coherence) in coherence.iter().enumerate() {
         if coherence.is_nan() || coherence < NEEDED_COHERENCE {
             return Err(ShapeError::NoResponse {
-                target: name,
+                target,
                 axis,
                 coherence,
                 needed: NEEDED_COHERENCE,
             });
         }
     }
-    let bins = match options.step {
-        Step::Paper => 1,
-        Step::Damped { smoothing_bins, .. } => smoothing_bins,
-    };
-    let frf = |x| Ok::<_, ShapeError>(Frf::new(hz.clone(), stacked(&response(x, &r, bins, hz)?))?);
-    let desired = &desired[band.inside()];
-    let error_per_frequency = relative_error(target, desired);
-    let n_axes = error_per_frequency.ncols();
-    Ok(Estimate {
-        r_to_u: frf(&u)?,
-        r_to_y: frf(&y)?,
-        channel_error: (0..n_axes)
-            .map(|c| rms(&error_per_frequency.column(c).to_vec()))
-            .collect(),
-        error: rms(&error_per_frequency.iter().copied().collect::<Vec<_>>()),
-        condition: u
-            .iter()
-            .map(scaled_condition_number)
-            .collect::<Result<_, _>>()?,
-        error_per_frequency,
-    })
+    Ok(())
+}
+
+fn frf(frequency_hz: &[f64], responses: &[DMatrix<Complex64>]) -> Result<Frf, SignalError> {
+    Frf::new(frequency_hz.to_vec(), stacked(responses))
+}
+
+/// Rms over the band of errors `(frequency, channel)`.
+fn rms_per_channel(error: &Array2<f64>) -> Vec<f64> {
+    let columns = error.columns().into_iter();
+    columns.map(|channel| rms(&channel.to_vec())).collect()
+}
+
+fn conditions(u: &[DMatrix<Complex64>]) -> Result<Vec<f64>, EstimateError> {
+    u.iter().map(scaled_condition_number).collect()
 }
 
 /// One signal of all records, `(experiment, channel, sample)`; what is missing of a run that was
@@ -141,14 +147,6 @@ pub(super) fn stack(records: &[Record], signal: impl Fn(&Record) -> &Array2<f64>
             .assign(signal(record));
     }
     stacked
-}
-
-/// Matrices as one array `(frequency, output, input)`.
-fn stacked(matrices: &[DMatrix<Complex64>]) -> Array3<Complex64> {
-    let (rows, columns) = matrices[0].shape();
-    Array3::from_shape_fn((matrices.len(), rows, columns), |(k, row, column)| {
-        matrices[k][(row, column)]
-    })
 }
 
 /// `|X - X_des| / |X_des|` over the experiments, `(frequency, channel)`.

@@ -12,14 +12,17 @@ pub(crate) mod error;
 pub(crate) mod iteration;
 pub(crate) mod limits;
 pub(crate) mod measure;
+pub(crate) mod note;
 pub(crate) mod options;
 pub(crate) mod proposal;
 pub(crate) mod shaper;
 pub(crate) mod spectra;
 pub(crate) mod step;
 pub(crate) mod sticking;
+pub(crate) mod summary;
 #[cfg(test)]
 mod tests;
+pub(crate) mod trace;
 
 use std::error::Error;
 
@@ -28,11 +31,12 @@ use ndarray::Array3;
 use rayon::prelude::*;
 
 use crate::shape::error::ShapeError;
-use crate::shape::iteration::{Iteration, Shaped};
+use crate::shape::iteration::Iteration;
 use crate::shape::options::ShapeOptions;
 use crate::shape::shaper::Shaper;
+use crate::shape::summary::Shaped;
 
-/// Whoever does the runs of a shaping and sees its iterations.
+/// Driver of a shaping: it does the runs and sees the iterations.
 pub trait Driver {
     /// Why it cannot go on.
     type Error: From<ShapeError>;

@@ -1,4 +1,4 @@
-//! Options of a shaping: what to shape towards, by which step, how carefully.
+//! Options of a shaping: target, step, band, limits and when it is good enough.
 
 use frfid_signals::{Limits, SignalError, checks};
 
@@ -102,81 +102,91 @@ impl ShapeOptions {
     /// # Errors
     /// [`SignalError`] naming the first value out of range.
     pub fn check(&self, n_axes: usize) -> Result<(), SignalError> {
-        for (name, value) in [
+        for (key, value) in [
             ("low_hz", self.low_hz),
             ("sample_time_s", self.sample_time_s),
             ("n_iterations", self.n_iterations as f64),
             ("good_enough", self.good_enough),
             ("max_stuck_share", self.max_stuck_share),
         ] {
-            checks::positive(name, value)?;
+            checks::positive(key, value)?;
         }
         checks::not_negative("still_rad_s", self.still_rad_s)?;
-        let nyquist_hz = 0.5 / self.sample_time_s;
-        if self.high_hz.is_nan() || self.high_hz >= nyquist_hz {
-            let (high_hz, sample_time_s) = (self.high_hz, self.sample_time_s);
+        self.check_band()?;
+        self.check_factors()?;
+        self.step.check()?;
+        let coulomb_nm = self.coulomb_nm.as_deref();
+        checks::one_per_axis("coulomb_nm", coulomb_nm, n_axes, checks::not_negative)?;
+        self.limits.check(n_axes)
+    }
+
+    fn check_band(&self) -> Result<(), SignalError> {
+        let (high_hz, sample_time_s) = (self.high_hz, self.sample_time_s);
+        let nyquist_hz = 0.5 / sample_time_s;
+        if high_hz.is_nan() || high_hz >= nyquist_hz {
             return Err(SignalError::AboveNyquist {
                 high_hz,
                 nyquist_hz,
                 sample_time_s,
             });
         }
-        let needs = |name, found, fits: bool, needed| {
-            if fits {
-                Ok(())
-            } else {
-                Err(SignalError::Parameter {
-                    key: name,
-                    found,
-                    needed,
-                })
-            }
-        };
-        needs(
-            "high_hz",
-            self.high_hz,
-            self.high_hz > self.low_hz,
-            "a frequency above low_hz",
-        )?;
+        let is_band = high_hz > self.low_hz;
+        require("high_hz", high_hz, is_band, "a frequency above low_hz")
+    }
+
+    fn check_factors(&self) -> Result<(), SignalError> {
         let change = self.largest_change;
-        needs(
-            "largest_change",
-            change,
-            change > 1.0 && change.is_finite(),
-            "a finite factor above 1",
-        )?;
+        let grows = change > 1.0 && change.is_finite();
+        require("largest_change", change, grows, "a finite factor above 1")?;
         let margin = self.margin;
-        needs(
-            "margin",
-            margin,
-            margin >= 1.0 && margin.is_finite(),
-            "a finite factor, 1 or above",
-        )?;
-        if let Step::Damped {
+        let is_safe = margin >= 1.0 && margin.is_finite();
+        require("margin", margin, is_safe, "a finite factor, 1 or above")
+    }
+}
+
+impl Step {
+    /// Lines over which the response is smoothed.
+    pub(super) fn smoothing_bins(&self) -> usize {
+        match *self {
+            Self::Paper => 1,
+            Self::Damped { smoothing_bins, .. } => smoothing_bins,
+        }
+    }
+
+    /// Share of the missing signal that the first step makes up for.
+    pub(super) fn damping(&self) -> f64 {
+        match *self {
+            Self::Paper => 1.0,
+            Self::Damped { damping, .. } => damping,
+        }
+    }
+
+    fn check(&self) -> Result<(), SignalError> {
+        let Self::Damped {
             damping,
             smoothing_bins,
             ..
-        } = self.step
-        {
-            needs(
-                "damping",
-                damping,
-                damping > 0.0 && damping <= 1.0,
-                "above 0 and at most 1",
-            )?;
-            needs(
-                "smoothing_bins",
-                smoothing_bins as f64,
-                smoothing_bins > 0,
-                "at least 1",
-            )?;
-        }
-        checks::one_per_axis(
-            "coulomb_nm",
-            self.coulomb_nm.as_deref(),
-            n_axes,
-            checks::not_negative,
-        )?;
-        self.limits.check(n_axes)
+        } = *self
+        else {
+            return Ok(());
+        };
+        let is_share = damping > 0.0 && damping <= 1.0;
+        require("damping", damping, is_share, "above 0 and at most 1")?;
+        let bins = smoothing_bins as f64;
+        require("smoothing_bins", bins, smoothing_bins > 0, "at least 1")
+    }
+}
+
+/// Refuses a value that does not fit.
+fn require(
+    key: &'static str,
+    found: f64,
+    fits: bool,
+    needed: &'static str,
+) -> Result<(), SignalError> {
+    if fits {
+        Ok(())
+    } else {
+        Err(SignalError::Parameter { key, found, needed })
     }
 }

@@ -1,31 +1,29 @@
-//! The next reference, with the peaks predicted for it, inside every limit.
+//! Proposal of the next reference, with the peaks predicted for it, inside every limit.
 
 use std::f64::consts::PI;
 use std::iter::zip;
 
-use frfid_signals::{Frf, Limit, Peaks, Record};
+use frfid_signals::{Frf, Peaks};
 use nalgebra::DMatrix;
 use ndarray::{Array1, Array2, Array3, ArrayView1, Axis, s};
 use num_complex::Complex64;
 
+use crate::error::EstimateError;
+use crate::frf::matrices::matrices;
 use crate::shape::error::ShapeError;
-use crate::shape::iteration::{Estimate, Iteration, Note};
-use crate::shape::limits::{
-    KEPT, Margins, exceeded, integral, peaks_of_signals, share_of_sample, travel_of,
-};
-use crate::shape::measure::stack;
+use crate::shape::iteration::{Estimate, Iteration};
+use crate::shape::limits::{Margins, exceeded, integral, peaks_of_signals, share_of_sample};
+use crate::shape::note::Note;
 use crate::shape::options::{ShapeOptions, Target};
 use crate::shape::spectra::Band;
 use crate::shape::step::{answer, step};
+use crate::shape::trace::{Trace, share_over_time, traces};
 
 /// Length of the fades at both ends of a step, in periods of the lowest frequency.
 const FADE_PERIODS: f64 = 0.25;
 /// Share of the limits up to which a step is shortened around one moment: what is left of them
 /// keeps the small rest that such a step moves elsewhere from blocking the whole of it.
 const LOCAL_ROOM: f64 = 0.97;
-/// Stuck share of the sweep from which the response to the reference tells nothing of how an axis
-/// will move.
-const MOSTLY_STUCK: f64 = 0.5;
 
 /// A reference that has not been applied yet.
 pub(super) struct Proposal {
@@ -37,19 +35,20 @@ pub(super) struct Proposal {
     pub notes: Vec<Note>,
 }
 
-/// A signal of the last runs and how the whole step is predicted to change it,
-/// `(experiment, axis, sample)`.
-struct Trace {
-    limit: Limit,
-    from: Array3<f64>,
-    change: Array3<f64>,
-    /// Whether the change is known, as that of the reference is, or predicted.
-    exact: bool,
+/// The iteration from which a step is taken, and what it says of the machine.
+pub(super) struct Origin<'a> {
+    pub iteration: &'a Iteration,
+    pub estimate: &'a Estimate,
+    pub band: &'a Band,
+    pub options: &'a ShapeOptions,
 }
 
 impl Proposal {
     /// Refuses an initial reference that is itself beyond a limit of velocity or travel.
-    pub fn check_start(start: &Array3<f64>, options: &ShapeOptions) -> Result<(), ShapeError> {
+    pub(super) fn check_start(
+        start: &Array3<f64>,
+        options: &ShapeOptions,
+    ) -> Result<(), ShapeError> {
         let travel = integral(start, options.sample_time_s);
         let peaks = peaks_of_signals([&Array3::zeros(start.dim()), start, &travel]);
         match exceeded(&options.limits, &peaks).first() {
@@ -58,59 +57,28 @@ impl Proposal {
         }
     }
 
-    /// The step from an iteration with its estimate, with the damping of every line and channel.
+    /// The step towards the desired spectra, with the damping of every line and channel.
     ///
     /// Where a predicted signal would leave its limits the step of all axes is shortened around
     /// that moment, in every experiment alike: of a chirp that concerns the frequencies of that
     /// moment only. Should that not be enough, since what follows from a changed reference is not
     /// confined to a moment, the whole step is shortened.
-    pub fn after(
-        from: &Iteration,
-        estimate: &Estimate,
-        band: &Band,
+    pub(super) fn after(
+        from: &Origin,
         desired: &[DMatrix<Complex64>],
         damping: &Array2<f64>,
         margins: &Margins,
-        options: &ShapeOptions,
     ) -> Result<Self, ShapeError> {
-        let signals = |record: fn(&Record) -> &Array2<f64>| {
-            from.records.iter().map(move |of| record(of).view())
-        };
-        let (g, found) = match options.target {
-            Target::Torque => (
-                &estimate.r_to_u,
-                band.all("u", signals(|record| &record.u))?,
-            ),
-            Target::Velocity => (
-                &estimate.r_to_y,
-                band.all("y", signals(|record| &record.y))?,
-            ),
-        };
-        let mut change = band.signals(&step(band, &matrices(g), desired, &found, damping)?);
-        change *= &from_rest(
-            change.len_of(Axis(2)),
-            (FADE_PERIODS / (options.low_hz * options.sample_time_s)) as usize,
-        );
-        let mut notes = limit_growth(&from.reference, &mut change, options.largest_change);
-        let predict = |change: Array3<f64>| -> Result<[Trace; 5], ShapeError> {
-            let spectra = band.all("step", change.axis_iter(Axis(0)))?;
-            let answer = |g| band.signals(&answer(band, &matrices(g), &spectra));
-            Ok(traces(
-                from,
-                change,
-                [answer(&estimate.r_to_u), answer(&estimate.r_to_y)],
-                options,
-            ))
-        };
-        let mut traces = predict(change.clone())?;
+        let options = from.options;
+        let mut change = from.step(desired, damping)?;
+        let reference = &from.iteration.reference;
+        let mut notes = limit_growth(reference, &mut change, options.largest_change);
+        let mut traces = from.traces(change.clone())?;
         let (share, binding) = share_over_time(&traces, margins, LOCAL_ROOM, options);
         if binding.is_some() {
             notes.extend(binding);
-            change *= &smooth_below(
-                &share,
-                (1.0 / (options.low_hz * options.sample_time_s)) as usize,
-            );
-            traces = predict(change)?;
+            change *= &smooth_below(&share, samples_of_periods(1.0, options));
+            traces = from.traces(change)?;
         }
         let (share, binding) = share_over_time(&traces, margins, 1.0, options);
         notes.extend(binding);
@@ -125,52 +93,48 @@ impl Proposal {
     }
 }
 
-/// Torque, velocity and travel of the motor, velocity and travel of the reference.
-fn traces(
-    from: &Iteration,
-    change: Array3<f64>,
-    [torque_change, mut velocity_change]: [Array3<f64>; 2],
-    options: &ShapeOptions,
-) -> [Trace; 5] {
-    let (torque, mut velocity) = (
-        stack(&from.records, |record| &record.u),
-        stack(&from.records, |record| &record.y),
-    );
-    let mut travel = travel_of(&from.records, &velocity, options.sample_time_s);
-    let reference_travel = integral(&from.reference, options.sample_time_s);
-    for axis in (0..from.stuck_share.len()).filter(|&axis| from.stuck_share[axis] > MOSTLY_STUCK) {
-        // an axis that sticks tells little of how it will move; at most it follows the reference
-        let of_axis = s![.., axis, ..];
-        velocity
-            .slice_mut(of_axis)
-            .assign(&from.reference.slice(of_axis));
-        velocity_change
-            .slice_mut(of_axis)
-            .assign(&change.slice(of_axis));
-        travel
-            .slice_mut(of_axis)
-            .assign(&reference_travel.slice(of_axis));
+impl Origin<'_> {
+    /// The whole step, as a change of the reference that begins and ends at rest.
+    fn step(
+        &self,
+        desired: &[DMatrix<Complex64>],
+        damping: &Array2<f64>,
+    ) -> Result<Array3<f64>, EstimateError> {
+        let records = self.iteration.records.iter();
+        let (g, found) = match self.options.target {
+            Target::Torque => {
+                let u = records.map(|record| record.u.view());
+                (&self.estimate.r_to_u, self.band.all("u", u)?)
+            }
+            Target::Velocity => {
+                let y = records.map(|record| record.y.view());
+                (&self.estimate.r_to_y, self.band.all("y", y)?)
+            }
+        };
+        let step = step(self.band, &matrices(g), desired, &found, damping)?;
+        let mut change = self.band.signals(&step);
+        let n_fade = samples_of_periods(FADE_PERIODS, self.options);
+        change *= &from_rest(change.len_of(Axis(2)), n_fade);
+        Ok(change)
     }
-    let travel_change = integral(&velocity_change, options.sample_time_s);
-    let reference_travel_change = integral(&change, options.sample_time_s);
-    let trace = |limit, from, change, exact| Trace {
-        limit,
-        from,
-        change,
-        exact,
-    };
-    [
-        trace(Limit::Torque, torque, torque_change, false),
-        trace(Limit::Velocity, velocity, velocity_change, false),
-        trace(Limit::Travel, travel, travel_change, false),
-        trace(Limit::Velocity, from.reference.clone(), change, true),
-        trace(
-            Limit::Travel,
-            reference_travel,
-            reference_travel_change,
-            true,
-        ),
-    ]
+
+    /// What must stay inside its limits, and how a change of the reference is predicted to change
+    /// it.
+    fn traces(&self, change: Array3<f64>) -> Result<[Trace; 5], EstimateError> {
+        let spectra = self.band.all("step", change.axis_iter(Axis(0)))?;
+        let answer = |g: &Frf| {
+            let answer = answer(self.band, &matrices(g), &spectra);
+            self.band.signals(&answer)
+        };
+        let answers = [&self.estimate.r_to_u, &self.estimate.r_to_y].map(answer);
+        let sample_time_s = self.options.sample_time_s;
+        Ok(traces(self.iteration, change, answers, sample_time_s))
+    }
+}
+
+/// So many periods of the lowest frequency in samples.
+fn samples_of_periods(n_periods: f64, options: &ShapeOptions) -> usize {
+    (n_periods / (options.low_hz * options.sample_time_s)) as usize
 }
 
 /// Shortens the step of every axis until no peak of its reference grows by more than `factor`.
@@ -189,49 +153,6 @@ fn limit_growth(reference: &Array3<f64>, change: &mut Array3<f64>, factor: f64) 
         }
     }
     notes
-}
-
-/// The share of the step, sample by sample, with which every trace of every experiment stays inside
-/// a share `room` of its limit, and what binds it most.
-fn share_over_time(
-    traces: &[Trace; 5],
-    margins: &Margins,
-    room: f64,
-    options: &ShapeOptions,
-) -> (Array1<f64>, Option<Note>) {
-    let mut shares = Array1::ones(traces[0].from.len_of(Axis(2)));
-    let mut binding = (1.0, None);
-    for &Trace {
-        limit,
-        ref from,
-        ref change,
-        exact,
-    } in traces
-    {
-        let kept = KEPT
-            .iter()
-            .position(|kept| *kept == limit)
-            .unwrap_or_default();
-        for (((_, axis, sample), &from), &change) in zip(from.indexed_iter(), change) {
-            let margin = if exact { 1.0 } else { margins[kept][axis] };
-            let share =
-                share_of_sample(from, change, margin, room * options.limits.of(limit, axis));
-            shares[sample] = share.min(shares[sample]);
-            if share < binding.0 {
-                let time_s = sample as f64 * options.sample_time_s;
-                binding = (
-                    share,
-                    Some(Note::LimitAhead {
-                        axis,
-                        limit,
-                        time_s,
-                        share,
-                    }),
-                );
-            }
-        }
-    }
-    (shares, binding.1)
 }
 
 /// 1 but for half-cosine fades of `n_fade` samples at both ends. Spectra are periodic, a run begins
@@ -259,14 +180,6 @@ fn smooth_below(values: &Array1<f64>, half: usize) -> Array1<f64> {
         part.iter().copied().fold(f64::INFINITY, f64::min)
     });
     over(&least, |part| part.sum() / part.len() as f64)
-}
-
-/// The matrices of an FRF.
-fn matrices(frf: &Frf) -> Vec<DMatrix<Complex64>> {
-    let matrix = |at: ndarray::ArrayView2<Complex64>| {
-        DMatrix::from_fn(at.nrows(), at.ncols(), |i, j| at[[i, j]])
-    };
-    frf.response.outer_iter().map(matrix).collect()
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use frfid_signals::SignalError;
 use nalgebra::DMatrix;
-use ndarray::{Array2, Array3, ArrayView2, Axis, s};
+use ndarray::{Array2, Array3, ArrayView2, Axis, aview1, s};
 use num_complex::Complex64;
 use realfft::{ComplexToReal, RealFftPlanner};
 
@@ -41,23 +41,19 @@ impl Band {
     /// The lines of the options' band, fades included, on which the desired signal
     /// `(experiment, channel, sample)` has power: of a chirp all, of a multisine those that are
     /// excited.
-    pub fn new(desired: &Array3<f64>, options: &ShapeOptions) -> Result<Self, EstimateError> {
-        let (n_samples, low_hz, high_hz) =
-            (desired.len_of(Axis(2)), options.low_hz, options.high_hz);
+    pub(super) fn new(
+        desired: &Array3<f64>,
+        options: &ShapeOptions,
+    ) -> Result<Self, EstimateError> {
+        let n_samples = desired.len_of(Axis(2));
         let hz = |line: usize| line as f64 / (n_samples as f64 * options.sample_time_s);
-        let faded = |line: &usize| (low_hz / FADE..high_hz * FADE).contains(&hz(*line));
-        let near = Self::of(
-            (1..=n_samples.saturating_sub(1) / 2)
-                .filter(faded)
-                .collect(),
-            n_samples,
-            options,
-        )?;
-        let power: Vec<f64> = near
-            .all("desired", desired.axis_iter(Axis(0)))?
-            .iter()
-            .map(DMatrix::norm_squared)
+        let faded = options.low_hz / FADE..options.high_hz * FADE;
+        let near: Vec<usize> = (1..=n_samples.saturating_sub(1) / 2)
+            .filter(|&line| faded.contains(&hz(line)))
             .collect();
+        let near = Self::of(near, n_samples, options)?;
+        let spectra = near.all("desired", desired.axis_iter(Axis(0)))?;
+        let power: Vec<f64> = spectra.iter().map(DMatrix::norm_squared).collect();
         let strongest = power.iter().copied().fold(0.0, f64::max);
         let excited = zip(&near.lines, &power).filter(|(_, power)| **power > SILENT * strongest);
         Self::of(excited.map(|(&line, _)| line).collect(), n_samples, options)
@@ -68,63 +64,45 @@ impl Band {
         n_samples: usize,
         options: &ShapeOptions,
     ) -> Result<Self, EstimateError> {
-        let hz = |line: &usize| *line as f64 / (n_samples as f64 * options.sample_time_s);
-        // how far outside the band, as a share of the fade
-        let outside = |line: &usize| {
-            (options.low_hz / hz(line))
-                .max(hz(line) / options.high_hz)
-                .max(1.0)
-                .ln()
-                / FADE.ln()
-        };
-        let weight = lines
-            .iter()
-            .map(|line| 0.5 + 0.5 * (PI * outside(line)).cos())
-            .collect();
-        let frequency_hz: Vec<f64> = lines
-            .iter()
-            .filter(|line| outside(line) == 0.0)
-            .map(hz)
-            .collect();
+        let hz = |&line: &usize| line as f64 / (n_samples as f64 * options.sample_time_s);
+        let outside = |line: &usize| share_of_fade(hz(line), options);
+        let weight = |line: &usize| 0.5 + 0.5 * (PI * outside(line)).cos();
+        let inside = lines.iter().filter(|line| outside(line) == 0.0);
+        let frequency_hz: Vec<f64> = inside.map(hz).collect();
         if frequency_hz.len() < 2 {
-            let needed = "at least 2 lines of the record with power in the band: a longer record or a wider band";
-            let found = frequency_hz.len() as f64;
             return Err(SignalError::Derived {
                 key: "high_hz",
                 quantity: "lines in the band",
-                found,
-                needed,
+                found: frequency_hz.len() as f64,
+                needed: "at least 2 lines of the record with power in the band: a longer record or a wider band",
             }
             .into());
         }
-        let n_below = lines
-            .iter()
-            .filter(|line| hz(line) < options.low_hz)
-            .count();
-        let dft = LineDft::new(n_samples, &lines)?;
-        let inverse = RealFftPlanner::new().plan_fft_inverse(n_samples);
+        let below = lines.iter().filter(|line| hz(line) < options.low_hz);
         Ok(Self {
+            n_below: below.count(),
+            weight: lines.iter().map(weight).collect(),
+            dft: LineDft::new(n_samples, &lines)?,
+            inverse: RealFftPlanner::new().plan_fft_inverse(n_samples),
             frequency_hz,
             lines,
-            weight,
-            n_below,
-            dft,
-            inverse,
         })
     }
 
     /// Refuses a desired signal in which a channel is silent on a line where another one is not.
-    pub fn check_excited(&self, desired: &[DMatrix<Complex64>]) -> Result<(), EstimateError> {
+    pub(super) fn check_excited(
+        &self,
+        desired: &[DMatrix<Complex64>],
+    ) -> Result<(), EstimateError> {
         for (desired, &frequency_hz) in zip(&desired[self.inside()], &self.frequency_hz) {
             if let Some(input) = desired.row_iter().position(|row| row.norm() == 0.0) {
-                let (condition, limit) = (f64::INFINITY, MAX_CONDITION);
-                let cause = Deficiency::InputSilent { input };
-                return Err(EstimateError::RankDeficient(vec![DeficientLine {
+                let line = DeficientLine {
                     frequency_hz,
-                    condition,
-                    limit,
-                    cause,
-                }]));
+                    condition: f64::INFINITY,
+                    limit: MAX_CONDITION,
+                    cause: Deficiency::InputSilent { input },
+                };
+                return Err(EstimateError::RankDeficient(vec![line]));
             }
         }
         Ok(())
@@ -132,7 +110,7 @@ impl Band {
 
     /// Spectra of one signal of all experiments, each `(channel, sample)`, on the lines inside the
     /// band: one matrix `(channel, experiment)` per line.
-    pub fn spectra<'a>(
+    pub(super) fn spectra<'a>(
         &self,
         name: &'static str,
         experiments: impl Iterator<Item = ArrayView2<'a, f64>>,
@@ -142,7 +120,7 @@ impl Band {
     }
 
     /// As [`Band::spectra`], with the lines in the fades.
-    pub fn all<'a>(
+    pub(super) fn all<'a>(
         &self,
         name: &'static str,
         experiments: impl Iterator<Item = ArrayView2<'a, f64>>,
@@ -160,30 +138,30 @@ impl Band {
     }
 
     /// The lines inside the band, among all.
-    pub fn inside(&self) -> Range<usize> {
+    pub(super) fn inside(&self) -> Range<usize> {
         self.n_below..self.n_below + self.frequency_hz.len()
     }
 
     /// Index inside the band of the line nearest to each line, fades included: what holds at the
     /// edge holds beyond it.
-    pub fn nearest(&self, line: usize) -> usize {
+    pub(super) fn nearest(&self, line: usize) -> usize {
         line.saturating_sub(self.n_below)
             .min(self.frequency_hz.len() - 1)
     }
 
     /// Number of lines, fades included.
-    pub fn n_lines(&self) -> usize {
+    pub(super) fn n_lines(&self) -> usize {
         self.lines.len()
     }
 
     /// Weight of a line: 1 in the band, falling to 0 in the fades.
-    pub fn weight(&self, line: usize) -> f64 {
+    pub(super) fn weight(&self, line: usize) -> f64 {
         self.weight[line]
     }
 
     /// The signals `(experiment, channel, sample)` that have these spectra on the lines of the
     /// band, fades included.
-    pub fn signals(&self, spectra: &[DMatrix<Complex64>]) -> Array3<f64> {
+    pub(super) fn signals(&self, spectra: &[DMatrix<Complex64>]) -> Array3<f64> {
         let n_samples = self.dft.n_samples();
         let (n_channels, n_experiments) = spectra[0].shape();
         let mut signals = Array3::zeros((n_experiments, n_channels, n_samples));
@@ -201,22 +179,27 @@ impl Band {
                     .inverse
                     .process_with_scratch(&mut bins, &mut samples, &mut scratch);
                 done.expect("the plan made the buffers, and bins 0 and Nyquist are no lines");
-                for (to, from) in signals
-                    .slice_mut(s![experiment, channel, ..])
-                    .iter_mut()
-                    .zip(&samples)
-                {
-                    *to = *from;
-                }
+                let mut signal = signals.slice_mut(s![experiment, channel, ..]);
+                signal.assign(&aview1(&samples));
             }
         }
         signals
     }
 }
 
+/// How far a frequency lies outside the band, as a share of the fade; 0 inside.
+fn share_of_fade(hz: f64, options: &ShapeOptions) -> f64 {
+    (options.low_hz / hz)
+        .max(hz / options.high_hz)
+        .max(1.0)
+        .ln()
+        / FADE.ln()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
 
     #[test]
     fn what_lies_in_the_band_comes_back_and_the_rest_does_not() {
@@ -270,15 +253,11 @@ mod tests {
             (band.nearest(0), band.nearest(band.n_lines() - 1)),
             (0, band.frequency_hz.len() - 1)
         );
-        assert!(
-            Band::new(
-                &click(100),
-                &ShapeOptions {
-                    high_hz: 3.0,
-                    ..ShapeOptions::default()
-                }
-            )
-            .is_err()
-        );
+        let narrow = ShapeOptions {
+            high_hz: 3.0,
+            ..ShapeOptions::default()
+        };
+        let said = refusal(Band::new(&click(100), &narrow));
+        assert!(said.starts_with("lines in the band is 0,"), "{said}");
     }
 }

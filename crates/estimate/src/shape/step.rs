@@ -1,5 +1,4 @@
-//! The response from the reference and the step that follows from it, SK15 eq. (18) and its damped
-//! form.
+//! Step of the reference, and the response from which it follows, SK15 eq. (18) and its damped form.
 
 use std::iter::zip;
 use std::ops::Range;
@@ -9,8 +8,7 @@ use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::frf::right_division::MAX_CONDITION;
-use crate::frf::right_division::{check_rank, right_divide};
+use crate::frf::right_division::{MAX_CONDITION, check_rank, right_divide};
 use crate::shape::spectra::Band;
 
 type Spectra = [DMatrix<Complex64>];
@@ -35,20 +33,35 @@ pub(super) fn response(
     frequency_hz: &[f64],
 ) -> Result<Vec<DMatrix<Complex64>>, EstimateError> {
     let (s_xr, s_rr) = (products(x, r), products(r, r));
-    let fit = |(k, &hz): (usize, &f64)| {
-        let moment = |products, power| moment(products, k, bins, power);
-        let limit = MAX_CONDITION;
-        let n = r[k].nrows();
-        let (mut right, mut left) = (moment(&s_xr, 0), moment(&s_rr, 0));
-        check_rank(&left, limit, hz).map_err(|line| EstimateError::RankDeficient(vec![line]))?;
-        if bins >= FEWEST_FOR_SLOPE {
-            right = join(&[&[&right, &moment(&s_xr, 1)]]);
-            let slope = moment(&s_rr, 1);
-            left = join(&[&[&left, &slope], &[&slope, &moment(&s_rr, 2)]]);
-        }
-        Ok(right_divide(&right, &left).columns(0, n).into_owned())
-    };
+    let fit = |(k, &hz): (usize, &f64)| fit_at(k, &s_xr, &s_rr, bins, hz);
     frequency_hz.iter().enumerate().map(fit).collect()
+}
+
+/// The response at line `k` from products `X R^H` and `R R^H`.
+fn fit_at(
+    k: usize,
+    s_xr: &Spectra,
+    s_rr: &Spectra,
+    bins: usize,
+    hz: f64,
+) -> Result<DMatrix<Complex64>, EstimateError> {
+    let moment = |products, power| moment(products, k, bins, power);
+    let (mut right, mut left) = (moment(s_xr, 0), moment(s_rr, 0));
+    check_invertible(&left, hz)?;
+    let n = left.ncols();
+    if bins >= FEWEST_FOR_SLOPE {
+        right = join(&[&[&right, &moment(s_xr, 1)]]);
+        let slope = moment(s_rr, 1);
+        left = join(&[&[&left, &slope], &[&slope, &moment(s_rr, 2)]]);
+    }
+    Ok(right_divide(&right, &left).columns(0, n).into_owned())
+}
+
+fn check_invertible(matrix: &DMatrix<Complex64>, hz: f64) -> Result<(), EstimateError> {
+    match check_rank(matrix, MAX_CONDITION, hz) {
+        Ok(_) => Ok(()),
+        Err(line) => Err(EstimateError::RankDeficient(vec![line])),
+    }
 }
 
 /// Share of the power of each channel of `x`, over the band, that the smoothed response to `r`
@@ -60,18 +73,18 @@ pub(super) fn coherence(
 ) -> Result<Vec<f64>, EstimateError> {
     let g = response(x, r, COHERENCE_BINS, frequency_hz)?;
     let rest: Vec<_> = zip(zip(x, r), &g).map(|((x, r), g)| x - g * r).collect();
-    let power = |of: &Spectra, channel: usize| {
-        of.iter()
-            .map(|of| of.row(channel).norm_squared())
-            .sum::<f64>()
-    };
     let share = |channel| match power(x, channel) {
         0.0 => 0.0,
         all => 1.0 - power(&rest, channel) / all,
     };
-    Ok((0..x.first().map_or(0, DMatrix::nrows))
-        .map(share)
-        .collect())
+    let n_channels = x.first().map_or(0, DMatrix::nrows);
+    Ok((0..n_channels).map(share).collect())
+}
+
+/// Power of a channel over the band.
+fn power(spectra: &Spectra, channel: usize) -> f64 {
+    let of_line = |line: &DMatrix<Complex64>| line.row(channel).norm_squared();
+    spectra.iter().map(of_line).sum()
 }
 
 /// The change of the reference, `W G^-1 damping (X_des - X)` on all lines of the band, fades
@@ -84,9 +97,8 @@ pub(super) fn step(
     found: &Spectra,
     damping: &Array2<f64>,
 ) -> Result<Vec<DMatrix<Complex64>>, EstimateError> {
-    let limit = MAX_CONDITION;
     for (g, &hz) in zip(g, &band.frequency_hz) {
-        check_rank(g, limit, hz).map_err(|line| EstimateError::RankDeficient(vec![line]))?;
+        check_invertible(g, hz)?;
     }
     let change = |line: usize| {
         let (mut missing, inside) = (&desired[line] - &found[line], band.nearest(line));

@@ -1,18 +1,18 @@
-//! How long each axis was stuck, band by band: whether the excitation was strong enough (SK15
-//! footnote 2).
+//! Sticking of each axis, band by band: whether the excitation was strong enough (SK15 footnote
+//! 2).
 
 use std::fmt;
 use std::iter::zip;
-use std::ops::Range;
+use std::ops::{Range, RangeInclusive};
 
 use frfid_signals::Record;
 use nalgebra::DMatrix;
-use ndarray::{Array2, Array3, Axis};
+use ndarray::{Array2, Array3, ArrayView1, ArrayViewMut1, Axis};
 use num_complex::Complex64;
 
 use crate::shape::spectra::Band;
 
-/// Bands per octave in which stuck time is told.
+/// Bands per octave in which stuck time is reported.
 const PER_OCTAVE: f64 = 3.0;
 /// Stuck share from which an axis is said to stick in a band.
 const MOSTLY: f64 = 0.75;
@@ -73,7 +73,7 @@ impl fmt::Display for Sticking {
     }
 }
 
-/// When the excitation is where.
+/// The excitation over time: its span, and its power in each band.
 #[derive(Debug, Clone)]
 pub(super) struct Sweep {
     /// Samples between which the desired signal is not zero.
@@ -86,48 +86,28 @@ pub(super) struct Sweep {
 
 impl Sweep {
     /// Reads the sweep off the desired signal `(experiment, channel, sample)`; the experiments
-    /// differ in phase only, so the first one tells.
-    pub fn of(
+    /// differ in phase only, so the first one stands for all.
+    pub(super) fn of(
         band: &Band,
         desired: &Array3<f64>,
         spectra: &[DMatrix<Complex64>],
         [low_hz, high_hz]: [f64; 2],
     ) -> Self {
-        let active = |k: usize| desired.index_axis(Axis(2), k).iter().any(|&x| x != 0.0);
-        let n_samples = desired.len_of(Axis(2));
-        let first = (0..n_samples).find(|&k| active(k)).unwrap_or(0);
-        let last = (0..n_samples).rfind(|&k| active(k)).unwrap_or(0);
-        let n_bands = (PER_OCTAVE * (high_hz / low_hz).log2()).ceil().max(1.0);
-        let edge = |b: usize| low_hz * (high_hz / low_hz).powf(b as f64 / n_bands);
-        let edges_hz: Vec<f64> = (0..=n_bands as usize).map(edge).collect();
-        let mut weight = Array2::zeros((edges_hz.len() - 1, n_samples));
-        for (edges, mut weight) in zip(edges_hz.windows(2), weight.rows_mut()) {
-            // power of the analytic signal: the signal and its quadrature, each squared
-            for turn in [Complex64::ONE, -Complex64::I] {
-                let part = |line: usize| {
-                    let hz = band.frequency_hz[band.nearest(line)];
-                    let factor = if (edges[0]..=edges[1]).contains(&hz) {
-                        turn
-                    } else {
-                        Complex64::ZERO
-                    };
-                    spectra[line].columns(0, 1) * factor
-                };
-                let parts: Vec<DMatrix<Complex64>> = (0..band.n_lines()).map(part).collect();
-                for channel in band.signals(&parts).index_axis(Axis(0), 0).rows() {
-                    zip(&mut weight, channel).for_each(|(weight, x)| *weight += x * x);
-                }
-            }
+        let edges_hz = band_edges(low_hz, high_hz);
+        let bands = edges_hz.windows(2).map(|edges| edges[0]..=edges[1]);
+        let mut weight = Array2::zeros((edges_hz.len() - 1, desired.len_of(Axis(2))));
+        for (band_hz, weight) in zip(bands, weight.rows_mut()) {
+            add_power(band, spectra, &band_hz, weight);
         }
         Self {
-            samples: first..last + 1,
+            samples: active_samples(desired),
             edges_hz,
             weight,
         }
     }
 
     /// Share of the sweep that each axis was stuck, over all records.
-    pub fn stuck_share(&self, stuck: &[Array2<bool>]) -> Vec<f64> {
+    pub(super) fn stuck_share(&self, stuck: &[Array2<bool>]) -> Vec<f64> {
         let n_axes = stuck.first().map_or(0, Array2::nrows);
         let share = |axis: usize| {
             let samples = || {
@@ -143,23 +123,12 @@ impl Sweep {
     }
 
     /// Stuck share and torque of every axis in every band, axis by axis.
-    pub fn bands(&self, records: &[Record], stuck: &[Array2<bool>]) -> Vec<BandMotion> {
+    pub(super) fn bands(&self, records: &[Record], stuck: &[Array2<bool>]) -> Vec<BandMotion> {
         let n_axes = stuck.first().map_or(0, Array2::nrows);
         let mut bands = Vec::new();
         for axis in 0..n_axes {
             for (edges, weight) in zip(self.edges_hz.windows(2), self.weight.rows()) {
-                let (mut total, mut held, mut square) = (f64::MIN_POSITIVE, 0.0, 0.0);
-                for (record, stuck) in zip(records, stuck) {
-                    let mean = record.u.row(axis).sum() / record.n_samples() as f64;
-                    for ((weight, &u), &stuck) in
-                        zip(zip(weight, record.u.row(axis)), stuck.row(axis))
-                    {
-                        total += weight;
-                        held += weight * f64::from(u8::from(stuck));
-                        square += weight * (u - mean).powi(2);
-                    }
-                }
-                let (stuck_share, rms_nm) = (held / total, (square / total).sqrt());
+                let (stuck_share, rms_nm) = motion_of(axis, weight, records, stuck);
                 bands.push(BandMotion {
                     axis,
                     low_hz: edges[0],
@@ -171,6 +140,63 @@ impl Sweep {
         }
         bands
     }
+}
+
+/// Edges in Hz of bands of about equal width on a logarithmic scale.
+fn band_edges(low_hz: f64, high_hz: f64) -> Vec<f64> {
+    let n_bands = (PER_OCTAVE * (high_hz / low_hz).log2()).ceil().max(1.0);
+    let edge = |b: usize| low_hz * (high_hz / low_hz).powf(b as f64 / n_bands);
+    (0..=n_bands as usize).map(edge).collect()
+}
+
+/// Samples from the first to the last in which a signal is not zero.
+fn active_samples(desired: &Array3<f64>) -> Range<usize> {
+    let active = |&k: &usize| desired.index_axis(Axis(2), k).iter().any(|&x| x != 0.0);
+    let mut samples = 0..desired.len_of(Axis(2));
+    let first = samples.clone().find(active).unwrap_or(0);
+    let last = samples.rfind(active).unwrap_or(0);
+    first..last + 1
+}
+
+/// Adds the power over time that the first experiment has in a band: that of the analytic signal,
+/// the signal and its quadrature, each squared.
+fn add_power(
+    band: &Band,
+    spectra: &[DMatrix<Complex64>],
+    band_hz: &RangeInclusive<f64>,
+    mut weight: ArrayViewMut1<f64>,
+) {
+    for turn in [Complex64::ONE, -Complex64::I] {
+        let part = |line: usize| {
+            let is_inside = band_hz.contains(&band.frequency_hz[band.nearest(line)]);
+            let factor = if is_inside { turn } else { Complex64::ZERO };
+            spectra[line].columns(0, 1) * factor
+        };
+        let parts: Vec<DMatrix<Complex64>> = (0..band.n_lines()).map(part).collect();
+        for channel in band.signals(&parts).index_axis(Axis(0), 0).rows() {
+            zip(&mut weight, channel).for_each(|(weight, x)| *weight += x * x);
+        }
+    }
+}
+
+/// Stuck share and rms torque in N m of an axis, samples weighted by the power of a band.
+fn motion_of(
+    axis: usize,
+    weight: ArrayView1<f64>,
+    records: &[Record],
+    stuck: &[Array2<bool>],
+) -> (f64, f64) {
+    let (mut total, mut held, mut square) = (f64::MIN_POSITIVE, 0.0, 0.0);
+    for (record, stuck) in zip(records, stuck) {
+        let torque = record.u.row(axis);
+        let mean = torque.sum() / record.n_samples() as f64;
+        for ((weight, &u), &stuck) in zip(zip(weight, torque), stuck.row(axis)) {
+            total += weight;
+            held += weight * f64::from(u8::from(stuck));
+            square += weight * (u - mean).powi(2);
+        }
+    }
+    (held / total, (square / total).sqrt())
 }
 
 /// Where axes stick: neighbouring bands in which an axis sticks most of the time, merged, and an

@@ -9,10 +9,12 @@ use frfid_signals::{
 };
 use ndarray::{Array2, Array3, Axis};
 
-use crate::shape::iteration::{Note, Stop};
 use crate::shape::limits::KEPT;
+use crate::shape::note::Note;
 use crate::shape::options::{Step, Target};
+use crate::shape::summary::Stop;
 use crate::shape::*;
+use crate::testing::refusal;
 
 const SAMPLE_TIME_S: f64 = 4e-3;
 
@@ -336,39 +338,46 @@ fn what_cannot_be_shaped_is_refused() {
             ..
         }))
     ));
-    for wrong in [
-        ShapeOptions {
-            largest_change: 1.0,
-            ..options()
+    let growing = ShapeOptions {
+        largest_change: 1.0,
+        ..options()
+    };
+    let too_high = ShapeOptions {
+        high_hz: 200.0,
+        ..options()
+    };
+    let undamped = ShapeOptions {
+        step: Step::Damped {
+            damping: 0.0,
+            smoothing_bins: 30,
+            adaptive: true,
         },
-        ShapeOptions {
-            high_hz: 200.0,
-            ..options()
-        },
-        ShapeOptions {
-            step: Step::Damped {
-                damping: 0.0,
-                smoothing_bins: 30,
-                adaptive: true,
-            },
-            ..options()
-        },
-        ShapeOptions {
-            coulomb_nm: Some(vec![1.0]),
-            ..options()
-        },
+        ..options()
+    };
+    let one_axis = ShapeOptions {
+        coulomb_nm: Some(vec![1.0]),
+        ..options()
+    };
+    for (wrong, said) in [
+        (growing, "largest_change is 1,"),
+        (
+            too_high,
+            "high_hz = 200 Hz is not below the Nyquist frequency 125 Hz",
+        ),
+        (undamped, "damping is 0,"),
+        (one_axis, "coulomb_nm has shape [1], needed (2)"),
     ] {
-        assert!(Shaper::new(chirp(10.0), chirp(0.05), wrong).is_err());
+        let found = refusal(Shaper::new(chirp(10.0), chirp(0.05), wrong));
+        assert!(found.starts_with(said), "{found}");
     }
     let silent = chirp(10.0) * &ndarray::arr3(&[[[1.0], [0.0]]]);
-    assert!(Shaper::new(silent, chirp(0.05), options()).is_err());
+    let found = refusal(Shaper::new(silent, chirp(0.05), options()));
+    assert!(found.ends_with("input 1 is not excited there"), "{found}");
+    let short = chirp(10.0).slice(ndarray::s![.., .., 1..]).to_owned();
+    let found = refusal(Shaper::new(short, chirp(0.05), options()));
     assert!(
-        Shaper::new(
-            chirp(10.0).slice(ndarray::s![.., .., 1..]).to_owned(),
-            chirp(0.05),
-            options()
-        )
-        .is_err()
+        found.starts_with("desired has shape [2, 2, 3499]"),
+        "{found}"
     );
     assert!(matches!(
         Shaper::new(chirp(10.0), chirp(0.05), options())

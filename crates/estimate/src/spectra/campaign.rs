@@ -163,69 +163,75 @@ impl Campaign {
         if found < needed {
             return Err(EstimateError::TooFewExperiments { found, needed });
         }
+        Ok(self.blocks())
+    }
+
+    /// Blocks by realization and period.
+    fn blocks(&self) -> Vec<Vec<Block<'_>>> {
         let mut blocks: BTreeMap<usize, BTreeMap<usize, Block>> = BTreeMap::new();
         for (place, run) in &self.runs {
-            blocks
-                .entry(place.realization)
-                .or_default()
-                .entry(place.period)
-                .or_default()
-                .push(run);
+            let realization = blocks.entry(place.realization).or_default();
+            realization.entry(place.period).or_default().push(run);
         }
-        Ok(blocks
+        blocks
             .into_values()
             .map(|periods| periods.into_values().collect())
-            .collect())
+            .collect()
     }
 
     /// Refuses a run of another shape than those before it, or with values that are not finite.
     fn check(&self, run: &RunSpectra) -> Result<(), EstimateError> {
-        let [u, y, r] = match self.runs.values().next() {
-            Some(first) => first.shapes(),
-            None => {
-                let shape = |channels: usize| Some((channels.max(1), self.frequency_hz.len()));
-                let r = run.r.as_ref().and_then(|_| shape(run.u.nrows()));
-                [shape(run.u.nrows()), shape(run.y.nrows()), r]
-            }
-        };
-        for (name, found, needed) in [
-            ("u", Some(&run.u), u),
-            ("y", Some(&run.y), y),
-            ("r", run.r.as_ref(), r),
-        ] {
-            if found.map(Array2::dim) != needed {
-                let shape = found.map_or(vec![], |found| found.shape().to_vec());
-                let needed = needed.map_or("no r, as in the runs before".into(), |needed| {
-                    format!("{needed:?} (channel, line)")
-                });
-                return Err(SignalError::Shape {
-                    name,
-                    found: shape,
-                    needed,
-                }
-                .into());
-            }
-            let mut bad = found
-                .into_iter()
-                .flat_map(|found| found.indexed_iter())
-                .filter(|(_, value)| !value.is_finite());
-            if let Some(((channel, sample), _)) = bad.next() {
-                return Err(SignalError::NotFinite {
-                    name,
-                    count: 1 + bad.count(),
-                    channel,
-                    sample,
-                }
-                .into());
-            }
+        let [u, y, r] = self.needed_shapes(run);
+        check_spectra("u", Some(&run.u), u)?;
+        check_spectra("y", Some(&run.y), y)?;
+        check_spectra("r", run.r.as_ref(), r)
+    }
+
+    /// Shapes that u, y and r of a run must have: those of the runs before it.
+    fn needed_shapes(&self, run: &RunSpectra) -> [Option<(usize, usize)>; 3] {
+        if let Some(first) = self.runs.values().next() {
+            return first.shapes();
         }
-        Ok(())
+        let shape = |channels: usize| Some((channels.max(1), self.frequency_hz.len()));
+        let r = run.r.as_ref().and_then(|_| shape(run.u.nrows()));
+        [shape(run.u.nrows()), shape(run.y.nrows()), r]
+    }
+}
+
+/// Refuses spectra of another shape than needed, and values that are not finite.
+fn check_spectra(
+    name: &'static str,
+    found: Option<&Array2<Complex64>>,
+    needed: Option<(usize, usize)>,
+) -> Result<(), EstimateError> {
+    if found.map(Array2::dim) != needed {
+        let shape = found.map_or(&[][..], |found| found.shape());
+        let needed = match needed {
+            Some(needed) => format!("{needed:?} (channel, line)"),
+            None => "no r, as in the runs before".into(),
+        };
+        return Err(EstimateError::shape(name, shape, needed));
+    }
+    let mut bad = found
+        .into_iter()
+        .flat_map(|found| found.indexed_iter())
+        .filter(|(_, value)| !value.is_finite());
+    match bad.next() {
+        None => Ok(()),
+        Some(((channel, sample), _)) => Err(SignalError::NotFinite {
+            name,
+            count: 1 + bad.count(),
+            channel,
+            sample,
+        }
+        .into()),
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
 
     fn run(inputs: usize) -> RunSpectra {
         RunSpectra {
@@ -277,15 +283,22 @@ mod tests {
             r: Some(Array2::ones((r, 2))),
             ..run(2)
         };
-        assert!(campaign.insert(place(0, 0, 0), with_r(3)).is_err());
+        assert_eq!(
+            refusal(campaign.insert(place(0, 0, 0), with_r(3))),
+            "r has shape [3, 2], needed (2, 2) (channel, line)"
+        );
         campaign.insert(place(0, 0, 0), run(2)).expect("fits");
         assert_eq!(
             campaign.insert(place(0, 0, 0), run(2)),
             Err(EstimateError::Duplicate(place(0, 0, 0)))
         );
-        assert!(
-            campaign.insert(place(0, 0, 1), run(1)).is_err()
-                && campaign.insert(place(0, 0, 1), with_r(2)).is_err()
+        assert_eq!(
+            refusal(campaign.insert(place(0, 0, 1), run(1))),
+            "u has shape [1, 2], needed (2, 2) (channel, line)"
+        );
+        assert_eq!(
+            refusal(campaign.insert(place(0, 0, 1), with_r(2))),
+            "r has shape [2, 2], needed no r, as in the runs before"
         );
         let mut bad = run(2);
         bad.y[[0, 1]].im = f64::NAN;

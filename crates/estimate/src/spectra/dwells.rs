@@ -3,7 +3,7 @@
 
 use std::f64::consts::TAU;
 
-use frfid_signals::{Dwell, SignalError, SteppedSine, check_finite};
+use frfid_signals::{Dwell, SteppedSine, check_finite};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
@@ -21,8 +21,9 @@ impl Dwells {
     /// Plans the transform of recordings of `n_samples` that begin with the stepped sine.
     ///
     /// # Errors
-    /// [`SignalError`] for a stepped sine that is out of range or longer than the recordings.
-    pub fn new(
+    /// [`frfid_signals::SignalError`] for a stepped sine that is out of range or longer than the
+    /// recordings.
+    pub(super) fn new(
         stepped: &SteppedSine,
         sample_time_s: f64,
         n_samples: usize,
@@ -30,19 +31,15 @@ impl Dwells {
         let dwells = stepped.dwells(sample_time_s)?;
         let needed = dwells.last().map_or(0, |dwell| dwell.measured.end);
         if n_samples < needed {
-            return Err(SignalError::Shape {
-                name: "recording",
-                found: vec![n_samples],
-                needed: format!("({needed} or more samples), all dwells"),
-            }
-            .into());
+            let needed = format!("({needed} or more samples), all dwells");
+            return Err(EstimateError::shape("recording", &[n_samples], needed));
         }
         Ok(Self { n_samples, dwells })
     }
 
     /// Frequencies in Hz, rising.
     #[must_use]
-    pub fn frequency_hz(&self) -> Vec<f64> {
+    pub(super) fn frequency_hz(&self) -> Vec<f64> {
         self.dwells.iter().map(|dwell| dwell.hz).collect()
     }
 }
@@ -54,12 +51,8 @@ impl Transform for Dwells {
         signal: ArrayView2<f64>,
     ) -> Result<Array2<Complex64>, EstimateError> {
         if signal.ncols() != self.n_samples {
-            return Err(SignalError::Shape {
-                name,
-                found: signal.shape().to_vec(),
-                needed: format!("(channel, {})", self.n_samples),
-            }
-            .into());
+            let needed = format!("(channel, {})", self.n_samples);
+            return Err(EstimateError::shape(name, signal.shape(), needed));
         }
         check_finite(name, signal)?;
         let mut spectra = Array2::zeros((signal.nrows(), self.dwells.len()));

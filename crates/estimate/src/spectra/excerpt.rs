@@ -1,4 +1,4 @@
-//! One excerpt of a chirp recording, SK15 section 5.1: the piece in which the chirp passes a
+//! Excerpt of a chirp recording, SK15 section 5.1: the piece in which the chirp passes a
 //! frequency, as one spectral value.
 //!
 //! Of the four periods around the instant (clipped at the ends of the sweep) the mean is removed; a
@@ -9,7 +9,7 @@
 use std::f64::consts::{PI, TAU};
 
 use frfid_signals::checks::positive;
-use frfid_signals::{Chirp, SignalError, check_finite};
+use frfid_signals::{Chirp, check_finite};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
@@ -58,7 +58,7 @@ impl Excerpts {
     ///
     /// # Errors
     /// [`EstimateError::OutsideChirp`] for a frequency that the chirp does not pass within the
-    /// recording, [`SignalError::Parameter`] for a chirp or a sample time out of range.
+    /// recording, [`frfid_signals::SignalError`] for a chirp or a sample time out of range.
     pub fn new(
         chirp: &Chirp,
         frequencies_hz: &[f64],
@@ -71,12 +71,11 @@ impl Excerpts {
         positive("n_periods", options.n_periods)?;
         positive("samples_per_period", options.samples_per_period)?;
         if !start_s.is_finite() {
-            return Err(SignalError::Parameter {
-                key: "start_s",
-                found: start_s,
-                needed: "a finite number",
-            }
-            .into());
+            return Err(EstimateError::parameter(
+                "start_s",
+                start_s,
+                "a finite number",
+            ));
         }
         chirp.check()?;
         let cut = |&hz: &f64| Excerpt::cut(hz, chirp, start_s, sample_time_s, n_samples, options);
@@ -95,12 +94,7 @@ impl Transform for Excerpts {
     ) -> Result<Array2<Complex64>, EstimateError> {
         if signal.ncols() != self.n_samples {
             let needed = format!("(channel, {})", self.n_samples);
-            return Err(SignalError::Shape {
-                name,
-                found: signal.shape().to_vec(),
-                needed,
-            }
-            .into());
+            return Err(EstimateError::shape(name, signal.shape(), needed));
         }
         check_finite(name, signal)?;
         let mut spectra = Array2::zeros((signal.nrows(), self.excerpts.len()));
@@ -136,38 +130,23 @@ impl Excerpt {
         n_samples: usize,
         options: &ExcerptOptions,
     ) -> Result<Self, EstimateError> {
-        let recording_s = n_samples as f64 * sample_time_s;
         let refuse = |reason| EstimateError::OutsideChirp {
             frequency_hz: hz,
             reason,
             low_s: 0.0,
-            high_s: recording_s,
+            high_s: n_samples as f64 * sample_time_s,
         };
         if !(chirp.low_hz * (1.0 - 1e-9)..=chirp.high_hz * (1.0 + 1e-9)).contains(&hz) {
             return Err(refuse("the chirp never has this frequency"));
         }
-        let centre_s = start_s + chirp.instant_of(hz);
-        let half_s = 0.5 * options.n_periods / hz;
-        let (low_s, high_s) = (
-            (centre_s - half_s).max(start_s),
-            (centre_s + half_s).min(start_s + chirp.duration_s),
-        );
-        let (first, last) = (
-            (low_s / sample_time_s).ceil(),
-            (high_s / sample_time_s).floor(),
-        );
-        let (first, last) = (first.max(0.0), last.min(n_samples as f64 - 1.0));
+        let [low_s, high_s] = span_s(hz, chirp, start_s, options.n_periods);
+        let first = (low_s / sample_time_s).ceil().max(0.0);
+        let last = (high_s / sample_time_s).floor().min(n_samples as f64 - 1.0);
         // negative, NaN and too short alike: nothing is cut from less than one period or fewer than
         // five samples
         if (last - first) * sample_time_s * hz >= 1.0 && last - first >= 4.0 {
-            Ok(Self::weighted(
-                hz,
-                first as usize,
-                last as usize,
-                sample_time_s,
-                n_samples,
-                options,
-            ))
+            let ends = [first as usize, last as usize];
+            Ok(Self::weighted(hz, ends, sample_time_s, n_samples, options))
         } else {
             Err(refuse(
                 "less than one period of it, or fewer than five samples, lie within the sweep and the recording",
@@ -179,8 +158,7 @@ impl Excerpt {
     /// `w_k = sum_j hann(t_j) e^{-2 pi i f t_j} h(k - j)`, j every `step` samples.
     fn weighted(
         hz: f64,
-        first: usize,
-        last: usize,
+        [first, last]: [usize; 2],
         sample_time_s: f64,
         n_samples: usize,
         options: &ExcerptOptions,
@@ -190,20 +168,19 @@ impl Excerpt {
         let low_pass = low_pass(step);
         let reach = low_pass.len() / 2;
         let weights_from = first.saturating_sub(reach);
-        let mut weights =
-            vec![Complex64::from(0.0); (last + reach + 1).min(n_samples) - weights_from];
+        let n_weights = (last + reach + 1).min(n_samples) - weights_from;
+        let mut weights = vec![Complex64::from(0.0); n_weights];
         for centre in (first..=last).step_by(step) {
             let place = (centre - first) as f64 / (last - first) as f64;
             let window = (PI * place).sin().powi(2);
             let kernel =
                 Complex64::cis(-TAU * hz * (centre - first) as f64 * sample_time_s) * window;
             for (tap, gain) in low_pass.iter().enumerate() {
-                let weight = (centre + tap)
-                    .checked_sub(reach + weights_from)
-                    .and_then(|k| weights.get_mut(k));
-                weight
-                    .into_iter()
-                    .for_each(|weight| *weight += kernel * gain); // beyond the recording's ends: nothing
+                let place = (centre + tap).checked_sub(reach + weights_from);
+                // beyond the recording's ends: nothing
+                if let Some(weight) = place.and_then(|k| weights.get_mut(k)) {
+                    *weight += kernel * gain;
+                }
             }
         }
         Self {
@@ -225,6 +202,17 @@ impl Excerpt {
             .map(|(weight, sample)| weight * (sample - mean))
             .sum()
     }
+}
+
+/// Start and end in s of the excerpt around the instant at which the chirp passes `hz`, within the
+/// sweep.
+fn span_s(hz: f64, chirp: &Chirp, start_s: f64, n_periods: f64) -> [f64; 2] {
+    let centre_s = start_s + chirp.instant_of(hz);
+    let half_s = 0.5 * n_periods / hz;
+    [
+        (centre_s - half_s).max(start_s),
+        (centre_s + half_s).min(start_s + chirp.duration_s),
+    ]
 }
 
 /// Anti-alias low-pass for taking every `step`-th sample: a Hann-shaped average over four new

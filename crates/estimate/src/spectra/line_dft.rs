@@ -7,7 +7,7 @@ use std::cmp::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use frfid_signals::{SignalError, check_finite, checks::positive};
-use ndarray::{Array2, ArrayView2, aview_mut1, aview1};
+use ndarray::{Array2, ArrayView1, ArrayView2, aview_mut1, aview1};
 use num_complex::Complex64;
 use realfft::{RealFftPlanner, RealToComplex};
 
@@ -82,46 +82,47 @@ impl Transform for LineDft {
     ) -> Result<Array2<Complex64>, EstimateError> {
         if period.ncols() != self.n_samples() {
             let needed = format!("(channel, {})", self.n_samples());
-            return Err(SignalError::Shape {
-                name,
-                found: period.shape().to_vec(),
-                needed,
-            }
-            .into());
+            return Err(EstimateError::shape(name, period.shape(), needed));
         }
         let mut buffers = self.borrow();
         let mut spectra = Array2::zeros((period.nrows(), self.lines.len()));
         for (channel, mut spectrum) in period.rows().into_iter().zip(spectra.rows_mut()) {
-            let Buffers {
-                samples,
-                bins,
-                scratch,
-            } = &mut buffers;
-            aview_mut1(samples).assign(&channel);
-            // summed out of the buffer, so that the layout of the array cannot change a digit
-            let mean = aview1(samples).sum() / self.n_samples() as f64;
+            let mean = buffers.fill(channel);
             if !mean.is_finite() {
                 check_finite(name, period)?; // one NaN is enough to spoil the sum
             }
-            samples.iter_mut().for_each(|sample| *sample -= mean);
-            let done = self.fft.process_with_scratch(samples, bins, scratch);
-            done.expect("the plan made the buffers, so their lengths fit");
-            spectrum
-                .iter_mut()
-                .zip(&self.lines)
-                .for_each(|(value, &line)| *value = bins[line]);
+            buffers.transform(mean, self.fft.as_ref());
+            for (value, &line) in spectrum.iter_mut().zip(&self.lines) {
+                *value = buffers.bins[line];
+            }
         }
         self.give_back(buffers);
         Ok(spectra)
     }
 }
 
-/// What one transform at a time needs; made once per thread that asks, since making them takes half
+/// Buffers of one transform at a time; made once per thread that asks, since making them takes half
 /// as long as the FFT.
 struct Buffers {
     samples: Vec<f64>,
     bins: Vec<Complex64>,
     scratch: Vec<Complex64>,
+}
+
+impl Buffers {
+    /// Takes the samples of a channel; returns their mean, summed here, so that the layout of the
+    /// array cannot change a digit.
+    fn fill(&mut self, channel: ArrayView1<f64>) -> f64 {
+        aview_mut1(&mut self.samples).assign(&channel);
+        aview1(&self.samples).sum() / self.samples.len() as f64
+    }
+
+    /// From samples to bins, the mean taken off.
+    fn transform(&mut self, mean: f64, fft: &dyn RealToComplex<f64>) {
+        self.samples.iter_mut().for_each(|sample| *sample -= mean);
+        fft.process_with_scratch(&mut self.samples, &mut self.bins, &mut self.scratch)
+            .expect("the plan made the buffers, so their lengths fit");
+    }
 }
 
 impl LineDft {
@@ -169,6 +170,7 @@ pub(crate) fn check_rising(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::testing::refusal;
     use ndarray::{Array, Axis, s};
     use std::f64::consts::TAU;
 
@@ -221,11 +223,20 @@ mod tests {
             };
             assert_eq!(LineDft::new(64, &[bad]).err(), Some(expected.into()));
         }
-        assert!(
-            LineDft::new(64, &[3, 3]).is_err()
-                && LineDft::new(64, &[]).is_err()
-                && LineDft::new(0, &[1]).is_err()
+        assert!(matches!(
+            LineDft::new(64, &[3, 3]).err(),
+            Some(EstimateError::NotRising { index: 1, .. })
+        ));
+        assert_eq!(
+            LineDft::new(64, &[]).err(),
+            Some(EstimateError::EmptyList("lines"))
         );
+        let expected = SignalError::LineOffGrid {
+            line: 1,
+            highest: 0,
+            n_samples: 0,
+        };
+        assert_eq!(LineDft::new(0, &[1]).err(), Some(expected.into()));
         let dft = LineDft::new(64, &[3]).expect("sound");
         let mut period = Array2::zeros((2, 64));
         period[[1, 7]] = f64::INFINITY;
@@ -236,9 +247,10 @@ mod tests {
             sample: 7,
         };
         assert_eq!(dft.transform("y", period.view()), Err(expected.into()));
-        assert!(
-            dft.transform("y", period.slice(s![.., 1..])).is_err()
-                && dft.frequency_hz(f64::NAN).is_err()
+        assert_eq!(
+            dft.transform("y", period.slice(s![.., 1..])),
+            Err(EstimateError::shape("y", &[2, 63], "(channel, 64)".into()))
         );
+        assert!(refusal(dft.frequency_hz(f64::NAN)).starts_with("sample_time_s is NaN"));
     }
 }

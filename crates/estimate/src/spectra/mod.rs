@@ -1,9 +1,10 @@
-//! Spectra of time series, and which transform makes them of an excitation.
+//! Spectra of time series, and the transform that makes them for each excitation.
 
 pub(crate) mod campaign;
 mod dwells;
 pub(crate) mod excerpt;
 pub(crate) mod line_dft;
+pub(crate) mod time_series;
 
 use frfid_signals::{Excitation, Multisine, Plan, log_spaced};
 use ndarray::{Array2, ArrayView2};
@@ -50,30 +51,30 @@ impl Evaluation {
         match &plan.excitation {
             Excitation::Multisine(Multisine { grid, .. }) => {
                 let dft = LineDft::new(n_samples, &grid.excited)?;
-                Ok(Self {
-                    frequency_hz: dft.frequency_hz(sample_time_s)?,
-                    transform: Box::new(dft),
-                    relative_resolution: None,
-                })
+                Ok(Self::on_frequencies(dft.frequency_hz(sample_time_s)?, dft))
             }
             Excitation::Chirp(chirp) => {
                 let hz = log_spaced(chirp.low_hz, chirp.high_hz, n_frequencies)?;
                 let cut = ExcerptOptions::default();
                 let excerpts = Excerpts::new(chirp, &hz, sample_time_s, 0.0, n_samples, &cut)?;
                 Ok(Self {
-                    frequency_hz: hz,
-                    transform: Box::new(excerpts),
                     relative_resolution: Some(cut.relative_resolution()),
+                    ..Self::on_frequencies(hz, excerpts)
                 })
             }
             Excitation::SteppedSine(stepped) => {
                 let dwells = Dwells::new(stepped, sample_time_s, n_samples)?;
-                Ok(Self {
-                    frequency_hz: dwells.frequency_hz(),
-                    transform: Box::new(dwells),
-                    relative_resolution: None,
-                })
+                Ok(Self::on_frequencies(dwells.frequency_hz(), dwells))
             }
+        }
+    }
+
+    /// Evaluation that resolves whatever the frequencies do.
+    fn on_frequencies(frequency_hz: Vec<f64>, transform: impl Transform + 'static) -> Self {
+        Self {
+            frequency_hz,
+            transform: Box::new(transform),
+            relative_resolution: None,
         }
     }
 }

@@ -2,8 +2,7 @@
 
 use std::iter::zip;
 
-use frfid_estimate::median;
-use frfid_signals::Frf;
+use frfid_signals::{Frf, median};
 
 /// |G - P| / |P| of every entry and line.
 pub(crate) fn relative_errors(frf: &Frf, truth: &Frf) -> Vec<f64> {

@@ -1,7 +1,8 @@
-//! Numbers: ranges that parameters must lie in, named streams of chance, power of signals.
+//! Numbers: ranges that parameters must lie in, named streams of chance, power and median.
 
 pub mod checks;
 pub mod format;
+pub(crate) mod median;
 pub mod power;
 pub mod random;
 pub(crate) mod spacing;

@@ -1,8 +1,8 @@
 //! Tables of section 7: its numbers beside the paper's.
 
-use frfid_estimate::{Summary, median};
+use frfid_estimate::Summary;
 use frfid_report::Table;
-use frfid_signals::{Limit, Peaks};
+use frfid_signals::{Limit, Peaks, median};
 
 use crate::section7::Section7;
 use crate::section7::chirps::ShapedChirps;

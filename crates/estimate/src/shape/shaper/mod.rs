@@ -1,23 +1,27 @@
-//! The iteration as a state: a reference to apply, then what was measured, then the next reference.
+//! State of a shaping: a reference to apply, then what was measured, then the next reference.
 //!
 //! Nothing but the records decides what follows, so that feeding the recorded iterations again
 //! leads to the same state: that is how a shaping is resumed or looked at again.
 
-use frfid_signals::{Peaks, Record, Run, RunId, RunKind, SignalError};
+mod judgement;
+
+use frfid_signals::{Peaks, Record, Run, RunId, RunKind};
 use nalgebra::DMatrix;
-use ndarray::{Array2, Array3, Axis};
+use ndarray::{Array2, Array3, ArrayView2, Axis};
 use num_complex::Complex64;
 
+use crate::error::EstimateError;
 use crate::excitation_strength::stuck_samples;
 use crate::shape::error::ShapeError;
-use crate::shape::iteration::{Estimate, Iteration, Note, Shaped, Stop, Summary};
-use crate::shape::limits::{Margins, exceeded, peaks_of_signals, teach, travel_of};
-use crate::shape::measure::{estimate, stack, stopped};
-use crate::shape::options::{ShapeOptions, Step};
-use crate::shape::proposal::Proposal;
+use crate::shape::iteration::{Estimate, Iteration};
+use crate::shape::limits::{Margins, exceeded, peaks_of_records};
+use crate::shape::measure::{estimate, stopped};
+use crate::shape::note::Note;
+use crate::shape::options::ShapeOptions;
+use crate::shape::proposal::{Origin, Proposal};
 use crate::shape::spectra::Band;
-use crate::shape::step::adapt;
 use crate::shape::sticking::{Sweep, sticking};
+use crate::shape::summary::{Shaped, Stop, Summary};
 
 /// Stuck share of the sweep from which an axis counts as stuck altogether.
 const STUCK: f64 = 0.95;
@@ -63,29 +67,15 @@ impl Shaper {
         start: Array3<f64>,
         options: ShapeOptions,
     ) -> Result<Self, ShapeError> {
-        let (n_experiments, n_axes, n_samples) = start.dim();
+        let n_axes = start.len_of(Axis(1));
         options.check(n_axes)?;
-        if n_experiments != n_axes || desired.dim() != start.dim() {
-            let needed = format!(
-                "{:?}, as the initial reference, one experiment per channel",
-                [n_axes, n_axes, n_samples]
-            );
-            return Err(SignalError::Shape {
-                name: "desired",
-                found: desired.shape().to_vec(),
-                needed,
-            }
-            .into());
-        }
+        check_shapes(&desired, &start)?;
         let band = Band::new(&desired, &options)?;
         let target = band.all("desired", desired.axis_iter(Axis(0)))?;
         band.check_excited(&target)?;
         band.all("start", start.axis_iter(Axis(0)))?;
         Proposal::check_start(&start, &options)?;
-        let damping = match options.step {
-            Step::Paper => 1.0,
-            Step::Damped { damping, .. } => damping,
-        };
+        let damping = options.step.damping();
         Ok(Self {
             sweep: Sweep::of(&band, &desired, &target, [options.low_hz, options.high_hz]),
             margins: std::array::from_fn(|_| vec![options.margin; n_axes]),
@@ -127,7 +117,14 @@ impl Shaper {
     /// of the iteration.
     #[must_use]
     pub fn runs(&self) -> Vec<Run> {
-        let run = |(experiment, reference): (usize, ndarray::ArrayView2<f64>)| Run {
+        let references = self.reference.axis_iter(Axis(0)).enumerate();
+        references
+            .map(|(experiment, reference)| self.run(experiment, reference))
+            .collect()
+    }
+
+    fn run(&self, experiment: usize, reference: ArrayView2<f64>) -> Run {
+        Run {
             id: RunId {
                 kind: RunKind::Excitation,
                 realization: self.number(),
@@ -138,12 +135,7 @@ impl Shaper {
             reference: reference.to_owned(),
             velocity_rad_s: vec![0.0; reference.nrows()],
             start_rad: vec![0.0; reference.nrows()],
-        };
-        self.reference
-            .axis_iter(Axis(0))
-            .enumerate()
-            .map(run)
-            .collect()
+        }
     }
 
     /// Why it ended; `None` while there is a reference to apply.
@@ -204,38 +196,22 @@ impl Shaper {
         })
     }
 
-    /// What the records say, without what follows from it.
+    /// The iteration that the records show, without what follows from it.
     fn evaluate(&self, records: Vec<Record>) -> Result<Iteration, ShapeError> {
-        let mut notes = stopped(&records, self.reference.dim(), self.options.sample_time_s)?;
-        let complete = notes.is_empty();
-        let estimate = if complete {
-            Some(estimate(
-                &records,
-                &self.reference,
-                &self.band,
-                &self.desired,
-                &self.options,
-            )?)
-        } else {
-            None
-        };
-        let (torque, velocity) = (
-            stack(&records, |record| &record.u),
-            stack(&records, |record| &record.y),
-        );
-        let travel = travel_of(&records, &velocity, self.options.sample_time_s);
-        let peaks = peaks_of_signals([&torque, &velocity, &travel]);
-        notes.extend(
-            exceeded(&self.options.limits, &peaks)
-                .into_iter()
-                .map(Note::Exceeded),
-        );
+        let sample_time_s = self.options.sample_time_s;
+        let mut notes = stopped(&records, self.reference.dim(), sample_time_s)?;
+        let is_complete = notes.is_empty();
+        let estimate = is_complete.then(|| self.estimate(&records)).transpose()?;
+        let peaks = peaks_of_records(&records, sample_time_s);
+        let excesses = exceeded(&self.options.limits, &peaks).into_iter();
+        notes.extend(excesses.map(Note::Exceeded));
+        let within_limits = notes.is_empty();
+        let still_rad_s = self.options.still_rad_s;
         let stuck: Vec<_> = records
             .iter()
-            .map(|record| stuck_samples(record, self.options.still_rad_s))
+            .map(|record| stuck_samples(record, still_rad_s))
             .collect();
         let stuck_share = self.sweep.stuck_share(&stuck);
-        let within_limits = notes.is_empty();
         if stuck_share.iter().all(|&share| share > STUCK) {
             notes.push(Note::AllStuck);
         }
@@ -255,92 +231,9 @@ impl Shaper {
         })
     }
 
-    /// Whether the iteration is the best so far; adapts damping and margins.
-    fn judge(&mut self, iteration: &mut Iteration) -> Result<bool, ShapeError> {
-        if let (Some((before, _)), Some(predicted)) = (&self.stepped_from, &iteration.predicted) {
-            let peaks = [&iteration.peaks, before, predicted];
-            teach(&mut self.margins, peaks, &self.options.limits);
-        }
-        let best = self.best.as_ref().and_then(Iteration::error);
-        let estimate = iteration
-            .estimate
-            .as_ref()
-            .filter(|_| iteration.within_limits);
-        let improved = match (estimate, best) {
-            (None, None) => {
-                // the other notes say the same of the other experiments
-                let reason = iteration
-                    .notes
-                    .first()
-                    .map_or_else(String::new, ToString::to_string);
-                return Err(ShapeError::FirstTooMuch { reason });
-            }
-            (None, Some(_)) => {
-                self.next_damping *= 0.5;
-                false
-            }
-            (Some(estimate), best) => {
-                self.adapt(estimate);
-                best.is_none_or(|best| estimate.error < best)
-            }
-        };
-        if let (Some(found), Some(best), false) = (iteration.error(), best, improved) {
-            iteration.notes.push(Note::Rose { found, best });
-        }
-        self.rises = if improved { 0 } else { self.rises + 1 };
-        Ok(improved)
-    }
-
-    /// Halves the damping where the error rose.
-    fn adapt(&mut self, estimate: &Estimate) {
-        if let (
-            Step::Damped {
-                adaptive: true,
-                smoothing_bins,
-                ..
-            },
-            Some((_, before)),
-        ) = (self.options.step, &self.stepped_from)
-        {
-            adapt(
-                &mut self.next_damping,
-                &estimate.error_per_frequency,
-                before,
-                smoothing_bins,
-            );
-        }
-    }
-
-    /// Whether an iteration that is not the best is taken back.
-    fn goes_back(&self) -> bool {
-        matches!(self.options.step, Step::Damped { adaptive: true, .. })
-    }
-
-    fn reason_to_stop(&self, iteration: &Iteration) -> Option<Stop> {
-        let reached = iteration.within_limits
-            && iteration.estimate.as_ref().is_some_and(|estimate| {
-                estimate
-                    .channel_error
-                    .iter()
-                    .all(|&error| error <= self.options.good_enough)
-            });
-        if reached {
-            let free = iteration
-                .stuck_share
-                .iter()
-                .all(|&share| share <= self.options.max_stuck_share);
-            Some(if free {
-                Stop::GoodEnough
-            } else {
-                Stop::Sticking
-            })
-        } else if self.rises >= 2 {
-            Some(Stop::RoseTwice)
-        } else if iteration.number >= self.options.n_iterations {
-            Some(Stop::AllIterations)
-        } else {
-            None
-        }
+    fn estimate(&self, records: &[Record]) -> Result<Estimate, ShapeError> {
+        let (reference, desired) = (&self.reference, &self.desired);
+        estimate(records, reference, &self.band, desired, &self.options)
     }
 
     /// Makes the next reference: from this iteration, or from the best one if this is taken back.
@@ -349,17 +242,15 @@ impl Shaper {
         let best = self.best.as_ref().filter(|_| take_back);
         let from = best.unwrap_or(&*iteration);
         let Some(estimate) = &from.estimate else {
-            return Ok(());
-        }; // without one it is taken back
-        let proposal = Proposal::after(
-            from,
+            return Ok(()); // without one it is taken back
+        };
+        let origin = Origin {
+            iteration: from,
             estimate,
-            &self.band,
-            &self.desired,
-            &self.next_damping,
-            &self.margins,
-            &self.options,
-        )?;
+            band: &self.band,
+            options: &self.options,
+        };
+        let proposal = Proposal::after(&origin, &self.desired, &self.next_damping, &self.margins)?;
         self.stepped_from = Some((from.peaks.clone(), estimate.error_per_frequency.clone()));
         iteration.notes.extend(proposal.notes);
         iteration.next_predicted = Some(proposal.predicted.clone());
@@ -368,4 +259,15 @@ impl Shaper {
         self.damping = self.next_damping.mean();
         Ok(())
     }
+}
+
+/// Refuses a desired signal and an initial reference that do not go together.
+fn check_shapes(desired: &Array3<f64>, start: &Array3<f64>) -> Result<(), EstimateError> {
+    let (n_experiments, n_axes, n_samples) = start.dim();
+    if n_experiments == n_axes && desired.dim() == start.dim() {
+        return Ok(());
+    }
+    let shape = [n_axes, n_axes, n_samples];
+    let needed = format!("{shape:?}, as the initial reference, one experiment per channel");
+    Err(EstimateError::shape("desired", desired.shape(), needed))
 }

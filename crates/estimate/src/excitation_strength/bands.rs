@@ -1,0 +1,107 @@
+//! Strength of an excitation by bands of frequency: from the time in which it passes them, or from
+//! its lines.
+
+use std::iter::zip;
+use std::ops::Range;
+
+use frfid_signals::{Plan, Record};
+use ndarray::{Array2, ArrayView1, s};
+
+use crate::error::EstimateError;
+use crate::excitation_strength::{BandStrength, rms_about_mean, share};
+use crate::spectra::Evaluation;
+
+/// A band in Hz and the samples in which the excitation passes it.
+pub(super) type Passage = ([f64; 2], Range<usize>);
+
+/// When the excitation passes the bands; `None` where it is in all of them all the time.
+pub(super) fn passages(
+    plan: &Plan,
+    window: &Range<usize>,
+    bands_hz: &[[f64; 2]],
+) -> Option<Vec<Passage>> {
+    let passage = |&band_hz: &[f64; 2]| {
+        let waveform = plan.excitation.waveform();
+        let [from, to] = waveform
+            .seconds_in(band_hz, plan.sample_time_s)?
+            .map(|time_s| {
+                let sample = (time_s / plan.sample_time_s).round() as usize;
+                (plan.lead_in_samples + sample).min(window.end)
+            });
+        Some((band_hz, from..to))
+    };
+    bands_hz.iter().map(passage).collect()
+}
+
+/// Bands of every axis from the time in which the excitation passes them.
+pub(super) fn swept_bands(
+    record: &Record,
+    stuck: &Array2<bool>,
+    passages: &[Passage],
+) -> Vec<Vec<BandStrength>> {
+    let band = |axis: usize, &([low_hz, high_hz], ref time): &Passage| BandStrength {
+        low_hz,
+        high_hz,
+        rms_nm: rms_about_mean(record.u.slice(s![axis, time.clone()])),
+        rms_over_coulomb: None,
+        stuck_share: Some(share(stuck.slice(s![axis, time.clone()]))),
+    };
+    let passed = || passages.iter().filter(|(_, time)| time.len() > 1);
+    (0..record.u.nrows())
+        .map(|axis| passed().map(|time| band(axis, time)).collect())
+        .collect()
+}
+
+/// Bands of every axis from the excited lines, averaged over the periods.
+pub(super) fn line_bands(
+    record: &Record,
+    window: &Range<usize>,
+    plan: &Plan,
+    bands_hz: &[[f64; 2]],
+) -> Result<Vec<Vec<BandStrength>>, EstimateError> {
+    let lines = Evaluation::of(plan, 2)?;
+    let power = mean_line_power(record, window, plan.period_samples()?, &lines)?;
+    let of_axis = |power: ArrayView1<f64>| {
+        let bands = bands_hz.iter();
+        bands
+            .filter_map(|&band_hz| band_of_lines(&lines.frequency_hz, power, band_hz))
+            .collect()
+    };
+    Ok(power.rows().into_iter().map(of_axis).collect())
+}
+
+/// Power of the torque on every line, `2|U|^2/N^2` averaged over the periods, `(axis, line)`.
+fn mean_line_power(
+    record: &Record,
+    window: &Range<usize>,
+    period: usize,
+    lines: &Evaluation,
+) -> Result<Array2<f64>, EstimateError> {
+    let n_periods = window.len() / period;
+    let mut power = Array2::<f64>::zeros((record.u.nrows(), lines.frequency_hz.len()));
+    for start in window.clone().step_by(period) {
+        let torque = record.u.slice(s![.., start..start + period]);
+        let spectra = lines.transform.transform("u", torque)?;
+        power += &spectra
+            .mapv(|value| 2.0 * value.norm_sqr() / (period as f64).powi(2) / n_periods as f64);
+    }
+    Ok(power)
+}
+
+/// The band of an axis from the power of its lines; `None` without a line in it.
+fn band_of_lines(
+    hz: &[f64],
+    power: ArrayView1<f64>,
+    [low_hz, high_hz]: [f64; 2],
+) -> Option<BandStrength> {
+    let inside = || zip(hz, power).filter(|&(hz, _)| (low_hz..high_hz).contains(hz));
+    inside().next()?;
+    let square: f64 = inside().map(|(_, power)| power).sum();
+    Some(BandStrength {
+        low_hz,
+        high_hz,
+        rms_nm: square.sqrt(),
+        rms_over_coulomb: None,
+        stuck_share: None,
+    })
+}

@@ -1,0 +1,29 @@
+//! Matrices line by line, and the array `(frequency, output, input)` that holds them in an FRF.
+
+use std::borrow::Borrow;
+
+use frfid_signals::Frf;
+use nalgebra::DMatrix;
+use ndarray::{Array3, ArrayView2};
+use num_complex::Complex64;
+
+/// Matrices of one shape, at least one, as an array `(line, row, column)`.
+pub(crate) fn stacked(matrices: &[impl Borrow<DMatrix<Complex64>>]) -> Array3<Complex64> {
+    let (n_rows, n_columns) = matrices[0].borrow().shape();
+    let shape = (matrices.len(), n_rows, n_columns);
+    Array3::from_shape_fn(shape, |(line, row, column)| {
+        matrices[line].borrow()[(row, column)]
+    })
+}
+
+/// The matrices of an FRF.
+pub(crate) fn matrices(frf: &Frf) -> Vec<DMatrix<Complex64>> {
+    frf.response.outer_iter().map(matrix).collect()
+}
+
+/// An array as a matrix.
+pub(crate) fn matrix(array: ArrayView2<Complex64>) -> DMatrix<Complex64> {
+    DMatrix::from_fn(array.nrows(), array.ncols(), |row, column| {
+        array[[row, column]]
+    })
+}

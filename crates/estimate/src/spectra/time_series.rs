@@ -1,0 +1,91 @@
+//! Time series of a campaign, and their spectra run by run.
+
+use ndarray::{ArrayView, ArrayView2, ArrayView5, Dimension, s};
+use rayon::prelude::*;
+
+use crate::error::EstimateError;
+use crate::period_index::PeriodIndex;
+use crate::spectra::Transform;
+use crate::spectra::campaign::{Campaign, RunSpectra};
+
+/// Plant input, plant output and, for methods that estimate through it, reference:
+/// `(realization, experiment, period, channel, sample)` of any strides.
+pub(crate) struct TimeSeries<'a> {
+    pub(crate) u: ArrayView5<'a, f64>,
+    pub(crate) y: ArrayView5<'a, f64>,
+    pub(crate) r: Option<ArrayView5<'a, f64>>,
+}
+
+impl TimeSeries<'_> {
+    /// Adds the spectra of every run to a campaign.
+    pub(crate) fn transform_into(
+        &self,
+        campaign: &mut Campaign,
+        transform: &dyn Transform,
+    ) -> Result<(), EstimateError> {
+        let places = self.places();
+        let spectra: Result<Vec<RunSpectra>, EstimateError> = places
+            .par_iter()
+            .map(|&place| self.spectra(transform, place))
+            .collect();
+        for (place, run) in places.into_iter().zip(spectra?) {
+            campaign.insert(place, run)?;
+        }
+        Ok(())
+    }
+
+    /// Every run by realization, period and experiment.
+    fn places(&self) -> Vec<PeriodIndex> {
+        let (n_p, n_ex, n_q, ..) = self.u.dim();
+        let place = |run: usize| PeriodIndex {
+            realization: run / (n_q * n_ex),
+            period: run / n_ex % n_q,
+            experiment: run % n_ex,
+        };
+        (0..n_p * n_q * n_ex).map(place).collect()
+    }
+
+    fn spectra(
+        &self,
+        transform: &dyn Transform,
+        place: PeriodIndex,
+    ) -> Result<RunSpectra, EstimateError> {
+        let r = self.r.as_ref().map(|r| run_at(r, place));
+        RunSpectra::of(transform, run_at(&self.u, place), run_at(&self.y, place), r)
+    }
+}
+
+/// One run, `(channel, sample)`, out of a campaign's array.
+fn run_at<'a>(signal: &'a ArrayView5<f64>, place: PeriodIndex) -> ArrayView2<'a, f64> {
+    signal.slice(s![
+        place.realization,
+        place.experiment,
+        place.period,
+        ..,
+        ..
+    ])
+}
+
+/// Refuses signals `(.., channel, sample)` that differ from `u` in more than their channels.
+pub(crate) fn check_same_shape<D: Dimension>(
+    u: &ArrayView<f64, D>,
+    y: &ArrayView<f64, D>,
+    r: Option<&ArrayView<f64, D>>,
+) -> Result<(), EstimateError> {
+    let needed = shape_but_channels(u);
+    for (name, signal) in [("y", Some(y)), ("r", r)] {
+        let Some(signal) = signal else { continue };
+        if shape_but_channels(signal) != needed {
+            let needed = format!("{needed}, as u");
+            return Err(EstimateError::shape(name, signal.shape(), needed));
+        }
+    }
+    Ok(())
+}
+
+/// A shape in words, with `channel` for the number of channels.
+fn shape_but_channels<D: Dimension>(signal: &ArrayView<f64, D>) -> String {
+    let mut lengths: Vec<String> = signal.shape().iter().map(usize::to_string).collect();
+    lengths[signal.ndim() - 2] = "channel".into();
+    format!("({})", lengths.join(", "))
+}
