@@ -3,7 +3,7 @@
 
 use thiserror::Error;
 
-use crate::limits::Limit;
+use crate::limit::Limit;
 
 /// Errors of the `signals` crate. Every variant says what was found and what was needed.
 #[derive(Debug, Clone, PartialEq, Error)]

@@ -4,12 +4,9 @@
 mod chirp;
 mod design;
 mod grid;
-mod harmonic_sum;
-mod low_crest;
 mod multisine;
 mod phasing;
 mod profile;
-mod sine_ramp;
 mod stepped_sine;
 mod waveform;
 
@@ -18,7 +15,6 @@ use serde::{Deserialize, Serialize};
 pub use chirp::{Chirp, ChirpDesign};
 pub use design::{Design, Target};
 pub use grid::{GridDesign, GridKind, LineGrid};
-pub use low_crest::low_crest_phases;
 pub use multisine::{Multisine, MultisineDesign, Phases, Realization};
 pub use phasing::Phasing;
 pub use profile::{Amplitude, Profile};

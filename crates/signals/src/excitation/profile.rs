@@ -80,6 +80,20 @@ impl Profile {
     }
 }
 
+/// Checks that there is one profile for all inputs or one for each.
+pub(crate) fn check_one_or_each(amplitude: &[Profile], n_inputs: usize) -> Result<(), SignalError> {
+    if n_inputs > 0 && (amplitude.len() == 1 || amplitude.len() == n_inputs) {
+        return Ok(());
+    }
+    Err(SignalError::Shape {
+        name: "amplitude",
+        found: vec![amplitude.len()],
+        needed: format!(
+            "one profile for all, or one for each of the {n_inputs} inputs (at least one)"
+        ),
+    })
+}
+
 /// An amplitude as descriptions write it: a number, or points (Hz, value).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(
