@@ -7,12 +7,12 @@ use crate::error::PlantError;
 use crate::joint::flexible_joint::FlexibleJoint;
 use crate::joint::friction::Friction;
 use crate::joint::spring::Spring;
-use crate::linear::state_space::StateSpace;
 use crate::motion::Motion;
 use crate::motion::equations::{Machine, SingleLink};
 use crate::motion::integrator::Integrator;
 use crate::motion::mechanics::Mechanics;
 use crate::robot::Robot;
+use crate::state_space::StateSpace;
 
 /// One motor and one link with a gear between them; everything on the joint side of the gear.
 ///
@@ -51,8 +51,7 @@ impl Default for SingleJoint {
 
 impl SingleJoint {
     /// The joint as a machine of one axis, ready to move.
-    #[must_use]
-    pub fn machine(&self) -> Machine<SingleLink, 1> {
+    pub(crate) fn machine(&self) -> Machine<SingleLink, 1> {
         Machine {
             joints: [self.joint.clone()],
             links: SingleLink {
@@ -122,7 +121,7 @@ mod tests {
     use super::*;
     use crate::control::sensor::Sensor;
     use crate::joint::ripple::Ripple;
-    use crate::linear::state_space::Hold;
+    use crate::state_space::Hold;
 
     /// Sets one field of a joint.
     type Setter = fn(&mut SingleJoint, f64);
@@ -284,6 +283,12 @@ mod tests {
             ));
         }
         let joint = SingleJoint::default();
-        assert!(joint.frf(&[1.0], Hold::Zoh, 0.0).is_err());
+        assert!(matches!(
+            joint.frf(&[1.0], Hold::Zoh, 0.0),
+            Err(SignalError::Parameter {
+                key: "sample_time_s",
+                ..
+            })
+        ));
     }
 }

@@ -1,5 +1,4 @@
-//! What can be wrong with an excitation, a record or an FRF: found and needed values in every
-//! message.
+//! Errors of excitations, records and FRFs: found and needed values in every message.
 
 use thiserror::Error;
 

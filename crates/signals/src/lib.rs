@@ -1,5 +1,5 @@
-//! What one commands and what one measures: line grids, excitations, experiment plans, records and
-//! the FRF type.
+//! Signals, those commanded and those measured: line grids, excitations, experiment plans, records
+//! and the FRF type.
 //!
 //! The leaf of the house: no files, no clock, no global random state. Frequencies are in Hz,
 //! everything else in SI units, the unit ends the name. Time series are `(channel, sample)`,

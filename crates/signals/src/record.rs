@@ -1,4 +1,4 @@
-//! A record: what one run of a testbed measured.
+//! Record of a run: what a testbed measured.
 
 use ndarray::{Array2, ArrayView2, s};
 use serde::{Deserialize, Serialize};

@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::control::biquad::Biquad;
-use crate::control::controller::{Controller, ControllerAxis, LinearController};
+use crate::control::controller::{Controller, ControllerAxis, LinearController, below_nyquist};
 use crate::control::pi::PiController;
 
 /// A PI controller whose torque passes a low-pass and a notch before it is limited.
@@ -91,14 +91,6 @@ impl TorqueNotch {
             })
         })
     }
-}
-
-fn below_nyquist(key: &'static str, hz: &[f64], sample_time_s: f64) -> Result<(), SignalError> {
-    let beyond = hz.iter().find(|&&hz| 2.0 * hz * sample_time_s >= 1.0);
-    beyond.map_or(Ok(()), |&found| {
-        let needed = "a frequency below the Nyquist frequency of the controller";
-        Err(SignalError::Parameter { key, found, needed })
-    })
 }
 
 impl Controller for FilteredPi {

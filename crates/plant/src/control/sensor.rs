@@ -111,7 +111,7 @@ pub(crate) struct Reader {
 impl Reader {
     /// Begins to read a run that starts at a position in rad, reached at a constant velocity in
     /// rad/s, at which the filter has settled.
-    pub fn new(
+    pub(crate) fn new(
         sensor: Sensor,
         seed: u64,
         run: RunId,
@@ -148,7 +148,7 @@ impl Reader {
     }
 
     /// Position and velocity readings of the next sample.
-    pub fn motion(&mut self, position_rad: f64, velocity_rad_s: f64) -> (f64, f64) {
+    pub(crate) fn motion(&mut self, position_rad: f64, velocity_rad_s: f64) -> (f64, f64) {
         let position = self.position(position_rad);
         let velocity = if self.sensor.velocity_by_differencing {
             (position - self.last_position_rad) / self.sample_time_s
@@ -163,7 +163,7 @@ impl Reader {
     }
 
     /// Reading of the torque that acts from the next sample on.
-    pub fn torque(&mut self, acting_nm: f64) -> f64 {
+    pub(crate) fn torque(&mut self, acting_nm: f64) -> f64 {
         noisy(acting_nm, &mut self.torque_noise)
     }
 

@@ -21,7 +21,7 @@ pub(crate) struct TorqueLimits {
 
 impl TorqueLimits {
     /// Begins with a torque in N m that holds the axis.
-    pub fn holding(
+    pub(crate) fn holding(
         holding_nm: f64,
         sample_time_s: f64,
         max_torque_nm: Option<f64>,
@@ -39,7 +39,7 @@ impl TorqueLimits {
 
     /// The torque in N m that is asked for, as far as the limits allow it, and the limit that it
     /// has just reached.
-    pub fn limited(&mut self, asked_nm: f64) -> (f64, Option<Reached>) {
+    pub(crate) fn limited(&mut self, asked_nm: f64) -> (f64, Option<Reached>) {
         let max_nm = self.max_torque_nm;
         let max_change_nm = self.max_rate_nm_per_s * self.sample_time_s;
         // max and min where clamp would panic: a diverging loop can ask for infinitely much
@@ -68,7 +68,7 @@ impl TorqueLimits {
     }
 
     /// The torque in N m that was commanded last.
-    pub fn torque_nm(&self) -> f64 {
+    pub(crate) fn torque_nm(&self) -> f64 {
         self.torque_nm
     }
 }

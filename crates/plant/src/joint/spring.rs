@@ -16,7 +16,7 @@ pub struct Spring {
 
 /// The part of the spring's characteristic that the deflection is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Branch {
+pub(crate) enum Branch {
     /// |dq| <= b.
     Within,
     /// dq > b.
@@ -41,7 +41,7 @@ impl Spring {
 
     /// The branch of a deflection.
     #[must_use]
-    pub fn branch(&self, deflection_rad: f64) -> Branch {
+    pub(crate) fn branch(&self, deflection_rad: f64) -> Branch {
         if self.is_linear() || deflection_rad.abs() <= self.knee_rad {
             Branch::Within
         } else if deflection_rad > 0.0 {
@@ -54,7 +54,7 @@ impl Spring {
     /// Slope in N m/rad and torque at zero deflection in N m of the straight line that a branch
     /// lies on.
     #[must_use]
-    pub fn line(&self, branch: Branch) -> (f64, f64) {
+    pub(crate) fn line(&self, branch: Branch) -> (f64, f64) {
         let offset = (self.stiffness_nm_per_rad - self.stiffness_beyond_nm_per_rad) * self.knee_rad;
         match branch {
             Branch::Within => (self.stiffness_nm_per_rad, 0.0),
@@ -65,7 +65,7 @@ impl Spring {
 
     /// The interval of deflections in rad of a branch: (lowest, highest).
     #[must_use]
-    pub fn interval(&self, branch: Branch) -> (f64, f64) {
+    pub(crate) fn interval(&self, branch: Branch) -> (f64, f64) {
         match branch {
             Branch::Within if self.is_linear() => (f64::NEG_INFINITY, f64::INFINITY),
             Branch::Within => (-self.knee_rad, self.knee_rad),

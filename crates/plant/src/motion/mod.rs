@@ -6,7 +6,6 @@ pub(crate) mod event_location;
 pub(crate) mod integrator;
 pub(crate) mod mechanics;
 pub(crate) mod root;
-pub(crate) mod scalar;
 pub(crate) mod segment;
 #[cfg(test)]
 mod tests;

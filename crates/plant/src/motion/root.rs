@@ -4,7 +4,7 @@
 /// to rounding level: inverse quadratic steps where three points promise a good one, else bisection
 /// (Chandrupatla, Adv. Eng. Softw. 28 (1997) 145). At most about 100 evaluations, usually 6 to 10.
 /// Returns the point with the smaller |f| of the last bracket.
-pub fn root(
+pub(crate) fn root(
     mut f: impl FnMut(f64) -> f64,
     (mut a, mut fa): (f64, f64),
     (mut b, mut fb): (f64, f64),

@@ -1,8 +1,8 @@
 //! Command of the motor torques during a run: from references and readings, axis by axis.
 
 use crate::control::controller::{ControllerAxis, ControllerOutput};
-use crate::linear::state_space::Hold;
 use crate::motion::Motion;
+use crate::state_space::Hold;
 use crate::testbed::simulated_robot::Actuation;
 
 /// What commands the torques of all axes.
@@ -24,7 +24,7 @@ pub(crate) struct VelocityLoop {
 
 impl Command {
     /// Commands that hold a robot as it moves.
-    pub fn holding(actuation: &Actuation, motion: &dyn Motion) -> Self {
+    pub(crate) fn holding(actuation: &Actuation, motion: &dyn Motion) -> Self {
         let holding_nm = motion.holding_nm();
         match actuation {
             Actuation::Torque { hold } => Self::Torque {
@@ -49,7 +49,12 @@ impl Command {
 
     /// The motor torque that acts on an axis from this sample on, given the reference and the
     /// readings of position in rad and velocity in rad/s.
-    pub fn torque(&mut self, axis: usize, reference: f64, reading: (f64, f64)) -> ControllerOutput {
+    pub(crate) fn torque(
+        &mut self,
+        axis: usize,
+        reference: f64,
+        reading: (f64, f64),
+    ) -> ControllerOutput {
         match self {
             Self::Torque { holding_nm, .. } => {
                 let torque_nm = holding_nm[axis] + reference;
@@ -64,7 +69,7 @@ impl Command {
 
     /// Motor torque in N m at the next sample, towards which it runs in a straight line; `None` if
     /// it is held until then.
-    pub fn ahead(&self, axis: usize, next_reference: f64) -> Option<f64> {
+    pub(crate) fn ahead(&self, axis: usize, next_reference: f64) -> Option<f64> {
         match self {
             Self::Torque {
                 holding_nm,

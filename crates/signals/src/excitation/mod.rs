@@ -1,5 +1,5 @@
-//! Excitation: what is injected, as a torque or as a velocity. A kind of excitation is a file of this
-//! folder and a variant here.
+//! Excitation: what is injected, as a torque or as a velocity. A kind of excitation is a folder
+//! here (the waveform in `mod.rs`, the table of a description in `design.rs`) and a variant below.
 
 mod chirp;
 mod design;
@@ -34,7 +34,7 @@ pub enum Excitation {
 }
 
 impl Excitation {
-    /// What it tells of itself.
+    /// Its waveform, whichever kind it is.
     #[must_use]
     pub fn waveform(&self) -> &dyn Waveform {
         match self {

@@ -1,4 +1,4 @@
-//! Numbers: ranges that parameters must lie in, named streams of chance, power of signals.
+//! Numbers: ranges that parameters must lie in, named random streams, power of signals.
 
 pub mod checks;
 pub mod format;

@@ -1,4 +1,4 @@
-//! One run of a plan: its name, and what it injects sample by sample.
+//! Run of a plan: its name, and what it injects sample by sample.
 
 use std::fmt;
 

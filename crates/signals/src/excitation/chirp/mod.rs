@@ -292,38 +292,25 @@ mod tests {
 
     #[test]
     fn bad_chirps_are_refused() {
-        for bad in [
-            Chirp {
-                low_hz: f64::NAN,
-                ..chirp()
-            },
-            Chirp {
-                high_hz: 1.0,
-                ..chirp()
-            },
-            Chirp {
-                duration_s: -1.0,
-                ..chirp()
-            },
-            Chirp {
-                fade_s: 11.0,
-                ..chirp()
-            },
-            Chirp {
-                high_hz: 500.0,
-                ..chirp()
-            },
-            Chirp {
-                amplitude: vec![],
-                ..chirp()
-            },
-            Chirp {
-                amplitude: vec![Profile::constant(-1.0)],
-                ..chirp()
-            },
-        ] {
-            assert!(bad.sample(1e-3, 1, Phasing::Orthogonal).is_err(), "{bad:?}");
-        }
-        assert!(chirp().sample(1e-3, 2, Phasing::Independent).is_err());
+        let refused = |change: fn(&mut Chirp), n_inputs, phasing| {
+            let mut bad = chirp();
+            change(&mut bad);
+            let error = bad
+                .sample(1e-3, n_inputs, phasing)
+                .expect_err("a bad chirp");
+            error.path().join(".")
+        };
+        let changed = |change| refused(change, 1, Phasing::Orthogonal);
+        assert_eq!(changed(|chirp| chirp.low_hz = f64::NAN), "low_hz");
+        assert_eq!(changed(|chirp| chirp.high_hz = 1.0), "high_hz");
+        assert_eq!(changed(|chirp| chirp.duration_s = -1.0), "duration_s");
+        assert_eq!(changed(|chirp| chirp.fade_s = 11.0), "fade_s");
+        assert_eq!(changed(|chirp| chirp.high_hz = 500.0), "high_hz");
+        assert_eq!(changed(|chirp| chirp.amplitude = vec![]), "amplitude");
+        assert_eq!(
+            changed(|chirp| chirp.amplitude = vec![Profile::constant(-1.0)]),
+            "amplitude"
+        );
+        assert_eq!(refused(|_| (), 2, Phasing::Independent), "mimo");
     }
 }
