@@ -1,4 +1,4 @@
-//! A flexible-joint robot in software: friction, spring, RK4, sensors, controller, testbeds.
+//! Flexible-joint robots in software: friction, spring, RK4, sensors, controller, testbeds.
 //!
 //! Everything on the joint side of the gear, SI units inside, Hz for public frequencies. The
 //! numeric core knows no files, no clock and no global random state. Equation numbers are those of

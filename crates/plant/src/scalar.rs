@@ -1,4 +1,4 @@
-//! The number type of the dynamics: one f64 today, several realizations side by side when batching
+//! Number type of the dynamics: one f64 today, several realizations side by side when batching
 //! comes.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};

@@ -1,4 +1,4 @@
-//! The single flexible joint of the paper's example (SK15 section 6.1, eqs. (20)-(22)).
+//! Single flexible joint of the paper's example (SK15 section 6.1, eqs. (20)-(22)).
 
 use frfid_signals::SignalError;
 use frfid_signals::checks::{channels, positive};
@@ -82,10 +82,7 @@ impl Robot for SingleJoint {
             ..
         } = &self.joint;
         let compliance = 1.0 / motor_inertia_kg_m2 + 1.0 / self.link_inertia_kg_m2;
-        let stiffest = spring
-            .stiffness_nm_per_rad
-            .max(spring.stiffness_beyond_nm_per_rad);
-        let resonance = (stiffest * compliance).sqrt();
+        let resonance = (spring.stiffest_nm_per_rad() * compliance).sqrt();
         let viscous = friction.viscous_nms_per_rad / motor_inertia_kg_m2;
         let decay = damping_nms_per_rad * compliance + viscous;
         0.0075 / resonance.max(decay)

@@ -1,4 +1,4 @@
-//! What is known of the arm without simulating it: the numbers of the Manutec r3, and those of an
+//! Arm without simulation: the numbers of the Manutec r3, and those of an
 //! independent multibody code.
 
 mod manutec_r3;

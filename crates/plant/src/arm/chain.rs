@@ -1,4 +1,4 @@
-//! An arm compiled to the numbers its motion depends on.
+//! Chain of moving links: an arm compiled to the numbers its motion depends on.
 //!
 //! Locked bodies and the payload become part of the moving body before them. Every link gets a
 //! frame whose z axis is its joint's axis and whose x axis is normal to the next one, so that two

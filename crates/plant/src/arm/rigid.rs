@@ -1,4 +1,4 @@
-//! How mass is spread, as three moments that add up and move from frame to frame.
+//! Moments of a mass distribution, which add up and move from frame to frame.
 
 use std::ops::{AddAssign, SubAssign};
 

@@ -1,4 +1,4 @@
-//! The arm as a robot: its equations of motion at any position, its motion, its linear truth.
+//! Arm as a robot: its equations of motion at any position, its motion, its linear truth.
 
 use std::array::from_fn;
 use std::f64::consts::TAU;
@@ -106,7 +106,7 @@ impl Arm {
     /// # Errors
     /// [`SignalError`] for a parameter out of range.
     pub fn modes_hz(&self) -> Result<Vec<f64>, SignalError> {
-        self.elastic_hz(|joint| 1.0 / joint.motor_inertia_kg_m2)
+        self.elastic_hz(FlexibleJoint::motor_mobility)
     }
 
     /// The same with the motors locked: the zeros of the FRFs from torque to velocity taken
@@ -185,19 +185,13 @@ impl Robot for Arm {
         let Ok(mechanics) = self.mechanics() else {
             return f64::NAN;
         };
-        let mobility = |joint: &FlexibleJoint| 1.0 / joint.motor_inertia_kg_m2;
         let fastest = |number: &dyn Fn(&FlexibleJoint) -> f64| {
             mechanics
-                .eigenvalues(&self.pose_rad, number, mobility)
+                .eigenvalues(&self.pose_rad, number, FlexibleJoint::motor_mobility)
                 .into_iter()
                 .fold(0.0, f64::max)
         };
-        let stiffness = |joint: &FlexibleJoint| {
-            joint
-                .spring
-                .stiffness_nm_per_rad
-                .max(joint.spring.stiffness_beyond_nm_per_rad)
-        };
+        let stiffness = |joint: &FlexibleJoint| joint.spring.stiffest_nm_per_rad();
         let decay =
             |joint: &FlexibleJoint| joint.damping_nms_per_rad + joint.friction.viscous_nms_per_rad;
         0.0445 / fastest(&stiffness).sqrt().max(fastest(&decay))

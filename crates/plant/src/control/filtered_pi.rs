@@ -67,18 +67,15 @@ impl FilteredPi {
 
 impl TorqueLowPass {
     fn check(&self, n_axes: usize, sample_time_s: f64) -> Result<(), SignalError> {
-        one_per_axis("corner_hz", Some(&self.corner_hz), n_axes, positive)?;
-        below_nyquist("corner_hz", &self.corner_hz, sample_time_s)?;
+        check_hz("corner_hz", &self.corner_hz, n_axes, sample_time_s)?;
         one_per_axis("damping", self.damping.as_deref(), n_axes, positive)
     }
 }
 
 impl TorqueNotch {
     fn check(&self, n_axes: usize, sample_time_s: f64) -> Result<(), SignalError> {
-        one_per_axis("frequency_hz", Some(&self.frequency_hz), n_axes, positive)?;
-        below_nyquist("frequency_hz", &self.frequency_hz, sample_time_s)?;
-        one_per_axis("width_hz", Some(&self.width_hz), n_axes, positive)?;
-        below_nyquist("width_hz", &self.width_hz, sample_time_s)?;
+        check_hz("frequency_hz", &self.frequency_hz, n_axes, sample_time_s)?;
+        check_hz("width_hz", &self.width_hz, n_axes, sample_time_s)?;
         let gain = self.gain.as_deref();
         one_per_axis("gain", gain, n_axes, not_negative)?;
         let amplified = gain.unwrap_or_default().iter().find(|gain| **gain > 1.0);
@@ -91,6 +88,17 @@ impl TorqueNotch {
             })
         })
     }
+}
+
+/// Checks that there is a frequency in Hz for each axis, above 0 and below the Nyquist frequency.
+fn check_hz(
+    key: &'static str,
+    hz: &[f64],
+    n_axes: usize,
+    sample_time_s: f64,
+) -> Result<(), SignalError> {
+    one_per_axis(key, Some(hz), n_axes, positive)?;
+    below_nyquist(key, hz, sample_time_s)
 }
 
 impl Controller for FilteredPi {

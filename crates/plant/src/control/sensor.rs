@@ -94,6 +94,21 @@ struct Noise {
     rng: ChaCha8Rng,
 }
 
+impl Noise {
+    /// Noise of a name and an rms on a channel of a run.
+    fn new(rms: f64, seed: u64, name: &str, run: RunId, channel: usize) -> Self {
+        let indices = [
+            run.kind as usize,
+            run.realization,
+            run.experiment,
+            run.repetition,
+            channel,
+        ];
+        let rng = random::stream(seed, name, &indices.map(|i| i as u64));
+        Self { rms, rng }
+    }
+}
+
 /// Reads one axis' sensors, sample after sample, with the noise of one run.
 pub(crate) struct Reader {
     sensor: Sensor,
@@ -119,20 +134,8 @@ impl Reader {
         [position_rad, velocity_rad_s]: [f64; 2],
         sample_time_s: f64,
     ) -> Self {
-        let indices = [
-            run.kind as usize,
-            run.realization,
-            run.experiment,
-            run.repetition,
-            channel,
-        ]
-        .map(|i| i as u64);
-        let noise = |name, rms: Option<f64>| {
-            rms.map(|rms| Noise {
-                rms,
-                rng: random::stream(seed, name, &indices),
-            })
-        };
+        let noise =
+            |name, rms: Option<f64>| rms.map(|rms| Noise::new(rms, seed, name, run, channel));
         let mut reader = Self {
             sensor,
             sample_time_s,

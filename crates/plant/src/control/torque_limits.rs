@@ -47,7 +47,16 @@ impl TorqueLimits {
         let torque_nm = within_nm
             .max(self.torque_nm - max_change_nm)
             .min(self.torque_nm + max_change_nm);
-        let bound = if torque_nm != within_nm {
+        let bound = self.binding(asked_nm, within_nm, torque_nm);
+        self.torque_nm = torque_nm;
+        let before = std::mem::replace(&mut self.bound, bound.map(|bound| bound.limit));
+        (torque_nm, bound.filter(|bound| before != Some(bound.limit)))
+    }
+
+    /// The limit that binds a torque in N m, from what was asked for, what is left of it within the
+    /// largest value and what of that within the largest rate.
+    fn binding(&self, asked_nm: f64, within_nm: f64, torque_nm: f64) -> Option<Reached> {
+        if torque_nm != within_nm {
             Some(Reached {
                 limit: Limit::TorqueRate,
                 value: (within_nm - self.torque_nm) / self.sample_time_s,
@@ -57,14 +66,11 @@ impl TorqueLimits {
             Some(Reached {
                 limit: Limit::Torque,
                 value: asked_nm,
-                allowed: max_nm,
+                allowed: self.max_torque_nm,
             })
         } else {
             None
-        };
-        self.torque_nm = torque_nm;
-        let before = std::mem::replace(&mut self.bound, bound.map(|bound| bound.limit));
-        (torque_nm, bound.filter(|bound| before != Some(bound.limit)))
+        }
     }
 
     /// The torque in N m that was commanded last.

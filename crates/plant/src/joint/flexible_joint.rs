@@ -66,6 +66,11 @@ impl FlexibleJoint {
         Ok(())
     }
 
+    /// 1/J_m in 1/(kg m^2).
+    pub(crate) fn motor_mobility(&self) -> f64 {
+        1.0 / self.motor_inertia_kg_m2
+    }
+
     /// Energy in J of the motor at a velocity in rad/s and of the gear at a deflection in rad.
     pub(crate) fn energy_j(&self, velocity_rad_s: f64, deflection_rad: f64) -> f64 {
         0.5 * self.motor_inertia_kg_m2 * velocity_rad_s * velocity_rad_s
@@ -78,11 +83,7 @@ impl FlexibleJoint {
         let (slope_nm_per_rad, offset_nm) = self.spring.line(mode.branch);
         let is_stuck = mode.slip == Slip::Stuck;
         Regime {
-            mobility: if is_stuck {
-                0.0
-            } else {
-                1.0 / self.motor_inertia_kg_m2
-            },
+            mobility: if is_stuck { 0.0 } else { self.motor_mobility() },
             coulomb_nm: self.friction.coulomb(mode.slip),
             slope_nm_per_rad,
             offset_nm,

@@ -86,6 +86,17 @@ impl Spring {
         size.copysign(torque_nm)
     }
 
+    /// The slope in N m/rad at which the spring rests under a torque in N m.
+    pub(crate) fn slope_under(&self, torque_nm: f64) -> f64 {
+        self.line(self.branch(self.deflection_rad(torque_nm))).0
+    }
+
+    /// The larger of the two slopes in N m/rad.
+    pub(crate) fn stiffest_nm_per_rad(&self) -> f64 {
+        self.stiffness_nm_per_rad
+            .max(self.stiffness_beyond_nm_per_rad)
+    }
+
     /// Whether the two slopes are one.
     #[must_use]
     pub fn is_linear(&self) -> bool {

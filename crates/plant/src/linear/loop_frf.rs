@@ -91,12 +91,11 @@ fn at_line(
     positive("hz", hz)?;
     below_nyquist("hz", &[hz], sample_time_s)?;
     let z = Complex64::cis(TAU * hz * sample_time_s);
-    let diagonal = |of: &dyn Fn(usize) -> Complex64| {
-        DMatrix::from_diagonal(&DVector::from_fn(n_axes, |axis, _| of(axis)))
-    };
-    let control = diagonal(&|axis| controller.linear(axis, sample_time_s).response(z));
-    let position_gain = diagonal(&|axis| controller.position_gain_per_s(axis).into());
-    let ahead = diagonal(&|_| 1.0.into()) + &position_gain * (sample_time_s / (z - 1.0));
+    let control = diagonal(n_axes, |axis| {
+        controller.linear(axis, sample_time_s).response(z)
+    });
+    let position_gain = diagonal(n_axes, |axis| controller.position_gain_per_s(axis).into());
+    let ahead = diagonal(n_axes, |_| 1.0.into()) + &position_gain * (sample_time_s / (z - 1.0));
     let open = &plant + position_gain * position;
     let pole = SignalError::Parameter {
         key: "hz",
@@ -109,6 +108,11 @@ fn at_line(
     let torque = control * &sensitivity * ahead;
     let velocity = plant * &torque;
     Ok([sensitivity, torque, velocity])
+}
+
+/// A diagonal matrix of one number for each axis.
+fn diagonal(n_axes: usize, number: impl Fn(usize) -> Complex64) -> DMatrix<Complex64> {
+    DMatrix::from_diagonal(&DVector::from_fn(n_axes, |axis, _| number(axis)))
 }
 
 /// The matrix of an FRF at one of its frequencies.

@@ -90,6 +90,12 @@ pub(crate) struct State<L, const A: usize> {
 }
 
 impl<L: Scalar, const A: usize> State<L, A> {
+    /// Rate dq' = qm' - qo' in rad/s of an axis' deflection.
+    #[inline(always)]
+    fn deflection_rate(&self, axis: usize) -> L {
+        self.motor_velocity[axis] - self.link_velocity[axis]
+    }
+
     /// The state `step` s further along a derivative.
     #[inline(always)]
     #[must_use]
@@ -113,9 +119,10 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
         regime: &Regime<L>,
         x: &State<L, A>,
     ) -> L {
-        let rate = x.motor_velocity[axis] - x.link_velocity[axis];
         let damping = L::splat(self.joints[axis].damping_nms_per_rad);
-        regime.slope_nm_per_rad * x.deflection[axis] + regime.offset_nm + damping * rate
+        regime.slope_nm_per_rad * x.deflection[axis]
+            + regime.offset_nm
+            + damping * x.deflection_rate(axis)
     }
 
     /// Torque in N m on an axis' motor besides its friction: u - ripple(qm) - tau_s(dq) - d dq'.
@@ -131,7 +138,6 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
     ) -> L {
         let joint = &self.joints[axis];
         let position = x.motor_position[axis];
-        let rate = x.motor_velocity[axis] - x.link_velocity[axis];
         let net = joint
             .ripple
             .iter()
@@ -139,7 +145,7 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
                 net - ripple.torque(position)
             });
         net - regime.slope_nm_per_rad * x.deflection[axis]
-            - L::splat(joint.damping_nms_per_rad) * rate
+            - L::splat(joint.damping_nms_per_rad) * x.deflection_rate(axis)
     }
 
     /// Time derivative of the state under motor torques in N m (SK15 eqs. (20)-(22)).
@@ -150,12 +156,11 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
         torque: &[L; A],
         x: &State<L, A>,
     ) -> State<L, A> {
-        let deflection = from_fn(|axis| x.motor_velocity[axis] - x.link_velocity[axis]);
         let transmitted = from_fn(|axis| self.transmitted(axis, &regimes[axis], x));
         let link_position = from_fn(|axis| x.motor_position[axis] - x.deflection[axis]);
         State {
             motor_position: x.motor_velocity,
-            deflection,
+            deflection: from_fn(|axis| x.deflection_rate(axis)),
             motor_velocity: from_fn(|axis| {
                 let viscous = L::splat(self.joints[axis].friction.viscous_nms_per_rad)
                     * x.motor_velocity[axis];

@@ -5,6 +5,9 @@
 //! that branch's interval. A trial step whose end lies outside an interval, or that has left it and
 //! come back (the signal's slopes at both ends tell), is taken again with a share theta of its
 //! length, and theta is found to rounding level.
+//!
+//! Steps with an event are few: what is done in those alone is marked cold, so that the look at every
+//! other step stays short.
 
 use crate::joint::friction::Slip;
 use crate::motion::equations::{Links, State};
@@ -161,32 +164,34 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
         let inside = (0.0, self.margin(bound, 0.0, &self.motion.state));
         let mut outside = (1.0, self.margin(bound, 1.0, end));
         if outside.1 >= 0.0 {
-            // Inside again. A mode that begins on its bound begins by moving inside; a slope that
-            // says otherwise is rounding.
+            // Inside again: it can only have been outside if it turned back within the step. A mode
+            // that begins on its bound begins by moving inside; a slope that says otherwise is
+            // rounding.
             if inside.1 <= 0.0 {
                 return None;
             }
-            outside = self.turn_outside(bound, end_derivative)?;
+            let rates = [
+                self.margin_rate(bound, 0.0, self.derivative),
+                self.margin_rate(bound, 1.0, end_derivative),
+            ];
+            if !(rates[0] < 0.0 && rates[1] > 0.0) {
+                return None;
+            }
+            outside = self.turn_outside(bound, rates)?;
         }
         if inside.1 <= 0.0 {
             return Some(self.exit_from_bound(bound, outside));
         }
-        Some(root(|theta| self.margin_at(bound, theta), inside, outside))
+        Some(self.crossing(bound, inside, outside))
     }
 
-    /// Where a signal that is inside a bound at both ends of the trial turned back outside it, and
-    /// its margin there; `None` if it did not.
-    fn turn_outside(&self, bound: Bound, end_derivative: &State<f64, A>) -> Option<(f64, f64)> {
-        let rates = (
-            self.margin_rate(bound, 0.0, self.derivative),
-            self.margin_rate(bound, 1.0, end_derivative),
-        );
-        if !(rates.0 < 0.0 && rates.1 > 0.0) {
-            return None;
-        }
+    /// Where a signal outside a bound turned back, given the rates of its margin at both ends of the
+    /// trial, and its margin there; `None` if it turned back inside.
+    #[cold]
+    fn turn_outside(&self, bound: Bound, rates: [f64; 2]) -> Option<(f64, f64)> {
         let rate =
             |theta| self.margin_rate(bound, theta, &self.derivative(theta, &self.state(theta)));
-        let turn = root(rate, (0.0, rates.0), (1.0, rates.1));
+        let turn = root(rate, (0.0, rates[0]), (1.0, rates[1]));
         let margin = self.margin_at(bound, turn);
         if margin >= 0.0 {
             return None;
@@ -196,16 +201,23 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
 
     /// Where a mode that begins on its very bound ends: behind a point inside that is looked for
     /// between its beginning and one outside; if there is none, where it begins.
+    #[cold]
     fn exit_from_bound(&self, bound: Bound, mut outside: (f64, f64)) -> f64 {
         for _ in 0..HALVINGS {
             let theta = 0.5 * outside.0;
             let probe = (theta, self.margin_at(bound, theta));
             if probe.1 > 0.0 {
-                return root(|theta| self.margin_at(bound, theta), probe, outside);
+                return self.crossing(bound, probe, outside);
             }
             outside = probe;
         }
         0.0
+    }
+
+    /// Where a signal crosses a bound between a point inside and one outside.
+    #[cold]
+    fn crossing(&self, bound: Bound, inside: (f64, f64), outside: (f64, f64)) -> f64 {
+        root(|theta| self.margin_at(bound, theta), inside, outside)
     }
 
     /// How far a signal is inside a bound at a share of the trial.
@@ -214,6 +226,7 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
     }
 
     /// How far a signal is inside a bound in a state at a share of the trial.
+    #[inline(always)]
     fn margin(&self, bound: Bound, theta: f64, x: &State<f64, A>) -> f64 {
         let axis = bound.axis;
         let value = match bound.signal {
@@ -234,6 +247,7 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
     }
 
     /// Time derivative of the margin.
+    #[inline(always)]
     fn margin_rate(&self, bound: Bound, theta: f64, derivative: &State<f64, A>) -> f64 {
         let axis = bound.axis;
         let rate = match bound.signal {

@@ -1,4 +1,4 @@
-//! A machine behind a runtime number of axes, and what follows from its equations of motion at a
+//! Mechanics of a machine behind a runtime number of axes, and what follows from its equations of motion at a
 //! position.
 
 use std::array::from_fn;
@@ -151,12 +151,7 @@ impl dyn Mechanics {
     fn stiffness_at_rest(&self, position_rad: &[f64]) -> DMatrix<f64> {
         let n = self.joints().len();
         let gravity_nm = self.bias_nm(position_rad, &vec![0.0; n]);
-        let slope = |(joint, torque): (&FlexibleJoint, &f64)| {
-            joint
-                .spring
-                .line(joint.spring.branch(joint.spring.deflection_rad(*torque)))
-                .0
-        };
+        let slope = |(joint, torque): (&FlexibleJoint, &f64)| joint.spring.slope_under(*torque);
         DMatrix::from_diagonal(&DVector::from_iterator(
             n,
             self.joints().iter().zip(&gravity_nm).map(slope),
@@ -165,7 +160,7 @@ impl dyn Mechanics {
 
     /// 1/J_m.
     fn motor_mobility(&self) -> DMatrix<f64> {
-        self.diagonal(|joint| 1.0 / joint.motor_inertia_kg_m2)
+        self.diagonal(FlexibleJoint::motor_mobility)
     }
 
     /// A diagonal matrix of one number of each joint.

@@ -1,4 +1,4 @@
-//! A root of a scalar function between two points of opposite sign.
+//! Root of a scalar function between two points of opposite sign.
 
 /// Finds a root of `f` between `a` and `b`, where `f(a) = fa` and `f(b) = fb` have opposite signs,
 /// to rounding level: inverse quadratic steps where three points promise a good one, else bisection

@@ -1,4 +1,4 @@
-//! The motor torque within one step of the integrator.
+//! Motor torque within one step of the integrator.
 
 use std::array::from_fn;
 
@@ -35,6 +35,11 @@ impl<const A: usize> Segment<A> {
             linear: from_fn(|axis| 4.0 * middle[axis] - 3.0 * start[axis] - end[axis]),
             square: from_fn(|axis| 2.0 * (start[axis] + end[axis]) - 4.0 * middle[axis]),
         }
+    }
+
+    /// The parabola through the torques that a function of the share gives at start, middle and end.
+    pub(crate) fn of(torque: impl Fn(f64) -> [f64; A]) -> Self {
+        Self::through(torque(0.0), torque(0.5), torque(1.0))
     }
 
     /// The torque at a share of the step.

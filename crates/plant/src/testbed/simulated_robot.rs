@@ -117,28 +117,33 @@ impl SimulatedRobot {
 
     fn check(&self, run: &Run) -> Result<(), PlantError> {
         let n_axes = self.robot.n_axes();
-        match &self.actuation {
-            Actuation::Torque {
-                hold: Hold::Continuous,
-            } => return Err(PlantError::NoHold),
-            Actuation::Torque { .. } => {}
-            Actuation::Velocity {
-                controller,
-                sample_time_s,
-            } => {
-                controller.check(n_axes, *sample_time_s)?;
-                if run.sample_time_s != *sample_time_s {
-                    let (key, found) = ("sample_time_s", run.sample_time_s);
-                    let needed = "the controller's sample time";
-                    return Err(SignalError::Parameter { key, found, needed }.into());
-                }
-            }
-        }
+        self.check_actuation(run.sample_time_s)?;
         check_run(n_axes, &self.sensors, run)?;
         if let Some(watch) = &self.watch {
             watch.check(n_axes)?;
         }
         Ok(())
+    }
+
+    /// Checks the actuation for a run of this sample time in s.
+    fn check_actuation(&self, found: f64) -> Result<(), PlantError> {
+        match &self.actuation {
+            Actuation::Torque {
+                hold: Hold::Continuous,
+            } => Err(PlantError::NoHold),
+            Actuation::Torque { .. } => Ok(()),
+            Actuation::Velocity {
+                controller,
+                sample_time_s,
+            } => {
+                controller.check(self.robot.n_axes(), *sample_time_s)?;
+                if found == *sample_time_s {
+                    return Ok(());
+                }
+                let (key, needed) = ("sample_time_s", "the controller's sample time");
+                Err(SignalError::Parameter { key, found, needed }.into())
+            }
+        }
     }
 
     /// Gains in N m s/rad of the axes' controllers, to be named where a run fails; empty in open
