@@ -19,7 +19,6 @@ mod peaks;
 mod plan;
 mod record;
 
-pub use confidence::f_quantile;
 pub use error::SignalError;
 pub use excitation::*;
 pub use frf::{Frf, Uncertainty};

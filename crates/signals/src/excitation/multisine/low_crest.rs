@@ -18,7 +18,6 @@ const ROUNDS: usize = 300;
 /// Each round clips the period just below its peak and takes over the phases, not the magnitudes,
 /// of what remains. The clip level rises from 75 % to 99 % of the peak, so that large peaks go
 /// first.
-#[must_use]
 pub(crate) fn low_crest_phases(lines: &[usize], magnitudes: &[f64]) -> Vec<f64> {
     let n = (16 * lines.last().copied().unwrap_or(1)).next_power_of_two();
     let mut planner = RealFftPlanner::<f64>::new();
