@@ -1,4 +1,4 @@
-//! What can be wrong with a plant, a controller or a simulation.
+//! Errors of plants, controllers and simulations.
 
 use frfid_signals::{RunId, SignalError, TestbedError};
 use thiserror::Error;
@@ -14,7 +14,7 @@ pub enum PlantError {
         "a sampled torque cannot be simulated with hold \"continuous\"; needed: \"zoh\" or \"linear\" (or a torque given as a function of time)"
     )]
     NoHold,
-    /// The simulation left the numbers.
+    /// The simulation diverged.
     #[error("{quantity} of axis {} is no longer finite at {time_s} s; lower the amplitude or the gains", channel + 1)]
     Diverged {
         /// The first quantity that was not finite.

@@ -1,11 +1,10 @@
-//! A flexible-joint robot in software: friction, spring, RK4, sensors, controller, testbeds.
+//! Flexible-joint robots in software: friction, spring, RK4, sensors, controller, testbeds.
 //!
 //! Everything on the joint side of the gear, SI units inside, Hz for public frequencies. The
 //! numeric core knows no files, no clock and no global random state. Equation numbers are those of
 //! Saupe and Knoblach, MSSP 52-53 (2015) 60-72 (SK15).
 
 mod arm;
-mod challenges;
 /// Control: sensors, controllers of the motor velocity, and the watch over limits.
 mod control {
     pub(crate) mod biquad;
@@ -24,26 +23,28 @@ mod joint {
     pub(crate) mod ripple;
     pub(crate) mod spring;
 }
-/// The linear truth: state space models, and the FRFs and poles of the closed loop at the pose.
+/// The linear closed loop at the pose: its FRFs and poles.
 mod linear {
     pub(crate) mod loop_frf;
     pub(crate) mod loop_poles;
-    pub(crate) mod state_space;
 }
 mod motion;
 mod robot;
+mod scalar;
 mod single_joint;
+mod state_space;
 /// Testbeds: a run goes in, a record comes out, sample by sample.
 mod testbed {
     pub(crate) mod command;
     pub(crate) mod recorder;
+    pub(crate) mod run_loop;
     pub(crate) mod simulate;
     pub(crate) mod simulated_robot;
 }
 
+pub use arm::challenges::{Challenges, is_posed};
 pub use arm::inertia::Inertia;
 pub use arm::{Arm, Body, BodyJoint, Payload};
-pub use challenges::{Challenges, is_posed};
 pub use control::controller::{Controller, ControllerAxis, ControllerOutput, LinearController};
 pub use control::filtered_pi::{FilteredPi, TorqueLowPass, TorqueNotch};
 pub use control::pi::PiController;
@@ -51,19 +52,15 @@ pub use control::sensor::Sensor;
 pub use control::watch::{Reached, Watch};
 pub use error::PlantError;
 pub use joint::flexible_joint::FlexibleJoint;
-pub use joint::friction::{Friction, Slip};
+pub use joint::friction::Friction;
 pub use joint::ripple::Ripple;
-pub use joint::spring::{Branch, Spring};
+pub use joint::spring::Spring;
 pub use linear::loop_frf::LoopFrf;
 pub use linear::loop_poles::{check_stability, loop_poles};
-pub use linear::state_space::{Hold, StateSpace};
-pub use motion::equations::{Links, Machine, SingleLink};
-pub use motion::integrator::Integrator;
-pub use motion::scalar::Scalar;
-pub use motion::segment::Segment;
 pub use motion::trajectory::Trajectory;
 pub use motion::{Acting, Motion};
 pub use robot::Robot;
 pub use single_joint::SingleJoint;
-pub use testbed::simulate::{Clock, Torque, simulate};
+pub use state_space::{Hold, StateSpace};
+pub use testbed::simulate::{Torque, simulate};
 pub use testbed::simulated_robot::{Actuation, SimulatedRobot};

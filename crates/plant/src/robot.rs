@@ -1,5 +1,4 @@
-//! What every simulated robot can tell of itself: the seam between descriptions, testbeds and the
-//! linear truth.
+//! Robot in software: the seam between descriptions of machines, testbeds and the linear truth.
 
 use std::fmt::Debug;
 
@@ -8,8 +7,8 @@ use frfid_signals::{Frf, SignalError};
 
 use crate::control::sensor::Sensor;
 use crate::error::PlantError;
-use crate::linear::state_space::{Hold, StateSpace};
 use crate::motion::Motion;
+use crate::state_space::{Hold, StateSpace};
 
 /// A robot in software: the description of a machine that can be set in motion and linearised.
 pub trait Robot: Debug + Send + Sync {
@@ -80,7 +79,6 @@ pub trait Robot: Debug + Send + Sync {
         of_axes("sensors", sensors, n_axes)?
             .iter()
             .try_for_each(Sensor::check)?;
-        let StateSpace { a, b, c, d } = self.state_space();
         // differences are taken of positions, the rows after those of the velocities
         let row = |(axis, sensor): (usize, &Sensor)| {
             axis + if sensor.velocity_by_differencing {
@@ -90,13 +88,8 @@ pub trait Robot: Debug + Send + Sync {
             }
         };
         let rows: Vec<usize> = sensors.iter().enumerate().map(row).collect();
-        let mut frf = StateSpace {
-            a,
-            b,
-            c: c.select_rows(&rows),
-            d: d.select_rows(&rows),
-        }
-        .frf(hz, hold, sample_time_s)?;
+        let model = self.state_space().of_outputs(&rows);
+        let mut frf = model.frf(hz, hold, sample_time_s)?;
         for ((line, axis, _), value) in frf.response.indexed_iter_mut() {
             *value *= sensors[axis].response(hz[line], sample_time_s);
         }

@@ -1,4 +1,4 @@
-//! The single flexible joint of the paper's example (SK15 section 6.1, eqs. (20)-(22)).
+//! Single flexible joint of the paper's example (SK15 section 6.1, eqs. (20)-(22)).
 
 use frfid_signals::SignalError;
 use frfid_signals::checks::{channels, positive};
@@ -7,12 +7,12 @@ use crate::error::PlantError;
 use crate::joint::flexible_joint::FlexibleJoint;
 use crate::joint::friction::Friction;
 use crate::joint::spring::Spring;
-use crate::linear::state_space::StateSpace;
 use crate::motion::Motion;
 use crate::motion::equations::{Machine, SingleLink};
 use crate::motion::integrator::Integrator;
 use crate::motion::mechanics::Mechanics;
 use crate::robot::Robot;
+use crate::state_space::StateSpace;
 
 /// One motor and one link with a gear between them; everything on the joint side of the gear.
 ///
@@ -51,8 +51,7 @@ impl Default for SingleJoint {
 
 impl SingleJoint {
     /// The joint as a machine of one axis, ready to move.
-    #[must_use]
-    pub fn machine(&self) -> Machine<SingleLink, 1> {
+    pub(crate) fn machine(&self) -> Machine<SingleLink, 1> {
         Machine {
             joints: [self.joint.clone()],
             links: SingleLink {
@@ -83,10 +82,7 @@ impl Robot for SingleJoint {
             ..
         } = &self.joint;
         let compliance = 1.0 / motor_inertia_kg_m2 + 1.0 / self.link_inertia_kg_m2;
-        let stiffest = spring
-            .stiffness_nm_per_rad
-            .max(spring.stiffness_beyond_nm_per_rad);
-        let resonance = (stiffest * compliance).sqrt();
+        let resonance = (spring.stiffest_nm_per_rad() * compliance).sqrt();
         let viscous = friction.viscous_nms_per_rad / motor_inertia_kg_m2;
         let decay = damping_nms_per_rad * compliance + viscous;
         0.0075 / resonance.max(decay)
@@ -122,7 +118,7 @@ mod tests {
     use super::*;
     use crate::control::sensor::Sensor;
     use crate::joint::ripple::Ripple;
-    use crate::linear::state_space::Hold;
+    use crate::state_space::Hold;
 
     /// Sets one field of a joint.
     type Setter = fn(&mut SingleJoint, f64);
@@ -284,6 +280,12 @@ mod tests {
             ));
         }
         let joint = SingleJoint::default();
-        assert!(joint.frf(&[1.0], Hold::Zoh, 0.0).is_err());
+        assert!(matches!(
+            joint.frf(&[1.0], Hold::Zoh, 0.0),
+            Err(SignalError::Parameter {
+                key: "sample_time_s",
+                ..
+            })
+        ));
     }
 }

@@ -1,4 +1,4 @@
-//! How the arm moves: conservation of energy, rest under gravity, the single joint as its simplest
+//! Motion of the arm: conservation of energy, rest under gravity, the single joint as its simplest
 //! case, the linear truth.
 
 mod manutec_r3;

@@ -7,7 +7,7 @@ use frfid_plant::{
     Controller, FilteredPi, Hold, LoopFrf, PiController, PlantError, Robot, Sensor, SimulatedRobot,
     SingleJoint, TorqueLowPass, TorqueNotch, check_stability, loop_poles,
 };
-use frfid_signals::{Run, RunId, RunKind, Testbed};
+use frfid_signals::{Run, RunId, RunKind, SignalError, Testbed};
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -251,13 +251,29 @@ fn what_does_not_fit_is_refused() {
         gain_nms_per_rad: vec![1.0; 2],
         ..controller()
     };
-    assert!(frf(&two, &sensors, 1.0).is_err() && loop_poles(&joint(), &two, T, &sensors).is_err());
+    let gains = SignalError::Shape {
+        name: "gain_nms_per_rad",
+        found: vec![2],
+        needed: "(1)".to_owned(),
+    };
+    assert_eq!(frf(&two, &sensors, 1.0), Err(gains.clone()));
+    assert_eq!(loop_poles(&joint(), &two, T, &sensors), Err(gains));
     let huge = PiController {
         gain_nms_per_rad: vec![f64::MAX],
         ..controller()
     };
-    assert!(
-        loop_poles(&joint(), &huge, T, &sensors).is_err()
-            || check_stability(&joint(), &huge, T, &sensors).is_err()
-    );
+    assert!(matches!(
+        loop_poles(&joint(), &huge, T, &sensors),
+        Err(SignalError::Parameter {
+            key: "sample_time_s",
+            ..
+        })
+    ));
+    assert!(matches!(
+        check_stability(&joint(), &huge, T, &sensors),
+        Err(PlantError::Signal(SignalError::Parameter {
+            key: "sample_time_s",
+            ..
+        }))
+    ));
 }

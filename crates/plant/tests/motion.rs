@@ -1,4 +1,4 @@
-//! How the joint moves: conservation laws, sticking, reversal, the knee, ripple, holds, and events
+//! Motion of the joint: conservation laws, sticking, reversal, the knee, ripple, holds, and events
 //! that hide in a step.
 
 use std::f64::consts::TAU;

@@ -4,8 +4,7 @@ use crate::frf::Uncertainty;
 
 /// Quantile of the F distribution with 2 numerator and `denominator` degrees of freedom, in closed
 /// form: `F_p(2, m) = m/2 ((1 - p)^(-2/m) - 1)`.
-#[must_use]
-pub fn f_quantile(probability: f64, denominator: f64) -> f64 {
+pub(crate) fn f_quantile(probability: f64, denominator: f64) -> f64 {
     // expm1 keeps the digits for large m, where the quantile tends to -ln(1 - p)
     0.5 * denominator * (-2.0 / denominator * (-probability).ln_1p()).exp_m1()
 }

@@ -1,9 +1,8 @@
-//! What can be wrong with an excitation, a record or an FRF: found and needed values in every
-//! message.
+//! Errors of excitations, records and FRFs: found and needed values in every message.
 
 use thiserror::Error;
 
-use crate::limits::Limit;
+use crate::limit::Limit;
 
 /// Errors of the `signals` crate. Every variant says what was found and what was needed.
 #[derive(Debug, Clone, PartialEq, Error)]

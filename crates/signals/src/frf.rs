@@ -1,4 +1,4 @@
-//! The frequency response matrix with its uncertainty: what every estimator returns.
+//! Frequency response matrix with its uncertainty: what every estimator returns.
 
 use ndarray::{Array2, Array3, Axis};
 use num_complex::Complex64;
@@ -67,37 +67,39 @@ impl Frf {
     /// [`SignalError::Shape`].
     pub fn check(&self) -> Result<(), SignalError> {
         let (lines, entries) = (self.frequency_hz.len(), self.n_outputs() * self.n_inputs());
-        let shape = |name, found: &[usize], needed| {
-            Err(SignalError::Shape {
-                name,
-                found: found.to_vec(),
-                needed,
-            })
-        };
         if self.response.len_of(Axis(0)) != lines || entries == 0 {
-            return shape(
-                "response",
-                self.response.shape(),
-                format!("({lines}, outputs, inputs), one matrix per frequency"),
-            );
+            return Err(SignalError::Shape {
+                name: "response",
+                found: self.response.shape().to_vec(),
+                needed: format!("({lines}, outputs, inputs), one matrix per frequency"),
+            });
         }
-        for (name, known) in [
-            ("noise covariance", &self.noise),
-            ("total covariance", &self.total),
-        ] {
-            if let Some(known) = known
-                && known.covariance.shape() != [lines, entries, entries]
-            {
-                return shape(
-                    name,
-                    known.covariance.shape(),
-                    format!("({lines}, {entries}, {entries})"),
-                );
-            }
-        }
+        self.check_covariance("noise covariance", self.noise.as_ref())?;
+        self.check_covariance("total covariance", self.total.as_ref())?;
         match &self.condition {
-            Some(condition) if condition.len() != lines => {
-                shape("condition", &[condition.len()], format!("({lines})"))
+            Some(condition) if condition.len() != lines => Err(SignalError::Shape {
+                name: "condition",
+                found: vec![condition.len()],
+                needed: format!("({lines})"),
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// Checks that a covariance, where there is one, has the size of vec(G) at every frequency.
+    fn check_covariance(
+        &self,
+        name: &'static str,
+        known: Option<&Uncertainty>,
+    ) -> Result<(), SignalError> {
+        let (lines, entries) = (self.frequency_hz.len(), self.n_outputs() * self.n_inputs());
+        match known {
+            Some(known) if known.covariance.shape() != [lines, entries, entries] => {
+                Err(SignalError::Shape {
+                    name,
+                    found: known.covariance.shape().to_vec(),
+                    needed: format!("({lines}, {entries}, {entries})"),
+                })
             }
             _ => Ok(()),
         }
@@ -189,7 +191,15 @@ mod tests {
 
     #[test]
     fn shapes_are_checked_and_unmeasured_variance_is_none() {
-        assert!(Frf::new(vec![1.0], Array3::zeros((2, 1, 1))).is_err());
+        let needed = "(1, outputs, inputs), one matrix per frequency".to_owned();
+        assert_eq!(
+            Frf::new(vec![1.0], Array3::zeros((2, 1, 1))),
+            Err(SignalError::Shape {
+                name: "response",
+                found: vec![2, 1, 1],
+                needed
+            })
+        );
         assert_eq!(frf().noise_variance(), None);
         assert_eq!(frf().nonlinear_variance(), None);
     }

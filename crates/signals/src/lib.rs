@@ -1,5 +1,5 @@
-//! What one commands and what one measures: line grids, excitations, experiment plans, records and
-//! the FRF type.
+//! Signals, those commanded and those measured: line grids, excitations, experiment plans, records
+//! and the FRF type.
 //!
 //! The leaf of the house: no files, no clock, no global random state. Frequencies are in Hz,
 //! everything else in SI units, the unit ends the name. Time series are `(channel, sample)`,
@@ -12,17 +12,18 @@ mod confidence;
 mod error;
 mod excitation;
 mod frf;
+mod limit;
 mod limits;
 mod number;
 mod peaks;
 mod plan;
 mod record;
 
-pub use confidence::f_quantile;
 pub use error::SignalError;
 pub use excitation::*;
 pub use frf::{Frf, Uncertainty};
-pub use limits::{Excess, Limit, Limits};
+pub use limit::Limit;
+pub use limits::{Excess, Limits};
 pub use number::median::median;
 pub use number::spacing::log_spaced;
 pub use number::{checks, format, power, random};

@@ -6,7 +6,7 @@ use ndarray::{Array2, ArrayView1, ArrayView2};
 use serde::ser::SerializeMap;
 use serde::{Serialize, Serializer};
 
-use crate::limits::Limit;
+use crate::limit::Limit;
 use crate::record::Record;
 
 /// What a run reached at most, in the unit of the limit that bounds it, one value for each axis;
@@ -20,15 +20,6 @@ impl Peaks {
     #[must_use]
     pub fn of_record(record: &Record, start_rad: &[f64], pose_rad: &[f64]) -> Self {
         let ways = Ways::of(record, start_rad);
-        let about_pose = |way: fn(&Ways) -> &[f64]| {
-            let way = way(ways.as_ref()?);
-            Some(
-                way.iter()
-                    .zip(pose_rad)
-                    .map(|(way, pose)| pose + way)
-                    .collect(),
-            )
-        };
         let reached = |limit: Limit| match limit {
             Limit::Torque => Some(by_axis(record.u.view(), largest)),
             Limit::TorqueRate => Some(by_axis(record.u.view(), |row| {
@@ -37,8 +28,8 @@ impl Peaks {
             Limit::Velocity => Some(by_axis(record.y.view(), largest)),
             Limit::Acceleration | Limit::Jerk => None,
             Limit::Travel => ways.as_ref().map(Ways::farther),
-            Limit::LowestPosition => about_pose(|ways| &ways.low),
-            Limit::HighestPosition => about_pose(|ways| &ways.high),
+            Limit::LowestPosition => ways.as_ref().map(|ways| about(pose_rad, &ways.low)),
+            Limit::HighestPosition => ways.as_ref().map(|ways| about(pose_rad, &ways.high)),
         };
         let known = |&limit: &Limit| Some((limit, reached(limit)?));
         Limit::ALL.iter().filter_map(known).collect()
@@ -112,6 +103,12 @@ impl Ways {
             .map(|(low, high)| high.max(-low))
             .collect()
     }
+}
+
+/// Positions in rad at ways from a pose.
+fn about(pose_rad: &[f64], ways: &[f64]) -> Vec<f64> {
+    let axes = ways.iter().zip(pose_rad);
+    axes.map(|(way, pose)| pose + way).collect()
 }
 
 /// Largest magnitude of every row of a signal `(axis, sample)`.

@@ -1,10 +1,10 @@
-//! A record: what one run of a testbed measured.
+//! Record of a run: what a testbed measured.
 
 use ndarray::{Array2, ArrayView2, s};
 use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
-use crate::limits::Limit;
+use crate::limit::Limit;
 use crate::number::checks::positive;
 
 /// Whether the recorded plant input is what the controller commanded or what the drive measured.
@@ -66,7 +66,7 @@ mod quantity_key {
     use serde::de::{Deserialize, Deserializer, Error};
     use serde::ser::Serializer;
 
-    use crate::limits::Limit;
+    use crate::limit::Limit;
 
     pub(super) fn serialize<S: Serializer>(
         limit: &Limit,

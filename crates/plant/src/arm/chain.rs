@@ -1,4 +1,4 @@
-//! An arm compiled to the numbers its motion depends on.
+//! Chain of moving links: an arm compiled to the numbers its motion depends on.
 //!
 //! Locked bodies and the payload become part of the moving body before them. Every link gets a
 //! frame whose z axis is its joint's axis and whose x axis is normal to the next one, so that two
@@ -9,9 +9,9 @@
 
 use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 
+use crate::arm::challenges::is_posed;
 use crate::arm::rigid::{Rigid, matrix};
 use crate::arm::{Arm, BodyJoint};
-use crate::challenges::is_posed;
 
 /// A link in its own frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -51,39 +51,49 @@ struct Carried {
 impl<const A: usize> Chain<A> {
     /// Compiles an arm; `None` if it has not `A` moving joints.
     pub(crate) fn new(arm: &Arm) -> Option<Self> {
-        let mut lift = -Vector3::from(arm.gravity_m_s2);
         let mut carried = merged(arm);
-        let mut links = Vec::with_capacity(A);
-        for i in 0..carried.len() {
-            let (before, twist, after) = z_x_z(&carried[i].rotation);
-            carried[i].zero_rad += after;
-            let back = *Rotation3::from_axis_angle(&Vector3::z_axis(), -before).matrix();
-            carried[i].offset = back * carried[i].offset;
-            carried[i].rotation = *Rotation3::from_axis_angle(&Vector3::x_axis(), twist).matrix();
-            if i == 0 {
-                lift = back * lift;
-            } else {
-                let parent = &mut carried[i - 1];
-                parent.zero_rad += before;
-                parent.rigid = parent.rigid.seen(&back, &Vector3::zeros());
-            }
-        }
-        while let Some(mut link) = carried.pop() {
-            let on_axis = link.rigid.on_axis();
-            link.rigid -= on_axis;
-            if let Some(parent) = carried.last_mut() {
-                parent.rigid += on_axis.seen(&link.rotation, &link.offset);
-            }
-            links.push(link.compiled());
-        }
-        links.reverse();
-        let links = links.try_into().ok()?;
+        let lift = align_x_axes(&mut carried, -Vector3::from(arm.gravity_m_s2));
         Some(Self {
-            links,
+            links: base_parameters(carried).try_into().ok()?,
             lift: lift.into(),
             biased: is_posed(arm.challenges.gravity),
         })
     }
+}
+
+/// Turns every frame about its z axis until its x axis is normal to the next z axis; returns the
+/// lift in the turned frame of the base.
+fn align_x_axes(carried: &mut [Carried], mut lift: Vector3<f64>) -> Vector3<f64> {
+    for i in 0..carried.len() {
+        let (before, twist, after) = z_x_z(&carried[i].rotation);
+        carried[i].zero_rad += after;
+        let back = *Rotation3::from_axis_angle(&Vector3::z_axis(), -before).matrix();
+        carried[i].offset = back * carried[i].offset;
+        carried[i].rotation = *Rotation3::from_axis_angle(&Vector3::x_axis(), twist).matrix();
+        if i == 0 {
+            lift = back * lift;
+        } else {
+            let parent = &mut carried[i - 1];
+            parent.zero_rad += before;
+            parent.rigid = parent.rigid.seen(&back, &Vector3::zeros());
+        }
+    }
+    lift
+}
+
+/// The links, mass on a joint's axis put on the body before it.
+fn base_parameters(mut carried: Vec<Carried>) -> Vec<Link> {
+    let mut links = Vec::with_capacity(carried.len());
+    while let Some(mut link) = carried.pop() {
+        let on_axis = link.rigid.on_axis();
+        link.rigid -= on_axis;
+        if let Some(parent) = carried.last_mut() {
+            parent.rigid += on_axis.seen(&link.rotation, &link.offset);
+        }
+        links.push(link.compiled());
+    }
+    links.reverse();
+    links
 }
 
 impl Carried {
@@ -121,11 +131,10 @@ fn merged(arm: &Arm) -> Vec<Carried> {
             }
             BodyJoint::Flexible(_) => {
                 let upright = upright(&axis);
-                let rigid = Rigid::zero();
                 carried.push(Carried {
                     rotation: rotation * upright,
                     offset: origin,
-                    rigid,
+                    rigid: Rigid::zero(),
                     zero_rad: 0.0,
                 });
                 (rotation, origin) = (upright.transpose(), Vector3::zeros());

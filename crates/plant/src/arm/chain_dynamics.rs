@@ -9,169 +9,12 @@
 use std::array::from_fn;
 
 use crate::arm::chain::{Chain, Link};
+use crate::arm::composite::Composite;
 use crate::arm::positive_definite::solve;
+use crate::arm::stance::Stance;
+use crate::arm::wrench::Wrench;
 use crate::motion::equations::Links;
-use crate::motion::scalar::Scalar;
-
-/// How a link stands on its parent.
-#[derive(Clone, Copy)]
-struct Stance<L> {
-    /// Cosine and sine of the twist about x.
-    twist: [L; 2],
-    /// Cosine and sine of the turn about z.
-    turn: [L; 2],
-    /// Origin in the parent's frame.
-    offset: [L; 3],
-}
-
-/// First moments h and second moments S of a link with all that it carries. (Its mass is put to the
-/// base's.)
-#[derive(Clone, Copy)]
-struct Composite<L> {
-    first: [L; 3],
-    xx: L,
-    yy: L,
-    zz: L,
-    xy: L,
-    xz: L,
-    yz: L,
-}
-
-/// Force and moment about the origin of a link.
-#[derive(Clone, Copy)]
-struct Wrench<L> {
-    force: [L; 3],
-    moment: [L; 3],
-}
-
-#[inline(always)]
-fn add<L: Scalar>(a: [L; 3], b: [L; 3]) -> [L; 3] {
-    from_fn(|k| a[k] + b[k])
-}
-
-#[inline(always)]
-fn cross<L: Scalar>([ax, ay, az]: [L; 3], [bx, by, bz]: [L; 3]) -> [L; 3] {
-    [ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx]
-}
-
-impl<L: Scalar> Stance<L> {
-    #[inline(always)]
-    fn new(link: &Link, position: L) -> Self {
-        let (sin, cos) = (position + L::splat(link.zero_rad)).sin_cos();
-        Self {
-            twist: link.twist.map(L::splat),
-            turn: [cos, sin],
-            offset: link.offset.map(L::splat),
-        }
-    }
-
-    /// A vector of the parent's frame in the link's.
-    #[inline(always)]
-    fn inwards(&self, [x, y, z]: [L; 3]) -> [L; 3] {
-        let ([c, s], [cos, sin]) = (self.twist, self.turn);
-        let (y, z) = (c * y + s * z, c * z - s * y);
-        [cos * x + sin * y, cos * y - sin * x, z]
-    }
-
-    /// A vector of the link's frame in the parent's.
-    #[inline(always)]
-    fn outwards(&self, [x, y, z]: [L; 3]) -> [L; 3] {
-        let ([c, s], [cos, sin]) = (self.twist, self.turn);
-        let (x, y) = (cos * x - sin * y, sin * x + cos * y);
-        [x, c * y - s * z, s * y + c * z]
-    }
-
-    /// A wrench on the link as one on the parent.
-    #[inline(always)]
-    fn wrench(&self, wrench: Wrench<L>) -> Wrench<L> {
-        let force = self.outwards(wrench.force);
-        Wrench {
-            force,
-            moment: add(self.outwards(wrench.moment), cross(self.offset, force)),
-        }
-    }
-
-    /// What the link carries as a part of what the parent carries.
-    #[inline(always)]
-    fn carried(
-        &self,
-        Composite {
-            first,
-            xx,
-            yy,
-            zz,
-            xy,
-            xz,
-            yz,
-        }: Composite<L>,
-    ) -> Composite<L> {
-        let ([c, s], [cos, sin]) = (self.twist, self.turn);
-        // about z
-        let (u, v) = (cos * xx - sin * xy, cos * xy - sin * yy);
-        let (sum, xx, xy) = (xx + yy, cos * u - sin * v, sin * u + cos * v);
-        let (yy, xz, yz) = (sum - xx, cos * xz - sin * yz, sin * xz + cos * yz);
-        // about x
-        let (u, v) = (c * yy - s * yz, c * yz - s * zz);
-        let (sum, yy, yz) = (yy + zz, c * u - s * v, s * u + c * v);
-        let (zz, xy, xz) = (sum - yy, c * xy - s * xz, s * xy + c * xz);
-        // to the parent's origin
-        let first = self.outwards(first);
-        let ([hx, hy, hz], [ox, oy, oz]) = (first, self.offset);
-        let two = L::splat(2.0);
-        Composite {
-            first,
-            xx: xx + two * (ox * hx),
-            yy: yy + two * (oy * hy),
-            zz: zz + two * (oz * hz),
-            xy: xy + (ox * hy + oy * hx),
-            xz: xz + (ox * hz + oz * hx),
-            yz: yz + (oy * hz + oz * hy),
-        }
-    }
-}
-
-impl<L: Scalar> Composite<L> {
-    #[inline(always)]
-    fn own(link: &Link) -> Self {
-        let ([hx, hy], [xx, yy, xy, xz, yz], zero) = (
-            link.first.map(L::splat),
-            link.second.map(L::splat),
-            L::splat(0.0),
-        );
-        Self {
-            first: [hx, hy, zero],
-            xx,
-            yy,
-            zz: zero,
-            xy,
-            xz,
-            yz,
-        }
-    }
-
-    #[inline(always)]
-    fn plus(self, other: Self) -> Self {
-        Self {
-            first: add(self.first, other.first),
-            xx: self.xx + other.xx,
-            yy: self.yy + other.yy,
-            zz: self.zz + other.zz,
-            xy: self.xy + other.xy,
-            xz: self.xz + other.xz,
-            yz: self.yz + other.yz,
-        }
-    }
-
-    /// What a unit of angular acceleration about z takes.
-    #[inline(always)]
-    fn wrench(&self) -> Wrench<L> {
-        let ([hx, hy, _], zero) = (self.first, L::splat(0.0));
-        Wrench {
-            force: [-hy, hx, zero],
-            moment: [-self.xz, -self.yz, self.xx + self.yy],
-        }
-    }
-}
+use crate::scalar::Scalar;
 
 impl Link {
     /// What it takes to accelerate the link's points x by a + E x.
@@ -236,19 +79,32 @@ impl<const A: usize> Chain<A> {
         mass
     }
 
-    /// Torques in N m at constant velocities.
+    /// Torques in N m at constant velocities: what each link's own motion takes, added up from the
+    /// tip inwards.
     #[inline(always)]
     fn bias<L: Scalar>(&self, stances: &[Stance<L>; A], velocity: [L; A]) -> [L; A] {
-        let zero = L::splat(0.0);
         if !self.biased {
-            return [zero; A];
+            return [L::splat(0.0); A];
         }
+        let mut wrenches = self.own_wrenches(stances, velocity);
+        for i in (1..A).rev() {
+            wrenches[i - 1] = wrenches[i - 1].plus(stances[i].wrench(wrenches[i]));
+        }
+        wrenches.map(|wrench| wrench.moment[2])
+    }
+
+    /// What each link's own motion takes at constant velocities: its accelerations, from the base
+    /// outwards, times its mass.
+    #[inline(always)]
+    fn own_wrenches<L: Scalar>(
+        &self,
+        stances: &[Stance<L>; A],
+        velocity: [L; A],
+    ) -> [Wrench<L>; A] {
+        let zero = L::splat(0.0);
         let (mut w, mut dw, mut a) = ([zero; 3], [zero; 3], self.lift.map(L::splat));
         let mut e = [[zero; 3]; 3];
-        let mut wrenches = [Wrench {
-            force: [zero; 3],
-            moment: [zero; 3],
-        }; A];
+        let mut wrenches = [Wrench::zero(); A];
         for i in 0..A {
             if i > 0 {
                 let [ox, oy, oz] = stances[i].offset;
@@ -265,15 +121,16 @@ impl<const A: usize> Chain<A> {
             e = spin(w, dw);
             wrenches[i] = self.links[i].wrench(a, &e);
         }
-        for i in (1..A).rev() {
-            let Wrench { force, moment } = stances[i].wrench(wrenches[i]);
-            let own = wrenches[i - 1];
-            wrenches[i - 1] = Wrench {
-                force: add(own.force, force),
-                moment: add(own.moment, moment),
-            };
-        }
-        wrenches.map(|wrench| wrench.moment[2])
+        wrenches
+    }
+
+    /// The lift of the base in the frame of each link.
+    fn lifts(&self, stances: &[Stance<f64>; A]) -> [[f64; 3]; A] {
+        let mut lift = self.lift;
+        from_fn(|i| {
+            lift = stances[i].inwards(lift);
+            lift
+        })
     }
 }
 
@@ -329,16 +186,5 @@ impl<const A: usize> Links<A> for Chain<A> {
         let stances = self.stances(position);
         let (composites, lifts) = (self.composites(&stances), self.lifts(&stances));
         (0..3).map(|k| composites[0].first[k] * lifts[0][k]).sum()
-    }
-}
-
-impl<const A: usize> Chain<A> {
-    /// The lift of the base in the frame of each link.
-    fn lifts(&self, stances: &[Stance<f64>; A]) -> [[f64; 3]; A] {
-        let mut lift = self.lift;
-        from_fn(|i| {
-            lift = stances[i].inwards(lift);
-            lift
-        })
     }
 }

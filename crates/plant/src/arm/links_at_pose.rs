@@ -3,7 +3,7 @@
 use std::array::from_fn;
 
 use crate::motion::equations::Links;
-use crate::motion::scalar::Scalar;
+use crate::scalar::Scalar;
 
 /// Links with the mass matrix of a pose, no Coriolis torques and gravity that changes linearly
 /// about the pose: M(q0) qo'' + g(q0) + dg/dq (qo - q0) = torque. Whatever they travel, they obey
@@ -24,7 +24,7 @@ pub(crate) struct LinksAtPose<const A: usize> {
 
 impl<const A: usize> LinksAtPose<A> {
     /// Links as they are at a pose in rad.
-    pub fn new(links: &impl Links<A>, pose: [f64; A]) -> Self {
+    pub(crate) fn new(links: &impl Links<A>, pose: [f64; A]) -> Self {
         let zero = [0.0; A];
         let gravity = links.holding(pose, zero);
         let unit = |j: usize| from_fn(|i| gravity[i] + f64::from(u8::from(i == j)));

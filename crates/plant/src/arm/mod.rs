@@ -2,20 +2,24 @@
 //! description; what follows from it is in `chain.rs` (mass matrix, gravity, Coriolis) and
 //! `robot.rs` (motion, linear truth).
 
-pub(crate) mod chain;
-pub(crate) mod chain_dynamics;
+mod chain;
+mod chain_dynamics;
+pub(crate) mod challenges;
+mod composite;
 pub(crate) mod inertia;
-pub(crate) mod links_at_pose;
-pub(crate) mod positive_definite;
-pub(crate) mod rigid;
-pub(crate) mod robot;
-pub(crate) mod validation;
+mod links_at_pose;
+mod positive_definite;
+mod rigid;
+mod robot;
+mod stance;
+mod validation;
+mod wrench;
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::arm::challenges::Challenges;
 use crate::arm::inertia::Inertia;
-use crate::challenges::Challenges;
 use crate::joint::flexible_joint::FlexibleJoint;
 
 /// A serial chain of rigid bodies on revolute joints, from the base to the tip.

@@ -1,6 +1,6 @@
 //! Linear equations with a symmetric positive definite matrix of few rows.
 
-use crate::motion::scalar::Scalar;
+use crate::scalar::Scalar;
 
 /// Solves M x = b for a symmetric positive definite M, of which the lower triangle is read, by M =
 /// L D L^T.

@@ -1,4 +1,4 @@
-//! How mass is spread, as three moments that add up and move from frame to frame.
+//! Moments of a mass distribution, which add up and move from frame to frame.
 
 use std::ops::{AddAssign, SubAssign};
 
@@ -20,7 +20,7 @@ pub(crate) struct Rigid {
 
 impl Rigid {
     /// Nothing.
-    pub fn zero() -> Self {
+    pub(crate) fn zero() -> Self {
         Self {
             mass: 0.0,
             first: Vector3::zeros(),
@@ -29,7 +29,7 @@ impl Rigid {
     }
 
     /// A body of a mass in kg, a centre of mass in m and an inertia tensor in kg m^2 about it.
-    pub fn new(mass: f64, center_of_mass: &[f64; 3], inertia: Inertia) -> Self {
+    pub(crate) fn new(mass: f64, center_of_mass: &[f64; 3], inertia: Inertia) -> Self {
         let inertia = inertia.matrix();
         let second = Matrix3::from_diagonal_element(0.5 * inertia.trace()) - inertia;
         let about_itself = Self {
@@ -42,7 +42,7 @@ impl Rigid {
 
     /// The same seen from a frame in which this frame has an orientation R and an origin o: x
     /// becomes R x + o.
-    pub fn seen(&self, rotation: &Matrix3<f64>, origin: &Vector3<f64>) -> Self {
+    pub(crate) fn seen(&self, rotation: &Matrix3<f64>, origin: &Vector3<f64>) -> Self {
         let turned = rotation * self.first;
         let mixed = turned * origin.transpose();
         let second = rotation * self.second * rotation.transpose() + mixed + mixed.transpose();
@@ -55,7 +55,7 @@ impl Rigid {
 
     /// The part that lies on the z axis as far as the motion of a body on that axis can tell: mass,
     /// first moment along it and second moment along it.
-    pub fn on_axis(&self) -> Self {
+    pub(crate) fn on_axis(&self) -> Self {
         let mut second = Matrix3::zeros();
         second[(2, 2)] = self.second[(2, 2)];
         Self {

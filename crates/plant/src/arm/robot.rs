@@ -1,22 +1,22 @@
-//! The arm as a robot: its equations of motion at any position, its motion, its linear truth.
+//! Arm as a robot: its equations of motion at any position, its motion, its linear truth.
 
 use std::array::from_fn;
 use std::f64::consts::TAU;
 
 use frfid_signals::SignalError;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use crate::arm::Arm;
 use crate::arm::chain::Chain;
+use crate::arm::challenges::is_posed;
 use crate::arm::links_at_pose::LinksAtPose;
-use crate::challenges::is_posed;
 use crate::error::PlantError;
 use crate::joint::flexible_joint::FlexibleJoint;
-use crate::linear::state_space::StateSpace;
 use crate::motion::Motion;
 use crate::motion::equations::Machine;
 use crate::motion::mechanics::Mechanics;
 use crate::robot::Robot;
+use crate::state_space::StateSpace;
 
 impl Arm {
     /// Mass matrix M in kg m^2 of the links at positions in rad of the moving joints.
@@ -88,17 +88,14 @@ impl Arm {
             .zip(gears)
             .map(|(qm, dq)| qm - dq)
             .collect();
-        let joint = |((joint, v), dq): ((&FlexibleJoint, &f64), &f64)| {
-            0.5 * joint.motor_inertia_kg_m2 * v * v + joint.spring.energy_j(*dq)
-        };
+        let motions = motor.iter().zip(gears);
         let in_joints: f64 = mechanics
             .joints()
             .iter()
-            .zip(motor)
-            .zip(gears)
-            .map(joint)
+            .zip(motions)
+            .map(|(joint, (velocity, deflection))| joint.energy_j(*velocity, *deflection))
             .sum();
-        let velocity = nalgebra::DVector::from_row_slice(link);
+        let velocity = DVector::from_row_slice(link);
         let links = 0.5 * velocity.dot(&(mechanics.mass_matrix(&position) * &velocity));
         Ok(in_joints + links + mechanics.potential_j(&position))
     }
@@ -109,7 +106,7 @@ impl Arm {
     /// # Errors
     /// [`SignalError`] for a parameter out of range.
     pub fn modes_hz(&self) -> Result<Vec<f64>, SignalError> {
-        self.elastic_hz(|joint| 1.0 / joint.motor_inertia_kg_m2)
+        self.elastic_hz(FlexibleJoint::motor_mobility)
     }
 
     /// The same with the motors locked: the zeros of the FRFs from torque to velocity taken
@@ -121,6 +118,7 @@ impl Arm {
         self.elastic_hz(|_| 0.0)
     }
 
+    /// Frequencies in Hz, rising, of the elastic modes with motors of these mobilities in 1/(kg m^2).
     fn elastic_hz(
         &self,
         motor_mobility: impl Fn(&FlexibleJoint) -> f64,
@@ -152,6 +150,7 @@ impl Arm {
         .ok_or_else(|| self.wrong_number_of_axes())
     }
 
+    /// The equations of motion on `A` axes; `None` if it has another number.
     fn compiled<const A: usize>(&self) -> Option<Box<dyn Mechanics>> {
         let joints: Vec<FlexibleJoint> = self
             .joints()
@@ -186,19 +185,13 @@ impl Robot for Arm {
         let Ok(mechanics) = self.mechanics() else {
             return f64::NAN;
         };
-        let mobility = |joint: &FlexibleJoint| 1.0 / joint.motor_inertia_kg_m2;
         let fastest = |number: &dyn Fn(&FlexibleJoint) -> f64| {
             mechanics
-                .eigenvalues(&self.pose_rad, number, mobility)
+                .eigenvalues(&self.pose_rad, number, FlexibleJoint::motor_mobility)
                 .into_iter()
                 .fold(0.0, f64::max)
         };
-        let stiffness = |joint: &FlexibleJoint| {
-            joint
-                .spring
-                .stiffness_nm_per_rad
-                .max(joint.spring.stiffness_beyond_nm_per_rad)
-        };
+        let stiffness = |joint: &FlexibleJoint| joint.spring.stiffest_nm_per_rad();
         let decay =
             |joint: &FlexibleJoint| joint.damping_nms_per_rad + joint.friction.viscous_nms_per_rad;
         0.0445 / fastest(&stiffness).sqrt().max(fastest(&decay))

@@ -1,4 +1,4 @@
-//! What an arm may not be, and what it should not be.
+//! Validation of an arm: what is refused, and what is warned of.
 
 use frfid_signals::SignalError;
 use frfid_signals::checks::{finite, not_negative, one_per_axis};
@@ -108,6 +108,12 @@ impl Body {
 
     fn check(&self) -> Result<(), SignalError> {
         check_vector("offset_m", &self.offset_m)?;
+        self.check_rotation()?;
+        self.check_axis()?;
+        check_mass(self.mass_kg, &self.center_of_mass_m, self.inertia_kg_m2)
+    }
+
+    fn check_rotation(&self) -> Result<(), SignalError> {
         self.rotation
             .iter()
             .try_for_each(|row| check_vector("rotation", row))?;
@@ -129,17 +135,21 @@ impl Body {
                 needed: "1: no mirror",
             });
         }
+        Ok(())
+    }
+
+    fn check_axis(&self) -> Result<(), SignalError> {
         check_vector("axis", &self.axis)?;
         let length = Vector3::from(self.axis).norm();
-        if !length.is_normal() {
-            return Err(SignalError::Derived {
-                key: "axis",
-                quantity: "axis' length",
-                found: length,
-                needed: "above 0",
-            });
+        if length.is_normal() {
+            return Ok(());
         }
-        check_mass(self.mass_kg, &self.center_of_mass_m, self.inertia_kg_m2)
+        Err(SignalError::Derived {
+            key: "axis",
+            quantity: "axis' length",
+            found: length,
+            needed: "above 0",
+        })
     }
 
     fn check_joint(&self) -> Result<(), SignalError> {

@@ -20,14 +20,14 @@ pub(crate) struct Biquad {
 impl Biquad {
     /// A low-pass w^2 / (s^2 + 2 D w s + w^2) with a corner in Hz and a damping D, by the bilinear
     /// transformation that keeps the corner.
-    pub fn low_pass(corner_hz: f64, damping: f64, sample_time_s: f64) -> Self {
+    pub(crate) fn low_pass(corner_hz: f64, damping: f64, sample_time_s: f64) -> Self {
         Self::bilinear([1.0, 0.0, 0.0], damping, corner_hz, sample_time_s)
     }
 
     /// A notch (s^2 + g B s + w^2) / (s^2 + B s + w^2) at a frequency in Hz, B = 2 pi its width in
     /// Hz, g the gain that is left there, by the bilinear transformation that keeps frequency and
     /// width: with g = 0 that of Orfanidis, Introduction to Signal Processing (1996), eq. (11.3.22).
-    pub fn notch(frequency_hz: f64, width_hz: f64, gain: f64, sample_time_s: f64) -> Self {
+    pub(crate) fn notch(frequency_hz: f64, width_hz: f64, gain: f64, sample_time_s: f64) -> Self {
         let [half_width, turn] = [width_hz, 2.0 * frequency_hz].map(|hz| PI * hz * sample_time_s);
         let damping = half_width.tan() / turn.sin();
         let numerator = [1.0, 2.0 * gain * damping, 1.0];
@@ -57,13 +57,13 @@ impl Biquad {
     }
 
     /// Puts the filter where a constant input has led it.
-    pub fn settle(&mut self, input: f64) {
+    pub(crate) fn settle(&mut self, input: f64) {
         let [b0, _, b2] = self.b;
         self.state = [input * (1.0 - b0), input * (b2 - self.a[1])];
     }
 
     /// The output at this sample.
-    pub fn step(&mut self, input: f64) -> f64 {
+    pub(crate) fn step(&mut self, input: f64) -> f64 {
         let ([b0, b1, b2], [a1, a2], [first, second]) = (self.b, self.a, self.state);
         let output = b0 * input + first;
         self.state = [b1 * input - a1 * output + second, b2 * input - a2 * output];
@@ -71,7 +71,7 @@ impl Biquad {
     }
 
     /// The filter behind a controller, as one linear system.
-    pub fn behind(&self, controller: &LinearController) -> LinearController {
+    pub(crate) fn behind(&self, controller: &LinearController) -> LinearController {
         let ([b0, b1, b2], [a1, a2]) = (self.b, self.a);
         // from the controller's torque v to x = (first, second): x' = own x + from v, y = x1 + b0 v
         let own = DMatrix::from_row_slice(2, 2, &[-a1, 1.0, -a2, 0.0]);

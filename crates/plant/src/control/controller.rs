@@ -89,3 +89,16 @@ impl LinearController {
         self.a.nrows()
     }
 }
+
+/// Checks that frequencies in Hz lie below the Nyquist frequency of a controller.
+pub(crate) fn below_nyquist(
+    key: &'static str,
+    hz: &[f64],
+    sample_time_s: f64,
+) -> Result<(), SignalError> {
+    let beyond = hz.iter().find(|&&hz| 2.0 * hz * sample_time_s >= 1.0);
+    beyond.map_or(Ok(()), |&found| {
+        let needed = "a frequency below the Nyquist frequency of the controller";
+        Err(SignalError::Parameter { key, found, needed })
+    })
+}

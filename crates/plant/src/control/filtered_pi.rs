@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::control::biquad::Biquad;
-use crate::control::controller::{Controller, ControllerAxis, LinearController};
+use crate::control::controller::{Controller, ControllerAxis, LinearController, below_nyquist};
 use crate::control::pi::PiController;
 
 /// A PI controller whose torque passes a low-pass and a notch before it is limited.
@@ -67,18 +67,15 @@ impl FilteredPi {
 
 impl TorqueLowPass {
     fn check(&self, n_axes: usize, sample_time_s: f64) -> Result<(), SignalError> {
-        one_per_axis("corner_hz", Some(&self.corner_hz), n_axes, positive)?;
-        below_nyquist("corner_hz", &self.corner_hz, sample_time_s)?;
+        check_hz("corner_hz", &self.corner_hz, n_axes, sample_time_s)?;
         one_per_axis("damping", self.damping.as_deref(), n_axes, positive)
     }
 }
 
 impl TorqueNotch {
     fn check(&self, n_axes: usize, sample_time_s: f64) -> Result<(), SignalError> {
-        one_per_axis("frequency_hz", Some(&self.frequency_hz), n_axes, positive)?;
-        below_nyquist("frequency_hz", &self.frequency_hz, sample_time_s)?;
-        one_per_axis("width_hz", Some(&self.width_hz), n_axes, positive)?;
-        below_nyquist("width_hz", &self.width_hz, sample_time_s)?;
+        check_hz("frequency_hz", &self.frequency_hz, n_axes, sample_time_s)?;
+        check_hz("width_hz", &self.width_hz, n_axes, sample_time_s)?;
         let gain = self.gain.as_deref();
         one_per_axis("gain", gain, n_axes, not_negative)?;
         let amplified = gain.unwrap_or_default().iter().find(|gain| **gain > 1.0);
@@ -93,12 +90,15 @@ impl TorqueNotch {
     }
 }
 
-fn below_nyquist(key: &'static str, hz: &[f64], sample_time_s: f64) -> Result<(), SignalError> {
-    let beyond = hz.iter().find(|&&hz| 2.0 * hz * sample_time_s >= 1.0);
-    beyond.map_or(Ok(()), |&found| {
-        let needed = "a frequency below the Nyquist frequency of the controller";
-        Err(SignalError::Parameter { key, found, needed })
-    })
+/// Checks that there is a frequency in Hz for each axis, above 0 and below the Nyquist frequency.
+fn check_hz(
+    key: &'static str,
+    hz: &[f64],
+    n_axes: usize,
+    sample_time_s: f64,
+) -> Result<(), SignalError> {
+    one_per_axis(key, Some(hz), n_axes, positive)?;
+    below_nyquist(key, hz, sample_time_s)
 }
 
 impl Controller for FilteredPi {

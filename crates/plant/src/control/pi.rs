@@ -1,4 +1,4 @@
-//! PI controller of the motor velocity, with a position loop around it where one is asked for.
+//! PI controller of the motor velocity, with or without a position loop around it.
 
 use std::collections::VecDeque;
 use std::iter::repeat_n;

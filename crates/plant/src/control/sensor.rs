@@ -94,6 +94,21 @@ struct Noise {
     rng: ChaCha8Rng,
 }
 
+impl Noise {
+    /// Noise of a name and an rms on a channel of a run.
+    fn new(rms: f64, seed: u64, name: &str, run: RunId, channel: usize) -> Self {
+        let indices = [
+            run.kind as usize,
+            run.realization,
+            run.experiment,
+            run.repetition,
+            channel,
+        ];
+        let rng = random::stream(seed, name, &indices.map(|i| i as u64));
+        Self { rms, rng }
+    }
+}
+
 /// Reads one axis' sensors, sample after sample, with the noise of one run.
 pub(crate) struct Reader {
     sensor: Sensor,
@@ -111,7 +126,7 @@ pub(crate) struct Reader {
 impl Reader {
     /// Begins to read a run that starts at a position in rad, reached at a constant velocity in
     /// rad/s, at which the filter has settled.
-    pub fn new(
+    pub(crate) fn new(
         sensor: Sensor,
         seed: u64,
         run: RunId,
@@ -119,20 +134,8 @@ impl Reader {
         [position_rad, velocity_rad_s]: [f64; 2],
         sample_time_s: f64,
     ) -> Self {
-        let indices = [
-            run.kind as usize,
-            run.realization,
-            run.experiment,
-            run.repetition,
-            channel,
-        ]
-        .map(|i| i as u64);
-        let noise = |name, rms: Option<f64>| {
-            rms.map(|rms| Noise {
-                rms,
-                rng: random::stream(seed, name, &indices),
-            })
-        };
+        let noise =
+            |name, rms: Option<f64>| rms.map(|rms| Noise::new(rms, seed, name, run, channel));
         let mut reader = Self {
             sensor,
             sample_time_s,
@@ -148,7 +151,7 @@ impl Reader {
     }
 
     /// Position and velocity readings of the next sample.
-    pub fn motion(&mut self, position_rad: f64, velocity_rad_s: f64) -> (f64, f64) {
+    pub(crate) fn motion(&mut self, position_rad: f64, velocity_rad_s: f64) -> (f64, f64) {
         let position = self.position(position_rad);
         let velocity = if self.sensor.velocity_by_differencing {
             (position - self.last_position_rad) / self.sample_time_s
@@ -163,7 +166,7 @@ impl Reader {
     }
 
     /// Reading of the torque that acts from the next sample on.
-    pub fn torque(&mut self, acting_nm: f64) -> f64 {
+    pub(crate) fn torque(&mut self, acting_nm: f64) -> f64 {
         noisy(acting_nm, &mut self.torque_noise)
     }
 

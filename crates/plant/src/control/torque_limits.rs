@@ -21,7 +21,7 @@ pub(crate) struct TorqueLimits {
 
 impl TorqueLimits {
     /// Begins with a torque in N m that holds the axis.
-    pub fn holding(
+    pub(crate) fn holding(
         holding_nm: f64,
         sample_time_s: f64,
         max_torque_nm: Option<f64>,
@@ -39,7 +39,7 @@ impl TorqueLimits {
 
     /// The torque in N m that is asked for, as far as the limits allow it, and the limit that it
     /// has just reached.
-    pub fn limited(&mut self, asked_nm: f64) -> (f64, Option<Reached>) {
+    pub(crate) fn limited(&mut self, asked_nm: f64) -> (f64, Option<Reached>) {
         let max_nm = self.max_torque_nm;
         let max_change_nm = self.max_rate_nm_per_s * self.sample_time_s;
         // max and min where clamp would panic: a diverging loop can ask for infinitely much
@@ -47,7 +47,16 @@ impl TorqueLimits {
         let torque_nm = within_nm
             .max(self.torque_nm - max_change_nm)
             .min(self.torque_nm + max_change_nm);
-        let bound = if torque_nm != within_nm {
+        let bound = self.binding(asked_nm, within_nm, torque_nm);
+        self.torque_nm = torque_nm;
+        let before = std::mem::replace(&mut self.bound, bound.map(|bound| bound.limit));
+        (torque_nm, bound.filter(|bound| before != Some(bound.limit)))
+    }
+
+    /// The limit that binds a torque in N m, from what was asked for, what is left of it within the
+    /// largest value and what of that within the largest rate.
+    fn binding(&self, asked_nm: f64, within_nm: f64, torque_nm: f64) -> Option<Reached> {
+        if torque_nm != within_nm {
             Some(Reached {
                 limit: Limit::TorqueRate,
                 value: (within_nm - self.torque_nm) / self.sample_time_s,
@@ -57,18 +66,15 @@ impl TorqueLimits {
             Some(Reached {
                 limit: Limit::Torque,
                 value: asked_nm,
-                allowed: max_nm,
+                allowed: self.max_torque_nm,
             })
         } else {
             None
-        };
-        self.torque_nm = torque_nm;
-        let before = std::mem::replace(&mut self.bound, bound.map(|bound| bound.limit));
-        (torque_nm, bound.filter(|bound| before != Some(bound.limit)))
+        }
     }
 
     /// The torque in N m that was commanded last.
-    pub fn torque_nm(&self) -> f64 {
+    pub(crate) fn torque_nm(&self) -> f64 {
         self.torque_nm
     }
 }

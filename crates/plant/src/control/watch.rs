@@ -1,4 +1,4 @@
-//! A run is watched while it runs: the first excess brings it to rest, and its record ends there.
+//! Watch over a run while it runs: the first excess brings it to rest, and its record ends there.
 
 use std::f64::consts::PI;
 
@@ -44,30 +44,15 @@ impl Watch {
         record: &Record,
         sample: usize,
     ) -> Option<(usize, Reached)> {
-        let reading = |limit: Limit, axis: usize| match limit {
-            Limit::Torque => Some(record.u[[axis, sample]]),
-            Limit::Velocity => Some(record.y[[axis, sample]]),
-            Limit::Travel => {
-                let position = record.position_rad.as_ref()?;
-                Some(position[[axis, sample]] - position[[axis, 0]] + start_rad[axis])
-            }
-            Limit::TorqueRate
-            | Limit::Acceleration
-            | Limit::Jerk
-            | Limit::LowestPosition
-            | Limit::HighestPosition => None,
-        };
         let beyond = |axis: usize, limit: Limit, allowed: f64| {
-            let value = reading(limit, axis)?;
+            let value = reading(limit, record, [axis, sample], start_rad[axis])?;
+            let reached = Reached {
+                limit,
+                value,
+                allowed,
+            };
             let exceeded = limit.is_exceeded(value.abs(), allowed);
-            exceeded.then_some((
-                axis,
-                Reached {
-                    limit,
-                    value,
-                    allowed,
-                },
-            ))
+            exceeded.then_some((axis, reached))
         };
         let of_axis = |axis: usize| {
             let limits = self.limits.iter();
@@ -75,6 +60,24 @@ impl Watch {
         };
         let excesses = (0..start_rad.len()).flat_map(of_axis);
         excesses.max_by(|(_, a), (_, b)| a.share().total_cmp(&b.share()))
+    }
+}
+
+/// The reading that is held against a limit, at a place (axis, sample) of a record that starts
+/// `start_rad` from the pose; `None` where there is none.
+fn reading(limit: Limit, record: &Record, place: [usize; 2], start_rad: f64) -> Option<f64> {
+    match limit {
+        Limit::Torque => Some(record.u[place]),
+        Limit::Velocity => Some(record.y[place]),
+        Limit::Travel => {
+            let position = record.position_rad.as_ref()?;
+            Some(position[place] - position[[place[0], 0]] + start_rad)
+        }
+        Limit::TorqueRate
+        | Limit::Acceleration
+        | Limit::Jerk
+        | Limit::LowestPosition
+        | Limit::HighestPosition => None,
     }
 }
 
@@ -121,6 +124,28 @@ struct Excess {
     cut_off: Option<usize>,
 }
 
+impl Excess {
+    /// Why the run was stopped, for an excess at a time in s under a controller of a gain in N m
+    /// s/rad.
+    fn reason(&self, since_s: f64, gain: Option<&f64>) -> String {
+        let Reached {
+            limit,
+            value,
+            allowed,
+        } = self.reached;
+        let (axis, quantity, unit) = (self.axis + 1, limit.quantity(), limit.unit());
+        let gain = gain.map_or(String::new(), |gain| format!(", gain {gain} N m s/rad"));
+        let end = match self.cut_off {
+            None => "brought to rest",
+            Some(_) => "cut off beyond twice a limit: lower the gains or the amplitude",
+        };
+        let allowed = (1e4 * allowed).round() / 1e4; // as it was given, without the digits of rounding
+        format!(
+            "axis {axis}: {quantity} {value:.4} {unit}, limit {allowed} {unit}, at {since_s:.4} s{gain}; {end}"
+        )
+    }
+}
+
 /// The watch over one run.
 pub(crate) struct Guard<'a> {
     watch: Option<&'a Watch>,
@@ -132,7 +157,7 @@ pub(crate) struct Guard<'a> {
 
 impl<'a> Guard<'a> {
     /// Begins to watch a run.
-    pub fn new(watch: Option<&'a Watch>, run: &'a Run) -> Self {
+    pub(crate) fn new(watch: Option<&'a Watch>, run: &'a Run) -> Self {
         let n_ramp = watch.map_or(1.0, |watch| {
             (watch.ramp_s / run.sample_time_s).ceil().max(1.0)
         }) as usize;
@@ -145,7 +170,7 @@ impl<'a> Guard<'a> {
     }
 
     /// Share of the reference that is to be injected at a sample.
-    pub fn share(&self, sample: usize) -> f64 {
+    pub(crate) fn share(&self, sample: usize) -> f64 {
         let Some(Excess { sample: first, .. }) = self.excess else {
             return 1.0;
         };
@@ -158,7 +183,7 @@ impl<'a> Guard<'a> {
     }
 
     /// Looks at the readings of a sample and logs the first excess.
-    pub fn look(&mut self, record: &mut Record, sample: usize) {
+    pub(crate) fn look(&mut self, record: &mut Record, sample: usize) {
         let Some((axis, reached)) = self
             .watch
             .and_then(|watch| watch.excess(&self.run.start_rad, record, sample))
@@ -182,7 +207,7 @@ impl<'a> Guard<'a> {
     }
 
     /// Whether a sample is the last of the run.
-    pub fn ends(&self, sample: usize) -> bool {
+    pub(crate) fn ends(&self, sample: usize) -> bool {
         self.excess.as_ref().is_some_and(|excess| {
             excess
                 .cut_off
@@ -193,25 +218,10 @@ impl<'a> Guard<'a> {
 
     /// The event that ends a run stopped with this sample, under controllers of these gains in N m
     /// s/rad (none in open loop).
-    pub fn stopped(&self, last_sample: usize, gains: &[f64]) -> Option<Event> {
+    pub(crate) fn stopped(&self, last_sample: usize, gains: &[f64]) -> Option<Event> {
         let excess = self.excess.as_ref()?;
-        let Reached {
-            limit,
-            value,
-            allowed,
-        } = excess.reached;
-        let (axis, quantity, unit) = (excess.axis + 1, limit.quantity(), limit.unit());
         let since_s = excess.sample as f64 * self.run.sample_time_s;
-        let gain = gains.get(excess.axis);
-        let gain = gain.map_or(String::new(), |gain| format!(", gain {gain} N m s/rad"));
-        let end = match excess.cut_off {
-            None => "brought to rest",
-            Some(_) => "cut off beyond twice a limit: lower the gains or the amplitude",
-        };
-        let allowed = (1e4 * allowed).round() / 1e4; // as it was given, without the digits of rounding
-        let reason = format!(
-            "axis {axis}: {quantity} {value:.4} {unit}, limit {allowed} {unit}, at {since_s:.4} s{gain}; {end}"
-        );
+        let reason = excess.reason(since_s, gains.get(excess.axis));
         let time_s = last_sample as f64 * self.run.sample_time_s;
         Some(Event {
             time_s,

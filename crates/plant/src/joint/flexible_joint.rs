@@ -1,10 +1,9 @@
-//! A motor and the elastic gear behind it: the part of a flexible joint that does not depend on
+//! Motor and the elastic gear behind it: the part of a flexible joint that does not depend on
 //! what it drives.
 
 use frfid_signals::SignalError;
 use frfid_signals::checks::{not_negative, positive};
 
-use crate::challenges::{Challenges, is_posed};
 use crate::joint::friction::{Friction, Slip};
 use crate::joint::ripple::Ripple;
 use crate::joint::spring::{Branch, Spring};
@@ -27,7 +26,7 @@ pub struct FlexibleJoint {
 
 /// The branch of friction and spring that an axis is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct Mode {
+pub(crate) struct Mode {
     /// Stuck or slipping.
     pub slip: Slip,
     /// Branch of the spring.
@@ -37,7 +36,7 @@ pub struct Mode {
 /// What a mode contributes to the right-hand side of an axis, as numbers, so that lanes in
 /// different modes run together.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Regime<L> {
+pub(crate) struct Regime<L> {
     /// 1/J_m in 1/(kg m^2) while the motor can move, 0 when it is stuck.
     pub mobility: L,
     /// Coulomb torque in N m.
@@ -67,34 +66,24 @@ impl FlexibleJoint {
         Ok(())
     }
 
-    /// The joint without the challenges that are switched off: friction (B), stiffening (C), ripple
-    /// (E).
-    #[must_use]
-    pub fn with(&self, challenges: Challenges) -> Self {
-        let mut joint = self.clone();
-        if !is_posed(challenges.coulomb_friction) {
-            joint.friction.coulomb_nm = 0.0;
-        }
-        if !is_posed(challenges.stiffening) {
-            joint.spring.stiffness_beyond_nm_per_rad = joint.spring.stiffness_nm_per_rad;
-        }
-        if !is_posed(challenges.torque_ripple) {
-            joint.ripple.clear();
-        }
-        joint
+    /// 1/J_m in 1/(kg m^2).
+    pub(crate) fn motor_mobility(&self) -> f64 {
+        1.0 / self.motor_inertia_kg_m2
+    }
+
+    /// Energy in J of the motor at a velocity in rad/s and of the gear at a deflection in rad.
+    pub(crate) fn energy_j(&self, velocity_rad_s: f64, deflection_rad: f64) -> f64 {
+        0.5 * self.motor_inertia_kg_m2 * velocity_rad_s * velocity_rad_s
+            + self.spring.energy_j(deflection_rad)
     }
 
     /// The numbers of a mode.
     #[must_use]
-    pub fn regime(&self, mode: Mode) -> Regime<f64> {
+    pub(crate) fn regime(&self, mode: Mode) -> Regime<f64> {
         let (slope_nm_per_rad, offset_nm) = self.spring.line(mode.branch);
         let is_stuck = mode.slip == Slip::Stuck;
         Regime {
-            mobility: if is_stuck {
-                0.0
-            } else {
-                1.0 / self.motor_inertia_kg_m2
-            },
+            mobility: if is_stuck { 0.0 } else { self.motor_mobility() },
             coulomb_nm: self.friction.coulomb(mode.slip),
             slope_nm_per_rad,
             offset_nm,

@@ -15,7 +15,7 @@ pub struct Friction {
 
 /// What the motor does: the branch of the friction law.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Slip {
+pub(crate) enum Slip {
     /// There is no Coulomb friction: nothing happens at zero velocity.
     Free,
     /// At rest, held by friction.
@@ -38,7 +38,7 @@ impl Friction {
 
     /// The branch of a velocity; at rest the motor is stuck until its net torque says otherwise.
     #[must_use]
-    pub fn slip(&self, velocity_rad_s: f64) -> Slip {
+    pub(crate) fn slip(&self, velocity_rad_s: f64) -> Slip {
         if self.coulomb_nm == 0.0 {
             Slip::Free
         } else if velocity_rad_s > 0.0 {
@@ -52,7 +52,7 @@ impl Friction {
 
     /// The branch at zero velocity under the torque that acts on the motor besides friction.
     #[must_use]
-    pub fn at_rest(&self, net_nm: f64) -> Slip {
+    pub(crate) fn at_rest(&self, net_nm: f64) -> Slip {
         if self.coulomb_nm == 0.0 {
             Slip::Free
         } else if net_nm > self.coulomb_nm {
@@ -66,7 +66,7 @@ impl Friction {
 
     /// Coulomb torque in N m of a branch; 0 when stuck, where the constraint v = 0 takes its place.
     #[must_use]
-    pub fn coulomb(&self, slip: Slip) -> f64 {
+    pub(crate) fn coulomb(&self, slip: Slip) -> f64 {
         match slip {
             Slip::Free | Slip::Stuck => 0.0,
             Slip::Forward => self.coulomb_nm,
@@ -77,7 +77,7 @@ impl Friction {
     /// The interval in which a branch holds: of the velocity in rad/s while slipping, of the net
     /// torque in N m when stuck.
     #[must_use]
-    pub fn interval(&self, slip: Slip) -> (f64, f64) {
+    pub(crate) fn interval(&self, slip: Slip) -> (f64, f64) {
         match slip {
             Slip::Free => (f64::NEG_INFINITY, f64::INFINITY),
             Slip::Stuck => (-self.coulomb_nm, self.coulomb_nm),

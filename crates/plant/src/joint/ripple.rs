@@ -5,7 +5,7 @@ use frfid_signals::checks::{finite, not_negative};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::motion::scalar::Scalar;
+use crate::scalar::Scalar;
 
 /// One harmonic of the ripple: `amplitude_nm sin(cycles_per_turn q + phase_rad)` is taken from the
 /// motor torque.
@@ -34,7 +34,7 @@ impl Ripple {
     }
 
     /// Torque in N m at a motor position in rad on the joint side.
-    pub fn torque<L: Scalar>(&self, position_rad: L) -> L {
+    pub(crate) fn torque<L: Scalar>(&self, position_rad: L) -> L {
         L::splat(self.amplitude_nm)
             * (L::splat(self.cycles_per_turn) * position_rad + L::splat(self.phase_rad)).sin()
     }

@@ -16,7 +16,7 @@ pub struct Spring {
 
 /// The part of the spring's characteristic that the deflection is on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Branch {
+pub(crate) enum Branch {
     /// |dq| <= b.
     Within,
     /// dq > b.
@@ -41,7 +41,7 @@ impl Spring {
 
     /// The branch of a deflection.
     #[must_use]
-    pub fn branch(&self, deflection_rad: f64) -> Branch {
+    pub(crate) fn branch(&self, deflection_rad: f64) -> Branch {
         if self.is_linear() || deflection_rad.abs() <= self.knee_rad {
             Branch::Within
         } else if deflection_rad > 0.0 {
@@ -54,7 +54,7 @@ impl Spring {
     /// Slope in N m/rad and torque at zero deflection in N m of the straight line that a branch
     /// lies on.
     #[must_use]
-    pub fn line(&self, branch: Branch) -> (f64, f64) {
+    pub(crate) fn line(&self, branch: Branch) -> (f64, f64) {
         let offset = (self.stiffness_nm_per_rad - self.stiffness_beyond_nm_per_rad) * self.knee_rad;
         match branch {
             Branch::Within => (self.stiffness_nm_per_rad, 0.0),
@@ -65,7 +65,7 @@ impl Spring {
 
     /// The interval of deflections in rad of a branch: (lowest, highest).
     #[must_use]
-    pub fn interval(&self, branch: Branch) -> (f64, f64) {
+    pub(crate) fn interval(&self, branch: Branch) -> (f64, f64) {
         match branch {
             Branch::Within if self.is_linear() => (f64::NEG_INFINITY, f64::INFINITY),
             Branch::Within => (-self.knee_rad, self.knee_rad),
@@ -84,6 +84,17 @@ impl Spring {
         let size =
             within_nm / self.stiffness_nm_per_rad + beyond_nm / self.stiffness_beyond_nm_per_rad;
         size.copysign(torque_nm)
+    }
+
+    /// The slope in N m/rad at which the spring rests under a torque in N m.
+    pub(crate) fn slope_under(&self, torque_nm: f64) -> f64 {
+        self.line(self.branch(self.deflection_rad(torque_nm))).0
+    }
+
+    /// The larger of the two slopes in N m/rad.
+    pub(crate) fn stiffest_nm_per_rad(&self) -> f64 {
+        self.stiffness_nm_per_rad
+            .max(self.stiffness_beyond_nm_per_rad)
     }
 
     /// Whether the two slopes are one.

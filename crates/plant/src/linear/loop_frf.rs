@@ -1,4 +1,4 @@
-//! The linear closed loop in the frequency domain: what an ideal closed-loop experiment would find.
+//! FRFs of the linear closed loop: what an ideal closed-loop experiment would find.
 
 use std::f64::consts::TAU;
 
@@ -8,10 +8,10 @@ use nalgebra::{DMatrix, DVector};
 use ndarray::Array3;
 use num_complex::Complex64;
 
-use crate::control::controller::Controller;
+use crate::control::controller::{Controller, below_nyquist};
 use crate::control::sensor::Sensor;
-use crate::linear::state_space::{Hold, StateSpace};
 use crate::robot::Robot;
+use crate::state_space::{Hold, put_line};
 
 /// Exact FRFs between the samples of a linear closed loop at the robot's pose, each
 /// `(frequency, output, input)`: without limits, quantisation, noise, Coulomb friction and ripple,
@@ -51,14 +51,9 @@ impl LoopFrf {
         let n_axes = robot.n_axes();
         controller.check(n_axes, sample_time_s)?;
         let plant = robot.frf_through_sensors(hz, Hold::Zoh, sample_time_s, sensors)?;
-        let StateSpace { a, b, c, d } = robot.state_space();
-        let positions = StateSpace {
-            a,
-            b,
-            c: c.rows(n_axes, n_axes).into_owned(),
-            d: d.rows(n_axes, n_axes).into_owned(),
-        };
-        let position = positions.frf(hz, Hold::Zoh, sample_time_s)?;
+        let positions: Vec<usize> = (n_axes..2 * n_axes).collect();
+        let model = robot.state_space().of_outputs(&positions);
+        let position = model.frf(hz, Hold::Zoh, sample_time_s)?;
         let mut responses = [(); 3].map(|()| Array3::zeros(plant.response.dim()));
         for (line, &f) in hz.iter().enumerate() {
             let matrices = at_line(
@@ -67,12 +62,8 @@ impl LoopFrf {
                 f,
                 [&plant, &position].map(|frf| matrix(frf, line)),
             )?;
-            for (response, matrix) in responses.iter_mut().zip(matrices) {
-                for output in 0..n_axes {
-                    for input in 0..n_axes {
-                        response[[line, output, input]] = matrix[(output, input)];
-                    }
-                }
+            for (response, matrix) in responses.iter_mut().zip(&matrices) {
+                put_line(response, line, matrix);
             }
         }
         let [sensitivity, reference_to_torque, reference_to_velocity] =
@@ -98,27 +89,18 @@ fn at_line(
 ) -> Result<[DMatrix<Complex64>; 3], SignalError> {
     let n_axes = plant.nrows();
     positive("hz", hz)?;
-    if 2.0 * hz * sample_time_s >= 1.0 {
-        let needed = "a frequency below the Nyquist frequency of the controller";
-        return Err(SignalError::Parameter {
-            key: "hz",
-            found: hz,
-            needed,
-        });
-    }
+    below_nyquist("hz", &[hz], sample_time_s)?;
     let z = Complex64::cis(TAU * hz * sample_time_s);
-    let diagonal = |of: &dyn Fn(usize) -> Complex64| {
-        DMatrix::from_diagonal(&DVector::from_fn(n_axes, |axis, _| of(axis)))
-    };
-    let control = diagonal(&|axis| controller.linear(axis, sample_time_s).response(z));
-    let position_gain = diagonal(&|axis| controller.position_gain_per_s(axis).into());
-    let ahead = diagonal(&|_| 1.0.into()) + &position_gain * (sample_time_s / (z - 1.0));
+    let control = diagonal(n_axes, |axis| {
+        controller.linear(axis, sample_time_s).response(z)
+    });
+    let position_gain = diagonal(n_axes, |axis| controller.position_gain_per_s(axis).into());
+    let ahead = diagonal(n_axes, |_| 1.0.into()) + &position_gain * (sample_time_s / (z - 1.0));
     let open = &plant + position_gain * position;
-    let needed = "a frequency at which the loop has no pole";
     let pole = SignalError::Parameter {
         key: "hz",
         found: hz,
-        needed,
+        needed: "a frequency at which the loop has no pole",
     };
     let sensitivity = (DMatrix::identity(n_axes, n_axes) + open * &control)
         .try_inverse()
@@ -128,6 +110,12 @@ fn at_line(
     Ok([sensitivity, torque, velocity])
 }
 
+/// A diagonal matrix of one number for each axis.
+fn diagonal(n_axes: usize, number: impl Fn(usize) -> Complex64) -> DMatrix<Complex64> {
+    DMatrix::from_diagonal(&DVector::from_fn(n_axes, |axis, _| number(axis)))
+}
+
+/// The matrix of an FRF at one of its frequencies.
 fn matrix(frf: &Frf, line: usize) -> DMatrix<Complex64> {
     DMatrix::from_fn(frf.n_outputs(), frf.n_inputs(), |output, input| {
         frf.response[[line, output, input]]

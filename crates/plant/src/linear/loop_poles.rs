@@ -1,5 +1,5 @@
-//! The poles of the linear closed loop from sample to sample: whether it is stable, and who is to
-//! blame if it is not.
+//! Poles of the linear closed loop from sample to sample: whether it is stable, and which axis drives
+//! the motion if it is not.
 
 use std::f64::consts::TAU;
 
@@ -11,8 +11,8 @@ use num_complex::Complex64;
 use crate::control::controller::{Controller, LinearController};
 use crate::control::sensor::Sensor;
 use crate::error::PlantError;
-use crate::linear::state_space::{Hold, StateSpace};
 use crate::robot::Robot;
+use crate::state_space::{Hold, StateSpace};
 
 /// A pole counts as on the unit circle within this distance: it needs a million samples to grow by
 /// a factor e. Velocity control leaves positions free, which is a pole at 1 for each axis without a
@@ -192,17 +192,11 @@ impl<'a> LinearLoop<'a> {
         [velocity, position]: [f64; 2],
         next: &mut Vec<f64>,
     ) -> f64 {
-        let (sensor, controller) = (&self.sensors[axis], &self.controllers[axis]);
+        let controller = &self.controllers[axis];
         let (readings, memory) = memory.split_at(READINGS);
         let (states, on_their_way) = memory.split_at(controller.n_states());
-        let [last_position, last_reading] = [readings[0], readings[1]];
-        let velocity = if sensor.velocity_by_differencing {
-            (position - last_position) / self.sample_time_s
-        } else {
-            velocity
-        };
-        let pole = sensor.filter_pole(self.sample_time_s);
-        let reading = pole * last_reading + (1.0 - pole) * velocity;
+        let last = [readings[0], readings[1]];
+        let reading = self.velocity_reading(axis, last, [velocity, position]);
         let error = -self.position_gain_per_s[axis] * position - reading;
         let states = DVector::from_column_slice(states);
         let asked = (&controller.c * &states)[0] + controller.d * error;
@@ -213,22 +207,45 @@ impl<'a> LinearLoop<'a> {
         torques[0]
     }
 
+    /// The velocity reading of an axis' sensor, given the position and velocity readings of the
+    /// sample before.
+    fn velocity_reading(
+        &self,
+        axis: usize,
+        [last_position, last_reading]: [f64; 2],
+        [velocity, position]: [f64; 2],
+    ) -> f64 {
+        let sensor = &self.sensors[axis];
+        let velocity = if sensor.velocity_by_differencing {
+            (position - last_position) / self.sample_time_s
+        } else {
+            velocity
+        };
+        let pole = sensor.filter_pole(self.sample_time_s);
+        pole * last_reading + (1.0 - pole) * velocity
+    }
+
     /// The axis to which the proportional gain gives most power in the motion of a pole: gain |v|^2
-    /// in its eigenvector, by inverse iteration.
+    /// in its eigenvector.
     fn loudest_axis(&self, pole: Complex64) -> usize {
-        let matrix = self.matrix().map(Complex64::from);
-        let n = matrix.nrows();
-        let nearby = DMatrix::from_diagonal_element(n, n, pole * (1.0 + 1e-9));
-        let lu = (matrix - nearby).lu();
-        let mut state = DVector::from_element(n, Complex64::from(1.0));
-        for _ in 0..3 {
-            let Some(next) = lu.solve(&state) else { break };
-            state = next.normalize();
-        }
+        let state = eigenvector(self.matrix().map(Complex64::from), pole);
         let velocity = self.c.map(Complex64::from) * state.rows(0, self.phi.nrows());
         let power = |axis: &usize| self.gain_nms_per_rad[*axis] * velocity[*axis].norm_sqr();
         (0..self.sensors.len())
             .max_by(|a, b| power(a).total_cmp(&power(b)))
             .unwrap_or(0)
     }
+}
+
+/// Eigenvector of a matrix at one of its eigenvalues, by inverse iteration.
+fn eigenvector(matrix: DMatrix<Complex64>, eigenvalue: Complex64) -> DVector<Complex64> {
+    let n = matrix.nrows();
+    let nearby = DMatrix::from_diagonal_element(n, n, eigenvalue * (1.0 + 1e-9));
+    let lu = (matrix - nearby).lu();
+    let mut state = DVector::from_element(n, Complex64::from(1.0));
+    for _ in 0..3 {
+        let Some(next) = lu.solve(&state) else { break };
+        state = next.normalize();
+    }
+    state
 }

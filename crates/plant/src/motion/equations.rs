@@ -6,11 +6,11 @@
 use std::array::from_fn;
 
 use crate::joint::flexible_joint::{FlexibleJoint, Regime};
-use crate::motion::scalar::Scalar;
+use crate::scalar::Scalar;
 
 /// What the gears drive: given link positions, velocities and the torques that the gears transmit,
 /// the accelerations.
-pub trait Links<const A: usize> {
+pub(crate) trait Links<const A: usize> {
     /// Accelerations in rad/s^2 of the links at positions in rad and velocities in rad/s under
     /// torques in N m.
     fn acceleration<L: Scalar>(&self, position: [L; A], velocity: [L; A], torque: [L; A])
@@ -33,7 +33,7 @@ pub trait Links<const A: usize> {
 
 /// A single link on a fixed axis: J_o qo'' = torque (SK15 eq. (22)).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SingleLink {
+pub(crate) struct SingleLink {
     /// 1/J_o in 1/(kg m^2).
     pub mobility: f64,
 }
@@ -68,7 +68,7 @@ impl Links<1> for SingleLink {
 
 /// Joints and what they drive: a machine of `A` axes.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Machine<K, const A: usize> {
+pub(crate) struct Machine<K, const A: usize> {
     /// Motor and gear of every axis.
     pub joints: [FlexibleJoint; A],
     /// What they move.
@@ -78,7 +78,7 @@ pub struct Machine<K, const A: usize> {
 /// The state of a machine of `A` axes, or its derivative. The deflection is a state of its own,
 /// instead of the link position, so that it keeps its digits however far the machine has travelled.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct State<L, const A: usize> {
+pub(crate) struct State<L, const A: usize> {
     /// Motor position qm in rad.
     pub motor_position: [L; A],
     /// Deflection dq = qm - qo of the gear in rad.
@@ -90,10 +90,16 @@ pub struct State<L, const A: usize> {
 }
 
 impl<L: Scalar, const A: usize> State<L, A> {
+    /// Rate dq' = qm' - qo' in rad/s of an axis' deflection.
+    #[inline(always)]
+    fn deflection_rate(&self, axis: usize) -> L {
+        self.motor_velocity[axis] - self.link_velocity[axis]
+    }
+
     /// The state `step` s further along a derivative.
     #[inline(always)]
     #[must_use]
-    pub fn along(&self, derivative: &Self, step: L) -> Self {
+    pub(crate) fn along(&self, derivative: &Self, step: L) -> Self {
         let add = |x: &[L; A], dx: &[L; A]| from_fn(|axis| x[axis] + step * dx[axis]);
         Self {
             motor_position: add(&self.motor_position, &derivative.motor_position),
@@ -107,17 +113,23 @@ impl<L: Scalar, const A: usize> State<L, A> {
 impl<K: Links<A>, const A: usize> Machine<K, A> {
     /// Torque tau_s(dq) + d dq' in N m that an axis' gear transmits to its link.
     #[inline(always)]
-    pub fn transmitted<L: Scalar>(&self, axis: usize, regime: &Regime<L>, x: &State<L, A>) -> L {
-        let rate = x.motor_velocity[axis] - x.link_velocity[axis];
+    pub(crate) fn transmitted<L: Scalar>(
+        &self,
+        axis: usize,
+        regime: &Regime<L>,
+        x: &State<L, A>,
+    ) -> L {
         let damping = L::splat(self.joints[axis].damping_nms_per_rad);
-        regime.slope_nm_per_rad * x.deflection[axis] + regime.offset_nm + damping * rate
+        regime.slope_nm_per_rad * x.deflection[axis]
+            + regime.offset_nm
+            + damping * x.deflection_rate(axis)
     }
 
     /// Torque in N m on an axis' motor besides its friction: u - ripple(qm) - tau_s(dq) - d dq'.
     /// What changes last within a step is subtracted last: the steps wait for each other, and this
     /// shortens the wait.
     #[inline(always)]
-    pub fn net_torque<L: Scalar>(
+    pub(crate) fn net_torque<L: Scalar>(
         &self,
         axis: usize,
         regime: &Regime<L>,
@@ -126,7 +138,6 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
     ) -> L {
         let joint = &self.joints[axis];
         let position = x.motor_position[axis];
-        let rate = x.motor_velocity[axis] - x.link_velocity[axis];
         let net = joint
             .ripple
             .iter()
@@ -134,23 +145,22 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
                 net - ripple.torque(position)
             });
         net - regime.slope_nm_per_rad * x.deflection[axis]
-            - L::splat(joint.damping_nms_per_rad) * rate
+            - L::splat(joint.damping_nms_per_rad) * x.deflection_rate(axis)
     }
 
     /// Time derivative of the state under motor torques in N m (SK15 eqs. (20)-(22)).
     #[inline(always)]
-    pub fn derivative<L: Scalar>(
+    pub(crate) fn derivative<L: Scalar>(
         &self,
         regimes: &[Regime<L>; A],
         torque: &[L; A],
         x: &State<L, A>,
     ) -> State<L, A> {
-        let deflection = from_fn(|axis| x.motor_velocity[axis] - x.link_velocity[axis]);
         let transmitted = from_fn(|axis| self.transmitted(axis, &regimes[axis], x));
         let link_position = from_fn(|axis| x.motor_position[axis] - x.deflection[axis]);
         State {
             motor_position: x.motor_velocity,
-            deflection,
+            deflection: from_fn(|axis| x.deflection_rate(axis)),
             motor_velocity: from_fn(|axis| {
                 let viscous = L::splat(self.joints[axis].friction.viscous_nms_per_rad)
                     * x.motor_velocity[axis];
@@ -171,7 +181,7 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
     /// One classical Runge-Kutta step of `step` s from `x`, whose derivative is `first`, under the
     /// torques in N m at the step's middle and end.
     #[inline(always)]
-    pub fn rk4<L: Scalar>(
+    pub(crate) fn rk4<L: Scalar>(
         &self,
         regimes: &[Regime<L>; A],
         [middle, end]: [&[L; A]; 2],

@@ -1,10 +1,13 @@
-//! Where a mode ends: the instant within a step at which a signal leaves the interval of its mode.
+//! Instant at which a mode ends: within a step, when a signal leaves the interval of its mode.
 //!
 //! A motor slips forward (backward) while its velocity is above (below) 0, is stuck while its net
 //! torque is within +-F_c, and its gear is on a branch of the spring while the deflection is in
 //! that branch's interval. A trial step whose end lies outside an interval, or that has left it and
 //! come back (the signal's slopes at both ends tell), is taken again with a share theta of its
 //! length, and theta is found to rounding level.
+//!
+//! Steps with an event are few: what is done in those alone is marked cold, so that the look at every
+//! other step stays short.
 
 use crate::joint::friction::Slip;
 use crate::motion::equations::{Links, State};
@@ -12,9 +15,12 @@ use crate::motion::integrator::Integrator;
 use crate::motion::root::root;
 use crate::motion::segment::Segment;
 
+/// Halvings in search of a point inside: beyond them the mode is shorter than any step can resolve.
+const HALVINGS: usize = 50;
+
 /// What ends a mode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Signal {
+pub(crate) enum Signal {
     /// The motor velocity, while it slips.
     Velocity,
     /// The torque on the motor besides friction, while it is stuck.
@@ -25,7 +31,7 @@ pub enum Signal {
 
 /// The end of a mode.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ModeChange {
+pub(crate) struct ModeChange {
     /// Where in the trial step, from 0 to 1.
     pub theta: f64,
     /// On which axis.
@@ -37,7 +43,7 @@ pub struct ModeChange {
 }
 
 /// A step that is being tried: the rest of a segment, from its share `from`.
-pub struct Trial<'a, K, const A: usize> {
+pub(crate) struct Trial<'a, K, const A: usize> {
     /// The motion so far.
     pub motion: &'a Integrator<K, A>,
     /// The torque over the whole segment.
@@ -62,19 +68,19 @@ struct Bound {
 impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
     /// Duration of the trial in s.
     #[inline(always)]
-    pub fn duration_s(&self) -> f64 {
+    pub(crate) fn duration_s(&self) -> f64 {
         (1.0 - self.from) * self.step_s
     }
 
     /// Share of the whole segment at a share of the trial.
     #[inline(always)]
-    pub fn share(&self, theta: f64) -> f64 {
+    pub(crate) fn share(&self, theta: f64) -> f64 {
         self.from + theta * (1.0 - self.from)
     }
 
     /// The state at a share of the trial: one RK4 step of that length.
     #[inline(always)]
-    pub fn state(&self, theta: f64) -> State<f64, A> {
+    pub(crate) fn state(&self, theta: f64) -> State<f64, A> {
         let torques = [
             &self.torque.at(self.share(0.5 * theta)),
             &self.torque.at(self.share(theta)),
@@ -91,14 +97,14 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
 
     /// Time derivative of a state at a share of the trial.
     #[inline(always)]
-    pub fn derivative(&self, theta: f64, x: &State<f64, A>) -> State<f64, A> {
+    pub(crate) fn derivative(&self, theta: f64, x: &State<f64, A>) -> State<f64, A> {
         self.motion
             .machine
             .derivative(&self.motion.regimes, &self.torque.at(self.share(theta)), x)
     }
 
     /// The first end of a mode within the trial, whose end state and its derivative are given.
-    pub fn first_exit(
+    pub(crate) fn first_exit(
         &self,
         end: &State<f64, A>,
         end_derivative: &State<f64, A>,
@@ -155,8 +161,7 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
         end: &State<f64, A>,
         end_derivative: &State<f64, A>,
     ) -> Option<f64> {
-        let margin = |theta| self.margin(bound, theta, &self.state(theta));
-        let mut inside = (0.0, self.margin(bound, 0.0, &self.motion.state));
+        let inside = (0.0, self.margin(bound, 0.0, &self.motion.state));
         let mut outside = (1.0, self.margin(bound, 1.0, end));
         if outside.1 >= 0.0 {
             // Inside again: it can only have been outside if it turned back within the step. A mode
@@ -165,41 +170,63 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
             if inside.1 <= 0.0 {
                 return None;
             }
-            let rates = (
+            let rates = [
                 self.margin_rate(bound, 0.0, self.derivative),
                 self.margin_rate(bound, 1.0, end_derivative),
-            );
-            if !(rates.0 < 0.0 && rates.1 > 0.0) {
+            ];
+            if !(rates[0] < 0.0 && rates[1] > 0.0) {
                 return None;
             }
-            let rate =
-                |theta| self.margin_rate(bound, theta, &self.derivative(theta, &self.state(theta)));
-            let turn = root(rate, (0.0, rates.0), (1.0, rates.1));
-            outside = (turn, margin(turn));
-            if outside.1 >= 0.0 {
-                return None;
-            }
+            outside = self.turn_outside(bound, rates)?;
         }
-        let mut halvings = 0;
-        while inside.1 <= 0.0 {
-            // the mode begins on its very bound: look for a point inside behind it; if there is
-            // none, it ends here
-            if halvings == 50 {
-                return Some(0.0);
-            }
-            let theta = 0.5 * outside.0;
-            let probe = (theta, margin(theta));
-            *(if probe.1 > 0.0 {
-                &mut inside
-            } else {
-                &mut outside
-            }) = probe;
-            halvings += 1;
+        if inside.1 <= 0.0 {
+            return Some(self.exit_from_bound(bound, outside));
         }
-        Some(root(margin, inside, outside))
+        Some(self.crossing(bound, inside, outside))
     }
 
-    /// How far a signal is inside a bound.
+    /// Where a signal outside a bound turned back, given the rates of its margin at both ends of the
+    /// trial, and its margin there; `None` if it turned back inside.
+    #[cold]
+    fn turn_outside(&self, bound: Bound, rates: [f64; 2]) -> Option<(f64, f64)> {
+        let rate =
+            |theta| self.margin_rate(bound, theta, &self.derivative(theta, &self.state(theta)));
+        let turn = root(rate, (0.0, rates[0]), (1.0, rates[1]));
+        let margin = self.margin_at(bound, turn);
+        if margin >= 0.0 {
+            return None;
+        }
+        Some((turn, margin))
+    }
+
+    /// Where a mode that begins on its very bound ends: behind a point inside that is looked for
+    /// between its beginning and one outside; if there is none, where it begins.
+    #[cold]
+    fn exit_from_bound(&self, bound: Bound, mut outside: (f64, f64)) -> f64 {
+        for _ in 0..HALVINGS {
+            let theta = 0.5 * outside.0;
+            let probe = (theta, self.margin_at(bound, theta));
+            if probe.1 > 0.0 {
+                return self.crossing(bound, probe, outside);
+            }
+            outside = probe;
+        }
+        0.0
+    }
+
+    /// Where a signal crosses a bound between a point inside and one outside.
+    #[cold]
+    fn crossing(&self, bound: Bound, inside: (f64, f64), outside: (f64, f64)) -> f64 {
+        root(|theta| self.margin_at(bound, theta), inside, outside)
+    }
+
+    /// How far a signal is inside a bound at a share of the trial.
+    fn margin_at(&self, bound: Bound, theta: f64) -> f64 {
+        self.margin(bound, theta, &self.state(theta))
+    }
+
+    /// How far a signal is inside a bound in a state at a share of the trial.
+    #[inline(always)]
     fn margin(&self, bound: Bound, theta: f64, x: &State<f64, A>) -> f64 {
         let axis = bound.axis;
         let value = match bound.signal {
@@ -220,6 +247,7 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
     }
 
     /// Time derivative of the margin.
+    #[inline(always)]
     fn margin_rate(&self, bound: Bound, theta: f64, derivative: &State<f64, A>) -> f64 {
         let axis = bound.axis;
         let rate = match bound.signal {

@@ -19,7 +19,7 @@ const CHANGES_PER_AXIS: usize = 64;
 
 /// A machine in motion.
 #[derive(Debug, Clone)]
-pub struct Integrator<K, const A: usize> {
+pub(crate) struct Integrator<K, const A: usize> {
     pub(crate) machine: Machine<K, A>,
     pub(crate) state: State<f64, A>,
     pub(crate) modes: [Mode; A],
@@ -34,24 +34,18 @@ pub struct Integrator<K, const A: usize> {
 impl<K: Links<A>, const A: usize> Integrator<K, A> {
     /// Starts with the links at positions in rad and motors and links at velocities in rad/s, the
     /// gears deflected by the torques that hold the links there.
-    pub fn start(machine: Machine<K, A>, position_rad: [f64; A], velocity_rad_s: [f64; A]) -> Self {
-        let transmitted = machine.links.holding(position_rad, velocity_rad_s);
-        let deflection = from_fn(|axis| {
-            machine.joints[axis]
-                .spring
-                .deflection_rad(transmitted[axis])
-        });
-        let state = State {
-            motor_position: from_fn(|axis| position_rad[axis] + deflection[axis]),
-            deflection,
-            motor_velocity: velocity_rad_s,
-            link_velocity: velocity_rad_s,
-        };
-        let slip = |axis: usize| machine.joints[axis].friction.slip(velocity_rad_s[axis]);
-        let branch = |axis: usize| machine.joints[axis].spring.branch(deflection[axis]);
-        let modes = from_fn(|axis| Mode {
-            slip: slip(axis),
-            branch: branch(axis),
+    pub(crate) fn start(
+        machine: Machine<K, A>,
+        position_rad: [f64; A],
+        velocity_rad_s: [f64; A],
+    ) -> Self {
+        let state = held_state(&machine, position_rad, velocity_rad_s);
+        let modes = from_fn(|axis| {
+            let joint = &machine.joints[axis];
+            Mode {
+                slip: joint.friction.slip(velocity_rad_s[axis]),
+                branch: joint.spring.branch(state.deflection[axis]),
+            }
         });
         let regimes = from_fn(|axis| machine.joints[axis].regime(modes[axis]));
         let watched = machine
@@ -71,7 +65,7 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
 
     /// The present state.
     #[must_use]
-    pub fn state(&self) -> &State<f64, A> {
+    pub(crate) fn state(&self) -> &State<f64, A> {
         &self.state
     }
 
@@ -102,7 +96,7 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
     ///
     /// # Errors
     /// [`PlantError::Diverged`] if the state is no longer finite, [`PlantError::Chatter`].
-    pub fn steps(
+    pub(crate) fn steps(
         &mut self,
         n_steps: usize,
         step_s: f64,
@@ -117,7 +111,7 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
         self.check()
     }
 
-    /// Decides anew for motors at rest, whose torque may have jumped.
+    /// Decides again for motors at rest, whose torque may have jumped.
     fn release(&mut self, torque: &[f64; A]) {
         for axis in 0..A {
             if self.state.motor_velocity[axis] == 0.0 {
@@ -208,54 +202,27 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
         }: ModeChange,
         torque: &[f64; A],
     ) {
-        let mode = self.modes[axis];
-        match (signal, mode.slip, mode.branch) {
-            (Signal::Velocity, ..) => {
-                self.state.motor_velocity[axis] = 0.0; // it is, but for rounding
-                let slip = self.at_rest(axis, torque);
-                // it came to rest, so what drove it on does so no longer, whatever the rounding of
-                // a torque near F_c says
-                self.enter(
-                    axis,
-                    Mode {
-                        slip: if slip == mode.slip { Slip::Stuck } else { slip },
-                        ..mode
-                    },
-                );
-            }
-            (Signal::NetTorque, ..) => {
-                self.enter(
-                    axis,
-                    Mode {
-                        slip: if upwards {
-                            Slip::Forward
-                        } else {
-                            Slip::Backward
-                        },
-                        ..mode
-                    },
-                );
-            }
-            (Signal::Deflection, _, Branch::Within) => {
-                self.enter(
-                    axis,
-                    Mode {
-                        branch: if upwards {
-                            Branch::Above
-                        } else {
-                            Branch::Below
-                        },
-                        ..mode
-                    },
-                );
-            }
-            (Signal::Deflection, ..) => self.enter(
-                axis,
-                Mode {
-                    branch: Branch::Within,
-                    ..mode
-                },
-            ),
+        let mut mode = self.modes[axis];
+        match (signal, mode.branch) {
+            (Signal::Velocity, _) => mode.slip = self.come_to_rest(axis, torque),
+            (Signal::NetTorque, _) if upwards => mode.slip = Slip::Forward,
+            (Signal::NetTorque, _) => mode.slip = Slip::Backward,
+            (Signal::Deflection, Branch::Within) if upwards => mode.branch = Branch::Above,
+            (Signal::Deflection, Branch::Within) => mode.branch = Branch::Below,
+            (Signal::Deflection, Branch::Above | Branch::Below) => mode.branch = Branch::Within,
+        }
+        self.enter(axis, mode);
+    }
+
+    /// Stops a motor whose velocity has come to 0; returns the branch of friction that follows.
+    fn come_to_rest(&mut self, axis: usize, torque: &[f64; A]) -> Slip {
+        self.state.motor_velocity[axis] = 0.0; // it is, but for rounding
+        let slip = self.at_rest(axis, torque);
+        // what drove it on does so no longer, whatever the rounding of a torque near F_c says
+        if slip == self.modes[axis].slip {
+            Slip::Stuck
+        } else {
+            slip
         }
     }
 
@@ -276,5 +243,23 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
             }
         }
         Ok(())
+    }
+}
+
+/// Links at positions in rad, motors and links at velocities in rad/s, the gears deflected by the
+/// torques that hold the links there.
+fn held_state<K: Links<A>, const A: usize>(
+    machine: &Machine<K, A>,
+    position_rad: [f64; A],
+    velocity_rad_s: [f64; A],
+) -> State<f64, A> {
+    let transmitted = machine.links.holding(position_rad, velocity_rad_s);
+    let spring = |axis: usize| &machine.joints[axis].spring;
+    let deflection: [f64; A] = from_fn(|axis| spring(axis).deflection_rad(transmitted[axis]));
+    State {
+        motor_position: from_fn(|axis| position_rad[axis] + deflection[axis]),
+        deflection,
+        motor_velocity: velocity_rad_s,
+        link_velocity: velocity_rad_s,
     }
 }

@@ -1,4 +1,4 @@
-//! A machine behind a runtime number of axes, and what follows from its equations of motion at a
+//! Mechanics of a machine behind a runtime number of axes, and what follows from its equations of motion at a
 //! position.
 
 use std::array::from_fn;
@@ -7,10 +7,10 @@ use std::fmt::Debug;
 use nalgebra::{DMatrix, DVector};
 
 use crate::joint::flexible_joint::FlexibleJoint;
-use crate::linear::state_space::StateSpace;
 use crate::motion::Motion;
 use crate::motion::equations::{Links, Machine};
 use crate::motion::integrator::Integrator;
+use crate::state_space::StateSpace;
 
 /// Joints on links, whatever they are and on however many axes. Slices hold one value for each
 /// axis; others panic.
@@ -98,22 +98,29 @@ impl dyn Mechanics {
     /// With F the viscous friction and G the gradient of gravity, J_m qm'' = u - F qm' - K dq - D
     /// (qm' - qo'), M qo'' = K dq + D (qm' - qo') - G (qm - dq). K has the slopes on which the
     /// gears rest under gravity.
-    pub fn state_space(&self, position_rad: &[f64]) -> StateSpace {
+    pub(crate) fn state_space(&self, position_rad: &[f64]) -> StateSpace {
         let n = self.joints().len();
-        let gravity_nm = self.bias_nm(position_rad, &vec![0.0; n]);
-        let slope = |(joint, torque): (&FlexibleJoint, &f64)| {
-            joint
-                .spring
-                .line(joint.spring.branch(joint.spring.deflection_rad(*torque)))
-                .0
-        };
-        let stiffness = DMatrix::from_diagonal(&DVector::from_iterator(
-            n,
-            self.joints().iter().zip(&gravity_nm).map(slope),
-        ));
+        let one = DMatrix::identity(n, n);
+        let mut b = DMatrix::zeros(4 * n, n);
+        b.rows_mut(2 * n, n).copy_from(&self.motor_mobility());
+        let mut c = DMatrix::zeros(2 * n, 4 * n);
+        c.view_mut((0, 2 * n), (n, n)).copy_from(&one);
+        c.view_mut((n, 0), (n, n)).copy_from(&one);
+        StateSpace {
+            a: self.state_matrix(position_rad),
+            b,
+            c,
+            d: DMatrix::zeros(2 * n, n),
+        }
+    }
+
+    /// A of the linear model, from blocks of one row and column for each axis.
+    fn state_matrix(&self, position_rad: &[f64]) -> DMatrix<f64> {
+        let n = self.joints().len();
+        let stiffness = self.stiffness_at_rest(position_rad);
         let damping = self.diagonal(|joint| joint.damping_nms_per_rad);
         let viscous = self.diagonal(|joint| joint.friction.viscous_nms_per_rad);
-        let motors = self.diagonal(|joint| 1.0 / joint.motor_inertia_kg_m2);
+        let motors = self.motor_mobility();
         let gradient = self.gravity_gradient(position_rad);
         let mass = self.mass_matrix(position_rad).lu();
         let links = |force: DMatrix<f64>| {
@@ -121,11 +128,6 @@ impl dyn Mechanics {
                 .unwrap_or_else(|| DMatrix::from_element(n, n, f64::NAN))
         };
         let one = DMatrix::identity(n, n);
-        let (mut a, mut b, mut c) = (
-            DMatrix::zeros(4 * n, 4 * n),
-            DMatrix::zeros(4 * n, n),
-            DMatrix::zeros(2 * n, 4 * n),
-        );
         let blocks = [
             (0, 2, one.clone()),
             (1, 2, one.clone()),
@@ -138,18 +140,27 @@ impl dyn Mechanics {
             (3, 2, links(damping.clone())),
             (3, 3, links(-damping)),
         ];
+        let mut a = DMatrix::zeros(4 * n, 4 * n);
         for (row, column, block) in blocks {
             a.view_mut((row * n, column * n), (n, n)).copy_from(&block);
         }
-        b.rows_mut(2 * n, n).copy_from(&motors);
-        c.view_mut((0, 2 * n), (n, n)).copy_from(&one);
-        c.view_mut((n, 0), (n, n)).copy_from(&one);
-        StateSpace {
-            a,
-            b,
-            c,
-            d: DMatrix::zeros(2 * n, n),
-        }
+        a
+    }
+
+    /// K: the slopes on which the gears rest under gravity.
+    fn stiffness_at_rest(&self, position_rad: &[f64]) -> DMatrix<f64> {
+        let n = self.joints().len();
+        let gravity_nm = self.bias_nm(position_rad, &vec![0.0; n]);
+        let slope = |(joint, torque): (&FlexibleJoint, &f64)| joint.spring.slope_under(*torque);
+        DMatrix::from_diagonal(&DVector::from_iterator(
+            n,
+            self.joints().iter().zip(&gravity_nm).map(slope),
+        ))
+    }
+
+    /// 1/J_m.
+    fn motor_mobility(&self) -> DMatrix<f64> {
+        self.diagonal(FlexibleJoint::motor_mobility)
     }
 
     /// A diagonal matrix of one number of each joint.
@@ -162,7 +173,7 @@ impl dyn Mechanics {
 
     /// Eigenvalues, rising, of C (M^-1 + J^-1) with C a diagonal matrix of one number of each
     /// joint, J^-1 the mobility of the motors (0 for locked ones).
-    pub fn eigenvalues(
+    pub(crate) fn eigenvalues(
         &self,
         position_rad: &[f64],
         number: impl Fn(&FlexibleJoint) -> f64,

@@ -1,4 +1,4 @@
-//! A robot in motion, whatever moves and on however many axes: what testbeds deal with, sample by
+//! Motion of a robot, whatever moves and on however many axes: what testbeds deal with, sample by
 //! sample.
 
 pub(crate) mod equations;
@@ -6,7 +6,6 @@ pub(crate) mod event_location;
 pub(crate) mod integrator;
 pub(crate) mod mechanics;
 pub(crate) mod root;
-pub(crate) mod scalar;
 pub(crate) mod segment;
 #[cfg(test)]
 mod tests;
@@ -77,16 +76,17 @@ impl<K: Links<A>, const A: usize> Motion for Integrator<K, A> {
                 let [from, to]: [[f64; A]; 2] =
                     [channels("torque", from)?, channels("torque", to)?];
                 self.steps(n_steps, step_s, |step| {
-                    let at = |share: f64| {
+                    Segment::of(|share| {
                         let share = (step as f64 + share) / n_steps as f64;
                         from_fn(|axis| (1.0 - share) * from[axis] + share * to[axis])
-                    };
-                    Segment::through(at(0.0), at(0.5), at(1.0))
+                    })
                 })
             }
             Acting::Function(torque) => self.steps(n_steps, step_s, |step| {
-                let at = |share: f64| from_fn(|axis| torque((step as f64 + share) * step_s, axis));
-                Segment::through(at(0.0), at(0.5), at(1.0))
+                Segment::of(|share| {
+                    let time_s = (step as f64 + share) * step_s;
+                    from_fn(|axis| torque(time_s, axis))
+                })
             }),
         }
     }

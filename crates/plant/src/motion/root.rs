@@ -1,10 +1,10 @@
-//! A root of a scalar function between two points of opposite sign.
+//! Root of a scalar function between two points of opposite sign.
 
 /// Finds a root of `f` between `a` and `b`, where `f(a) = fa` and `f(b) = fb` have opposite signs,
 /// to rounding level: inverse quadratic steps where three points promise a good one, else bisection
 /// (Chandrupatla, Adv. Eng. Softw. 28 (1997) 145). At most about 100 evaluations, usually 6 to 10.
 /// Returns the point with the smaller |f| of the last bracket.
-pub fn root(
+pub(crate) fn root(
     mut f: impl FnMut(f64) -> f64,
     (mut a, mut fa): (f64, f64),
     (mut b, mut fb): (f64, f64),

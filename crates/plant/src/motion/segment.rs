@@ -1,4 +1,4 @@
-//! The motor torque within one step of the integrator.
+//! Motor torque within one step of the integrator.
 
 use std::array::from_fn;
 
@@ -7,7 +7,7 @@ use std::array::from_fn;
 /// middle and end, the only ones RK4 looks at. A step that an event cuts in two sees the same
 /// parabola, so fourth order is kept.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Segment<const A: usize> {
+pub(crate) struct Segment<const A: usize> {
     /// Torque at the start of the step.
     start: [f64; A],
     /// Coefficient of theta.
@@ -19,7 +19,7 @@ pub struct Segment<const A: usize> {
 impl<const A: usize> Segment<A> {
     /// The same torque over the whole step.
     #[must_use]
-    pub fn constant(torque: [f64; A]) -> Self {
+    pub(crate) fn constant(torque: [f64; A]) -> Self {
         Self {
             start: torque,
             linear: [0.0; A],
@@ -29,7 +29,7 @@ impl<const A: usize> Segment<A> {
 
     /// The parabola through the torques at start, middle and end of the step.
     #[must_use]
-    pub fn through(start: [f64; A], middle: [f64; A], end: [f64; A]) -> Self {
+    pub(crate) fn through(start: [f64; A], middle: [f64; A], end: [f64; A]) -> Self {
         Self {
             start,
             linear: from_fn(|axis| 4.0 * middle[axis] - 3.0 * start[axis] - end[axis]),
@@ -37,16 +37,21 @@ impl<const A: usize> Segment<A> {
         }
     }
 
+    /// The parabola through the torques that a function of the share gives at start, middle and end.
+    pub(crate) fn of(torque: impl Fn(f64) -> [f64; A]) -> Self {
+        Self::through(torque(0.0), torque(0.5), torque(1.0))
+    }
+
     /// The torque at a share of the step.
     #[inline]
     #[must_use]
-    pub fn at(&self, theta: f64) -> [f64; A] {
+    pub(crate) fn at(&self, theta: f64) -> [f64; A] {
         from_fn(|axis| self.start[axis] + theta * (self.linear[axis] + theta * self.square[axis]))
     }
 
     /// Change of an axis' torque per share of the step.
     #[must_use]
-    pub fn slope(&self, axis: usize, theta: f64) -> f64 {
+    pub(crate) fn slope(&self, axis: usize, theta: f64) -> f64 {
         self.linear[axis] + 2.0 * theta * self.square[axis]
     }
 }

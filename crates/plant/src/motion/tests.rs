@@ -8,7 +8,7 @@ use crate::joint::friction::Slip;
 use crate::joint::ripple::Ripple;
 use crate::joint::spring::Branch;
 use crate::motion::equations::State;
-use crate::motion::scalar::Scalar;
+use crate::scalar::Scalar;
 use crate::single_joint::SingleJoint;
 
 /// Four realizations side by side.

@@ -1,4 +1,4 @@
-//! What a simulation knows: the true motion, before any sensor.
+//! Trajectory of a simulation: the true motion, before any sensor.
 
 use ndarray::{Array2, s};
 
@@ -55,7 +55,7 @@ impl Trajectory {
         }
     }
 
-    /// Keeps the first samples, as many as are asked for.
+    /// Keeps the first samples, `n_samples` of them.
     pub(crate) fn truncate(&mut self, n_samples: usize) {
         for signal in [
             &mut self.motor_position_rad,

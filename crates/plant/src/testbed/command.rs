@@ -1,8 +1,8 @@
 //! Command of the motor torques during a run: from references and readings, axis by axis.
 
-use crate::control::controller::{ControllerAxis, ControllerOutput};
-use crate::linear::state_space::Hold;
+use crate::control::controller::{Controller, ControllerAxis, ControllerOutput};
 use crate::motion::Motion;
+use crate::state_space::Hold;
 use crate::testbed::simulated_robot::Actuation;
 
 /// What commands the torques of all axes.
@@ -24,7 +24,7 @@ pub(crate) struct VelocityLoop {
 
 impl Command {
     /// Commands that hold a robot as it moves.
-    pub fn holding(actuation: &Actuation, motion: &dyn Motion) -> Self {
+    pub(crate) fn holding(actuation: &Actuation, motion: &dyn Motion) -> Self {
         let holding_nm = motion.holding_nm();
         match actuation {
             Actuation::Torque { hold } => Self::Torque {
@@ -35,11 +35,9 @@ impl Command {
                 controller,
                 sample_time_s,
             } => {
-                let on_axis = |(axis, (&torque_nm, &position_rad))| VelocityLoop {
-                    controller: controller.axis(axis, *sample_time_s, torque_nm),
-                    position_gain_per_s: controller.position_gain_per_s(axis),
-                    position_rad,
-                    sample_time_s: *sample_time_s,
+                let on_axis = |(axis, (&torque_nm, &position_rad))| {
+                    let held = [torque_nm, position_rad];
+                    VelocityLoop::holding(&**controller, axis, *sample_time_s, held)
                 };
                 let held = holding_nm.iter().zip(motion.motor_position_rad());
                 Self::Velocity(held.enumerate().map(on_axis).collect())
@@ -49,7 +47,12 @@ impl Command {
 
     /// The motor torque that acts on an axis from this sample on, given the reference and the
     /// readings of position in rad and velocity in rad/s.
-    pub fn torque(&mut self, axis: usize, reference: f64, reading: (f64, f64)) -> ControllerOutput {
+    pub(crate) fn torque(
+        &mut self,
+        axis: usize,
+        reference: f64,
+        reading: (f64, f64),
+    ) -> ControllerOutput {
         match self {
             Self::Torque { holding_nm, .. } => {
                 let torque_nm = holding_nm[axis] + reference;
@@ -64,7 +67,7 @@ impl Command {
 
     /// Motor torque in N m at the next sample, towards which it runs in a straight line; `None` if
     /// it is held until then.
-    pub fn ahead(&self, axis: usize, next_reference: f64) -> Option<f64> {
+    pub(crate) fn ahead(&self, axis: usize, next_reference: f64) -> Option<f64> {
         match self {
             Self::Torque {
                 holding_nm,
@@ -76,6 +79,23 @@ impl Command {
 }
 
 impl VelocityLoop {
+    /// The loop of an axis that holds a torque in N m at a position in rad.
+    fn holding(
+        controller: &dyn Controller,
+        axis: usize,
+        sample_time_s: f64,
+        [torque_nm, position_rad]: [f64; 2],
+    ) -> Self {
+        Self {
+            controller: controller.axis(axis, sample_time_s, torque_nm),
+            position_gain_per_s: controller.position_gain_per_s(axis),
+            position_rad,
+            sample_time_s,
+        }
+    }
+
+    /// The torque that acts next, given the reference and the readings of position in rad and
+    /// velocity in rad/s.
     fn torque(
         &mut self,
         reference_rad_s: f64,
@@ -91,7 +111,6 @@ impl VelocityLoop {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::control::controller::Controller as _;
     use crate::control::pi::PiController;
 
     #[test]
@@ -104,12 +123,7 @@ mod tests {
             max_torque_rate_nm_per_s: None,
             position_gain_per_s: Some(vec![100.0]),
         };
-        let mut axis = VelocityLoop {
-            controller: controller.axis(0, 1e-3, 0.0),
-            position_gain_per_s: controller.position_gain_per_s(0),
-            position_rad: 7.0,
-            sample_time_s: 1e-3,
-        };
+        let mut axis = VelocityLoop::holding(&controller, 0, 1e-3, [0.0, 7.0]);
         // at rest at 7 rad: after two samples of 2 rad/s the motor should be 4 mrad ahead, worth
         // 0.4 rad/s
         let torques = [2.0, 2.0, 0.0].map(|reference| axis.torque(reference, (7.0, 0.0)).torque_nm);

@@ -1,4 +1,4 @@
-//! Fills the record of a run, sample after sample, as the sensors see it.
+//! Recorder of a run: its record, filled sample after sample as the sensors see it.
 
 use frfid_signals::checks::{finite, of_axes, one_per_axis, positive};
 use frfid_signals::{InputKind, Record, Run, SignalError, check_finite};
@@ -41,9 +41,30 @@ pub(crate) fn check_run(n_axes: usize, sensors: &[Sensor], run: &Run) -> Result<
         .try_for_each(Sensor::check)
 }
 
+/// A record of the length of a run, all zeros.
+fn empty_record(sensors: &[Sensor], run: &Run) -> Record {
+    let zeros = || Array2::zeros(run.reference.dim());
+    let measured = sensors
+        .iter()
+        .any(|sensor| sensor.torque_noise_nm.is_some());
+    Record {
+        sample_time_s: run.sample_time_s,
+        u: zeros(),
+        y: zeros(),
+        r: Some(zeros()),
+        position_rad: Some(zeros()),
+        input_kind: if measured {
+            InputKind::Measured
+        } else {
+            InputKind::Commanded
+        },
+        events: Vec::new(),
+    }
+}
+
 impl Recorder {
     /// Begins the record of a run of a robot that stands at the start of it.
-    pub fn new(sensors: &[Sensor], seed: u64, run: &Run, motion: &dyn Motion) -> Self {
+    pub(crate) fn new(sensors: &[Sensor], seed: u64, run: &Run, motion: &dyn Motion) -> Self {
         let (position, velocity) = (motion.motor_position_rad(), motion.motor_velocity_rad_s());
         let reader = |(axis, sensor): (usize, &Sensor)| {
             Reader::new(
@@ -55,32 +76,15 @@ impl Recorder {
                 run.sample_time_s,
             )
         };
-        let zeros = || Array2::zeros(run.reference.dim());
-        let measured = sensors
-            .iter()
-            .any(|sensor| sensor.torque_noise_nm.is_some());
-        let record = Record {
-            sample_time_s: run.sample_time_s,
-            u: zeros(),
-            y: zeros(),
-            r: Some(zeros()),
-            position_rad: Some(zeros()),
-            input_kind: if measured {
-                InputKind::Measured
-            } else {
-                InputKind::Commanded
-            },
-            events: Vec::new(),
-        };
         Self {
             readers: sensors.iter().enumerate().map(reader).collect(),
-            record,
+            record: empty_record(sensors, run),
         }
     }
 
     /// Records what an axis' sensors say of position and velocity at a sample; returns the
     /// readings.
-    pub fn motion(
+    pub(crate) fn motion(
         &mut self,
         axis: usize,
         sample: usize,
@@ -96,7 +100,7 @@ impl Recorder {
     }
 
     /// Records what is injected on an axis at a sample.
-    pub fn reference(&mut self, axis: usize, sample: usize, injected: f64) {
+    pub(crate) fn reference(&mut self, axis: usize, sample: usize, injected: f64) {
         if let Some(references) = &mut self.record.r {
             references[[axis, sample]] = injected;
         }
@@ -104,7 +108,13 @@ impl Recorder {
 
     /// Records the torque in N m that acts on an axis from a sample on, and the limit that it has
     /// just reached.
-    pub fn torque(&mut self, axis: usize, sample: usize, acting_nm: f64, reached: Option<Reached>) {
+    pub(crate) fn torque(
+        &mut self,
+        axis: usize,
+        sample: usize,
+        acting_nm: f64,
+        reached: Option<Reached>,
+    ) {
         self.record.u[[axis, sample]] = self.readers[axis].torque(acting_nm);
         let time_s = sample as f64 * self.record.sample_time_s;
         self.record

@@ -31,7 +31,7 @@ const MAX_STEPS: f64 = 1e6;
 
 /// How finely time is cut.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Clock {
+pub(crate) struct Clock {
     /// Sample time in s.
     pub sample_time_s: f64,
     /// Steps of the integrator per sample.
@@ -43,7 +43,7 @@ impl Clock {
     ///
     /// # Errors
     /// [`SignalError::Parameter`] unless both times are finite and above 0.
-    pub fn new(sample_time_s: f64, max_step_s: f64) -> Result<Self, SignalError> {
+    pub(crate) fn new(sample_time_s: f64, max_step_s: f64) -> Result<Self, SignalError> {
         positive("sample_time_s", sample_time_s)?;
         positive("max_step_s", max_step_s)?;
         let n_steps = (sample_time_s / max_step_s - 1e-9).ceil().max(1.0);
@@ -64,7 +64,7 @@ impl Clock {
 
     /// Length of a step in s.
     #[must_use]
-    pub fn step_s(&self) -> f64 {
+    pub(crate) fn step_s(&self) -> f64 {
         self.sample_time_s / self.n_steps as f64
     }
 }
@@ -164,8 +164,8 @@ mod tests {
     use std::f64::consts::TAU;
 
     use crate::control::sensor::Sensor;
-    use crate::linear::state_space::Hold;
     use crate::single_joint::SingleJoint;
+    use crate::state_space::Hold;
     use ndarray::{Array2, s};
     use num_complex::Complex64;
 

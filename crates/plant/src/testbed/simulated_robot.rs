@@ -7,14 +7,13 @@ use frfid_signals::{Record, Run, SignalError, Testbed, TestbedError};
 
 use crate::control::controller::Controller;
 use crate::control::sensor::Sensor;
-use crate::control::watch::{Guard, Watch};
+use crate::control::watch::Watch;
 use crate::error::PlantError;
-use crate::linear::state_space::Hold;
 use crate::motion::trajectory::Trajectory;
-use crate::motion::{Acting, Motion};
 use crate::robot::Robot;
-use crate::testbed::command::Command;
-use crate::testbed::recorder::{Recorder, check_run};
+use crate::state_space::Hold;
+use crate::testbed::recorder::check_run;
+use crate::testbed::run_loop::RunLoop;
 use crate::testbed::simulate::Clock;
 
 /// A robot in software with all that is around it: controller, sensors, and a watch over its
@@ -97,13 +96,12 @@ impl SimulatedRobot {
     /// Does one run; returns the true motion beside what the sensors recorded.
     ///
     /// # Errors
-    /// [`TestbedError`] for a run that does not fit, and one that leaves the numbers.
+    /// [`TestbedError`] for a run that does not fit, and one that diverges.
     pub fn simulate(&self, run: &Run) -> Result<(Record, Trajectory), TestbedError> {
         self.sampled(run)
             .map_err(|error| error.in_run(run.id, self.gain_nms_per_rad()))
     }
 
-    /// Read the sensors, command the torque, watch, move on, sample by sample.
     fn sampled(&self, run: &Run) -> Result<(Record, Trajectory), PlantError> {
         self.check(run)?;
         let mut motion = self.robot.start(&run.start_rad, &run.velocity_rad_s)?;
@@ -112,98 +110,40 @@ impl SimulatedRobot {
             run.sample_time_s,
             max_step_s.unwrap_or_else(|| self.robot.default_step_s()),
         )?;
-        let mut command = Command::holding(&self.actuation, &*motion);
-        let mut recorder = Recorder::new(&self.sensors, self.seed, run, &*motion);
-        let mut guard = Guard::new(self.watch.as_ref(), run);
-        let mut n_samples = run.reference.ncols();
-        let mut truth = Trajectory::zeros(run.sample_time_s, self.robot.n_axes(), n_samples);
-        let mut sample = 0;
-        while sample < n_samples {
-            truth.set(sample, &*motion);
-            let reference = |axis| guard.share(sample) * run.reference[[axis, sample]];
-            let torque = self.sample(&mut command, &mut recorder, sample, &*motion, reference);
-            guard.look(&mut recorder.record, sample);
-            sample += 1;
-            if guard.ends(sample - 1) {
-                n_samples = sample;
-            } else if sample < n_samples {
-                let reference = |axis| guard.share(sample) * run.reference[[axis, sample]];
-                let next = self.next(&command, reference);
-                let acting = next
-                    .as_ref()
-                    .map_or(Acting::Held(&torque), |next| Acting::Line(&torque, next));
-                motion.advance(clock.n_steps, clock.step_s(), acting)?;
-            }
-        }
-        truth.set_stuck(&*motion);
-        let mut record = recorder.record;
-        if n_samples < record.n_samples() {
-            truth.truncate(n_samples);
-            record.truncate(n_samples);
-        }
-        let last = n_samples.saturating_sub(1);
-        let stopped = guard.stopped(last, self.gain_nms_per_rad());
-        record.events.extend(stopped);
-        Ok((record, truth))
+        let mut run_loop = RunLoop::new(self, run, &*motion);
+        let n_samples = run_loop.advance(&mut *motion, clock)?;
+        Ok(run_loop.finish(n_samples, &*motion, self.gain_nms_per_rad()))
     }
 
     fn check(&self, run: &Run) -> Result<(), PlantError> {
         let n_axes = self.robot.n_axes();
+        self.check_actuation(run.sample_time_s)?;
+        check_run(n_axes, &self.sensors, run)?;
+        if let Some(watch) = &self.watch {
+            watch.check(n_axes)?;
+        }
+        Ok(())
+    }
+
+    /// Checks the actuation for a run of this sample time in s.
+    fn check_actuation(&self, found: f64) -> Result<(), PlantError> {
         match &self.actuation {
             Actuation::Torque {
                 hold: Hold::Continuous,
-            } => return Err(PlantError::NoHold),
-            Actuation::Torque { .. } => {}
+            } => Err(PlantError::NoHold),
+            Actuation::Torque { .. } => Ok(()),
             Actuation::Velocity {
                 controller,
                 sample_time_s,
             } => {
-                controller.check(n_axes, *sample_time_s)?;
-                if run.sample_time_s != *sample_time_s {
-                    let (key, found) = ("sample_time_s", run.sample_time_s);
-                    let needed = "the controller's sample time";
-                    return Err(SignalError::Parameter { key, found, needed }.into());
+                controller.check(self.robot.n_axes(), *sample_time_s)?;
+                if found == *sample_time_s {
+                    return Ok(());
                 }
+                let (key, needed) = ("sample_time_s", "the controller's sample time");
+                Err(SignalError::Parameter { key, found, needed }.into())
             }
         }
-        check_run(n_axes, &self.sensors, run)?;
-        Ok(self
-            .watch
-            .as_ref()
-            .map_or(Ok(()), |watch| watch.check(n_axes))?)
-    }
-
-    /// Reads the sensors of all axes and sets the torques in N m that act from a sample on, given
-    /// the references.
-    fn sample(
-        &self,
-        command: &mut Command,
-        recorder: &mut Recorder,
-        sample: usize,
-        motion: &dyn Motion,
-        reference: impl Fn(usize) -> f64,
-    ) -> Vec<f64> {
-        let (position, velocity) = (motion.motor_position_rad(), motion.motor_velocity_rad_s());
-        let on_axis = |axis: usize| {
-            let reference = reference(axis);
-            recorder.reference(axis, sample, reference);
-            let reading = recorder.motion(axis, sample, position[axis], velocity[axis]);
-            let output = command.torque(axis, reference, reading);
-            let acting_nm = self.sensors[axis].acting_torque(output.torque_nm);
-            recorder.torque(axis, sample, acting_nm, output.reached);
-            acting_nm
-        };
-        (0..self.sensors.len()).map(on_axis).collect()
-    }
-
-    /// The torques in N m at the next sample, given its references, towards which those of this one
-    /// run in a straight line; `None` if they are held.
-    fn next(&self, command: &Command, reference: impl Fn(usize) -> f64) -> Option<Vec<f64>> {
-        let on_axis = |(axis, sensor): (usize, &Sensor)| {
-            let torque_nm = command.ahead(axis, reference(axis))?;
-            Some(sensor.acting_torque(torque_nm))
-        };
-        self.sensors.iter().enumerate().map(on_axis).collect()
     }
 
     /// Gains in N m s/rad of the axes' controllers, to be named where a run fails; empty in open

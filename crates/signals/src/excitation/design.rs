@@ -76,13 +76,18 @@ impl Target {
             let what = format!("{key} is missing ({why})");
             return Err(SignalError::Unfit { key, what });
         };
-        if values.len() != self.n_inputs {
-            let (found, needed) = (values.len(), self.n_inputs);
-            let what =
-                format!("{key} has {found} entries, needed: one for each of the {needed} axes");
-            return Err(SignalError::Unfit { key, what });
-        }
+        self.check_number(key, values.len())?;
         values.iter().try_for_each(|value| check(key, value))?;
         Ok(values.clone())
+    }
+
+    /// Checks that there is one value for each input.
+    fn check_number(&self, key: &'static str, found: usize) -> Result<(), SignalError> {
+        let needed = self.n_inputs;
+        if found == needed {
+            return Ok(());
+        }
+        let what = format!("{key} has {found} entries, needed: one for each of the {needed} axes");
+        Err(SignalError::Unfit { key, what })
     }
 }

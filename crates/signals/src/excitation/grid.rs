@@ -1,4 +1,4 @@
-//! Which lines of the period's DFT are excited: SK15 section 4.2.
+//! Grid of the lines of a period's DFT that are excited: SK15 section 4.2.
 
 use std::ops::RangeInclusive;
 
@@ -6,8 +6,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
-use crate::number::checks::{LONGEST_SIGNAL, positive};
+use crate::number::checks::{LONGEST_SIGNAL, below_nyquist, positive};
 use crate::number::random;
+
+/// No grid needs more lines than this.
+const MOST_LINES: usize = 1_000_000;
 
 /// Which lines may be excited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
@@ -76,17 +79,7 @@ impl GridDesign {
         excited.retain(|&line| line > 0 && 2 * line < n_samples);
         excited.dedup();
         if excited.is_empty() {
-            let grid = if self.kind == GridKind::Full {
-                ""
-            } else {
-                "odd"
-            };
-            return Err(SignalError::EmptyBand {
-                grid,
-                low_hz: self.low_hz,
-                high_hz: self.high_hz,
-                fundamental_hz,
-            });
+            return Err(self.empty_band(fundamental_hz));
         }
         let detection = if self.kind == GridKind::OddRandom {
             leave_out(&mut excited, self.seed)
@@ -101,7 +94,7 @@ impl GridDesign {
         })
     }
 
-    fn period_samples(&self) -> Result<usize, SignalError> {
+    fn check_band(&self) -> Result<(), SignalError> {
         positive("low_hz", self.low_hz)?;
         positive("high_hz", self.high_hz)?;
         positive("sample_time_s", self.sample_time_s)?;
@@ -113,14 +106,12 @@ impl GridDesign {
                 needed: "a frequency not below low_hz",
             });
         }
-        let nyquist_hz = 0.5 / self.sample_time_s;
-        if self.high_hz >= nyquist_hz {
-            return Err(SignalError::AboveNyquist {
-                high_hz: self.high_hz,
-                nyquist_hz,
-                sample_time_s: self.sample_time_s,
-            });
-        }
+        below_nyquist(self.high_hz, self.sample_time_s)
+    }
+
+    /// Samples of the period: SK15 (10) to (12).
+    fn period_samples(&self) -> Result<usize, SignalError> {
+        self.check_band()?;
         const ROUNDING: f64 = 1e-9; // keeps quotients that are whole numbers whole
         let multiple = (1.0 / (5.0 * self.high_hz * self.sample_time_s) + ROUNDING)
             .floor()
@@ -137,12 +128,13 @@ impl GridDesign {
         Ok((needed as usize).next_power_of_two() * multiple as usize)
     }
 
+    /// The lines nearest to logarithmically spaced frequencies.
     fn nearest_lines(&self, count: usize, fundamental_hz: f64) -> Result<Vec<usize>, SignalError> {
-        if count == 0 {
+        if !(1..=MOST_LINES).contains(&count) {
             return Err(SignalError::Parameter {
                 key: "n_lines",
-                found: 0.0,
-                needed: "at least 1",
+                found: count as f64,
+                needed: "from 1 to 10^6",
             });
         }
         let ratio = self.high_hz / self.low_hz;
@@ -162,11 +154,26 @@ impl GridDesign {
         Ok(lines.collect())
     }
 
+    /// Every line of the band.
     fn every_line(&self, fundamental_hz: f64) -> Vec<usize> {
         let band: RangeInclusive<usize> = (self.low_hz / fundamental_hz - 1e-9).ceil() as usize
             ..=(self.high_hz / fundamental_hz + 1e-9).floor() as usize;
         band.filter(|line| self.kind == GridKind::Full || line % 2 == 1)
             .collect()
+    }
+
+    fn empty_band(&self, fundamental_hz: f64) -> SignalError {
+        let grid = if self.kind == GridKind::Full {
+            ""
+        } else {
+            "odd"
+        };
+        SignalError::EmptyBand {
+            grid,
+            low_hz: self.low_hz,
+            high_hz: self.high_hz,
+            fundamental_hz,
+        }
     }
 }
 

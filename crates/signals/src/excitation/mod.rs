@@ -1,15 +1,12 @@
-//! Excitation: what is injected, as a torque or as a velocity. A kind of excitation is a file of this
-//! folder and a variant here.
+//! Excitation: what is injected, as a torque or as a velocity. A kind of excitation is a folder
+//! here (the waveform in `mod.rs`, the table of a description in `design.rs`) and a variant below.
 
 mod chirp;
 mod design;
 mod grid;
-mod harmonic_sum;
-mod low_crest;
 mod multisine;
 mod phasing;
 mod profile;
-mod sine_ramp;
 mod stepped_sine;
 mod waveform;
 
@@ -18,7 +15,6 @@ use serde::{Deserialize, Serialize};
 pub use chirp::{Chirp, ChirpDesign};
 pub use design::{Design, Target};
 pub use grid::{GridDesign, GridKind, LineGrid};
-pub use low_crest::low_crest_phases;
 pub use multisine::{Multisine, MultisineDesign, Phases, Realization};
 pub use phasing::Phasing;
 pub use profile::{Amplitude, Profile};
@@ -38,7 +34,7 @@ pub enum Excitation {
 }
 
 impl Excitation {
-    /// What it tells of itself.
+    /// Its waveform, whichever kind it is.
     #[must_use]
     pub fn waveform(&self) -> &dyn Waveform {
         match self {

@@ -1,4 +1,4 @@
-//! How the channels of the experiments differ in phase, so that U is invertible: SK15 (9) and (26).
+//! Phases between the channels of the experiments, which make U invertible: SK15 (9) and (26).
 
 use std::f64::consts::{PI, TAU};
 

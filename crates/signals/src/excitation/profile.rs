@@ -1,4 +1,4 @@
-//! An amplitude over frequency, as in SK15 Table 1: values at frequencies, smooth in between.
+//! Amplitude over frequency, as in SK15 Table 1: values at frequencies, smooth in between.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -80,6 +80,20 @@ impl Profile {
     }
 }
 
+/// Checks that there is one profile for all inputs or one for each.
+pub(crate) fn check_one_or_each(amplitude: &[Profile], n_inputs: usize) -> Result<(), SignalError> {
+    if n_inputs > 0 && (amplitude.len() == 1 || amplitude.len() == n_inputs) {
+        return Ok(());
+    }
+    Err(SignalError::Shape {
+        name: "amplitude",
+        found: vec![amplitude.len()],
+        needed: format!(
+            "one profile for all, or one for each of the {n_inputs} inputs (at least one)"
+        ),
+    })
+}
+
 /// An amplitude as descriptions write it: a number, or points (Hz, value).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(
@@ -142,14 +156,15 @@ mod tests {
 
     #[test]
     fn bad_points_are_named() {
-        for points in [
-            vec![],
-            vec![(2.0, 1.0), (2.0, 1.0)],
-            vec![(0.0, 1.0)],
-            vec![(1.0, -1.0)],
-            vec![(1.0, f64::NAN)],
+        for (points, key) in [
+            (vec![], "points"),
+            (vec![(2.0, 1.0), (2.0, 1.0)], "points"),
+            (vec![(0.0, 1.0)], "points"),
+            (vec![(1.0, -1.0)], "amplitude"),
+            (vec![(1.0, f64::NAN)], "amplitude"),
         ] {
-            assert!(Profile { points }.check().is_err());
+            let error = Profile { points }.check().expect_err("a bad profile");
+            assert_eq!(error.path(), [key]);
         }
     }
 }

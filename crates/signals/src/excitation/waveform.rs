@@ -1,4 +1,4 @@
-//! Waveform: what every kind of excitation tells of itself.
+//! Waveform, the common face of every kind of excitation.
 
 use ndarray::Array3;
 use serde::Serialize;
@@ -6,8 +6,8 @@ use serde::Serialize;
 use crate::error::SignalError;
 use crate::excitation::phasing::Phasing;
 
-/// A kind of excitation. Whoever plans, runs, estimates or tells asks this, and never which kind it
-/// is.
+/// A kind of excitation. Whoever plans, runs, estimates or reports asks this, and never which kind
+/// it is.
 pub trait Waveform {
     /// Its name, for people and in `--json`.
     fn name(&self) -> &'static str;
@@ -75,7 +75,7 @@ pub struct Draw {
     pub phasing: Phasing,
 }
 
-/// A number that tells something of an excitation.
+/// A number that describes an excitation.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(untagged)]
 pub enum Fact {

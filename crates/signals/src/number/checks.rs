@@ -91,8 +91,7 @@ pub fn channels<T: Copy, const A: usize>(
     })
 }
 
-/// A count, or a product of counts, that must not exceed `most`.
-/// It follows from the field `key`.
+/// A count, or a product of counts, that must not exceed `most`; it follows from the field `key`.
 pub(crate) fn at_most(
     key: &'static str,
     quantity: &'static str,
@@ -108,6 +107,19 @@ pub(crate) fn at_most(
         quantity,
         found,
         needed,
+    })
+}
+
+/// The upper end of a band, which must lie below the Nyquist frequency.
+pub(crate) fn below_nyquist(high_hz: f64, sample_time_s: f64) -> Result<(), SignalError> {
+    let nyquist_hz = 0.5 / sample_time_s;
+    if high_hz < nyquist_hz {
+        return Ok(());
+    }
+    Err(SignalError::AboveNyquist {
+        high_hz,
+        nyquist_hz,
+        sample_time_s,
     })
 }
 

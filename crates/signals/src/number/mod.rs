@@ -1,4 +1,4 @@
-//! Numbers: ranges that parameters must lie in, named streams of chance, power and median.
+//! Numbers: ranges that parameters must lie in, named random streams, power and median.
 
 pub mod checks;
 pub mod format;

@@ -1,5 +1,5 @@
-//! Chance comes in by the door: named ChaCha8 streams, so that the same seed gives the same numbers
-//! in whatever order, and on however many threads, they are drawn.
+//! Random numbers: named ChaCha8 streams, so that the same seed gives the same numbers in whatever
+//! order, and on however many threads, they are drawn.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! The experiment plan: which runs are done, and what each of them injects.
+//! Plan of an experiment: which runs are done, and what each of them injects.
 
 pub(crate) mod run;
 pub(crate) mod testbed;
@@ -45,7 +45,7 @@ pub struct Plan {
     /// Samples before the first measured period: the multisine's own continuation backwards, rest
     /// before a chirp.
     pub lead_in_samples: usize,
-    /// Constant velocity in rad/s on which every run rides, per channel; zeros for none.
+    /// Constant velocity in rad/s beneath every run, per channel; zeros for none.
     pub velocity_rad_s: Vec<f64>,
     /// Runs of the constant velocity alone; 0 for none.
     pub n_glides: usize,
@@ -58,6 +58,13 @@ impl Plan {
     /// [`SignalError`] naming the first value out of range.
     pub fn check(&self) -> Result<(), SignalError> {
         positive("sample_time_s", self.sample_time_s)?;
+        self.check_number_of_runs()?;
+        self.check_velocity()?;
+        self.check_excitation()?;
+        self.check_length()
+    }
+
+    fn check_number_of_runs(&self) -> Result<(), SignalError> {
         let counts = [
             ("n_inputs", self.n_inputs),
             ("realizations", self.n_realizations),
@@ -75,30 +82,22 @@ impl Plan {
             runs,
             MOST_RUNS,
             "at most 10^6: fewer realizations or repetitions",
-        )?;
-        if self.velocity_rad_s.len() != self.n_inputs
-            || self.velocity_rad_s.iter().any(|v| !v.is_finite())
-        {
-            let needed = format!(
+        )
+    }
+
+    fn check_velocity(&self) -> Result<(), SignalError> {
+        let velocities = &self.velocity_rad_s;
+        if velocities.len() == self.n_inputs && velocities.iter().all(|v| v.is_finite()) {
+            return Ok(());
+        }
+        Err(SignalError::Shape {
+            name: "velocity_rad_s",
+            found: vec![velocities.len()],
+            needed: format!(
                 "one finite velocity for each of the {} inputs",
                 self.n_inputs
-            );
-            return Err(SignalError::Shape {
-                name: "velocity_rad_s",
-                found: vec![self.velocity_rad_s.len()],
-                needed,
-            });
-        }
-        self.check_excitation()?;
-        let samples =
-            self.lead_in_samples as f64 + self.n_periods as f64 * self.period_samples()? as f64;
-        at_most(
-            "periods",
-            "samples of a run",
-            samples,
-            LONGEST_SIGNAL,
-            "at most 2^26: fewer periods or a shorter lead-in",
-        )
+            ),
+        })
     }
 
     fn check_excitation(&self) -> Result<(), SignalError> {
@@ -117,6 +116,18 @@ impl Plan {
             });
         }
         waveform.check_for(self.n_inputs)
+    }
+
+    fn check_length(&self) -> Result<(), SignalError> {
+        let samples =
+            self.lead_in_samples as f64 + self.n_periods as f64 * self.period_samples()? as f64;
+        at_most(
+            "periods",
+            "samples of a run",
+            samples,
+            LONGEST_SIGNAL,
+            "at most 2^26: fewer periods or a shorter lead-in",
+        )
     }
 
     /// Experiments per realization: the columns of U, as many as inputs.
@@ -204,33 +215,13 @@ impl Plan {
             return Err(self.no_such_run(id));
         }
         let reference = match id.kind {
-            RunKind::Excitation => self.extended(
-                &self
-                    .period(id.realization)?
-                    .index_axis_move(Axis(0), id.experiment),
-            ),
+            RunKind::Excitation => {
+                let experiments = self.period(id.realization)?;
+                self.extended(&experiments.index_axis_move(Axis(0), id.experiment))
+            }
             RunKind::Glide => Array2::zeros((self.n_inputs, self.run_samples()?)),
         };
-        Ok(self.riding(id, reference))
-    }
-
-    /// All runs of one realization, by experiment and repetition: the phases are drawn once.
-    ///
-    /// # Errors
-    /// As [`Plan::run`].
-    pub fn realization_runs(&self, realization: usize) -> Result<Vec<Run>, SignalError> {
-        let period = self.period(realization)?;
-        let ids = self
-            .run_ids()
-            .filter(|id| id.kind == RunKind::Excitation && id.realization == realization);
-        Ok(ids
-            .map(|id| {
-                self.riding(
-                    id,
-                    self.extended(&period.index_axis(Axis(0), id.experiment).to_owned()),
-                )
-            })
-            .collect())
+        Ok(self.on_constant_velocity(id, reference))
     }
 
     /// Lead-in and periods from one period.
@@ -249,7 +240,8 @@ impl Plan {
         reference
     }
 
-    fn riding(&self, id: RunId, mut reference: Array2<f64>) -> Run {
+    /// The run of a reference, on the constant velocity beneath it.
+    fn on_constant_velocity(&self, id: RunId, mut reference: Array2<f64>) -> Run {
         if self.injection == Injection::Velocity {
             for (mut row, velocity) in reference.rows_mut().into_iter().zip(&self.velocity_rad_s) {
                 row += *velocity;

@@ -1,4 +1,4 @@
-//! One run of a plan: its name, and what it injects sample by sample.
+//! Run of a plan: its name, and what it injects sample by sample.
 
 use std::fmt;
 
@@ -78,7 +78,7 @@ pub struct Run {
     /// What is injected, `(channel, sample)`: motor torques in N m in open loop, reference
     /// velocities in rad/s in closed loop (the constant velocity then included).
     pub reference: Array2<f64>,
-    /// Constant velocity in rad/s on which the run rides, per channel; zeros where there is none.
+    /// Constant velocity in rad/s beneath the run, per channel; zeros where there is none.
     /// The testbed starts at this velocity; in open loop it adds the torque that holds it.
     pub velocity_rad_s: Vec<f64>,
     /// Where the run starts, in rad from the pose, per channel.

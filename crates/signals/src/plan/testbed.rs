@@ -1,4 +1,4 @@
-//! The seam between experiments and machines: a reference goes in, a [`Record`] comes out.
+//! Testbed, the seam between experiments and machines: a reference goes in, a [`Record`] comes out.
 
 use thiserror::Error;
 
@@ -29,7 +29,7 @@ pub enum TestbedError {
     /// The run does not fit the testbed.
     #[error(transparent)]
     Run(#[from] SignalError),
-    /// The simulation left the numbers: the first quantity that was not finite.
+    /// The simulation diverged: the first quantity that was not finite.
     #[error(
         "run {run}: {quantity} of axis {} is no longer finite at {time_s} s; {}",
         channel + 1,
@@ -57,7 +57,7 @@ pub enum TestbedError {
     },
 }
 
-/// What to do about a simulation that left the numbers.
+/// What to do about a simulation that diverged.
 fn lower(gain_nms_per_rad: Option<f64>) -> String {
     match gain_nms_per_rad {
         Some(gain) => format!("the gain of that axis is {gain} N m s/rad: lower the gains"),

@@ -1,4 +1,4 @@
-//! The number type of the dynamics: one f64 today, several realizations side by side when batching
+//! Number type of the dynamics: one f64 today, several realizations side by side when batching
 //! comes.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -6,7 +6,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// What the dynamics ask of a number. Nothing branches on it: within a mode (stuck or slipping, on
 /// one branch of the spring) the right-hand side is one formula, and what differs from mode to mode
 /// is a lane value too (`Regime`).
-pub trait Scalar:
+pub(crate) trait Scalar:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use num_complex::Complex64;
 use realfft::RealFftPlanner;
 
-use crate::excitation::harmonic_sum::HarmonicSum;
+use crate::excitation::multisine::harmonic_sum::HarmonicSum;
 use crate::number::power::sample_peak;
 
 /// Rounds of clipping: the crest factor of the paper's grid has settled to a percent by then.
@@ -18,8 +18,7 @@ const ROUNDS: usize = 300;
 /// Each round clips the period just below its peak and takes over the phases, not the magnitudes,
 /// of what remains. The clip level rises from 75 % to 99 % of the peak, so that large peaks go
 /// first.
-#[must_use]
-pub fn low_crest_phases(lines: &[usize], magnitudes: &[f64]) -> Vec<f64> {
+pub(crate) fn low_crest_phases(lines: &[usize], magnitudes: &[f64]) -> Vec<f64> {
     let n = (16 * lines.last().copied().unwrap_or(1)).next_power_of_two();
     let mut planner = RealFftPlanner::<f64>::new();
     let (forward, inverse) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
@@ -27,16 +26,12 @@ pub fn low_crest_phases(lines: &[usize], magnitudes: &[f64]) -> Vec<f64> {
     let mut phases = schroeder_phases(magnitudes);
     let mut best = (f64::INFINITY, phases.clone());
     for round in 0..ROUNDS {
-        let amplitudes: Vec<Complex64> = magnitudes
-            .iter()
-            .zip(&phases)
-            .map(|(&m, &p)| Complex64::from_polar(m, p))
-            .collect();
-        let mut period = HarmonicSum {
+        let amplitudes = polar(magnitudes, &phases);
+        let sum = HarmonicSum {
             lines,
             amplitudes: &amplitudes,
-        }
-        .period(Complex64::ONE, &*inverse);
+        };
+        let mut period = sum.period(Complex64::ONE, &*inverse);
         let peak = sample_peak(&period);
         if peak < best.0 {
             best = (peak, phases.clone());
@@ -51,6 +46,14 @@ pub fn low_crest_phases(lines: &[usize], magnitudes: &[f64]) -> Vec<f64> {
         }
     }
     best.1
+}
+
+/// Complex amplitudes of magnitudes and phases in rad.
+fn polar(magnitudes: &[f64], phases: &[f64]) -> Vec<Complex64> {
+    let pairs = magnitudes.iter().zip(phases);
+    pairs
+        .map(|(&magnitude, &phase)| Complex64::from_polar(magnitude, phase))
+        .collect()
 }
 
 /// Schroeder's phases for given power shares (IEEE Trans. Inf. Theory 16 (1970) 85): the sum then
@@ -69,7 +72,7 @@ fn schroeder_phases(magnitudes: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::harmonic_sum::TurnedSum;
+    use crate::excitation::multisine::harmonic_sum::TurnedSum;
 
     fn crest(lines: &[usize], phases: &[f64]) -> f64 {
         let amplitudes: Vec<Complex64> = phases.iter().map(|&p| Complex64::cis(p)).collect();

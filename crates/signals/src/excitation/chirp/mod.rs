@@ -1,19 +1,20 @@
 //! Exponential chirps with an amplitude over frequency, SK15 (15) and (16).
 
+mod design;
+
 use std::f64::consts::{PI, TAU};
 
-use ndarray::{Array3, Axis};
-use schemars::JsonSchema;
+use ndarray::{Array3, ArrayViewMut2, Axis};
 use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
-use crate::excitation::Excitation;
-use crate::excitation::design::{Design, Target};
 use crate::excitation::phasing::Phasing;
-use crate::excitation::profile::{Amplitude, Profile};
+use crate::excitation::profile::{Profile, check_one_or_each};
 use crate::excitation::waveform::{Draw, Fact, Waveform};
-use crate::number::checks::{LONGEST_SIGNAL, not_negative, positive};
+use crate::number::checks::{LONGEST_SIGNAL, below_nyquist, not_negative, positive};
 use crate::number::format::{band, significant};
+
+pub use design::ChirpDesign;
 
 /// A sine whose frequency runs exponentially from `low_hz` to `high_hz`:
 /// `r(t) = A(f(t)) sin(phi(t) + phase)` with `f(t) = low_hz e^{a t}`,
@@ -33,33 +34,6 @@ pub struct Chirp {
     pub fade_s: f64,
     /// Rest after the sweep in s, recorded until the response has died out.
     pub tail_s: f64,
-}
-
-/// An exponential chirp (SK15 section 5): the table `[chirp]`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
-pub struct ChirpDesign {
-    /// Frequency at the start in Hz.
-    pub low_hz: f64,
-    /// Frequency at the end in Hz.
-    pub high_hz: f64,
-    /// Length of the sweep in s.
-    pub duration_s: f64,
-    /// Amplitude of the motor torque in N m, one for each input: a number, or points [[Hz, value],
-    /// ...]; open loop.
-    pub amplitude_nm: Option<Vec<Amplitude>>,
-    /// Amplitude of the reference velocity in rad/s, one for each input: a number, or points;
-    /// closed loop.
-    pub amplitude_rad_s: Option<Vec<Amplitude>>,
-    /// Length of the fades at both ends in s.
-    #[serde(default)]
-    pub fade_s: f64,
-    /// Rest recorded after the sweep in s, until the response has died out.
-    #[serde(default)]
-    pub tail_s: f64,
-    /// Phases between channels and experiments: orthogonal, sign-flip or one-at-a-time.
-    #[serde(default)]
-    pub mimo: Phasing,
 }
 
 impl Chirp {
@@ -137,44 +111,45 @@ impl Chirp {
     ) -> Result<Array3<f64>, SignalError> {
         self.check_for(n_inputs)?;
         positive("sample_time_s", sample_time_s)?;
-        let nyquist_hz = 0.5 / sample_time_s;
-        if self.high_hz >= nyquist_hz {
-            return Err(SignalError::AboveNyquist {
-                high_hz: self.high_hz,
-                nyquist_hz,
-                sample_time_s,
-            });
-        }
-        if phasing == Phasing::Independent {
-            let what = "independent phases need many lines, a multisine; for a chirp take \
-                        `orthogonal` or `sign-flip`";
-            return Err(SignalError::Unfit {
-                key: "mimo",
-                what: what.to_owned(),
-            });
-        }
-        let turn = |channel, experiment| phasing.phase_rad(channel, experiment, n_inputs);
+        below_nyquist(self.high_hz, sample_time_s)?;
+        check_phasing(phasing)?;
         let mut signal = Array3::zeros((n_inputs, n_inputs, self.period_samples(sample_time_s)?));
-        for (k, mut now) in signal.axis_iter_mut(Axis(2)).enumerate() {
-            let time_s = k as f64 * sample_time_s;
-            let (fade, hz, phase) = (
-                self.fade_at(time_s),
-                self.frequency_at(time_s),
-                self.phase_at(time_s),
-            );
-            if fade > 0.0 {
-                for channel in 0..n_inputs {
-                    let amplitude = fade * self.amplitude[channel % self.amplitude.len()].at(hz);
-                    for experiment in 0..n_inputs {
-                        now[[experiment, channel]] = phasing.weight(channel, experiment)
-                            * amplitude
-                            * (phase + turn(channel, experiment)).sin();
-                    }
-                }
-            }
+        for (k, now) in signal.axis_iter_mut(Axis(2)).enumerate() {
+            self.put_instant(k as f64 * sample_time_s, phasing, now);
         }
         Ok(signal)
     }
+
+    /// The chirp of every experiment and channel at `time_s`, put into `(experiment, input)`.
+    fn put_instant(&self, time_s: f64, phasing: Phasing, mut now: ArrayViewMut2<f64>) {
+        let fade = self.fade_at(time_s);
+        if fade == 0.0 {
+            return;
+        }
+        let (hz, phase) = (self.frequency_at(time_s), self.phase_at(time_s));
+        let n_inputs = now.ncols();
+        for channel in 0..n_inputs {
+            let amplitude = fade * self.amplitude[channel % self.amplitude.len()].at(hz);
+            for experiment in 0..n_inputs {
+                let turn = phasing.phase_rad(channel, experiment, n_inputs);
+                now[[experiment, channel]] =
+                    phasing.weight(channel, experiment) * amplitude * (phase + turn).sin();
+            }
+        }
+    }
+}
+
+/// Refuses phases that a single sine cannot have.
+fn check_phasing(phasing: Phasing) -> Result<(), SignalError> {
+    if phasing != Phasing::Independent {
+        return Ok(());
+    }
+    let what = "independent phases need many lines, a multisine; for a chirp take \
+                `orthogonal` or `sign-flip`";
+    Err(SignalError::Unfit {
+        key: "mimo",
+        what: what.to_owned(),
+    })
 }
 
 impl Waveform for Chirp {
@@ -188,16 +163,7 @@ impl Waveform for Chirp {
 
     fn check_for(&self, n_inputs: usize) -> Result<(), SignalError> {
         self.check()?;
-        if n_inputs == 0 || (self.amplitude.len() != 1 && self.amplitude.len() != n_inputs) {
-            return Err(SignalError::Shape {
-                name: "amplitude",
-                found: vec![self.amplitude.len()],
-                needed: format!(
-                    "one profile for all, or one for each of the {n_inputs} inputs (at least one)"
-                ),
-            });
-        }
-        Ok(())
+        check_one_or_each(&self.amplitude, n_inputs)
     }
 
     fn period_samples(&self, sample_time_s: f64) -> Result<usize, SignalError> {
@@ -254,28 +220,6 @@ impl Waveform for Chirp {
 
     fn facts(&self) -> Vec<(&'static str, Fact)> {
         vec![("duration_s", Fact::Value(self.duration_s))]
-    }
-}
-
-impl Design for ChirpDesign {
-    fn phasing(&self) -> Phasing {
-        self.mimo
-    }
-
-    fn excitation(&self, target: &Target) -> Result<Excitation, SignalError> {
-        let keys = [
-            ("amplitude_nm", &self.amplitude_nm),
-            ("amplitude_rad_s", &self.amplitude_rad_s),
-        ];
-        let amplitude = target.of_injection(keys, Amplitude::check)?;
-        Ok(Excitation::Chirp(Chirp {
-            low_hz: self.low_hz,
-            high_hz: self.high_hz,
-            duration_s: self.duration_s,
-            amplitude: amplitude.iter().map(Amplitude::profile).collect(),
-            fade_s: self.fade_s,
-            tail_s: self.tail_s,
-        }))
     }
 }
 
@@ -348,38 +292,25 @@ mod tests {
 
     #[test]
     fn bad_chirps_are_refused() {
-        for bad in [
-            Chirp {
-                low_hz: f64::NAN,
-                ..chirp()
-            },
-            Chirp {
-                high_hz: 1.0,
-                ..chirp()
-            },
-            Chirp {
-                duration_s: -1.0,
-                ..chirp()
-            },
-            Chirp {
-                fade_s: 11.0,
-                ..chirp()
-            },
-            Chirp {
-                high_hz: 500.0,
-                ..chirp()
-            },
-            Chirp {
-                amplitude: vec![],
-                ..chirp()
-            },
-            Chirp {
-                amplitude: vec![Profile::constant(-1.0)],
-                ..chirp()
-            },
-        ] {
-            assert!(bad.sample(1e-3, 1, Phasing::Orthogonal).is_err(), "{bad:?}");
-        }
-        assert!(chirp().sample(1e-3, 2, Phasing::Independent).is_err());
+        let refused = |change: fn(&mut Chirp), n_inputs, phasing| {
+            let mut bad = chirp();
+            change(&mut bad);
+            let error = bad
+                .sample(1e-3, n_inputs, phasing)
+                .expect_err("a bad chirp");
+            error.path().join(".")
+        };
+        let changed = |change| refused(change, 1, Phasing::Orthogonal);
+        assert_eq!(changed(|chirp| chirp.low_hz = f64::NAN), "low_hz");
+        assert_eq!(changed(|chirp| chirp.high_hz = 1.0), "high_hz");
+        assert_eq!(changed(|chirp| chirp.duration_s = -1.0), "duration_s");
+        assert_eq!(changed(|chirp| chirp.fade_s = 11.0), "fade_s");
+        assert_eq!(changed(|chirp| chirp.high_hz = 500.0), "high_hz");
+        assert_eq!(changed(|chirp| chirp.amplitude = vec![]), "amplitude");
+        assert_eq!(
+            changed(|chirp| chirp.amplitude = vec![Profile::constant(-1.0)]),
+            "amplitude"
+        );
+        assert_eq!(refused(|_| (), 2, Phasing::Independent), "mimo");
     }
 }

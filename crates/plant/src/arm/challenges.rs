@@ -1,7 +1,9 @@
-//! What makes finding a robot's FRFs hard: the seven challenges of SK15 section 2, each a switch.
+//! Challenges in finding a robot's FRFs: the seven of SK15 section 2, each a switch.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
+
+use crate::joint::flexible_joint::FlexibleJoint;
 
 /// Which of the challenges A to G a simulated robot poses; a switch that is not given is on. An
 /// [`Arm`](crate::arm::Arm) applies B, C, D, E and G itself. A and F are not the arm's: whoever
@@ -46,6 +48,25 @@ impl Challenges {
             sensing: self.sensing.or(others.sensing),
             gravity: self.gravity.or(others.gravity),
         }
+    }
+}
+
+impl FlexibleJoint {
+    /// The joint without the challenges that are switched off: friction (B), stiffening (C), ripple
+    /// (E).
+    #[must_use]
+    pub fn with(&self, challenges: Challenges) -> Self {
+        let mut joint = self.clone();
+        if !is_posed(challenges.coulomb_friction) {
+            joint.friction.coulomb_nm = 0.0;
+        }
+        if !is_posed(challenges.stiffening) {
+            joint.spring.stiffness_beyond_nm_per_rad = joint.spring.stiffness_nm_per_rad;
+        }
+        if !is_posed(challenges.torque_ripple) {
+            joint.ripple.clear();
+        }
+        joint
     }
 }
 

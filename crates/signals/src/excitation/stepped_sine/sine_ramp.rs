@@ -18,7 +18,7 @@ pub(crate) struct SineRamp {
 impl SineRamp {
     /// Phase in rad since its start at one of its samples: 2 pi times the integral of the frequency
     /// f0 + (f1 - f0) (1 - cos(pi x)) / 2.
-    pub fn phase_at(&self, sample: usize) -> f64 {
+    pub(crate) fn phase_at(&self, sample: usize) -> f64 {
         if self.samples == 0 {
             return 0.0;
         }
@@ -29,7 +29,7 @@ impl SineRamp {
     }
 
     /// Amplitudes at one of its samples.
-    pub fn between(&self, sample: usize, from: &[f64], to: &[f64]) -> Vec<f64> {
+    pub(crate) fn between(&self, sample: usize, from: &[f64], to: &[f64]) -> Vec<f64> {
         let x = sample as f64 / self.samples as f64;
         let share = 0.5 * (1.0 - (PI * x).cos());
         let pairs = from.iter().zip(to);

@@ -34,7 +34,7 @@ pub(crate) struct TurnedSum<'a> {
 impl HarmonicSum<'_> {
     /// One period of `x`, turned, at as many equidistant points as `inverse` makes; the lines must
     /// lie below half of that.
-    pub fn period(&self, turn: Complex64, inverse: &dyn ComplexToReal<f64>) -> Vec<f64> {
+    pub(crate) fn period(&self, turn: Complex64, inverse: &dyn ComplexToReal<f64>) -> Vec<f64> {
         let mut spectrum = inverse.make_input_vec();
         let sine = turn * Complex64::new(0.0, -0.5); // sin x = Re(-i e^{ix}), half of it on each side
         for (&line, amplitude) in self.lines.iter().zip(self.amplitudes) {
@@ -80,7 +80,11 @@ impl HarmonicSum<'_> {
 
 impl<'a> TurnedSum<'a> {
     /// The sum on `n_samples` or, where these are too few to find peaks, on a multiple of them.
-    pub fn new(sum: HarmonicSum<'a>, n_samples: usize, planner: &mut RealFftPlanner<f64>) -> Self {
+    pub(crate) fn new(
+        sum: HarmonicSum<'a>,
+        n_samples: usize,
+        planner: &mut RealFftPlanner<f64>,
+    ) -> Self {
         let highest = sum.lines.last().copied().unwrap_or(1);
         let oversampling = (POINTS_PER_PERIOD * highest).div_ceil(n_samples);
         let inverse = planner.plan_fft_inverse(oversampling * n_samples);
@@ -95,13 +99,13 @@ impl<'a> TurnedSum<'a> {
     }
 
     /// The samples of the sum times `turn`: its argument turns every phase, its modulus scales.
-    pub fn samples(&self, turn: Complex64) -> impl Iterator<Item = f64> {
+    pub(crate) fn samples(&self, turn: Complex64) -> impl Iterator<Item = f64> {
         self.points(turn, self.oversampling)
     }
 
     /// Largest |x(t)| of the turned sum over all t, not only over samples: a search on the grid,
     /// refined by Newton's method on x'(t).
-    pub fn true_peak(&self, turn: Complex64) -> f64 {
+    pub(crate) fn true_peak(&self, turn: Complex64) -> f64 {
         let grid: Vec<f64> = self.points(turn, 1).collect();
         let n = grid.len();
         let coarse_peak = sample_peak(&grid);

@@ -1,4 +1,4 @@
-//! The linear truth: state space models and their exact FRFs under every hold.
+//! State space models, the linear truth, and their exact FRFs under every hold.
 //!
 //! x' = A x + B u, y = C x + D u. With a sample-and-hold in front the sampled response is that of
 //! `x[k+1] = Phi x[k] + Gamma_1 u[k] + Gamma_2 (u[k+1] - u[k])` (Gamma_2 = 0 for zoh), whose
@@ -66,23 +66,24 @@ impl StateSpace {
             } else {
                 (s * sample_time_s).exp()
             };
-            let pencil = DMatrix::from_diagonal_element(phi.nrows(), phi.nrows(), p)
-                - phi.map(Complex64::from);
-            let drive = gamma.zip_map(&lead, |gamma, lead| gamma + (p - 1.0) * lead);
-            let needed = "a frequency at which the model has no pole";
-            let x = pencil.lu().solve(&drive).ok_or(SignalError::Parameter {
+            let states = states_at(p, &phi, [&gamma, &lead]).ok_or(SignalError::Parameter {
                 key: "hz",
                 found: f,
-                needed,
+                needed: "a frequency at which the model has no pole",
             })?;
-            let matrix = self.c.map(Complex64::from) * x + self.d.map(Complex64::from);
-            for ((output, input), value) in
-                response.index_axis_mut(Axis(0), line).indexed_iter_mut()
-            {
-                *value = matrix[(output, input)];
-            }
+            let matrix = self.c.map(Complex64::from) * states + self.d.map(Complex64::from);
+            put_line(&mut response, line, &matrix);
         }
         Frf::new(hz.to_vec(), response)
+    }
+
+    /// The same model with some of its outputs, in the order given.
+    pub(crate) fn of_outputs(self, outputs: &[usize]) -> Self {
+        Self {
+            c: self.c.select_rows(outputs),
+            d: self.d.select_rows(outputs),
+            ..self
+        }
     }
 
     /// Phi and Gamma_1, Gamma_2 of the model sampled behind a hold.
@@ -122,5 +123,26 @@ impl StateSpace {
                 })
             }
         })
+    }
+}
+
+/// States per input in the frequency domain: (p I - Phi)^-1 (Gamma_1 + (p - 1) Gamma_2); `None` at
+/// a pole.
+fn states_at(
+    p: Complex64,
+    phi: &DMatrix<f64>,
+    [gamma, lead]: [&DMatrix<f64>; 2],
+) -> Option<DMatrix<Complex64>> {
+    let n = phi.nrows();
+    let pencil = DMatrix::from_diagonal_element(n, n, p) - phi.map(Complex64::from);
+    let drive = gamma.zip_map(lead, |gamma, lead| gamma + (p - 1.0) * lead);
+    pencil.lu().solve(&drive)
+}
+
+/// Puts a matrix into a response `(frequency, output, input)` at one of its frequencies.
+pub(crate) fn put_line(response: &mut Array3<Complex64>, line: usize, matrix: &DMatrix<Complex64>) {
+    let mut there = response.index_axis_mut(Axis(0), line);
+    for ((output, input), value) in there.indexed_iter_mut() {
+        *value = matrix[(output, input)];
     }
 }

@@ -1,0 +1,118 @@
+//! Loop of a simulated run: read the sensors, command the torques, watch, move on, sample by sample.
+
+use frfid_signals::{Record, Run};
+
+use crate::control::sensor::Sensor;
+use crate::control::watch::Guard;
+use crate::error::PlantError;
+use crate::motion::trajectory::Trajectory;
+use crate::motion::{Acting, Motion};
+use crate::testbed::command::Command;
+use crate::testbed::recorder::Recorder;
+use crate::testbed::simulate::Clock;
+use crate::testbed::simulated_robot::SimulatedRobot;
+
+/// All that goes on around a robot in motion during a run.
+pub(crate) struct RunLoop<'a> {
+    run: &'a Run,
+    sensors: &'a [Sensor],
+    command: Command,
+    recorder: Recorder,
+    guard: Guard<'a>,
+    truth: Trajectory,
+}
+
+impl<'a> RunLoop<'a> {
+    /// The loop before the first sample of a run at whose start the robot is.
+    pub(crate) fn new(robot: &'a SimulatedRobot, run: &'a Run, motion: &dyn Motion) -> Self {
+        let (n_axes, n_samples) = run.reference.dim();
+        Self {
+            run,
+            sensors: &robot.sensors,
+            command: Command::holding(&robot.actuation, motion),
+            recorder: Recorder::new(&robot.sensors, robot.seed, run, motion),
+            guard: Guard::new(robot.watch.as_ref(), run),
+            truth: Trajectory::zeros(run.sample_time_s, n_axes, n_samples),
+        }
+    }
+
+    /// Goes through the run; returns the number of its samples, fewer than were asked for if it was
+    /// stopped.
+    pub(crate) fn advance(
+        &mut self,
+        motion: &mut dyn Motion,
+        clock: Clock,
+    ) -> Result<usize, PlantError> {
+        let n_samples = self.run.reference.ncols();
+        for sample in 0..n_samples {
+            self.truth.set(sample, motion);
+            let torque = self.acting_nm(sample, motion);
+            self.guard.look(&mut self.recorder.record, sample);
+            if self.guard.ends(sample) {
+                return Ok(sample + 1);
+            }
+            if sample + 1 < n_samples {
+                let next = self.next_nm(sample + 1);
+                let acting = next
+                    .as_ref()
+                    .map_or(Acting::Held(&torque), |next| Acting::Line(&torque, next));
+                motion.advance(clock.n_steps, clock.step_s(), acting)?;
+            }
+        }
+        Ok(n_samples)
+    }
+
+    /// The record and the true motion of the samples that were done, under controllers of these
+    /// gains in N m s/rad.
+    pub(crate) fn finish(
+        self,
+        n_samples: usize,
+        motion: &dyn Motion,
+        gains: &[f64],
+    ) -> (Record, Trajectory) {
+        let (mut record, mut truth) = (self.recorder.record, self.truth);
+        truth.set_stuck(motion);
+        if n_samples < record.n_samples() {
+            truth.truncate(n_samples);
+            record.truncate(n_samples);
+        }
+        let last = n_samples.saturating_sub(1);
+        record.events.extend(self.guard.stopped(last, gains));
+        (record, truth)
+    }
+
+    /// What is injected on an axis at a sample.
+    fn reference(&self, axis: usize, sample: usize) -> f64 {
+        self.guard.share(sample) * self.run.reference[[axis, sample]]
+    }
+
+    /// Reads the sensors of all axes and sets the torques in N m that act from a sample on.
+    fn acting_nm(&mut self, sample: usize, motion: &dyn Motion) -> Vec<f64> {
+        let (position, velocity) = (motion.motor_position_rad(), motion.motor_velocity_rad_s());
+        let n_axes = self.sensors.len();
+        let on_axis = |axis: usize| {
+            let reference = self.reference(axis, sample);
+            self.recorder.reference(axis, sample, reference);
+            let reading = self
+                .recorder
+                .motion(axis, sample, position[axis], velocity[axis]);
+            let output = self.command.torque(axis, reference, reading);
+            let acting_nm = self.sensors[axis].acting_torque(output.torque_nm);
+            self.recorder
+                .torque(axis, sample, acting_nm, output.reached);
+            acting_nm
+        };
+        (0..n_axes).map(on_axis).collect()
+    }
+
+    /// The torques in N m at the next sample towards which those of this one run in a straight
+    /// line; `None` if they are held.
+    fn next_nm(&self, next_sample: usize) -> Option<Vec<f64>> {
+        let on_axis = |(axis, sensor): (usize, &Sensor)| {
+            let reference = self.reference(axis, next_sample);
+            let torque_nm = self.command.ahead(axis, reference)?;
+            Some(sensor.acting_torque(torque_nm))
+        };
+        self.sensors.iter().enumerate().map(on_axis).collect()
+    }
+}

@@ -1,0 +1,178 @@
+//! Realization of a multisine: a draw of its phases, scaled to the peaks of its channels.
+
+use std::f64::consts::PI;
+
+use ndarray::{Array3, indices};
+use num_complex::Complex64;
+use realfft::RealFftPlanner;
+
+use crate::error::SignalError;
+use crate::excitation::multisine::harmonic_sum::{HarmonicSum, TurnedSum};
+use crate::excitation::multisine::low_crest::low_crest_phases;
+use crate::excitation::multisine::{Multisine, Phases};
+use crate::excitation::phasing::Phasing;
+use crate::excitation::waveform::{Draw, Waveform};
+use crate::number::random;
+
+/// One draw of the random phases: one period for every experiment and channel.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Realization {
+    /// One period, `(experiment, input, sample)`, in the unit of `peak`.
+    pub signal: Array3<f64>,
+    /// The common factor: `r_l = factor peak_l s_l` for every channel and experiment.
+    pub factor: f64,
+    /// True peak (between the samples too) that each channel reaches in its largest experiment.
+    pub peak: Vec<f64>,
+}
+
+impl Multisine {
+    /// One period of every experiment and channel: SK15 (9), with ONE factor over all channels and
+    /// experiments, the largest for which no channel exceeds its peak. A factor for each channel
+    /// would spoil the orthogonality.
+    ///
+    /// # Errors
+    /// A grid, shape or peak that is out of range.
+    pub fn realize(&self, draw: &Draw) -> Result<Realization, SignalError> {
+        let amplitudes = self.line_amplitudes(draw)?;
+        let drawn = self.turned_sums(&amplitudes);
+        let true_peaks = true_peaks(&drawn, draw.phasing, self.peak.len());
+        let factor = 1.0 / true_peaks.iter().flatten().copied().fold(0.0, f64::max);
+        let peak = true_peaks
+            .iter()
+            .zip(&self.peak)
+            .map(|(peaks, limit)| factor * limit * peaks.iter().copied().fold(0.0, f64::max));
+        Ok(Realization {
+            signal: self.scaled(&drawn, draw.phasing, factor),
+            factor,
+            peak: peak.collect(),
+        })
+    }
+
+    /// Complex amplitudes of the lines before the phases between channels and experiments: drawn
+    /// once for all channels, or for each by itself.
+    fn line_amplitudes(&self, draw: &Draw) -> Result<Vec<Vec<Complex64>>, SignalError> {
+        self.check_for(self.peak.len())?;
+        let magnitudes = self.line_magnitudes()?;
+        let draws = if draw.phasing == Phasing::Independent {
+            self.peak.len()
+        } else {
+            1
+        };
+        let of_channel = |channel: u64| {
+            let phases = self.line_phases(&magnitudes, draw, channel);
+            let lines = magnitudes.iter().zip(phases);
+            lines
+                .map(|(&magnitude, phase)| Complex64::from_polar(magnitude, phase))
+                .collect()
+        };
+        Ok((0..draws as u64).map(of_channel).collect())
+    }
+
+    /// Amplitude of every excited line, by the shape.
+    fn line_magnitudes(&self) -> Result<Vec<f64>, SignalError> {
+        let magnitudes: Vec<f64> = self
+            .grid
+            .lines_hz()
+            .iter()
+            .map(|&hz| self.shape.at(hz))
+            .collect();
+        if magnitudes.iter().all(|&magnitude| magnitude == 0.0) {
+            return Err(SignalError::Derived {
+                key: "shape",
+                quantity: "largest amplitude of the shape on an excited line",
+                found: 0.0,
+                needed: "above 0 on at least one line",
+            });
+        }
+        Ok(magnitudes)
+    }
+
+    /// Phase in rad of every excited line.
+    fn line_phases(&self, magnitudes: &[f64], draw: &Draw, channel: u64) -> Vec<f64> {
+        if self.phases == Phases::LowCrest {
+            return low_crest_phases(&self.grid.excited, magnitudes);
+        }
+        let realization = draw.realization as u64;
+        let mut rng = match draw.phasing {
+            Phasing::Independent => random::stream(draw.seed, "phases", &[realization, channel]),
+            Phasing::Orthogonal | Phasing::SignFlip | Phasing::OneAtATime => {
+                random::stream(draw.seed, "phases", &[realization])
+            }
+        };
+        magnitudes.iter().map(|_| random::phase(&mut rng)).collect()
+    }
+
+    /// The sum of the lines for every draw of their amplitudes.
+    fn turned_sums<'a>(&'a self, amplitudes: &'a [Vec<Complex64>]) -> Vec<TurnedSum<'a>> {
+        let mut planner = RealFftPlanner::new();
+        let sums = amplitudes.iter().map(|amplitudes| HarmonicSum {
+            lines: &self.grid.excited,
+            amplitudes,
+        });
+        sums.map(|sum| TurnedSum::new(sum, self.grid.n_samples, &mut planner))
+            .collect()
+    }
+
+    /// The sums as `(experiment, input, sample)`, turned by the phasing and scaled by a factor and
+    /// the peak of each channel.
+    fn scaled(&self, drawn: &[TurnedSum], phasing: Phasing, factor: f64) -> Array3<f64> {
+        let n_inputs = self.peak.len();
+        let mut signal = Array3::zeros((n_inputs, n_inputs, self.grid.n_samples));
+        for ((experiment, channel), row) in indices((n_inputs, n_inputs))
+            .into_iter()
+            .zip(signal.rows_mut())
+        {
+            let phase_rad = phasing.phase_rad(channel, experiment, n_inputs);
+            let weight = phasing.weight(channel, experiment);
+            let turn = Complex64::from_polar(weight * factor * self.peak[channel], phase_rad);
+            row.into_iter()
+                .zip(drawn[channel % drawn.len()].samples(turn))
+                .for_each(|(sample, value)| *sample = value);
+        }
+        signal
+    }
+}
+
+/// True peak per channel and experiment.
+fn true_peaks(drawn: &[TurnedSum], phasing: Phasing, n_inputs: usize) -> Vec<Vec<f64>> {
+    let mut search = PeakSearch {
+        drawn,
+        found: Vec::new(),
+    };
+    let mut peak = |channel: usize, experiment: usize| {
+        if phasing.weight(channel, experiment) == 0.0 {
+            return 0.0;
+        }
+        let turn_rad = phasing.phase_rad(channel, experiment, n_inputs);
+        search.peak(channel % drawn.len(), turn_rad)
+    };
+    (0..n_inputs)
+        .map(|channel| {
+            (0..n_inputs)
+                .map(|experiment| peak(channel, experiment))
+                .collect()
+        })
+        .collect()
+}
+
+/// Search of true peaks; a phase that came before, or its opposite, is not searched again.
+struct PeakSearch<'a> {
+    drawn: &'a [TurnedSum<'a>],
+    /// Draw, turn in rad from 0 to pi, and its peak.
+    found: Vec<(usize, f64, f64)>,
+}
+
+impl PeakSearch<'_> {
+    /// True peak of a draw turned by an angle in rad.
+    fn peak(&mut self, draw: usize, turn_rad: f64) -> f64 {
+        let half_turn = turn_rad.rem_euclid(PI);
+        let is_same =
+            |&&(d, turn, _): &&(usize, f64, f64)| d == draw && (turn - half_turn).abs() < 1e-12;
+        if let Some(&(_, _, peak)) = self.found.iter().find(is_same) {
+            return peak;
+        }
+        let peak = self.drawn[draw].true_peak(Complex64::cis(half_turn));
+        self.found.push((draw, half_turn, peak));
+        peak
+    }
+}

@@ -1,0 +1,148 @@
+//! Multisine: one factor for all channels, power on the excited lines alone, and what is refused.
+
+use std::f64::consts::TAU;
+
+use ndarray::{Axis, indices, s};
+use num_complex::Complex64;
+
+use crate::error::SignalError;
+use crate::excitation::grid::{GridDesign, GridKind};
+use crate::excitation::multisine::{Multisine, Phases};
+use crate::excitation::phasing::Phasing;
+use crate::excitation::profile::Profile;
+use crate::excitation::waveform::Draw;
+use crate::number::power::sample_peak;
+
+fn multisine(peak: &[f64]) -> Multisine {
+    let grid = GridDesign {
+        low_hz: 1.0,
+        high_hz: 60.0,
+        sample_time_s: 1e-3,
+        resolution_hz: 0.1,
+        n_lines: Some(80),
+        kind: GridKind::Odd,
+        seed: 0,
+    };
+    Multisine {
+        grid: grid.design().expect("sound"),
+        shape: Profile::constant(1.0),
+        phases: Phases::Random,
+        peak: peak.to_vec(),
+    }
+}
+
+const DRAW: Draw = Draw {
+    seed: 1,
+    realization: 0,
+    phasing: Phasing::Orthogonal,
+};
+
+#[test]
+fn one_factor_serves_all_and_no_channel_exceeds_its_peak() {
+    let peaks = [150.0, 100.0, 50.0];
+    for phasing in [Phasing::Orthogonal, Phasing::SignFlip, Phasing::Independent] {
+        let realization = multisine(&peaks)
+            .realize(&Draw { phasing, ..DRAW })
+            .expect("sound");
+        let reached = realization
+            .peak
+            .iter()
+            .zip(peaks)
+            .map(|(reached, limit)| reached / limit)
+            .fold(0.0, f64::max);
+        assert!(
+            (reached - 1.0).abs() < 1e-12,
+            "the largest channel touches its peak: {reached}"
+        );
+        for (channel, &peak) in realization.peak.iter().enumerate() {
+            for experiment in 0..3 {
+                assert!(
+                    sample_peak(
+                        &realization
+                            .signal
+                            .slice(s![experiment, channel, ..])
+                            .to_vec()
+                    ) <= peak * (1.0 + 1e-12)
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn only_the_excited_lines_carry_power_and_channels_differ_by_the_phasing() {
+    let signal = multisine(&[1.0, 1.0, 1.0])
+        .realize(&DRAW)
+        .expect("sound")
+        .signal;
+    let n = signal.len_of(Axis(2));
+    let line = |experiment: usize, channel: usize, k: usize| {
+        let row = signal.slice(s![experiment, channel, ..]);
+        row.iter()
+            .enumerate()
+            .map(|(i, x)| x * Complex64::cis(-TAU * ((k * i) % n) as f64 / n as f64))
+            .sum::<Complex64>()
+            * 2.0
+            / n as f64
+    };
+    let amplitude = line(0, 0, 13).norm();
+    assert!(line(0, 0, 14).norm() < 1e-13 && (line(2, 1, 737).norm() - amplitude).abs() < 1e-13);
+    let turn = line(2, 1, 13) / line(0, 0, 13);
+    assert!((turn - Complex64::cis(Phasing::Orthogonal.phase_rad(1, 2, 3))).norm() < 1e-10);
+}
+
+#[test]
+fn the_shape_sets_the_ratios_of_the_lines() {
+    let shaped = Multisine {
+        shape: Profile {
+            points: vec![(30.0, 2.0), (40.0, 1.0)],
+        },
+        ..multisine(&[1.0])
+    };
+    let signal = shaped.realize(&DRAW).expect("sound").signal;
+    let row: Vec<f64> = signal.iter().copied().collect();
+    let n = row.len();
+    let line = |k: usize| {
+        row.iter()
+            .enumerate()
+            .map(|(i, x)| x * Complex64::cis(-TAU * ((k * i) % n) as f64 / n as f64))
+            .sum::<Complex64>()
+            .norm()
+    };
+    assert!((line(13) / line(737) - 2.0).abs() < 1e-9);
+}
+
+#[test]
+fn one_at_a_time_every_experiment_has_one_channel_at_its_peak() {
+    let draw = Draw {
+        phasing: Phasing::OneAtATime,
+        ..DRAW
+    };
+    let drawn = multisine(&[3.0, 1.0]).realize(&draw).expect("sound");
+    assert!(
+        drawn
+            .peak
+            .iter()
+            .zip([3.0, 1.0])
+            .all(|(peak, limit)| (peak - limit).abs() < 1e-12)
+    );
+    for ((experiment, channel), row) in indices((2, 2)).into_iter().zip(drawn.signal.rows()) {
+        assert_eq!(row.iter().any(|r| *r != 0.0), experiment == channel);
+    }
+}
+
+#[test]
+fn bad_peaks_and_shapes_are_refused() {
+    for peak in [vec![], vec![0.0], vec![f64::NAN], vec![1.0, -1.0]] {
+        let error = multisine(&peak).realize(&DRAW).expect_err("a bad peak");
+        assert_eq!(error.path(), ["peak"]);
+    }
+    let silent = Multisine {
+        shape: Profile::constant(0.0),
+        ..multisine(&[1.0])
+    };
+    assert!(matches!(
+        silent.realize(&DRAW),
+        Err(SignalError::Derived { key: "shape", .. })
+    ));
+}
