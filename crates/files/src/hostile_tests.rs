@@ -11,7 +11,7 @@ use crate::log::npz::read_npz_array;
 use crate::mcap::read::{Part, scan};
 use crate::mcap::record::LENGTH_LIMIT;
 use crate::mcap::recover::recover;
-use crate::result::read_result;
+use crate::result::json::read_result;
 use crate::ros::selector::Selector;
 use crate::ros::value::decode;
 use crate::ros::{definition, joint_state};

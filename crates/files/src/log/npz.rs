@@ -136,8 +136,8 @@ fn row(path: &Path, source: &str) -> Result<Vec<f64>, FileError> {
 mod tests {
     use super::*;
     use crate::atomic_write::Overwrite;
+    use crate::result::json::tests::result;
     use crate::result::npz::write_frf_npz;
-    use crate::result::tests::result;
 
     #[test]
     fn what_we_write_comes_back_and_nothing_that_was_not_measured() {

@@ -4,7 +4,7 @@ use frfid_signals::Uncertainty;
 use ndarray::{Array3, ArrayD, aview1};
 use num_complex::Complex64;
 
-use crate::result::ResultFile;
+use crate::result::result_file::ResultFile;
 
 /// An array of a result.
 pub(crate) enum NamedArray {

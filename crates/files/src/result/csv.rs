@@ -1,11 +1,13 @@
-//! An FRF as a CSV: one row per frequency, every column named with its unit.
+//! CSV of a result: one row per frequency, every column named with its unit.
 
 use std::io::Write;
 use std::path::Path;
 
+use ndarray::{Array3, s};
+
 use crate::atomic_write::{Overwrite, write_file};
 use crate::error::FileError;
-use crate::result::ResultFile;
+use crate::result::result_file::ResultFile;
 
 /// A column: its name and its values.
 type Column = (String, Vec<f64>);
@@ -38,47 +40,57 @@ pub(crate) fn write_frf_csv(
 fn columns(result: &ResultFile) -> Vec<Column> {
     let frf = &result.frf;
     let mut columns = vec![("frequency [Hz]".into(), frf.frequency_hz.clone())];
-    let (noise, total) = (frf.noise_variance(), frf.total_variance());
-    for (output, output_name) in result.output_names.iter().enumerate() {
-        for (input, input_name) in result.input_names.iter().enumerate() {
-            let entry = format!("{output_name} / {input_name}");
-            let unit = format!(
-                "{} per {}",
-                result.output_units[output], result.input_units[input]
-            );
-            let values =
-                |of: &dyn Fn(usize) -> f64| (0..frf.n_frequencies()).map(of).collect::<Vec<_>>();
-            columns.extend([
-                (
-                    format!("re {entry} [{unit}]"),
-                    values(&|k| frf.response[[k, output, input]].re),
-                ),
-                (
-                    format!("im {entry} [{unit}]"),
-                    values(&|k| frf.response[[k, output, input]].im),
-                ),
-                (
-                    format!("magnitude {entry} [dB re 1 {unit}]"),
-                    frf.magnitude_db(output, input),
-                ),
-                (format!("phase {entry} [deg]"), frf.phase_deg(output, input)),
-            ]);
-            for (name, variance) in [("noise", &noise), ("total", &total)] {
-                if let Some(variance) = variance {
-                    let deviation = values(&|k| variance[[k, output, input]].sqrt());
-                    columns.push((
-                        format!("{name} standard deviation {entry} [{unit}]"),
-                        deviation,
-                    ));
-                }
-            }
+    let variances = [
+        ("noise", frf.noise_variance()),
+        ("total", frf.total_variance()),
+    ];
+    for output in 0..frf.n_outputs() {
+        for input in 0..frf.n_inputs() {
+            columns.extend(columns_of_entry(result, output, input, &variances));
         }
     }
-    columns.extend(
-        frf.condition
-            .iter()
-            .map(|condition| ("condition number of U [1]".into(), condition.clone())),
+    let condition = frf.condition.clone();
+    columns.extend(condition.map(|condition| ("condition number of U [1]".into(), condition)));
+    columns
+}
+
+/// Real and imaginary part, magnitude, phase and standard deviations of an entry.
+fn columns_of_entry(
+    result: &ResultFile,
+    output: usize,
+    input: usize,
+    variances: &[(&str, Option<Array3<f64>>)],
+) -> Vec<Column> {
+    let (frf, output_name, input_name) = (
+        &result.frf,
+        &result.output_names[output],
+        &result.input_names[input],
     );
+    let entry = format!("{output_name} / {input_name}");
+    let (output_unit, input_unit) = (&result.output_units[output], &result.input_units[input]);
+    let unit = format!("{output_unit} per {input_unit}");
+    let response = frf.response.slice(s![.., output, input]);
+    let mut columns = vec![
+        (
+            format!("re {entry} [{unit}]"),
+            response.iter().map(|value| value.re).collect(),
+        ),
+        (
+            format!("im {entry} [{unit}]"),
+            response.iter().map(|value| value.im).collect(),
+        ),
+        (
+            format!("magnitude {entry} [dB re 1 {unit}]"),
+            frf.magnitude_db(output, input),
+        ),
+        (format!("phase {entry} [deg]"), frf.phase_deg(output, input)),
+    ];
+    for (name, variance) in variances {
+        let Some(variance) = variance else { continue };
+        let variance = variance.slice(s![.., output, input]);
+        let name = format!("{name} standard deviation {entry} [{unit}]");
+        columns.push((name, variance.iter().map(|value| value.sqrt()).collect()));
+    }
     columns
 }
 
@@ -94,7 +106,7 @@ fn quoted(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::result::tests::result;
+    use crate::result::json::tests::result;
 
     #[test]
     fn every_column_has_a_unit_and_every_number_all_its_digits() {

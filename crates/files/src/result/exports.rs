@@ -5,10 +5,10 @@ use std::path::Path;
 
 use crate::atomic_write::Overwrite;
 use crate::error::FileError;
-use crate::result::ResultFile;
 use crate::result::csv::write_frf_csv;
 use crate::result::mat::write_frf_mat;
 use crate::result::npz::write_frf_npz;
+use crate::result::result_file::ResultFile;
 
 /// A format that results are exported to.
 #[derive(Debug)]

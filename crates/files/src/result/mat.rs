@@ -14,8 +14,8 @@ use ndarray::ArrayD;
 
 use crate::atomic_write::{Overwrite, write_file};
 use crate::error::FileError;
-use crate::result::ResultFile;
 use crate::result::arrays::{NamedArray, named_arrays};
+use crate::result::result_file::ResultFile;
 
 /// Types of data elements.
 const MI_INT8: u32 = 1;

@@ -11,8 +11,8 @@ use npyz::{DType, WriterBuilder};
 
 use crate::atomic_write::{Overwrite, write_file};
 use crate::error::FileError;
-use crate::result::ResultFile;
 use crate::result::arrays::{NamedArray, named_arrays};
+use crate::result::result_file::ResultFile;
 
 /// Writes `frequency_hz`, `response` (frequency, output, input; complex128), names and units, and
 /// what else is known (docs/formats.md has the list).

@@ -1,0 +1,274 @@
+//! JSON of a result: named arrays, what was checked, and where it came from.
+//!
+//! Arrays are flat, last axis first to change, with their shape beside them; complex ones have `re`
+//! and `im`. A variance that was not measured is absent. A number that is not known (a line without
+//! an estimate) is `null`.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::BufReader;
+use std::path::Path;
+
+use frfid_signals::{Frf, Uncertainty};
+use serde::{Deserialize, Serialize};
+
+use crate::atomic_write::{Overwrite, write_file};
+use crate::error::FileError;
+use crate::result::json_array::{Complexes, Flaw, Reals};
+use crate::result::result_file::{Check, ResultFile, check};
+
+const FORMAT: &str = "frfid-result";
+const VERSION: u32 = 1;
+
+#[derive(Serialize, Deserialize)]
+struct Json {
+    format: String,
+    version: u32,
+    input_names: Vec<String>,
+    output_names: Vec<String>,
+    input_units: Vec<String>,
+    output_units: Vec<String>,
+    frequency_hz: Reals,
+    response: Complexes,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    noise: Option<UncertaintyJson>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    total: Option<UncertaintyJson>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    condition: Option<Reals>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    relative_resolution: Option<f64>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    torque_rms_nm: Option<Reals>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    flagged: Option<Vec<bool>>,
+    checks: Vec<Check>,
+    provenance: BTreeMap<String, String>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct UncertaintyJson {
+    degrees_of_freedom: usize,
+    covariance: Complexes,
+}
+
+/// Writes a result.
+///
+/// # Errors
+/// [`FileError::Shape`] if names or units do not fit the FRF, and those of writing (see
+/// [`Overwrite`]).
+pub fn write_result(
+    path: &Path,
+    overwrite: Overwrite,
+    result: &ResultFile,
+) -> Result<(), FileError> {
+    check(result).map_err(|(what, found, needed)| FileError::Shape {
+        what,
+        found,
+        needed,
+    })?;
+    let frf = &result.frf;
+    let json = Json {
+        format: FORMAT.into(),
+        version: VERSION,
+        input_names: result.input_names.clone(),
+        output_names: result.output_names.clone(),
+        input_units: result.input_units.clone(),
+        output_units: result.output_units.clone(),
+        frequency_hz: Reals::of(&frf.frequency_hz),
+        response: Complexes::of(&frf.response),
+        noise: frf.noise.as_ref().map(uncertainty),
+        total: frf.total.as_ref().map(uncertainty),
+        condition: frf.condition.as_deref().map(Reals::of),
+        relative_resolution: frf.relative_resolution,
+        torque_rms_nm: result.torque_rms_nm.as_deref().map(Reals::of),
+        flagged: result.flagged.clone(),
+        checks: result.checks.clone(),
+        provenance: result.provenance.clone(),
+    };
+    write_file(path, overwrite, |file| {
+        Ok(serde_json::to_writer(file, &json)?)
+    })
+}
+
+/// Reads a result.
+///
+/// # Errors
+/// [`FileError::Io`]; [`FileError::Format`] if it is no result of ours; [`FileError::Content`] if
+/// arrays contradict their shapes or each other.
+pub fn read_result(path: &Path) -> Result<ResultFile, FileError> {
+    let failed = |error: std::io::Error| FileError::Io {
+        path: path.into(),
+        action: "open",
+        reason: error.to_string(),
+    };
+    let format = |found: String| FileError::Format {
+        path: path.into(),
+        found,
+        needed: "a result written by frfid (JSON, frfid-result version 1)",
+        advice: "estimate it again, or give another file".into(),
+    };
+    let file = BufReader::new(File::open(path).map_err(failed)?);
+    let json: Json = serde_json::from_reader(file).map_err(|error| format(error.to_string()))?;
+    if (json.format.as_str(), json.version) != (FORMAT, VERSION) {
+        return Err(format(format!("{} version {}", json.format, json.version)));
+    }
+    let content = |(what, found, needed): (&str, String, String)| FileError::Content {
+        path: path.into(),
+        what: what.into(),
+        found,
+        needed,
+    };
+    let result = from_json(json).map_err(content)?;
+    check(&result).map_err(content)?;
+    Ok(result)
+}
+
+fn from_json(json: Json) -> Result<ResultFile, Flaw> {
+    let uncertainty = |what, json: Option<UncertaintyJson>| {
+        json.map(|json| {
+            let covariance = json.covariance.into_array(what)?;
+            Ok(Uncertainty {
+                covariance,
+                degrees_of_freedom: json.degrees_of_freedom,
+            })
+        })
+        .transpose()
+    };
+    Ok(ResultFile {
+        frf: Frf {
+            frequency_hz: json.frequency_hz.into_list("frequency_hz")?,
+            response: json.response.into_array("response")?,
+            noise: uncertainty("noise.covariance", json.noise)?,
+            total: uncertainty("total.covariance", json.total)?,
+            condition: json
+                .condition
+                .map(|condition| condition.into_list("condition"))
+                .transpose()?,
+            relative_resolution: json.relative_resolution,
+        },
+        input_names: json.input_names,
+        output_names: json.output_names,
+        input_units: json.input_units,
+        output_units: json.output_units,
+        torque_rms_nm: json
+            .torque_rms_nm
+            .map(|torque| torque.into_list("torque_rms_nm"))
+            .transpose()?
+            .or_else(|| torque_of_old(&json.provenance)),
+        flagged: json.flagged,
+        checks: json.checks,
+        provenance: json.provenance,
+    })
+}
+
+/// The torques that results of frfid 0.1.0 hold as a text among their provenance.
+fn torque_of_old(provenance: &BTreeMap<String, String>) -> Option<Vec<f64>> {
+    serde_json::from_str(provenance.get("effort_rms_nm")?).ok()
+}
+
+fn uncertainty(known: &Uncertainty) -> UncertaintyJson {
+    UncertaintyJson {
+        degrees_of_freedom: known.degrees_of_freedom,
+        covariance: Complexes::of(&known.covariance),
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use ndarray::Array3;
+    use num_complex::Complex64;
+
+    pub(crate) fn result() -> ResultFile {
+        let entry = |(k, i, j): (usize, usize, usize)| {
+            Complex64::new((k + i) as f64 / 3.0, -1.0 / (1 + k + j) as f64)
+        };
+        let mut response = Array3::from_shape_fn((4, 2, 1), entry);
+        response[[2, 0, 0]] = Complex64::new(f64::NAN, f64::NAN);
+        let covariance = Array3::from_shape_fn((4, 2, 2), entry);
+        ResultFile {
+            frf: Frf {
+                frequency_hz: vec![0.1, 0.2, 0.1 + 0.2, 1.0 / 3.0],
+                response,
+                noise: Some(Uncertainty {
+                    covariance,
+                    degrees_of_freedom: 40,
+                }),
+                total: None,
+                condition: Some(vec![1.0, 2.0, f64::INFINITY, 1.5]),
+                relative_resolution: Some(0.125),
+            },
+            input_names: vec!["torque".into()],
+            output_names: vec!["axis 1".into(), "axis \"2\"".into()],
+            input_units: vec!["N m".into()],
+            output_units: vec!["rad/s".into(), "rad/s".into()],
+            checks: vec![Check {
+                name: "periods".into(),
+                passed: false,
+                found: "1".into(),
+                needed: "2".into(),
+                advice: "measure longer".into(),
+            }],
+            torque_rms_nm: Some(vec![1.0 / 3.0]),
+            flagged: Some(vec![false, true, false, false]),
+            provenance: [("seed".to_string(), "1".to_string())].into(),
+        }
+    }
+
+    fn rewritten(edit: impl FnOnce(String) -> String) -> Result<ResultFile, FileError> {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("r.json");
+        write_result(&path, Overwrite::Refuse, &result()).expect("sound");
+        std::fs::write(
+            &path,
+            edit(std::fs::read_to_string(&path).expect("written")),
+        )
+        .expect("written");
+        read_result(&path)
+    }
+
+    #[test]
+    fn a_result_comes_back_and_what_was_not_measured_is_absent() {
+        let back = rewritten(|text| {
+            assert!(
+                !text.contains("total")
+                    && text.contains("\"inf\"")
+                    && text.contains("\"shape\":[4,2,1]"),
+                "{text}"
+            );
+            text
+        });
+        let back = back.expect("sound");
+        let text = |result: &ResultFile| format!("{result:?}");
+        assert_eq!(text(&back), text(&result()));
+        assert!(back.frf.response[[2, 0, 0]].re.is_nan());
+    }
+
+    #[test]
+    fn contradictions_are_named() {
+        for (from, to, told) in [
+            ("\"shape\":[4,2,1]", "\"shape\":[4,1,1]", "response"),
+            ("\"shape\":[4,2,1]", "\"shape\":[8]", "response"),
+            (
+                "\"shape\":[4,2,1]",
+                "\"shape\":[18446744073709551615,2,1]",
+                "response",
+            ),
+            ("[\"torque\"]", "[]", "input_names"),
+            ("\"version\":1", "\"version\":2", "version 2"),
+            ("frfid-result", "other", "other version 1"),
+            (
+                "\"frequency_hz\"",
+                "\"frequency\"",
+                "missing field `frequency_hz`",
+            ),
+            ("0.30000000000000004", "\"x\"", "a number, null"),
+        ] {
+            let error = rewritten(|text| text.replacen(from, to, 1))
+                .expect_err(to)
+                .to_string();
+            assert!(error.contains(told), "{error}");
+        }
+    }
+}

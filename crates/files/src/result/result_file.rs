@@ -1,0 +1,110 @@
+//! Result: an FRF with names, units, checks, and where it came from.
+
+use std::collections::BTreeMap;
+
+use frfid_signals::Frf;
+use serde::{Deserialize, Serialize};
+
+use crate::result::json_array::Flaw;
+
+/// One condition that a measurement should fulfil, and whether it did.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Check {
+    /// What was checked.
+    pub name: String,
+    /// Whether it holds.
+    pub passed: bool,
+    /// What was found, with unit.
+    pub found: String,
+    /// What was needed, with unit.
+    pub needed: String,
+    /// What to do if it does not hold.
+    pub advice: String,
+}
+
+/// An FRF with everything that belongs to it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ResultFile {
+    /// The frequency response with its uncertainty.
+    pub frf: Frf,
+    /// Name of each input.
+    pub input_names: Vec<String>,
+    /// Name of each output.
+    pub output_names: Vec<String>,
+    /// SI unit of each input.
+    pub input_units: Vec<String>,
+    /// SI unit of each output.
+    pub output_units: Vec<String>,
+    /// Rms of the motor torque of each input in N m, where the inputs are torques and it was
+    /// measured: which of two results had the stronger excitation.
+    pub torque_rms_nm: Option<Vec<f64>>,
+    /// Whether what remains of the torque ripple exceeds the noise, frequency by frequency; `None`
+    /// where that cannot be told.
+    pub flagged: Option<Vec<bool>>,
+    /// What was checked.
+    pub checks: Vec<Check>,
+    /// Versions, seeds, hashes, amplitudes, limits, ...
+    pub provenance: BTreeMap<String, String>,
+}
+
+impl ResultFile {
+    /// An FRF from the motor torques to the motor velocities of these joints.
+    #[must_use]
+    pub fn torque_to_velocity(frf: Frf, joints: &[String]) -> Self {
+        let named = |quantity: &str| -> Vec<String> {
+            let name = |joint: &String| format!("{joint} {quantity}");
+            joints.iter().map(name).collect()
+        };
+        Self {
+            frf,
+            input_names: named("torque"),
+            output_names: named("velocity"),
+            input_units: vec!["N m".into(); joints.len()],
+            output_units: vec!["rad/s".into(); joints.len()],
+            torque_rms_nm: None,
+            flagged: None,
+            checks: Vec::new(),
+            provenance: BTreeMap::new(),
+        }
+    }
+}
+
+/// Refuses lists that do not fit the FRF: what, found, needed.
+pub(crate) fn check(result: &ResultFile) -> Result<(), Flaw> {
+    let frf = &result.frf;
+    frf.check().map_err(|error| {
+        (
+            "frf",
+            error.to_string(),
+            "arrays that fit each other".into(),
+        )
+    })?;
+    let lengths = [
+        (
+            "torque_rms_nm",
+            result.torque_rms_nm.as_ref().map(Vec::len),
+            frf.n_inputs(),
+        ),
+        (
+            "flagged",
+            result.flagged.as_ref().map(Vec::len),
+            frf.n_frequencies(),
+        ),
+    ];
+    for (what, found, needed) in lengths {
+        if let Some(found) = found.filter(|found| *found != needed) {
+            return Err((what, found.to_string(), needed.to_string()));
+        }
+    }
+    for (what, list, needed) in [
+        ("input_names", &result.input_names, frf.n_inputs()),
+        ("output_names", &result.output_names, frf.n_outputs()),
+        ("input_units", &result.input_units, frf.n_inputs()),
+        ("output_units", &result.output_units, frf.n_outputs()),
+    ] {
+        if list.len() != needed {
+            return Err((what, list.len().to_string(), needed.to_string()));
+        }
+    }
+    Ok(())
+}
