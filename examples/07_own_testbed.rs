@@ -9,7 +9,7 @@ use frfid::experiment::{Experiment, predict, silent};
 use frfid::plant::{SingleJoint, Torque, simulate};
 use frfid::signals::{InputKind, Limit, Record, Run, Testbed, TestbedError};
 
-/// Anything with `run(reference) -> Record`. Here it is a simulation; a driver of a real robot
+/// Anything with `run(&Run) -> Record`. Here it is a simulation; a driver of a real robot
 /// looks the same.
 struct MyRobot {
     joint: SingleJoint,

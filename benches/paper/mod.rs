@@ -6,13 +6,13 @@ use criterion::Criterion;
 use frfid::signals::{GridDesign, GridKind, Multisine};
 
 /// Samples of the paper's period: 12.288 s at 1 ms.
-pub const PERIOD: usize = 12_288;
+pub(crate) const PERIOD: usize = 12_288;
 /// Sample time in s.
-pub const SAMPLE_TIME_S: f64 = 1e-3;
+pub(crate) const SAMPLE_TIME_S: f64 = 1e-3;
 
 /// The 71 odd lines between 1 and 60 Hz of SK15 section 6.1, for inputs of these peaks.
 #[allow(dead_code, reason = "not every bench excites with a multisine")]
-pub fn multisine(peak: Vec<f64>) -> Multisine {
+pub(crate) fn multisine(peak: Vec<f64>) -> Multisine {
     let design = GridDesign {
         low_hz: 1.0,
         high_hz: 60.0,
@@ -28,7 +28,7 @@ pub fn multisine(peak: Vec<f64>) -> Multisine {
 }
 
 /// Short measurements: all benches together run within a minute.
-pub fn criterion() -> Criterion {
+pub(crate) fn criterion() -> Criterion {
     Criterion::default()
         .warm_up_time(Duration::from_millis(500))
         .measurement_time(Duration::from_secs(2))

@@ -12,12 +12,12 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 
 /// Names of the axes of one shape an argument may have.
-pub type Axes = &'static [&'static str];
+pub(crate) type Axes = &'static [&'static str];
 
 /// The argument `name` as float64, of one of the `shapes`: integers and float32 are converted,
 /// anything else (complex, text, ragged lists, another number of axes) is a `ValueError` that tells
 /// what was found and needed.
-pub fn real<'py, D: Dimension>(
+pub(crate) fn real<'py, D: Dimension>(
     name: &str,
     value: &Bound<'py, PyAny>,
     shapes: &[Axes],
@@ -26,7 +26,7 @@ pub fn real<'py, D: Dimension>(
 }
 
 /// The argument `name` as complex128, of one of the `shapes`.
-pub fn complex<'py, D: Dimension>(
+pub(crate) fn complex<'py, D: Dimension>(
     name: &str,
     value: &Bound<'py, PyAny>,
     shapes: &[Axes],
@@ -92,7 +92,7 @@ fn native<'py, T: Element, D: Dimension>(
 
 /// A new C-ordered numpy array; the memory is handed over, not copied, if it is in this order
 /// already.
-pub fn c_ordered<T: Element + Clone, D: Dimension>(
+pub(crate) fn c_ordered<T: Element + Clone, D: Dimension>(
     py: Python<'_>,
     array: Array<T, D>,
 ) -> Bound<'_, PyArray<T, D>> {
@@ -106,7 +106,7 @@ pub fn c_ordered<T: Element + Clone, D: Dimension>(
 
 /// A numpy array, or its absence, made when it is first asked for; read-only and the same object
 /// from then on.
-pub struct Shared(PyOnceLock<Option<Py<PyAny>>>);
+pub(crate) struct Shared(PyOnceLock<Option<Py<PyAny>>>);
 
 impl Default for Shared {
     fn default() -> Self {
@@ -116,7 +116,7 @@ impl Default for Shared {
 
 impl Shared {
     /// The array, from `make` the first time.
-    pub fn get<'py, T: Element + Clone, D: Dimension>(
+    pub(crate) fn get<'py, T: Element + Clone, D: Dimension>(
         &self,
         py: Python<'py>,
         make: impl FnOnce() -> Option<Array<T, D>>,

@@ -8,24 +8,30 @@ use serde::de::DeserializeOwned;
 use serde_json::{Map, Value};
 
 /// The value called `name`; `ValueError` names the argument and what it may be.
-pub fn choice<T: DeserializeOwned>(argument: &str, name: &str) -> PyResult<T> {
+pub(crate) fn choice<T: DeserializeOwned>(argument: &str, name: &str) -> PyResult<T> {
     from_json(argument, name)
 }
 
 /// A value as strings, numbers, lists and dicts.
-pub fn to_python<'py, T: Serialize>(py: Python<'py>, value: &T) -> PyResult<Bound<'py, PyAny>> {
+pub(crate) fn to_python<'py, T: Serialize>(
+    py: Python<'py>,
+    value: &T,
+) -> PyResult<Bound<'py, PyAny>> {
     let json =
         serde_json::to_string(value).map_err(|error| PyValueError::new_err(error.to_string()))?;
     py.import("json")?.call_method1("loads", (json,))
 }
 
 /// A value from strings, numbers, lists and dicts; `ValueError` names the argument.
-pub fn from_python<T: DeserializeOwned>(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<T> {
+pub(crate) fn from_python<T: DeserializeOwned>(
+    argument: &str,
+    value: &Bound<'_, PyAny>,
+) -> PyResult<T> {
     from_json(argument, json_value(argument, value)?)
 }
 
 /// Strings, numbers, lists and dicts as JSON, which knows no NaN; `ValueError` names the argument.
-pub fn json_value(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
+pub(crate) fn json_value(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
     if let Ok(number) = value.extract::<f64>()
         && !number.is_finite()
     {
@@ -40,7 +46,7 @@ pub fn json_value(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Value> {
 }
 
 /// A structure as a JSON object.
-pub fn json_object<T: Serialize>(value: &T) -> PyResult<Map<String, Value>> {
+pub(crate) fn json_object<T: Serialize>(value: &T) -> PyResult<Map<String, Value>> {
     match serde_json::to_value(value) {
         Ok(Value::Object(object)) => Ok(object),
         other => unreachable!("a structure is an object in JSON: {other:?}"),
@@ -48,7 +54,10 @@ pub fn json_object<T: Serialize>(value: &T) -> PyResult<Map<String, Value>> {
 }
 
 /// A value from JSON; `ValueError` names the argument and the place in it.
-pub fn from_json<T: DeserializeOwned>(argument: &str, json: impl Into<Value>) -> PyResult<T> {
+pub(crate) fn from_json<T: DeserializeOwned>(
+    argument: &str,
+    json: impl Into<Value>,
+) -> PyResult<T> {
     serde_path_to_error::deserialize(json.into()).map_err(|error| {
         let place = match error.path().to_string().as_str() {
             "." => argument.to_owned(),

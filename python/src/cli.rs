@@ -18,6 +18,6 @@ use pyo3::prelude::*;
 ///     The exit code: 0 done, 1 failed, 2 usage or configuration, 3 done but data was lost or a
 ///     check failed, 130 interrupted.
 #[pyfunction]
-pub fn cli(py: Python<'_>, args: Vec<OsString>) -> i32 {
+pub(crate) fn cli(py: Python<'_>, args: Vec<OsString>) -> i32 {
     py.detach(|| frfid_cli::main(args, &mut stdout(), &mut stderr()))
 }

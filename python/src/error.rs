@@ -20,13 +20,13 @@ pyo3::create_exception!(
 );
 
 /// Bad input, in the words of the crate that found it.
-pub fn signal(error: SignalError) -> PyErr {
+pub(crate) fn signal(error: SignalError) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
 /// A matrix that cannot be inverted is a matter of numbers, everything else of the recording that
 /// was given.
-pub fn estimate(error: EstimateError) -> PyErr {
+pub(crate) fn estimate(error: EstimateError) -> PyErr {
     match error {
         EstimateError::RankDeficient(_) => NumericalError::new_err(error.to_string()),
         _ => PyValueError::new_err(error.to_string()),
@@ -34,7 +34,7 @@ pub fn estimate(error: EstimateError) -> PyErr {
 }
 
 /// Whatever happens while a reference is shaped.
-pub fn shape(error: ShapeError) -> PyErr {
+pub(crate) fn shape(error: ShapeError) -> PyErr {
     match error {
         ShapeError::Estimate(error) => estimate(error),
         ShapeError::Testbed(error) => testbed(error),
@@ -44,7 +44,7 @@ pub fn shape(error: ShapeError) -> PyErr {
 
 /// A simulation that diverged is a matter of numbers; what a testbed written in Python raised comes
 /// back as it was.
-pub fn testbed(error: TestbedError) -> PyErr {
+pub(crate) fn testbed(error: TestbedError) -> PyErr {
     match error {
         TestbedError::Diverged { .. } => NumericalError::new_err(error.to_string()),
         TestbedError::Run(_) => PyValueError::new_err(error.to_string()),
@@ -59,12 +59,12 @@ pub fn testbed(error: TestbedError) -> PyErr {
 }
 
 /// What is wrong in a TOML file, with its place.
-pub fn config(error: ConfigError) -> PyErr {
+pub(crate) fn config(error: ConfigError) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
 /// Files that cannot be read or written are `OSError`s, files that say something wrong are not.
-pub fn file(error: FileError) -> PyErr {
+pub(crate) fn file(error: FileError) -> PyErr {
     match error {
         FileError::Exists { .. } => PyFileExistsError::new_err(error.to_string()),
         FileError::Format { .. } | FileError::Content { .. } | FileError::Shape { .. } => {
@@ -75,12 +75,12 @@ pub fn file(error: FileError) -> PyErr {
 }
 
 /// What cannot be drawn.
-pub fn report(error: ReportError) -> PyErr {
+pub(crate) fn report(error: ReportError) -> PyErr {
     PyValueError::new_err(error.to_string())
 }
 
 /// Whatever happens on the way from a description to an FRF.
-pub fn experiment(error: ExperimentError) -> PyErr {
+pub(crate) fn experiment(error: ExperimentError) -> PyErr {
     match error {
         ExperimentError::Config(error) => config(error),
         ExperimentError::File(error) => file(error),

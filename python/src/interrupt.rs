@@ -14,14 +14,14 @@ const WAKE: Duration = Duration::from_millis(50);
 
 /// The worker's end: where it tells how far it is, and hears that it should stop. Threads may share
 /// it.
-pub struct Progress<'a> {
+pub(crate) struct Progress<'a> {
     reports: Sender<(usize, usize)>,
     stop: &'a AtomicBool,
 }
 
 impl Progress<'_> {
     /// Reports `done` of `total` and says whether to go on.
-    pub fn report(&self, done: usize, total: usize) -> bool {
+    pub(crate) fn report(&self, done: usize, total: usize) -> bool {
         let _ = self.reports.send((done, total)); // nobody listens any more once the call was interrupted: `stop` says so
         !self.stop.load(Ordering::Relaxed)
     }
@@ -29,7 +29,7 @@ impl Progress<'_> {
 
 /// Does `work` on another thread, detached from the interpreter. An exception out of
 /// `progress(done, total)`, or Ctrl-C, stops it at its next [`Progress::report`] and is returned.
-pub fn interruptible<T: Send>(
+pub(crate) fn interruptible<T: Send>(
     py: Python<'_>,
     progress: Option<&Bound<'_, PyAny>>,
     work: impl FnOnce(&Progress<'_>) -> T + Send,

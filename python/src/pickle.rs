@@ -5,10 +5,13 @@ use pyo3::types::{PyDict, PyTuple};
 
 /// What `__getnewargs_ex__` returns for a class whose constructor takes its attributes `names` as
 /// keywords.
-pub type NewArguments<'py> = (Bound<'py, PyTuple>, Bound<'py, PyDict>);
+pub(crate) type NewArguments<'py> = (Bound<'py, PyTuple>, Bound<'py, PyDict>);
 
 /// The attributes `names` of the object as keywords of its constructor.
-pub fn attributes<'py, T>(object: &Bound<'py, T>, names: &[&str]) -> PyResult<NewArguments<'py>> {
+pub(crate) fn attributes<'py, T>(
+    object: &Bound<'py, T>,
+    names: &[&str],
+) -> PyResult<NewArguments<'py>> {
     let keywords = PyDict::new(object.py());
     for name in names {
         keywords.set_item(name, object.as_any().getattr(*name)?)?;

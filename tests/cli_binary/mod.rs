@@ -6,7 +6,7 @@ use std::process::Output;
 use assert_cmd::Command;
 
 /// Runs `frfid` in `folder`.
-pub fn frfid(folder: &Path, arguments: &[&str]) -> Output {
+pub(crate) fn frfid(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_frfid"));
     command
         .current_dir(folder)
@@ -16,22 +16,22 @@ pub fn frfid(folder: &Path, arguments: &[&str]) -> Output {
 }
 
 /// The exit code.
-pub fn code(output: &Output) -> i32 {
+pub(crate) fn code(output: &Output) -> i32 {
     output.status.code().expect("ended by itself")
 }
 
 /// What it wrote to stdout.
-pub fn stdout(output: &Output) -> String {
+pub(crate) fn stdout(output: &Output) -> String {
     String::from_utf8(output.stdout.clone()).expect("UTF-8")
 }
 
 /// What it wrote to stderr.
-pub fn stderr(output: &Output) -> String {
+pub(crate) fn stderr(output: &Output) -> String {
     String::from_utf8(output.stderr.clone()).expect("UTF-8")
 }
 
 /// A text with these replacements, each of something that is there.
-pub fn replaced(mut text: String, replacements: &[(&str, &str)]) -> String {
+pub(crate) fn replaced(mut text: String, replacements: &[(&str, &str)]) -> String {
     for (from, to) in replacements {
         assert!(text.contains(from), "{from} is not in the text");
         text = text.replace(from, to);

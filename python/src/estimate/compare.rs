@@ -9,7 +9,7 @@ use crate::frf::matrix::Frf;
 
 /// Two FRFs side by side; made by ``frfid.compare``. Printed, it is its verdicts.
 #[pyclass(frozen, module = "frfid")]
-pub struct Comparison {
+pub(crate) struct Comparison {
     compared: Compared,
 }
 
@@ -81,7 +81,7 @@ impl Comparison {
 ///     For other numbers of channels, or fewer than three frequencies of either in the common band.
 #[pyfunction]
 #[pyo3(signature = (a, b, *, stronger = None, prominence_db = 3.0, largest_shift = 1.5))]
-pub fn compare(
+pub(crate) fn compare(
     py: Python<'_>,
     a: &Frf,
     b: &Frf,

@@ -54,7 +54,7 @@ const RECORDINGS: [Axes; 2] = [
 #[pyo3(signature = (u, y, *, chirp, sample_time_s, frequencies_hz, method = "excerpt", r = None, start_s = 0.0,
                     max_condition = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
-pub fn estimate_chirp(
+pub(crate) fn estimate_chirp(
     py: Python<'_>,
     u: &Bound<'_, PyAny>,
     y: &Bound<'_, PyAny>,

@@ -40,7 +40,7 @@ use crate::signals::record::Record;
 ///     glide did not reach.
 #[pyfunction]
 #[pyo3(signature = (run, glide, *, by = "time", plant = None))]
-pub fn subtract_glide(
+pub(crate) fn subtract_glide(
     py: Python<'_>,
     run: &Record,
     glide: &Record,

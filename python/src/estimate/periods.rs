@@ -48,7 +48,7 @@ const CAMPAIGN: Axes = &["realization", "experiment", "period", "channel", "samp
 #[pyfunction]
 #[pyo3(signature = (u, y, *, sample_time_s, harmonics, r = None, average = "frfs", max_condition = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
-pub fn estimate_bla(
+pub(crate) fn estimate_bla(
     py: Python<'_>,
     u: &Bound<'_, PyAny>,
     y: &Bound<'_, PyAny>,
@@ -108,7 +108,7 @@ pub fn estimate_bla(
 #[pyfunction]
 #[pyo3(signature = (u, y, *, sample_time_s, harmonics, method = None, r = None, max_condition = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
-pub fn estimate(
+pub(crate) fn estimate(
     py: Python<'_>,
     u: &Bound<'_, PyAny>,
     y: &Bound<'_, PyAny>,
@@ -155,12 +155,12 @@ fn estimated(
 }
 
 /// The method where none is asked for: through the reference where there is one.
-pub fn method_for(r: Option<&Bound<'_, PyAny>>) -> Method {
+pub(crate) fn method_for(r: Option<&Bound<'_, PyAny>>) -> Method {
     r.map_or_else(Method::default, |_| Method::JointInputOutput)
 }
 
 /// Options of a method, with another largest condition number where one is given.
-pub fn frf_options(method: Method, max_condition: Option<f64>) -> FrfOptions {
+pub(crate) fn frf_options(method: Method, max_condition: Option<f64>) -> FrfOptions {
     let defaults = FrfOptions::from(method);
     FrfOptions {
         max_condition: max_condition.unwrap_or(defaults.max_condition),

@@ -43,7 +43,7 @@ type Density<'py> = (
 ///     For samples that are not finite, or a window that does not fit the signal.
 #[pyfunction]
 #[pyo3(signature = (signal, *, sample_time_s, window_s = 1.0, step_s = 0.1))]
-pub fn spectrogram<'py>(
+pub(crate) fn spectrogram<'py>(
     py: Python<'py>,
     signal: &Bound<'py, PyAny>,
     sample_time_s: f64,

@@ -11,7 +11,7 @@ use crate::experiment::plan::Plan;
 /// An experiment as its TOML file describes it; made by ``Experiment.load``.
 #[pyclass(frozen, eq, module = "frfid")]
 #[derive(PartialEq)]
-pub struct Experiment {
+pub(crate) struct Experiment {
     description: Description,
 }
 

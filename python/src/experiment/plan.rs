@@ -20,7 +20,7 @@ use crate::testbed::runs::{one_by_one, records_of};
 
 /// Every run of an experiment; made by ``Experiment.design``.
 #[pyclass(frozen, module = "frfid")]
-pub struct Plan {
+pub(crate) struct Plan {
     pub description: Description,
 }
 

@@ -54,7 +54,7 @@ impl From<Response> for Frf {
 /// ValueError
 ///     If it is no result, or contradicts itself.
 #[pyfunction]
-pub fn load(py: Python<'_>, path: PathBuf) -> PyResult<Frf> {
+pub(crate) fn load(py: Python<'_>, path: PathBuf) -> PyResult<Frf> {
     path.metadata()?;
     Ok(Frf::of(
         py.detach(|| read_result(&path)).map_err(error::file)?,
@@ -62,7 +62,7 @@ pub fn load(py: Python<'_>, path: PathBuf) -> PyResult<Frf> {
 }
 
 /// Size, band and which variances are known, in one line.
-pub fn described(frf: &Response) -> String {
+pub(crate) fn described(frf: &Response) -> String {
     let hz = &frf.frequency_hz;
     let (low, high) = (
         hz.first().copied().unwrap_or(f64::NAN),

@@ -50,14 +50,14 @@ use crate::pickle::{NewArguments, attributes};
 /// ValueError
 ///     For shapes that do not fit together, or a covariance without its degrees of freedom.
 #[pyclass(frozen, module = "frfid")]
-pub struct Frf {
+pub(crate) struct Frf {
     pub result: ResultFile,
     arrays: Arrays,
 }
 
 impl Frf {
     /// A result with everything that belongs to it.
-    pub fn of(result: ResultFile) -> Self {
+    pub(crate) fn of(result: ResultFile) -> Self {
         Self {
             result,
             arrays: Arrays::default(),

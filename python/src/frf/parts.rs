@@ -11,7 +11,7 @@ const ENTRIES: Axes = &["frequency", "output * input", "output * input"];
 
 /// Its arrays as numpy shows them.
 #[derive(Default)]
-pub struct Arrays {
+pub(crate) struct Arrays {
     pub frequency_hz: Shared,
     pub response: Shared,
     pub noise_variance: Shared,
@@ -23,7 +23,7 @@ pub struct Arrays {
 }
 
 /// The keywords of the constructor, attributes of the FRF too.
-pub const PARTS: [&str; 16] = [
+pub(crate) const PARTS: [&str; 16] = [
     "frequency_hz",
     "response",
     "noise_covariance",
@@ -43,7 +43,7 @@ pub const PARTS: [&str; 16] = [
 ];
 
 /// Covariance and degrees of freedom: both or none.
-pub fn uncertainty(
+pub(crate) fn uncertainty(
     name: &str,
     covariance: Option<&Bound<'_, PyAny>>,
     degrees: Option<usize>,
@@ -66,7 +66,7 @@ pub fn uncertainty(
 }
 
 /// Puts the list that is given in place of another, as long as that is.
-pub fn replace<T>(name: &str, list: &mut Vec<T>, given: Option<Vec<T>>) -> PyResult<()> {
+pub(crate) fn replace<T>(name: &str, list: &mut Vec<T>, given: Option<Vec<T>>) -> PyResult<()> {
     let Some(given) = given else { return Ok(()) };
     if given.len() != list.len() {
         let (found, needed) = (given.len(), list.len());
@@ -79,7 +79,7 @@ pub fn replace<T>(name: &str, list: &mut Vec<T>, given: Option<Vec<T>>) -> PyRes
 }
 
 /// A number for every frequency.
-pub fn per_frequency(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
+pub(crate) fn per_frequency(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
     Ok(real::<Ix1>(name, value, &[&["frequency"]])?
         .as_array()
         .to_vec())

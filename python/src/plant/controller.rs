@@ -40,7 +40,7 @@ use crate::testbed::batch::simulate;
 ///     For a parameter out of range.
 #[pyclass(frozen, eq, module = "frfid")]
 #[derive(PartialEq)]
-pub struct PiController {
+pub(crate) struct PiController {
     pub controller: Controller,
     pub sample_time_s: f64,
 }
@@ -188,7 +188,7 @@ impl PiController {
 ///     If the loop diverges.
 #[pyfunction]
 #[pyo3(signature = (plant, controller, r, *, velocity_rad_s = None, start_rad = None, seed = 0, progress = None))]
-pub fn run_closed_loop(
+pub(crate) fn run_closed_loop(
     plant: &Plant,
     controller: &PiController,
     r: &Bound<'_, PyAny>,
@@ -210,7 +210,7 @@ pub fn run_closed_loop(
 }
 
 /// The plant under the controller, with the plant's sensors.
-pub fn closed_loop(plant: &Plant, controller: &PiController, seed: u64) -> SimulatedRobot {
+pub(crate) fn closed_loop(plant: &Plant, controller: &PiController, seed: u64) -> SimulatedRobot {
     let robot = Arc::clone(&plant.robot);
     let (pi, sample_time_s) = (
         Arc::new(controller.controller.clone()),

@@ -38,7 +38,11 @@ use crate::plant::robot::Plant;
 ///     For frequencies out of range, a controller of another number of axes, or a frequency at
 ///     which the loop has a pole.
 #[pyfunction]
-pub fn loop_frf(plant: &Plant, controller: &PiController, hz: &Bound<'_, PyAny>) -> PyResult<Loop> {
+pub(crate) fn loop_frf(
+    plant: &Plant,
+    controller: &PiController,
+    hz: &Bound<'_, PyAny>,
+) -> PyResult<Loop> {
     let hz = real::<Ix1>("hz", hz, &[&["frequency"]])?
         .as_array()
         .to_vec();
@@ -60,7 +64,7 @@ pub fn loop_frf(plant: &Plant, controller: &PiController, hz: &Bound<'_, PyAny>)
 
 /// The FRFs of a loop, as a dict.
 #[derive(IntoPyObject)]
-pub struct Loop {
+pub(crate) struct Loop {
     sensitivity: Frf,
     r_to_u: Frf,
     r_to_y: Frf,

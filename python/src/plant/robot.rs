@@ -14,7 +14,7 @@ use crate::error;
 
 /// A robot in software, made by ``Plant.single_joint`` or ``Plant.load``.
 #[pyclass(frozen, eq, module = "frfid")]
-pub struct Plant {
+pub(crate) struct Plant {
     /// The robot as its file says it.
     pub table: RobotTable,
     pub robot: Arc<dyn Robot>,

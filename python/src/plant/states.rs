@@ -13,7 +13,7 @@ const STATES: [Axes; 2] = [&["axis"], &["batch", "axis"]];
 
 /// `of` at every state: the arguments, by name, are of shape (axis,) or (batch, axis), the answer
 /// is of shape `answer` or (batch, *answer).
-pub fn per_state<'py>(
+pub(crate) fn per_state<'py>(
     py: Python<'py>,
     n_axes: usize,
     arguments: &[(&'static str, &Bound<'py, PyAny>)],

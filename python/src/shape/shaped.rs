@@ -15,7 +15,7 @@ use crate::signals::record::Record;
 /// A shaped excitation: the best iteration, and what every iteration found; made by
 /// ``frfid.shape``. Printed, it is a table.
 #[pyclass(frozen, module = "frfid")]
-pub struct Shaped {
+pub(crate) struct Shaped {
     shaping: Shaping,
     /// Records of the best iteration, one for each experiment.
     #[pyo3(get)]
@@ -179,7 +179,7 @@ impl Shaped {
 
 impl Shaped {
     /// The result with its records as Python sees them.
-    pub fn of(py: Python<'_>, mut shaping: Shaping) -> PyResult<Self> {
+    pub(crate) fn of(py: Python<'_>, mut shaping: Shaping) -> PyResult<Self> {
         let records = std::mem::take(&mut shaping.best.records).into_iter();
         let records = records
             .map(|record| Py::new(py, Record::of(py, vec![record], false)?))

@@ -89,7 +89,7 @@ const SIGNALS: [Axes; 1] = [&["experiment", "channel", "sample"]];
                     largest_change = 3.0, max_torque_nm = None, max_velocity_rad_s = None, max_travel_rad = None,
                     max_stuck_share = 0.15, still_rad_s = 0.0, coulomb_nm = None, seed = 0, progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
-pub fn shape(
+pub(crate) fn shape(
     testbed: &Bound<'_, PyAny>,
     desired: &Bound<'_, PyAny>,
     start: &Bound<'_, PyAny>,

@@ -31,7 +31,7 @@ use crate::signals::profile::{points, profiles};
 ///     For a parameter out of range.
 #[pyclass(frozen, eq, module = "frfid")]
 #[derive(PartialEq)]
-pub struct Chirp {
+pub(crate) struct Chirp {
     pub signal: Signal,
 }
 

@@ -35,7 +35,7 @@ use crate::signals::profile::{per_channel, points, profile};
 ///     For lines that do not rise or lie outside 1 to Nyquist.
 #[pyclass(frozen, eq, module = "frfid")]
 #[derive(PartialEq)]
-pub struct Multisine {
+pub(crate) struct Multisine {
     pub signal: Signal,
 }
 

@@ -29,7 +29,7 @@ impl From<Amplitude> for Profile {
 }
 
 /// One profile for all channels, or one for each.
-pub fn profiles(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Profile>> {
+pub(crate) fn profiles(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Profile>> {
     match value.extract() {
         Ok(Amplitudes::Common(amplitude)) => Ok(vec![amplitude.into()]),
         Ok(Amplitudes::PerChannel(amplitudes)) => {
@@ -43,7 +43,7 @@ pub fn profiles(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Profil
 }
 
 /// One profile, the same for all channels.
-pub fn profile(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Profile> {
+pub(crate) fn profile(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Profile> {
     value
         .extract::<Amplitude>()
         .map(Profile::from)
@@ -55,7 +55,7 @@ pub fn profile(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Profile> {
 }
 
 /// A number for every channel: one of them stands for all.
-pub fn per_channel(
+pub(crate) fn per_channel(
     argument: &str,
     value: &Bound<'_, PyAny>,
     n_channels: usize,
@@ -72,6 +72,6 @@ pub fn per_channel(
 }
 
 /// The profile as Python writes it.
-pub fn points(profile: &Profile) -> Vec<(f64, f64)> {
+pub(crate) fn points(profile: &Profile) -> Vec<(f64, f64)> {
     profile.points.clone()
 }

@@ -36,7 +36,7 @@ const SHAPES: [Axes; 2] = [&["channel", "sample"], &["batch", "channel", "sample
 /// ValueError
 ///     For shapes that do not fit together and samples that are not finite.
 #[pyclass(frozen, module = "frfid")]
-pub struct Record {
+pub(crate) struct Record {
     /// Sample time in s.
     #[pyo3(get)]
     sample_time_s: f64,
@@ -140,7 +140,7 @@ impl Record {
 
 impl Record {
     /// What the crates measured: one run, or a batch of runs `stacked` on an axis of their own.
-    pub fn of(py: Python<'_>, runs: Vec<Run>, stacked: bool) -> PyResult<Self> {
+    pub(crate) fn of(py: Python<'_>, runs: Vec<Run>, stacked: bool) -> PyResult<Self> {
         let [first, ..] = runs.as_slice() else {
             return Err(PyValueError::new_err("no run was done"));
         };
@@ -174,7 +174,7 @@ impl Record {
     }
 
     /// Every run as the crates know it.
-    pub fn runs(&self, py: Python<'_>) -> Vec<Run> {
+    pub(crate) fn runs(&self, py: Python<'_>) -> Vec<Run> {
         let of = |signal: &Py<PyArrayDyn<f64>>| -> Vec<Array2<f64>> {
             let array = signal.bind(py).to_owned_array();
             let stacked = if array.ndim() == 2 {
@@ -210,7 +210,7 @@ impl Record {
     }
 
     /// Whether the runs have an axis of their own.
-    pub fn is_batch(&self, py: Python<'_>) -> bool {
+    pub(crate) fn is_batch(&self, py: Python<'_>) -> bool {
         self.u.bind(py).ndim() == 3
     }
 }

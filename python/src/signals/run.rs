@@ -14,7 +14,7 @@ use crate::array::c_ordered;
 /// A testbed brings the machine to ``start_rad``, up to ``velocity_rad_s``, and plays ``reference``;
 /// it stops where one of ``limits`` is reached.
 #[pyclass(frozen, module = "frfid")]
-pub struct Run {
+pub(crate) struct Run {
     planned: Planned,
     limits: BTreeMap<&'static str, Vec<f64>>,
     reference: Py<PyArray2<f64>>,
@@ -23,7 +23,7 @@ pub struct Run {
 
 impl Run {
     /// A run of an open (N m) or closed loop (rad/s).
-    pub fn of(
+    pub(crate) fn of(
         py: Python<'_>,
         planned: Planned,
         limits: &Limits,

@@ -15,7 +15,7 @@ const SHAPES: [Axes; 2] = [&["channel", "sample"], &["batch", "channel", "sample
 
 /// What the testbed measured for each reference in `value`, the argument called `name`, from a
 /// start, on a constant velocity.
-pub fn simulate(
+pub(crate) fn simulate(
     name: &'static str,
     value: &Bound<'_, PyAny>,
     testbed: &dyn Testbed,

@@ -12,7 +12,7 @@ use crate::signals::record::Record;
 use crate::signals::run::Run;
 
 /// The object, and the turn that a run waits for: a machine does one run at a time.
-pub struct PythonTestbed {
+pub(crate) struct PythonTestbed {
     object: Py<PyAny>,
     takes_bare_reference: bool,
     n_inputs: usize,
@@ -24,7 +24,7 @@ pub struct PythonTestbed {
 impl PythonTestbed {
     /// The testbed behind `object`, for references of `n_inputs` channels; every run is given the
     /// limits.
-    pub fn new(
+    pub(crate) fn new(
         object: &Bound<'_, PyAny>,
         n_inputs: usize,
         limits: Limits,

@@ -10,7 +10,7 @@ use crate::error;
 use crate::interrupt::interruptible;
 
 /// The records of the runs `ids`, in this order, done on `jobs` threads (0: one for each core).
-pub fn records_of(
+pub(crate) fn records_of(
     py: Python<'_>,
     ids: &[RunId],
     reference: &(dyn Fn(RunId) -> Result<Run, ExperimentError> + Sync),
@@ -31,7 +31,7 @@ pub fn records_of(
 
 /// The records of the runs `ids`, done one after the other on the calling thread: a testbed written
 /// in Python hears Ctrl-C in the middle of its run, where it can stop its machine.
-pub fn one_by_one(
+pub(crate) fn one_by_one(
     py: Python<'_>,
     ids: &[RunId],
     reference: &(dyn Fn(RunId) -> Result<Run, ExperimentError> + Sync),

@@ -1,4 +1,4 @@
-//! Puts the topics of a recording on one grid of samples, by their stamps.
+//! Alignment of the topics of a recording on one grid of samples, by their stamps.
 
 use ndarray::Array2;
 

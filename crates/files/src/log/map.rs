@@ -1,4 +1,4 @@
-//! Which signal of a foreign recording plays which role: `topic:field[index or joint]` of an MCAP,
+//! Log map: which signal of a recording plays which role, by `topic:field[index or joint]` of an MCAP,
 //! or a column of a CSV, an array of an NPZ.
 
 use frfid_signals::InputKind;

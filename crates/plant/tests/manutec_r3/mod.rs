@@ -6,7 +6,7 @@ use frfid_plant::{
     Arm, Body, BodyJoint, Challenges, FlexibleJoint, Friction, Inertia, Payload, Ripple, Spring,
 };
 
-pub const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+pub(crate) const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 const X: [f64; 3] = [1.0, 0.0, 0.0];
 const Y: [f64; 3] = [0.0, 1.0, 0.0];
 
@@ -31,7 +31,7 @@ fn joint(ratio: f64, stiffness: f64, damping: f64, coulomb_nm: f64, viscous: f64
 }
 
 /// The tensor of a ball with this moment of inertia in kg m^2.
-pub fn ball(moment: f64) -> Inertia {
+pub(crate) fn ball(moment: f64) -> Inertia {
     Inertia {
         ixx: moment,
         iyy: moment,
@@ -71,7 +71,7 @@ fn body(name: &str, axis: [f64; 3], offset_m: [f64; 3], mass: Mass, joint: BodyJ
 }
 
 /// The robot at the pose of record, without ripple and stiffening.
-pub fn manutec_r3() -> Arm {
+pub(crate) fn manutec_r3() -> Arm {
     let point = [0.0; 4];
     Arm {
         bodies: vec![
@@ -130,7 +130,7 @@ pub fn manutec_r3() -> Arm {
 }
 
 /// Changes the flexible joints of an arm.
-pub fn each_joint(arm: &mut Arm, mut change: impl FnMut(usize, &mut FlexibleJoint)) {
+pub(crate) fn each_joint(arm: &mut Arm, mut change: impl FnMut(usize, &mut FlexibleJoint)) {
     let joints = arm
         .bodies
         .iter_mut()
@@ -145,7 +145,7 @@ pub fn each_joint(arm: &mut Arm, mut change: impl FnMut(usize, &mut FlexibleJoin
 
 /// The default ripple of the experiments: 3, 5, 2 N m at 12 cycles per motor turn and a third of it
 /// at 6.
-pub fn with_ripple(mut arm: Arm) -> Arm {
+pub(crate) fn with_ripple(mut arm: Arm) -> Arm {
     let amplitudes = [(105.0, 3.0), (210.0, 5.0), (60.0, 2.0)];
     each_joint(&mut arm, |axis, joint| {
         let (ratio, amplitude_nm) = amplitudes[axis];
