@@ -10,3 +10,8 @@ pub use frfid_paper as paper;
 pub use frfid_plant as plant;
 pub use frfid_report as report;
 pub use frfid_signals as signals;
+
+/// Compiles the Rust of the how-to.
+#[cfg(doctest)]
+#[doc = include_str!("../docs/how-to.md")]
+struct HowTo;

@@ -22,6 +22,9 @@ pip install --quiet --disable-pip-version-check ".[test]"
 step "Rust tests"
 cargo test --workspace --locked
 
+step "benches, once each with their answers checked"
+cargo test --benches --locked
+
 step "stubs and Python tests"
 python -m mypy.stubtest frfid --ignore-disjoint-bases
 python -m pytest tests -q

@@ -55,6 +55,18 @@ impl Experiment {
 
     /// The experiment of a template.
     ///
+    /// ```
+    /// use frfid_experiment::{Experiment, TEMPLATES, silent};
+    ///
+    /// let multisine = TEMPLATES.iter().find(|template| template.kind == "multisine").unwrap();
+    /// let experiment = Experiment::of_template(multisine)?;
+    /// assert_eq!(experiment.plan().n_runs(), 30);
+    /// let outcome = experiment.measure(&*experiment.testbed(), 0, &silent)?; // in simulation
+    /// let frf = outcome.result.frf;
+    /// assert!(frf.noise.is_none() && frf.total.is_some()); // one period, 30 realizations
+    /// # Ok::<(), frfid_experiment::ExperimentError>(())
+    /// ```
+    ///
     /// # Errors
     /// None of the templates that are built in.
     pub fn of_template(template: &Template) -> Result<Self, ConfigError> {

@@ -70,6 +70,27 @@ pub struct Comparison {
 
 /// Compares `b` with `a`, entry by entry, over the band they share; the frequency grids may differ.
 ///
+/// ```
+/// use frfid_estimate::{CompareOptions, compare};
+/// use frfid_signals::Frf;
+/// use ndarray::Array3;
+/// use num_complex::Complex64;
+///
+/// // two resonators, damping 5 %, at 10 Hz and at 13 Hz
+/// let resonator = |resonance_hz: f64| {
+///     let hz: Vec<f64> = (0..400).map(|k| 2.0 * 25f64.powf(f64::from(k) / 399.0)).collect();
+///     let response = Array3::from_shape_fn((400, 1, 1), |(k, ..)| {
+///         let ratio = hz[k] / resonance_hz;
+///         Complex64::ONE / Complex64::new(1.0 - ratio * ratio, 0.1 * ratio)
+///     });
+///     Frf { frequency_hz: hz, response, noise: None, total: None, condition: None, relative_resolution: None }
+/// };
+/// let comparison = compare(&resonator(10.0), &resonator(13.0), &CompareOptions::default())?;
+/// let shift_percent = comparison.entries[0].changes[0].shift_percent();
+/// assert!(shift_percent.is_some_and(|shift| (shift - 30.0).abs() < 1.0));
+/// # Ok::<(), frfid_estimate::EstimateError>(())
+/// ```
+///
 /// # Errors
 /// [`frfid_signals::SignalError::Shape`] for other numbers of channels,
 /// [`EstimateError::NoCommonBand`] with fewer than three frequencies of either in the common band.

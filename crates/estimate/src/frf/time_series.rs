@@ -16,6 +16,20 @@ use crate::spectra::time_series::{TimeSeries, check_same_shape};
 /// is for methods that estimate through it. The noise covariance is `None` with one period, the
 /// total covariance with one realization.
 ///
+/// ```
+/// use frfid_estimate::{Method, estimate_bla};
+/// use ndarray::Array5;
+///
+/// // (realization, experiment, period, channel, sample): y is twice u
+/// let u = Array5::from_shape_fn((3, 1, 2, 1, 64), |(p, _, _, _, k)| ((k * k + p) as f64).sin());
+/// let y = 2.0 * &u;
+/// let options = Method::MeanOfFrfs.into();
+/// let frf = estimate_bla(u.view(), y.view(), None, 1e-3, &[1, 3, 5], &options)?;
+/// assert!((frf.response[[0, 0, 0]].re - 2.0).abs() < 1e-12);
+/// assert_eq!(frf.noise.map(|noise| noise.degrees_of_freedom), Some(3));
+/// # Ok::<(), frfid_estimate::EstimateError>(())
+/// ```
+///
 /// # Errors
 /// A reference that is missing or not used, shapes that differ, samples that are not finite, lines
 /// off the grid, fewer experiments than inputs, lines on which U cannot be inverted:

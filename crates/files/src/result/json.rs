@@ -54,6 +54,27 @@ struct UncertaintyJson {
 
 /// Writes a result.
 ///
+/// ```
+/// use frfid_files::{Overwrite, ResultFile, read_result, write_result};
+/// use frfid_signals::Frf;
+/// use ndarray::Array3;
+/// use num_complex::Complex64;
+///
+/// let frf = Frf {
+///     frequency_hz: vec![1.0 / 3.0],
+///     response: Array3::from_elem((1, 1, 1), Complex64::new(0.1, f64::INFINITY)),
+///     noise: None,
+///     total: None,
+///     condition: None,
+///     relative_resolution: None,
+/// };
+/// let path = std::env::temp_dir().join(format!("frfid-{}.json", std::process::id()));
+/// let result = ResultFile::torque_to_velocity(frf, &["joint_1".into()]);
+/// write_result(&path, Overwrite::Replace, &result)?;
+/// assert_eq!(read_result(&path)?, result); // every bit
+/// # Ok::<(), frfid_files::FileError>(())
+/// ```
+///
 /// # Errors
 /// [`FileError::Shape`] if names or units do not fit the FRF, and those of writing (see
 /// [`Overwrite`]).

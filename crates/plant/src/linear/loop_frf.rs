@@ -38,6 +38,17 @@ impl LoopFrf {
     /// The FRFs at frequencies in Hz below the Nyquist frequency of the controller, whose sample
     /// time is given in s.
     ///
+    /// ```
+    /// use frfid_plant::{LoopFrf, PiController, Sensor, SingleJoint};
+    ///
+    /// let controller = PiController::new(vec![2000.0], vec![16_000.0]);
+    /// let (joint, sensors) = (SingleJoint::default(), [Sensor::default()]);
+    /// let frf = LoopFrf::new(&joint, &controller, 1e-3, &sensors, &[0.5, 100.0])?;
+    /// let sensitivity = |k: usize| frf.sensitivity.response[[k, 0, 0]].norm();
+    /// assert!(sensitivity(0) < 0.12 && sensitivity(1) > 1.0); // little is left of an error at 0.5 Hz
+    /// # Ok::<(), frfid_signals::SignalError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`SignalError`] for a parameter or frequency out of range, a number of axes that does not
     /// fit, or a frequency at which robot or loop have a pole.

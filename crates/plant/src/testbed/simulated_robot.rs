@@ -60,6 +60,27 @@ pub enum Actuation {
 
 impl SimulatedRobot {
     /// A robot in open loop with ideal sensors, its torque held between samples, not watched.
+    ///
+    /// ```
+    /// use std::sync::Arc;
+    ///
+    /// use frfid_plant::{SimulatedRobot, SingleJoint};
+    /// use frfid_signals::{Run, RunId, Testbed};
+    /// use ndarray::Array2;
+    ///
+    /// let mut joint = SingleJoint::default();
+    /// joint.joint.friction.coulomb_nm = 50.0;
+    /// let run = Run {
+    ///     id: RunId::excitation(0, 0, 0),
+    ///     sample_time_s: 1e-3,
+    ///     reference: Array2::from_elem((1, 1000), 49.0), // N m
+    ///     velocity_rad_s: vec![0.0],
+    ///     start_rad: vec![0.0],
+    /// };
+    /// let record = SimulatedRobot::open_loop(Arc::new(joint)).run(&run)?;
+    /// assert!(record.y.iter().all(|velocity| *velocity == 0.0)); // friction holds it
+    /// # Ok::<(), frfid_signals::TestbedError>(())
+    /// ```
     #[must_use]
     pub fn open_loop(robot: Arc<dyn Robot>) -> Self {
         Self::new(robot, Actuation::Torque { hold: Hold::Zoh })

@@ -17,6 +17,26 @@ const DENSE: usize = 150;
 
 /// The Bode diagram of a result, with the 95 % region of the largest variance that was measured.
 ///
+/// ```
+/// use frfid_files::ResultFile;
+/// use frfid_report::result_figure;
+/// use frfid_signals::Frf;
+/// use ndarray::Array3;
+/// use num_complex::Complex64;
+///
+/// let frf = Frf {
+///     frequency_hz: vec![1.0, 10.0],
+///     response: Array3::from_elem((2, 1, 1), Complex64::ONE),
+///     noise: None,
+///     total: None,
+///     condition: None,
+///     relative_resolution: None,
+/// };
+/// let result = ResultFile::torque_to_velocity(frf, &["joint_1".into()]);
+/// assert!(result_figure("G", &result)?.svg().starts_with("<svg"));
+/// # Ok::<(), frfid_report::ReportError>(())
+/// ```
+///
 /// # Errors
 /// [`ReportError`] for an FRF that cannot be drawn.
 pub fn result_figure(title: &str, result: &ResultFile) -> Result<Figure, ReportError> {

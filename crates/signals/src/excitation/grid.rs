@@ -67,6 +67,24 @@ impl GridDesign {
     /// its samples the next power of two above `1/(resolution_hz T_s)`; f0 is the inverse of their
     /// product, which is the period.
     ///
+    /// ```
+    /// use frfid_signals::{GridDesign, GridKind};
+    ///
+    /// let design = GridDesign {
+    ///     low_hz: 1.0,
+    ///     high_hz: 60.0,
+    ///     sample_time_s: 1e-3,
+    ///     resolution_hz: 0.1,
+    ///     n_lines: Some(80),
+    ///     kind: GridKind::Odd,
+    ///     seed: 0,
+    /// };
+    /// let grid = design.design()?; // 12.288 s, multiples of 0.08138 Hz
+    /// assert_eq!((grid.n_samples, grid.excited.len()), (12_288, 71));
+    /// assert!(grid.excited.iter().all(|line| line % 2 == 1));
+    /// # Ok::<(), frfid_signals::SignalError>(())
+    /// ```
+    ///
     /// # Errors
     /// [`SignalError::Parameter`], [`SignalError::AboveNyquist`] or [`SignalError::EmptyBand`].
     pub fn design(&self) -> Result<LineGrid, SignalError> {

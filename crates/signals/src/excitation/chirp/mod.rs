@@ -100,6 +100,22 @@ impl Chirp {
 
     /// The chirp of every experiment and channel, `(experiment, input, sample)`, tail included.
     ///
+    /// ```
+    /// use frfid_signals::{Chirp, Phasing, Profile};
+    ///
+    /// let chirp = Chirp {
+    ///     low_hz: 1.0,
+    ///     high_hz: 60.0,
+    ///     duration_s: 20.0,
+    ///     amplitude: vec![Profile::constant(150.0)],
+    ///     fade_s: 0.1,
+    ///     tail_s: 1.0,
+    /// };
+    /// let signal = chirp.sample(1e-3, 2, Phasing::SignFlip)?;
+    /// assert_eq!(signal.dim(), (2, 2, 21_000)); // (experiment, input, sample)
+    /// # Ok::<(), frfid_signals::SignalError>(())
+    /// ```
+    ///
     /// # Errors
     /// A parameter out of range, a band that reaches Nyquist, or neither one profile nor `n_inputs`
     /// of them.

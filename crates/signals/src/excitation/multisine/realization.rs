@@ -30,6 +30,26 @@ impl Multisine {
     /// experiments, the largest for which no channel exceeds its peak. A factor for each channel
     /// would spoil the orthogonality.
     ///
+    /// ```
+    /// use frfid_signals::{Draw, GridDesign, GridKind, Multisine, Phasing};
+    ///
+    /// let design = GridDesign {
+    ///     low_hz: 1.0,
+    ///     high_hz: 60.0,
+    ///     sample_time_s: 1e-3,
+    ///     resolution_hz: 0.5,
+    ///     n_lines: Some(40),
+    ///     kind: GridKind::Odd,
+    ///     seed: 0,
+    /// };
+    /// let multisine = Multisine::flat(design.design()?, vec![150.0, 60.0]); // peaks of two inputs
+    /// let draw = Draw { seed: 1, realization: 0, phasing: Phasing::Orthogonal };
+    /// let realization = multisine.realize(&draw)?;
+    /// assert_eq!(realization.signal.dim(), (2, 2, multisine.grid.n_samples)); // (experiment, input, sample)
+    /// assert!(realization.peak[0] <= 150.0 && realization.peak[1] <= 60.0); // between the samples, too
+    /// # Ok::<(), frfid_signals::SignalError>(())
+    /// ```
+    ///
     /// # Errors
     /// A grid, shape or peak that is out of range.
     pub fn realize(&self, draw: &Draw) -> Result<Realization, SignalError> {
