@@ -33,11 +33,7 @@ impl Default for SingleJoint {
             joint: FlexibleJoint {
                 motor_inertia_kg_m2: 35.0,
                 damping_nms_per_rad: 400.0,
-                spring: Spring {
-                    stiffness_nm_per_rad: 1.5e5,
-                    stiffness_beyond_nm_per_rad: 1.5e5,
-                    knee_rad: 1e-3,
-                },
+                spring: Spring::default(),
                 friction: Friction {
                     coulomb_nm: 0.0,
                     viscous_nms_per_rad: 0.0,

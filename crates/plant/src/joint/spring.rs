@@ -25,6 +25,28 @@ pub(crate) enum Branch {
     Below,
 }
 
+impl Branch {
+    /// The branch that the deflection enters where it leaves this one, upwards or downwards.
+    pub(crate) fn next(self, upwards: bool) -> Self {
+        match self {
+            Self::Within if upwards => Self::Above,
+            Self::Within => Self::Below,
+            Self::Above | Self::Below => Self::Within,
+        }
+    }
+}
+
+/// That of SK15 section 6.1, linear.
+impl Default for Spring {
+    fn default() -> Self {
+        Self {
+            stiffness_nm_per_rad: 1.5e5,
+            stiffness_beyond_nm_per_rad: 1.5e5,
+            knee_rad: 1e-3,
+        }
+    }
+}
+
 impl Spring {
     /// Checks every parameter.
     ///

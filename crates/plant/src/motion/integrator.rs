@@ -9,7 +9,6 @@ use std::array::from_fn;
 use crate::error::PlantError;
 use crate::joint::flexible_joint::{Mode, Regime};
 use crate::joint::friction::Slip;
-use crate::joint::spring::Branch;
 use crate::motion::equations::{Links, Machine, State};
 use crate::motion::event_location::{ModeChange, Signal, Trial};
 use crate::motion::segment::Segment;
@@ -203,13 +202,11 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
         torque: &[f64; A],
     ) {
         let mut mode = self.modes[axis];
-        match (signal, mode.branch) {
-            (Signal::Velocity, _) => mode.slip = self.come_to_rest(axis, torque),
-            (Signal::NetTorque, _) if upwards => mode.slip = Slip::Forward,
-            (Signal::NetTorque, _) => mode.slip = Slip::Backward,
-            (Signal::Deflection, Branch::Within) if upwards => mode.branch = Branch::Above,
-            (Signal::Deflection, Branch::Within) => mode.branch = Branch::Below,
-            (Signal::Deflection, Branch::Above | Branch::Below) => mode.branch = Branch::Within,
+        match signal {
+            Signal::Velocity => mode.slip = self.come_to_rest(axis, torque),
+            Signal::NetTorque if upwards => mode.slip = Slip::Forward,
+            Signal::NetTorque => mode.slip = Slip::Backward,
+            Signal::Deflection => mode.branch = mode.branch.next(upwards),
         }
         self.enter(axis, mode);
     }
