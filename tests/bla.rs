@@ -464,8 +464,17 @@ fn bad_input_is_refused_with_found_and_needed() {
     };
     let (u, y) = (signal(1, [1, 2, 2, 2, 100]), signal(2, [1, 2, 2, 1, 100]));
     assert!(estimate(&u, &y, None, &[1, 49]).is_ok());
-    for bad in [vec![], vec![0], vec![50], vec![3, 2], vec![2, 2]] {
-        assert!(estimate(&u, &y, None, &bad).is_err(), "lines {bad:?}");
+    for (bad, says) in [
+        (&[][..], "at least one"),
+        (&[0], "0"),
+        (&[50], "50"),
+        (&[3, 2], "2"),
+        (&[2, 2], "2"),
+    ] {
+        let error = estimate(&u, &y, None, bad)
+            .expect_err("no lines")
+            .to_string();
+        assert!(error.contains(says), "lines {bad:?}: {error}");
     }
     let one = u.slice(s![.., ..1, .., .., ..]).to_owned();
     let few = estimate(
@@ -526,7 +535,9 @@ fn bad_input_is_refused_with_found_and_needed() {
             Deficiency::ExperimentsAlike { pair: (0, 1), .. }
         ) && lines[1].frequency_hz == 70.0
     );
-    assert!(estimate_bla(u.view(), y.view(), None, 0.0, &[1], &FrfOptions::default()).is_err());
+    let no_clock = estimate_bla(u.view(), y.view(), None, 0.0, &[1], &FrfOptions::default());
+    let error = no_clock.expect_err("no sample time").to_string();
+    assert!(error.starts_with("sample_time_s is 0"), "{error}");
     let empty = Array5::zeros([0, 2, 2, 2, 100]);
     assert_eq!(
         estimate(&empty, &empty, None, &[1]),

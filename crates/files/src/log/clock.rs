@@ -182,8 +182,13 @@ mod tests {
         let wild: Vec<i64> = (0..100)
             .map(|k| 1_000_000 * k + 300_000 * (2 * (k % 2) - 1))
             .collect();
-        for stamps in [&wild[..], &[5], &[0, 1_000_000, 1_000_001, 2_000_000]] {
-            assert!(Clock::fit(stamps).is_err());
+        for (stamps, found) in [
+            (&wild[..], "49 closer than half"),
+            (&[5], "1 samples"),
+            (&[0, 1_000_000, 1_000_001, 2_000_000], "1 closer than half"),
+        ] {
+            let (flaw, _) = Clock::fit(stamps).map(drop).expect_err(found);
+            assert!(flaw.contains(found), "{flaw}");
         }
     }
 }
