@@ -13,6 +13,17 @@ use crate::shape::measure::stack;
 /// integrated reference.
 pub(super) const KEPT: [Limit; 3] = [Limit::Torque, Limit::Velocity, Limit::Travel];
 
+/// Whether a limit is among [`KEPT`].
+fn is_kept(limit: Limit) -> bool {
+    match limit {
+        Limit::Torque | Limit::Velocity | Limit::Travel => true,
+        // not predicted: the reference is changed inside a band, and ends smoothly
+        Limit::TorqueRate | Limit::Acceleration | Limit::Jerk => false,
+        // an experiment gives them as travel
+        Limit::LowestPosition | Limit::HighestPosition => false,
+    }
+}
+
 /// Factor on an observed ratio of growth to prediction: the next ratio may be that much larger.
 const LEARNT_MARGIN: f64 = 1.25;
 
@@ -40,7 +51,7 @@ pub(super) fn peaks_of_records(records: &[Record], sample_time_s: f64) -> Peaks 
 /// Every kept limit that the peaks exceed.
 pub(super) fn exceeded(limits: &Limits, peaks: &Peaks) -> Vec<Excess> {
     let mut excesses = limits.exceeded(peaks);
-    excesses.retain(|excess| KEPT.contains(&excess.limit));
+    excesses.retain(|excess| is_kept(excess.limit));
     excesses
 }
 
@@ -121,6 +132,12 @@ pub(super) fn share_of_sample(from: f64, change: f64, margin: f64, limit: f64) -
 mod tests {
     use super::*;
     use ndarray::array;
+
+    #[test]
+    fn every_limit_is_decided_on() {
+        let kept = Limit::ALL.iter().copied().filter(|limit| is_kept(*limit));
+        assert!(kept.eq(KEPT));
+    }
 
     #[test]
     fn the_share_stops_exactly_at_the_limit() {

@@ -83,16 +83,18 @@ impl Experiment {
             let ways = self.pose_rad.iter().zip(&travel);
             ways.map(|(pose, way)| pose + sign * way).collect()
         };
-        Ok([
-            (Limit::Torque, self.holding_nm(&start)?),
-            (Limit::TorqueRate, vec![0.0; start.len()]),
-            (Limit::Velocity, sizes(velocity)),
-            (Limit::LowestPosition, from_pose(-1.0)),
-            (Limit::HighestPosition, from_pose(1.0)),
-            (Limit::Travel, travel),
-        ]
-        .into_iter()
-        .collect())
+        let holding_nm = self.holding_nm(&start)?;
+        let at_rest = |limit: &Limit| match limit {
+            Limit::Torque => Some(holding_nm.clone()),
+            Limit::TorqueRate => Some(vec![0.0; start.len()]),
+            Limit::Velocity => Some(sizes(velocity)),
+            Limit::Acceleration | Limit::Jerk => None,
+            Limit::Travel => Some(travel.clone()),
+            Limit::LowestPosition => Some(from_pose(-1.0)),
+            Limit::HighestPosition => Some(from_pose(1.0)),
+        };
+        let known = |limit: &Limit| Some((*limit, at_rest(limit)?));
+        Ok(Limit::ALL.iter().filter_map(known).collect())
     }
 
     /// Torque that friction and gravity ask for on the way from `start_rad` to its mirror image,

@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use frfid_plant::{Hold, SimulatedRobot, Watch};
-use frfid_signals::{Frf, Limit, Limits, SignalError, Testbed};
+use frfid_signals::{Frf, Limit, SignalError, Testbed};
 
 use crate::experiment::Experiment;
 
@@ -54,14 +54,11 @@ impl Experiment {
         }
     }
 
-    /// What stops a run: an excess of torque, velocity or travel. A position limit nearer to the
-    /// pose than the largest travel takes its place, on either side.
+    /// What stops a run: the limits, of which the watch knows those that it can read. A position
+    /// limit nearer to the pose than the largest travel takes its place, on either side.
     #[must_use]
     pub fn watch(&self) -> Watch {
-        let mut limits: Limits = [Limit::Torque, Limit::Velocity, Limit::Travel]
-            .into_iter()
-            .filter_map(|limit| Some((limit, self.limits.get(limit)?.to_vec())))
-            .collect();
+        let mut limits = self.limits.clone();
         for side in [Limit::LowestPosition, Limit::HighestPosition] {
             let travel = self.room_rad(side).map(|room| (Limit::Travel, room));
             limits = limits.tighter(&travel.into_iter().collect());

@@ -20,7 +20,8 @@ const CUT_OFF: f64 = 2.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Watch {
     /// What the readings are held against: torque, velocity and travel, the way from the pose by
-    /// which the position reading has changed since the start of the run. Nothing else is watched.
+    /// which the position reading has changed since the start of the run. Other limits may be given
+    /// and are not watched, because no reading shows them from sample to sample.
     pub limits: Limits,
     /// Time in s from the excess to rest.
     pub ramp_s: f64,
