@@ -32,7 +32,19 @@ pub struct Curve<'a> {
     pub flagged: Option<Vec<bool>>,
 }
 
-impl Curve<'_> {
+impl<'a> Curve<'a> {
+    /// An FRF without its uncertainty, every line of it sound.
+    #[must_use]
+    pub fn new(label: impl Into<String>, frf: &'a Frf, style: Style) -> Self {
+        Self {
+            label: label.into(),
+            frf,
+            style,
+            band: Band::None,
+            flagged: None,
+        }
+    }
+
     /// Number of outputs and inputs.
     pub(crate) fn size(&self) -> (usize, usize) {
         (self.frf.n_outputs(), self.frf.n_inputs())
