@@ -1,6 +1,7 @@
 //! Curves of Bode diagrams: FRFs with their names, how each is drawn, and their 95 % regions.
 
 use frfid_signals::{Frf, Uncertainty};
+use ndarray::s;
 
 use crate::diagrams::style::Style;
 
@@ -55,6 +56,17 @@ impl<'a> Curve<'a> {
         self.flagged.as_ref().is_some_and(|flagged| flagged[k])
     }
 
+    /// Whether any line is not to be trusted.
+    pub(crate) fn has_flags(&self) -> bool {
+        self.flagged.iter().flatten().any(|is_flagged| *is_flagged)
+    }
+
+    /// |G| of one entry over frequency.
+    pub(crate) fn sizes(&self, (output, input): (usize, usize)) -> impl Iterator<Item = f64> {
+        let entry = self.frf.response.slice(s![.., output, input]);
+        entry.into_iter().map(|value| value.norm())
+    }
+
     /// Radius of the 95 % region of one entry over frequency, for the band asked for; `None` where
     /// it was not measured.
     pub(crate) fn region(&self, (output, input): (usize, usize)) -> Option<Vec<f64>> {
@@ -65,8 +77,9 @@ impl<'a> Curve<'a> {
             Band::Total => (frf.total.as_ref()?, frf.total_variance()?),
         };
         let factor = confidence_radius(known)?;
-        let radius = |k: usize| factor * variance[[k, output, input]].max(0.0).sqrt();
-        Some((0..frf.n_frequencies()).map(radius).collect())
+        let variances = variance.slice(s![.., output, input]);
+        let radius = |variance: &f64| factor * variance.max(0.0).sqrt();
+        Some(variances.iter().map(radius).collect())
     }
 }
 
