@@ -5,6 +5,7 @@ mod description {
     pub(crate) mod config;
     pub(crate) mod controller;
     pub(crate) mod estimate;
+    pub(crate) mod fault;
     pub(crate) mod plan;
     pub(crate) mod robot;
     pub(crate) mod schema;

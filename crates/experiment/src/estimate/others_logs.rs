@@ -72,28 +72,33 @@ impl<'a> Recordings<'a> {
     /// Finds period and lines in the first recording, the transient in all of them.
     fn periods(&self) -> Result<Periods, ExperimentError> {
         let reference = filled(reference(&self.logs[0]));
-        let n_samples =
-            find_period(reference.view()).map_err(|error| self.in_recording(0, error))?;
-        let lines = find_lines(reference.view(), n_samples);
-        let lines = lines.map_err(|error| self.in_recording(0, error))?;
-        let mut n_transient = 0;
-        for (number, log) in self.logs.iter().enumerate() {
-            let found = transient(log, n_samples, &lines);
-            let found = found.map_err(|error| self.in_recording(number, error))?;
-            n_transient = n_transient.max(found);
-        }
+        let n_samples = find_period(reference.view()).map_err(self.in_recording(0))?;
+        let lines = find_lines(reference.view(), n_samples).map_err(self.in_recording(0))?;
         let n_periods = |log: &Log| log.record.n_samples() / n_samples;
         Ok(Periods {
             n_samples,
-            lines,
             n_periods: self.logs.iter().map(n_periods).min().unwrap_or(0),
-            n_transient,
+            n_transient: self.n_transient(n_samples, &lines)?,
+            lines,
         })
     }
 
-    fn in_recording(&self, number: usize, source: EstimateError) -> ExperimentError {
-        let path = self.paths[number].clone();
-        ExperimentError::Recording { path, source }
+    /// Leading periods that are transient in any of the recordings.
+    fn n_transient(&self, n_samples: usize, lines: &[usize]) -> Result<usize, ExperimentError> {
+        let mut most = 0;
+        for (number, log) in self.logs.iter().enumerate() {
+            let found = transient(log, n_samples, lines).map_err(self.in_recording(number))?;
+            most = most.max(found);
+        }
+        Ok(most)
+    }
+
+    /// A complaint about the recording of that number.
+    fn in_recording(&self, number: usize) -> impl Fn(EstimateError) -> ExperimentError {
+        move |source| ExperimentError::Recording {
+            path: self.paths[number].clone(),
+            source,
+        }
     }
 
     /// The FRF from the whole periods after the transient.
@@ -153,12 +158,11 @@ impl<'a> Recordings<'a> {
     /// What there is to say of each log, with the name of its file.
     fn in_files(&self, said: impl Fn(&Log) -> Vec<String>) -> Vec<String> {
         let files = self.paths.iter().zip(&self.logs);
-        let of_file = |(path, log): (&PathBuf, &Log)| {
-            let texts = said(log).into_iter();
-            let named = texts.map(|text| format!("{}: {text}", path.display()));
-            named.collect::<Vec<_>>()
-        };
-        files.flat_map(of_file).collect()
+        let texts =
+            files.flat_map(|(path, log)| said(log).into_iter().map(move |text| (path, text)));
+        texts
+            .map(|(path, text)| format!("{}: {text}", path.display()))
+            .collect()
     }
 }
 
@@ -179,16 +183,12 @@ fn provenance(
 }
 
 fn enough_periods(periods: &Periods, is_lossy: bool) -> Check {
-    let Periods {
-        n_samples,
-        n_transient,
-        ..
-    } = periods;
-    let used = periods.n_used();
+    let (used, transient) = (periods.n_used(), periods.n_transient);
+    let samples = periods.n_samples;
     Check {
         name: "periods".into(),
         passed: used >= 2 && !is_lossy,
-        found: format!("{used} of {n_samples} samples, after {n_transient} transient"),
+        found: format!("{used} of {samples} samples, after {transient} transient"),
         needed: "2 or more whole ones, for the noise to be known".into(),
         advice: "record more periods back to back".into(),
     }
@@ -214,11 +214,7 @@ fn spectra(
 ) -> Result<Option<RunSpectra>, ExperimentError> {
     let window = s![.., period * dft.n_samples()..(period + 1) * dft.n_samples()];
     let record = &log.record;
-    let r = record
-        .r
-        .as_ref()
-        .filter(|_| options.method().needs_reference())
-        .map(|r| r.slice(window));
+    let r = options.reference_of(record).map(|r| r.slice(window));
     let (u, y) = (record.u.slice(window), record.y.slice(window));
     if is_whole(u) && is_whole(y) && r.is_none_or(is_whole) {
         return Ok(Some(RunSpectra::of(dft, u, y, r)?));

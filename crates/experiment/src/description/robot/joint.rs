@@ -9,7 +9,7 @@ use frfid_signals::checks::positive;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::description::text::Fault;
+use crate::description::fault::Fault;
 
 /// A single flexible joint (SK15 section 6.1); everything on the joint side of the gear.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -206,15 +206,37 @@ impl JointTable {
         }
     }
 
+    /// Lowest and highest position.
+    pub(super) fn range_rad(&self) -> (f64, f64) {
+        (
+            self.min_position.unwrap_or(f64::NEG_INFINITY),
+            self.max_position.unwrap_or(f64::INFINITY),
+        )
+    }
+
     /// Checks every number.
     pub(super) fn check(&self) -> Result<(), Fault> {
-        if !self.gear_ratio.is_finite() || self.gear_ratio == 0.0 {
-            let found = self.gear_ratio;
-            let message =
-                format!("gear_ratio is {found}, needed: a finite number of either sign, not 0");
-            return Err(Fault::new(&["gear_ratio"], message));
-        }
+        self.check_gear_ratio()?;
         self.joint().check()?;
+        self.check_encoder()?;
+        let checked = self.sensor.check();
+        checked.map_err(Fault::in_table("sensor"))?;
+        self.check_sizes()?;
+        self.check_range()
+    }
+
+    fn check_gear_ratio(&self) -> Result<(), Fault> {
+        let found = self.gear_ratio;
+        if found.is_finite() && found != 0.0 {
+            return Ok(());
+        }
+        let message =
+            format!("gear_ratio is {found}, needed: a finite number of either sign, not 0");
+        Err(Fault::new(&["gear_ratio"], message))
+    }
+
+    /// Checks that the encoder has counts, and one resolution.
+    fn check_encoder(&self) -> Result<(), Fault> {
         if let Some(counts) = self.encoder_counts_per_motor_turn {
             let key = "encoder_counts_per_motor_turn";
             positive(key, counts)?;
@@ -223,14 +245,11 @@ impl JointTable {
                 return Err(Fault::new(&[key], message));
             }
         }
-        self.sensor
-            .check()
-            .map_err(|error| Fault::from(error).within(&["sensor"]))?;
-        self.check_limits()
+        Ok(())
     }
 
-    /// Checks that every limit allows something.
-    fn check_limits(&self) -> Result<(), Fault> {
+    /// Checks that every limit of a size allows something.
+    fn check_sizes(&self) -> Result<(), Fault> {
         for &limit in Limit::ALL.iter().filter(|limit| limit.is_size()) {
             let found = self.limit(limit);
             if let Some(found) = found.filter(|found| found.is_nan() || *found <= 0.0) {
@@ -239,8 +258,12 @@ impl JointTable {
                 return Err(Fault::new(&[key], message));
             }
         }
-        let lowest = self.min_position.unwrap_or(f64::NEG_INFINITY);
-        let highest = self.max_position.unwrap_or(f64::INFINITY);
+        Ok(())
+    }
+
+    /// Checks that the limits leave a position.
+    fn check_range(&self) -> Result<(), Fault> {
+        let (lowest, highest) = self.range_rad();
         if lowest < highest {
             return Ok(());
         }

@@ -9,10 +9,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use urdf_rs::{Inertial, Joint, JointType, Link};
 
+use crate::description::fault::Fault;
 use crate::description::robot::RobotTable;
 use crate::description::robot::body::{BodyTable, rotation};
 use crate::description::robot::joint::JointTable;
-use crate::description::text::{ConfigError, Fault, TomlText};
+use crate::description::text::{ConfigError, TomlText};
 
 /// An arm from URDF: the chain of joints from the base link to the tip link. Revolute and
 /// continuous joints move and need a table of their name; fixed ones are locked. Limits that a
@@ -47,11 +48,11 @@ impl RobotTable {
         let Some(urdf) = self.urdf.take() else {
             return Ok(());
         };
-        let bodies = if self.body.is_empty() {
-            urdf.read(folder)
-        } else {
+        let bodies = if self.is_arm() {
             let message = "URDF and [[body]] tables are given; keep one of them";
             Err(Fault::new(&["file"], message))
+        } else {
+            urdf.read(folder)
         };
         self.body = bodies.map_err(|fault| text.locate(table, fault.within(&["urdf"])))?;
         self.is_from_urdf = true;
@@ -75,8 +76,8 @@ impl UrdfTable {
         let chain = self.chain(robot)?;
         self.check_names(&chain)?;
         check_nothing_beside(robot, &chain)?;
-        let bodies = chain.into_iter().map(|joint| self.body(robot, joint));
-        bodies.collect()
+        let joints = chain.into_iter();
+        joints.map(|joint| self.body(robot, joint)).collect()
     }
 
     /// Refuses tables and entries for joints that the chain does not have.
@@ -94,7 +95,7 @@ impl UrdfTable {
 
     /// The joints from the base link to the tip link.
     fn chain<'a>(&self, robot: &'a urdf_rs::Robot) -> Result<Vec<&'a Joint>, Fault> {
-        let (base, tip) = self.ends(robot)?;
+        let (base, tip) = (self.base(robot)?, self.tip(robot)?);
         let (mut chain, mut link) = (Vec::new(), tip);
         while link != base {
             // a chain longer than all joints runs in a circle
@@ -110,28 +111,24 @@ impl UrdfTable {
         Ok(chain)
     }
 
-    /// Base link and tip link.
-    fn ends<'a>(&self, robot: &'a urdf_rs::Robot) -> Result<(&'a str, &'a str), Fault> {
-        let links: Vec<&str> = robot.links.iter().map(|link| link.name.as_str()).collect();
+    fn base<'a>(&self, robot: &'a urdf_rs::Robot) -> Result<&'a str, Fault> {
         let is_base = |link: &&str| above(link, robot).is_none();
+        named("base_link", self.base_link.as_deref(), robot, is_base)
+    }
+
+    fn tip<'a>(&self, robot: &'a urdf_rs::Robot) -> Result<&'a str, Fault> {
         let is_tip = |link: &&str| robot.joints.iter().all(|joint| joint.parent.link != **link);
-        let bases = links.iter().copied().filter(is_base).collect();
-        let base = named("base_link", self.base_link.as_deref(), &links, bases)?;
-        let tips = links.iter().copied().filter(is_tip).collect();
-        let tip = named("tip_link", self.tip_link.as_deref(), &links, tips)?;
-        Ok((base, tip))
+        named("tip_link", self.tip_link.as_deref(), robot, is_tip)
     }
 
     /// The body that a joint of the chain carries.
     fn body(&self, robot: &urdf_rs::Robot, joint: &Joint) -> Result<BodyTable, Fault> {
         let table = self.table_of(joint)?;
-        let mut links = robot.links.iter();
-        let link = links.find(|link| link.name == joint.child.link);
         let Inertial {
             origin,
             mass,
             inertia,
-        } = link.map(|link| link.inertial.clone()).unwrap_or_default();
+        } = inertial_below(joint, robot);
         Ok(BodyTable {
             name: joint.name.clone(),
             offset_m: joint.origin.xyz.0,
@@ -179,6 +176,13 @@ fn above<'a>(link: &str, robot: &'a urdf_rs::Robot) -> Option<&'a Joint> {
     robot.joints.iter().find(|joint| joint.child.link == link)
 }
 
+/// What a link below a joint weighs.
+fn inertial_below(joint: &Joint, robot: &urdf_rs::Robot) -> Inertial {
+    let mut links = robot.links.iter();
+    let link = links.find(|link| link.name == joint.child.link);
+    link.map(|link| link.inertial.clone()).unwrap_or_default()
+}
+
 /// Refuses links with a mass that hang beside the chain: what they weigh would be lost.
 fn check_nothing_beside(robot: &urdf_rs::Robot, chain: &[&Joint]) -> Result<(), Fault> {
     let beside = beside(robot, chain);
@@ -213,21 +217,22 @@ fn beside<'a>(robot: &'a urdf_rs::Robot, chain: &[&'a Joint]) -> Vec<&'a str> {
 fn named<'a>(
     key: &'static str,
     asked: Option<&str>,
-    all: &[&'a str],
-    possible: Vec<&'a str>,
+    robot: &'a urdf_rs::Robot,
+    is_possible: impl Fn(&&str) -> bool,
 ) -> Result<&'a str, Fault> {
-    match (asked, &possible[..]) {
-        (Some(asked), _) => {
-            let found = all.iter().find(|link| **link == asked);
-            found
-                .copied()
-                .ok_or_else(|| Fault::new(&[key], format!("there is no link {asked}")))
+    let mut links = robot.links.iter().map(|link| link.name.as_str());
+    if let Some(asked) = asked {
+        let found = links.find(|link| *link == asked);
+        return found.ok_or_else(|| Fault::new(&[key], format!("there is no link {asked}")));
+    }
+    let possible: Vec<&str> = links.filter(is_possible).collect();
+    match possible[..] {
+        [only] => Ok(only),
+        _ => {
+            let links = possible.join(", ");
+            let message = format!("{key} is needed to choose one of {links}");
+            Err(Fault::new(&[key], message))
         }
-        (None, [only]) => Ok(only),
-        (None, _) => Err(Fault::new(
-            &[key],
-            format!("{key} is needed to choose one of {}", possible.join(", ")),
-        )),
     }
 }
 
