@@ -38,6 +38,7 @@ mod shape {
     pub(crate) mod earlier;
     pub(crate) mod folder;
     pub(crate) mod in_memory;
+    pub(crate) mod in_words;
     pub(crate) mod iteration_files;
     pub(crate) mod report;
     pub(crate) mod trail;

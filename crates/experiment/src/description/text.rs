@@ -57,16 +57,18 @@ impl fmt::Display for ConfigError {
             return write!(f, "{}: {}", self.file, self.message);
         };
         let margin = " ".repeat(line.to_string().len());
-        // tabs are kept, so that the caret stands under its column whatever their width
-        let indent: String = text
-            .chars()
-            .take(column - 1)
-            .map(|c| if c == '\t' { '\t' } else { ' ' })
-            .collect();
+        let indent = blanked(text, column - 1);
         writeln!(f, "{}:{line}:{column}: {}", self.file, self.message)?;
         writeln!(f, "{margin} |\n{line} | {text}")?;
         write!(f, "{margin} | {indent}{}", "^".repeat(*width))
     }
+}
+
+/// Blanks in the place of the first characters; tabs are kept, so that a caret behind them stands
+/// under its column whatever their width.
+fn blanked(text: &str, n_characters: usize) -> String {
+    let first = text.chars().take(n_characters);
+    first.map(|c| if c == '\t' { '\t' } else { ' ' }).collect()
 }
 
 impl TomlText {
@@ -140,32 +142,32 @@ impl TomlText {
     /// The fault of a table at `table`, with its place.
     pub(crate) fn locate(&self, table: &[&str], fault: impl Into<Fault>) -> ConfigError {
         let Fault { path, message } = fault.into().within(table);
-        let path: Vec<&str> = path.iter().map(String::as_str).collect();
-        self.error(&path, message)
+        self.error_at(self.span_of(&path), message)
     }
 
     fn error_at(&self, span: Option<Range<usize>>, message: String) -> ConfigError {
-        let span = span.filter(|span| !span.is_empty());
         ConfigError {
             file: self.name.clone(),
-            place: span.map(|span| self.place(&span)),
+            place: span
+                .filter(|span| !span.is_empty())
+                .map(|span| self.place(&span)),
             message,
         }
     }
 
-    fn span_of(&self, path: &[&str]) -> Option<Range<usize>> {
+    fn span_of(&self, path: &[impl AsRef<str>]) -> Option<Range<usize>> {
         self.walk(path).pop()
     }
 
     /// Spans along `path` as far as it exists: of the name for a table, of the value otherwise.
-    fn walk(&self, path: &[&str]) -> Vec<Range<usize>> {
+    fn walk(&self, path: &[impl AsRef<str>]) -> Vec<Range<usize>> {
         let Ok(root) = DeTable::parse(&self.text) else {
             return Vec::new();
         };
         let root = DeValue::Table(root.into_inner());
         let (mut outer, mut spans) = (&root, Vec::new());
         for key in path {
-            let Some((name, value)) = entry(outer, key) else {
+            let Some((name, value)) = entry(outer, key.as_ref()) else {
                 break;
             };
             outer = value.get_ref();
@@ -174,11 +176,16 @@ impl TomlText {
         spans
     }
 
-    fn place(&self, span: &Range<usize>) -> TextSpan {
-        let start = self.text[..span.start]
+    /// Where the line at an index of the text begins, and its text.
+    fn line_at(&self, index: usize) -> (usize, &str) {
+        let start = self.text[..index]
             .rfind('\n')
             .map_or(0, |newline| newline + 1);
-        let text = self.text[start..].lines().next().unwrap_or_default();
+        (start, self.text[start..].lines().next().unwrap_or_default())
+    }
+
+    fn place(&self, span: &Range<usize>) -> TextSpan {
+        let (start, text) = self.line_at(span.start);
         let marked = self.text.get(span.start..span.end.min(start + text.len()));
         TextSpan {
             line: 1 + self.text[..start].matches('\n').count(),

@@ -1,6 +1,8 @@
 //! Estimator of the FRF of a plan from its records: record by record, in any order, so that no
 //! campaign is too long for the memory.
 
+use std::iter::zip;
+
 use frfid_estimate::{Campaign, Evaluation, PeriodIndex, RunSpectra};
 use frfid_signals::{Frf, Plan, Record, RunId, RunKind};
 use ndarray::s;
@@ -59,10 +61,11 @@ impl Estimated {
     /// Frequencies in Hz at which what remains of the ripple exceeds the noise.
     #[must_use]
     pub fn disturbed_hz(&self) -> Vec<f64> {
-        let exceeds_noise = self.ripple.iter().flatten();
-        let lines = self.frf.frequency_hz.iter().zip(exceeds_noise);
-        let disturbed = lines.filter(|(_, exceeds)| **exceeds);
-        disturbed.map(|(hz, _)| *hz).collect()
+        let lines = zip(&self.frf.frequency_hz, self.ripple.iter().flatten());
+        lines
+            .filter(|(_, exceeds)| **exceeds)
+            .map(|(hz, _)| *hz)
+            .collect()
     }
 }
 
@@ -122,7 +125,7 @@ impl Estimator {
     /// [`ExperimentError`] for records that do not make an estimate.
     pub fn with_ripple_of(mut self, runs: &[(RunId, &Record)]) -> Result<Self, ExperimentError> {
         if self.learns_ripple() {
-            let plant = self.frf_of(runs.iter().copied())?;
+            let plant = self.frf_of(runs)?;
             self.baseline = self.baseline.with_ripple(&plant)?;
         }
         Ok(self)
@@ -196,19 +199,15 @@ impl Estimator {
     /// # Errors
     /// [`ExperimentError`] for records that do not make an estimate.
     pub fn frf_of_experiments(&self, records: &[Record]) -> Result<Frf, ExperimentError> {
-        let id = |experiment| RunId::excitation(0, experiment, 0);
-        let records = records.iter().enumerate();
-        self.frf_of(records.map(|(experiment, record)| (id(experiment), record)))
+        let ids = (0..).map(|experiment| RunId::excitation(0, experiment, 0));
+        self.frf_of(&zip(ids, records).collect::<Vec<_>>())
     }
 
     /// The FRF of runs of which nothing is lost.
-    fn frf_of<'r>(
-        &self,
-        runs: impl Iterator<Item = (RunId, &'r Record)>,
-    ) -> Result<Frf, ExperimentError> {
+    fn frf_of(&self, runs: &[(RunId, &Record)]) -> Result<Frf, ExperimentError> {
         let mut spectra = Spectra::default();
         for (id, record) in runs {
-            spectra.extend(self.spectra(id, record, &|_| false)?);
+            spectra.extend(self.spectra(*id, record, &|_| false)?);
         }
         Ok(self.estimate(spectra)?.frf)
     }

@@ -24,12 +24,16 @@ pub(crate) fn find_logs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentErr
             found.push(path.clone());
         }
     }
-    let mut seen = BTreeSet::new();
-    found.retain(|path| seen.insert(path.clone()));
     if found.is_empty() {
         return Err(no_recordings());
     }
-    Ok(found)
+    Ok(each_once(found))
+}
+
+fn each_once(mut paths: Vec<PathBuf>) -> Vec<PathBuf> {
+    let mut seen = BTreeSet::new();
+    paths.retain(|path| seen.insert(path.clone()));
+    paths
 }
 
 fn no_recordings() -> ExperimentError {

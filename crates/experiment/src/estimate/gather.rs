@@ -137,12 +137,7 @@ impl<'a> Gathering<'a> {
                 return Ok(realization);
             }
         }
-        Err(ExperimentError::logs(
-            "runs to learn the ripple from",
-            "no realization of which every experiment is whole",
-            "one run of every experiment of one realization",
-            "add the missing files, or set glide_subtraction = \"time\"",
-        ))
+        Err(no_realization())
     }
 
     /// Places of the runs of each realization and repetition of which every experiment is there.
@@ -160,8 +155,8 @@ impl<'a> Gathering<'a> {
     /// Places of the runs of a kind, in the order of the runs.
     fn places(&self, kind: RunKind) -> Vec<usize> {
         let runs = self.records.runs();
-        let of_kind = |place: &usize| runs[*place].kind == kind;
-        let mut places: Vec<usize> = (0..runs.len()).filter(of_kind).collect();
+        let mut places: Vec<usize> = (0..runs.len()).collect();
+        places.retain(|&place| runs[place].kind == kind);
         places.sort_by_key(|&place| runs[place]);
         places
     }
@@ -216,6 +211,15 @@ impl<'a> Gathering<'a> {
     }
 }
 
+fn no_realization() -> ExperimentError {
+    ExperimentError::logs(
+        "runs to learn the ripple from",
+        "no realization of which every experiment is whole",
+        "one run of every experiment of one realization",
+        "add the missing files, or set glide_subtraction = \"time\"",
+    )
+}
+
 /// Estimators that subtract what the whole ones among the records read say of the glides.
 fn with_glides(
     estimators: Vec<Estimator>,
@@ -249,6 +253,8 @@ fn realization_of(run: RunId) -> Option<Realization> {
 
 /// The whole ones among records.
 fn whole<'a>(records: &'a [ReadRecord<'_>]) -> impl Iterator<Item = (RunId, &'a Record)> {
-    let whole = records.iter().filter(|read| read.is_whole());
-    whole.map(|read| (read.run, &*read.record))
+    records
+        .iter()
+        .filter(|read| read.is_whole())
+        .map(|read| (read.run, &*read.record))
 }

@@ -1,7 +1,6 @@
 //! Logs of others, recordings that frfid did not make, to an FRF: period, transient and lines are
 //! found in the reference.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use frfid_estimate::{
@@ -15,6 +14,7 @@ use ndarray::{Array2, ArrayView2, s};
 use crate::description::estimate::EstimateTable;
 use crate::error::ExperimentError;
 use crate::estimate::outcome::{Outcome, condition_check, log_hashes};
+use crate::run::provenance::{Metadata, metadata};
 
 /// Estimates the FRF from recordings of a periodic excitation, one for each experiment: the columns
 /// of U first, then the next realization. All must have the period of the first one; without a
@@ -167,28 +167,29 @@ impl<'a> Recordings<'a> {
 }
 
 /// Where the result comes from: the periods that were found, and the hash of every file.
-fn provenance(
-    paths: &[PathBuf],
-    periods: &Periods,
-) -> Result<BTreeMap<String, String>, ExperimentError> {
+fn provenance(paths: &[PathBuf], periods: &Periods) -> Result<Metadata, ExperimentError> {
     let entries = [
         ("frfid_version", env!("CARGO_PKG_VERSION").to_owned()),
         ("period_samples", periods.n_samples.to_string()),
         ("periods_used", periods.n_used().to_string()),
         ("transient_periods_dropped", periods.n_transient.to_string()),
     ];
-    let mut provenance = entries.map(|(key, value)| (key.to_owned(), value)).into();
+    let mut provenance = metadata(entries);
     log_hashes(paths, &mut provenance)?;
     Ok(provenance)
 }
 
 fn enough_periods(periods: &Periods, is_lossy: bool) -> Check {
-    let (used, transient) = (periods.n_used(), periods.n_transient);
-    let samples = periods.n_samples;
+    let Periods {
+        n_samples,
+        n_transient,
+        ..
+    } = periods;
+    let used = periods.n_used();
     Check {
         name: "periods".into(),
         passed: used >= 2 && !is_lossy,
-        found: format!("{used} of {samples} samples, after {transient} transient"),
+        found: format!("{used} of {n_samples} samples, after {n_transient} transient"),
         needed: "2 or more whole ones, for the noise to be known".into(),
         advice: "record more periods back to back".into(),
     }

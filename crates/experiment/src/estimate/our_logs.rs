@@ -45,14 +45,16 @@ pub(crate) fn estimate_our_logs(
 fn refuse_others(paths: &[PathBuf]) -> Result<(), ExperimentError> {
     let is_others = |path: &&PathBuf| FORMATS[1..].iter().any(|format: &Format| format.has(path));
     let other = paths.iter().find(is_others);
-    other.map_or(Ok(()), |other| {
-        Err(ExperimentError::logs(
-            "recordings",
-            format!("{}, which frfid did not make", other.display()),
-            "which signal is which",
-            "give a log map: --map, or --u and --y with their units",
-        ))
-    })
+    other.map_or(Ok(()), |other| Err(no_map(other)))
+}
+
+fn no_map(recording: &Path) -> ExperimentError {
+    ExperimentError::logs(
+        "recordings",
+        format!("{}, which frfid did not make", recording.display()),
+        "which signal is which",
+        "give a log map: --map, or --u and --y with their units",
+    )
 }
 
 /// Run files of one plan.
@@ -156,13 +158,17 @@ fn check_design(
     if found == *needed {
         return Ok(());
     }
-    let short = |hash: &str| hash.get(..12).unwrap_or(hash).to_owned();
     Err(ExperimentError::logs(
         "design of the logs",
         format!("{} in {}", short(&found), path.display()),
         format!("{}, as in the files before it", short(needed)),
         "estimate the runs of one plan at a time",
     ))
+}
+
+/// The first digits of a hash.
+fn short(hash: &str) -> &str {
+    hash.get(..12).unwrap_or(hash)
 }
 
 fn no_description() -> ExperimentError {

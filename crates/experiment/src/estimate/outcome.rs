@@ -1,7 +1,6 @@
 //! Outcome of an estimate: the FRF with its checks, what a careful reader should know besides, and
 //! where it came from; the same whether the records came from files, from memory or from Python.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use frfid_files::{Check, ResultFile, sha256_file};
@@ -12,6 +11,7 @@ use crate::estimate::estimator::Estimated;
 use crate::estimate::gather::Gathered;
 use crate::experiment::Experiment;
 use crate::run::load::Load;
+use crate::run::provenance::Metadata;
 use crate::run::strength::Strength;
 
 /// Largest condition number of U that passes the check.
@@ -193,7 +193,7 @@ fn spread(torque_rms_nm: &[f64]) -> f64 {
 /// The hash of every log, so that a result can be traced to its data.
 pub(crate) fn log_hashes(
     paths: &[PathBuf],
-    provenance: &mut BTreeMap<String, String>,
+    provenance: &mut Metadata,
 ) -> Result<(), ExperimentError> {
     for path in paths {
         let name = path.file_name().unwrap_or_default().to_string_lossy();

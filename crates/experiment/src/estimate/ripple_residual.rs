@@ -33,6 +33,12 @@ pub(crate) struct RippleResidual {
     lines: FreeLines,
 }
 
+fn is_subtracted_and_repeated(plan: &Plan, options: &EstimateTable) -> bool {
+    plan.n_glides > 0
+        && plan.n_repetitions * plan.n_periods > 1
+        && options.glide_subtraction != GlideSubtraction::None
+}
+
 impl RippleResidual {
     /// For the plans on which it can be seen: multisines on a constant velocity with glides,
     /// repeated.
@@ -46,8 +52,7 @@ impl RippleResidual {
         let Excitation::Multisine(Multisine { grid, .. }) = &plan.excitation else {
             return Ok(None);
         };
-        let repeated = plan.n_repetitions * plan.n_periods > 1;
-        if plan.n_glides == 0 || !repeated || options.glide_subtraction == GlideSubtraction::None {
+        if !is_subtracted_and_repeated(plan, options) {
             return Ok(None);
         }
         Ok(Some(Self {

@@ -167,16 +167,24 @@ impl SingleJointTable {
     }
 }
 
+impl MotorRippleTable {
+    /// The harmonic as the joint sees it.
+    fn behind(&self, gear_ratio: f64) -> Ripple {
+        Ripple {
+            cycles_per_turn: self.cycles_per_motor_turn * gear_ratio.abs(),
+            amplitude_nm: self.amplitude_nm,
+            phase_rad: self.phase_rad,
+        }
+    }
+}
+
 impl JointTable {
     /// Motor and gear with their defaults filled in.
     #[must_use]
     pub fn joint(&self) -> FlexibleJoint {
-        let ripple = |ripple: &MotorRippleTable| Ripple {
-            cycles_per_turn: ripple.cycles_per_motor_turn * self.gear_ratio.abs(),
-            amplitude_nm: ripple.amplitude_nm,
-            phase_rad: ripple.phase_rad,
-        };
-        motor_and_gear!(self, self.ripple.iter().map(ripple).collect())
+        let harmonics = self.ripple.iter();
+        let ripple = harmonics.map(|harmonic| harmonic.behind(self.gear_ratio));
+        motor_and_gear!(self, ripple.collect())
     }
 
     /// The sensor; an increment is a count of the encoder behind the gear.
@@ -219,8 +227,12 @@ impl JointTable {
         self.check_gear_ratio()?;
         self.joint().check()?;
         self.check_encoder()?;
-        let checked = self.sensor.check();
-        checked.map_err(Fault::in_table("sensor"))?;
+        self.sensor.check().map_err(Fault::in_table("sensor"))?;
+        self.check_limits()
+    }
+
+    /// Checks that every limit allows something.
+    fn check_limits(&self) -> Result<(), Fault> {
         self.check_sizes()?;
         self.check_range()
     }
@@ -248,7 +260,7 @@ impl JointTable {
         Ok(())
     }
 
-    /// Checks that every limit of a size allows something.
+    /// Checks the limits of sizes.
     fn check_sizes(&self) -> Result<(), Fault> {
         for &limit in Limit::ALL.iter().filter(|limit| limit.is_size()) {
             let found = self.limit(limit);
@@ -261,7 +273,7 @@ impl JointTable {
         Ok(())
     }
 
-    /// Checks that the limits leave a position.
+    /// Checks the limits of the position.
     fn check_range(&self) -> Result<(), Fault> {
         let (lowest, highest) = self.range_rad();
         if lowest < highest {

@@ -113,11 +113,10 @@ impl RobotTable {
     /// The robot to be simulated, once it is found sound.
     pub(crate) fn resolve(&self) -> Result<Arc<dyn Robot>, Fault> {
         self.check()?;
-        if let Some(joint) = self.single_joint() {
-            return Ok(Arc::new(joint));
-        }
-        let arm = self.arm().ok_or_else(no_robot)?;
-        Ok(Arc::new(arm))
+        Ok(match self.single_joint() {
+            Some(joint) => Arc::new(joint),
+            None => Arc::new(self.arm().ok_or_else(no_robot)?),
+        })
     }
 
     /// Whether the robot is an arm: a single joint has no bodies.
@@ -186,13 +185,9 @@ impl RobotTable {
     fn limit_of_axes(&self, limit: Limit) -> Option<Vec<f64>> {
         let of_joints = self.joints().map(|(_, joint)| joint.limit(limit));
         let of_axes: Vec<Option<f64>> = of_joints.collect();
-        of_axes.iter().find(|of_axis| of_axis.is_some())?;
-        let values = of_axes.into_iter();
-        Some(
-            values
-                .map(|of_axis| of_axis.unwrap_or(limit.unlimited()))
-                .collect(),
-        )
+        let is_given = of_axes.iter().any(Option::is_some);
+        let value = |of_axis: Option<f64>| of_axis.unwrap_or(limit.unlimited());
+        is_given.then(|| of_axes.into_iter().map(value).collect())
     }
 
     /// The joint to be simulated, if one is described, without the challenges that are switched

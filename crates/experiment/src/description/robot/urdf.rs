@@ -83,14 +83,19 @@ impl UrdfTable {
     /// Refuses tables and entries for joints that the chain does not have.
     fn check_names(&self, chain: &[&Joint]) -> Result<(), Fault> {
         let known: Vec<&str> = chain.iter().map(|joint| joint.name.as_str()).collect();
-        let joints = self.joint.keys().map(|name| ("joint", name));
-        let mut named = joints.chain(self.simplified.iter().map(|name| ("simplified", name)));
-        let Some((key, name)) = named.find(|(_, name)| !known.contains(&name.as_str())) else {
+        let is_unknown = |(_, name): &(_, &String)| !known.contains(&name.as_str());
+        let Some((key, name)) = self.named_joints().find(is_unknown) else {
             return Ok(());
         };
         let known = known.join(", ");
         let message = format!("no joint of the chain is called {name}; there are {known}");
         Err(Fault::new(&[key], message))
+    }
+
+    /// Joints that the table names, each with the key at which it does.
+    fn named_joints(&self) -> impl Iterator<Item = (&'static str, &String)> {
+        let joints = self.joint.keys().map(|name| ("joint", name));
+        joints.chain(self.simplified.iter().map(|name| ("simplified", name)))
     }
 
     /// The joints from the base link to the tip link.
@@ -117,7 +122,7 @@ impl UrdfTable {
     }
 
     fn tip<'a>(&self, robot: &'a urdf_rs::Robot) -> Result<&'a str, Fault> {
-        let is_tip = |link: &&str| robot.joints.iter().all(|joint| joint.parent.link != **link);
+        let is_tip = |link: &&str| below(link, robot).next().is_none();
         named("tip_link", self.tip_link.as_deref(), robot, is_tip)
     }
 
@@ -128,7 +133,7 @@ impl UrdfTable {
             origin,
             mass,
             inertia,
-        } = inertial_below(joint, robot);
+        } = inertial_of(joint, robot);
         Ok(BodyTable {
             name: joint.name.clone(),
             offset_m: joint.origin.xyz.0,
@@ -146,28 +151,32 @@ impl UrdfTable {
     /// Motor and gear of a joint with the limits of both files; `None` for one that is fixed.
     fn table_of(&self, joint: &Joint) -> Result<Option<JointTable>, Fault> {
         let name = &joint.name;
-        let refused = |key: &str, message: String| Err(Fault::new(&[key], message));
         if joint.mimic.is_some() {
             let message = format!("joint {name} mimics another; every joint must move on its own");
-            return refused("file", message);
+            return Err(Fault::new(&["file"], message));
         }
         match &joint.joint_type {
             JointType::Fixed => Ok(None),
-            JointType::Revolute | JointType::Continuous => match self.joint.get(name) {
-                Some(table) => Ok(Some(with_limits(table, joint))),
-                None => refused(
-                    "joint",
-                    format!("no table [urdf.joint.{name}]: URDF knows no motor, gear and friction"),
-                ),
-            },
+            JointType::Revolute | JointType::Continuous => self.table_of_moving(joint).map(Some),
             other => {
                 let kind = format!("{other:?}").to_lowercase();
                 let message = format!(
                     "joint {name} is {kind}; only revolute, continuous and fixed joints can be simulated"
                 );
-                refused("file", message)
+                Err(Fault::new(&["file"], message))
             }
         }
+    }
+
+    /// The same of a joint that moves.
+    fn table_of_moving(&self, joint: &Joint) -> Result<JointTable, Fault> {
+        let name = &joint.name;
+        let table = self.joint.get(name).ok_or_else(|| {
+            let message =
+                format!("no table [urdf.joint.{name}]: URDF knows no motor, gear and friction");
+            Fault::new(&["joint"], message)
+        })?;
+        Ok(with_limits(table, joint))
     }
 }
 
@@ -176,10 +185,18 @@ fn above<'a>(link: &str, robot: &'a urdf_rs::Robot) -> Option<&'a Joint> {
     robot.joints.iter().find(|joint| joint.child.link == link)
 }
 
-/// What a link below a joint weighs.
-fn inertial_below(joint: &Joint, robot: &urdf_rs::Robot) -> Inertial {
-    let mut links = robot.links.iter();
-    let link = links.find(|link| link.name == joint.child.link);
+/// The joints that hang on a link.
+fn below<'a>(link: &str, robot: &'a urdf_rs::Robot) -> impl Iterator<Item = &'a Joint> {
+    let joints = robot.joints.iter();
+    joints.filter(move |joint| joint.parent.link == link)
+}
+
+/// What the link weighs that a joint carries.
+fn inertial_of(joint: &Joint, robot: &urdf_rs::Robot) -> Inertial {
+    let link = robot
+        .links
+        .iter()
+        .find(|link| link.name == joint.child.link);
     link.map(|link| link.inertial.clone()).unwrap_or_default()
 }
 
@@ -204,8 +221,7 @@ fn beside<'a>(robot: &'a urdf_rs::Robot, chain: &[&'a Joint]) -> Vec<&'a str> {
     let mut moved: Vec<&str> = chain.iter().map(|joint| child(joint)).collect();
     let mut next = 0;
     while let Some(&link) = moved.get(next) {
-        let joints = robot.joints.iter();
-        let hanging = joints.filter(|joint| joint.parent.link == link).map(child);
+        let hanging = below(link, robot).map(child);
         let new: Vec<&str> = hanging.filter(|child| !moved.contains(child)).collect();
         moved.extend(new);
         next += 1;
@@ -240,7 +256,6 @@ fn named<'a>(
 /// that is not known, and an empty range for a joint without one.
 fn with_limits(table: &JointTable, joint: &Joint) -> JointTable {
     let limit = &joint.limit;
-    let size = |value: f64| Some(value).filter(|value| value.is_finite() && *value > 0.0);
     let has_range = joint.joint_type == JointType::Revolute && limit.lower < limit.upper;
     let position = |value: f64| Some(value).filter(|value| has_range && value.is_finite());
     JointTable {
@@ -252,6 +267,11 @@ fn with_limits(table: &JointTable, joint: &Joint) -> JointTable {
         max_effort: table.max_effort.or(size(limit.effort)),
         ..table.clone()
     }
+}
+
+/// A size that URDF knows.
+fn size(value: f64) -> Option<f64> {
+    Some(value).filter(|value| value.is_finite() && *value > 0.0)
 }
 
 /// The inertia tensor of URDF, in the frame of its own origin.
