@@ -1,6 +1,6 @@
 //! Errors between a description and its result.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use frfid_estimate::{EstimateError, ShapeError};
 use frfid_files::FileError;
@@ -92,4 +92,36 @@ pub enum ExperimentError {
         /// What to do.
         advice: &'static str,
     },
+}
+
+impl ExperimentError {
+    /// [`ExperimentError::Logs`] in the order in which it is read.
+    pub(crate) fn logs(
+        what: &'static str,
+        found: impl Into<String>,
+        needed: impl Into<String>,
+        advice: &'static str,
+    ) -> Self {
+        Self::Logs {
+            what,
+            found: found.into(),
+            needed: needed.into(),
+            advice,
+        }
+    }
+
+    /// [`ExperimentError::Trail`] in the order in which it is read.
+    pub(crate) fn trail(
+        path: &Path,
+        found: impl Into<String>,
+        needed: &'static str,
+        advice: &'static str,
+    ) -> Self {
+        Self::Trail {
+            path: path.to_owned(),
+            found: found.into(),
+            needed,
+            advice,
+        }
+    }
 }

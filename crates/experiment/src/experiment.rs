@@ -85,15 +85,12 @@ impl Experiment {
 
     /// Checks a description and resolves it; errors point into `text`.
     fn of(config: Config, text: TomlText) -> Result<Self, ConfigError> {
-        let robot = config
-            .robot
-            .resolve()
-            .map_err(|fault| text.locate(&["robot"], fault))?;
+        let robot = config.robot.resolve();
+        let robot = robot.map_err(|fault| text.locate(&["robot"], fault))?;
         let controller = config.controller.as_ref().map(ControllerTable::controller);
         if let Some(controller) = &controller {
-            controller
-                .check(robot.n_axes(), config.sample_time_s)
-                .map_err(|error| text.locate(&[], located("controller", &error)))?;
+            let checked = controller.check(robot.n_axes(), config.sample_time_s);
+            checked.map_err(|error| text.locate(&[], located("controller")(error)))?;
         }
         let experiment = Self {
             joint_names: config.robot.joint_names(),

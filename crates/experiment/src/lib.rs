@@ -5,6 +5,7 @@ mod description {
     pub(crate) mod config;
     pub(crate) mod controller;
     pub(crate) mod estimate;
+    pub(crate) mod fault;
     pub(crate) mod plan;
     pub(crate) mod robot;
     pub(crate) mod schema;
@@ -37,6 +38,7 @@ mod shape {
     pub(crate) mod earlier;
     pub(crate) mod folder;
     pub(crate) mod in_memory;
+    pub(crate) mod in_words;
     pub(crate) mod iteration_files;
     pub(crate) mod report;
     pub(crate) mod trail;

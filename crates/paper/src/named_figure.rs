@@ -14,6 +14,14 @@ pub struct Named {
 }
 
 impl Named {
+    pub(crate) fn new(name: &'static str, caption: impl Into<String>, figure: Figure) -> Self {
+        Self {
+            name,
+            caption: caption.into(),
+            figure,
+        }
+    }
+
     /// The figure as a section of the page has it.
     pub(crate) fn captioned(&self) -> (String, Figure) {
         (self.caption.clone(), self.figure.clone())

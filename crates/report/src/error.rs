@@ -73,3 +73,10 @@ pub enum ReportError {
     #[error("PNG: {0}")]
     Png(String),
 }
+
+impl ReportError {
+    /// A figure without anything to draw.
+    pub(crate) fn empty(figure: &'static str, missing: &'static str) -> Self {
+        Self::Empty { figure, missing }
+    }
+}

@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::description::controller::ControllerTable;
 use crate::description::estimate::EstimateTable;
+use crate::description::fault::Fault;
 use crate::description::robot::RobotTable;
 use crate::description::shape::ShapeTable;
-use crate::description::text::Fault;
 
 /// An experiment, as `experiment.toml` describes it. Frequencies in Hz, everything else in SI units
 /// on the joint side of the gear; the unit ends the name.
@@ -53,14 +53,10 @@ impl Config {
 
     /// The table of the excitation, by its name.
     pub(crate) fn excitation(&self) -> Result<(&'static str, &dyn Design), Fault> {
-        let tables = [
-            ("multisine", of_table(&self.multisine)),
-            ("chirp", of_table(&self.chirp)),
-            ("stepped_sine", of_table(&self.stepped_sine)),
-        ];
+        let tables = self.excitations();
         let mut given = tables
-            .iter()
-            .filter_map(|(name, table)| Some((*name, (*table)?)));
+            .into_iter()
+            .filter_map(|(name, table)| Some((name, table?)));
         match (given.next(), given.next()) {
             (Some(table), None) => Ok(table),
             (Some((first, _)), Some((second, _))) => {
@@ -69,12 +65,19 @@ impl Config {
             }
             (None, _) => {
                 let names = tables.map(|(name, _)| format!("[{name}]")).join(" or ");
-                Err(Fault::new(
-                    &[],
-                    format!("no excitation: a table {names} is needed"),
-                ))
+                let message = format!("no excitation: a table {names} is needed");
+                Err(Fault::new(&[], message))
             }
         }
+    }
+
+    /// The tables of all excitations with their names, `None` for those that are not there.
+    fn excitations(&self) -> [(&'static str, Option<&dyn Design>); 3] {
+        [
+            ("multisine", of_table(&self.multisine)),
+            ("chirp", of_table(&self.chirp)),
+            ("stepped_sine", of_table(&self.stepped_sine)),
+        ]
     }
 }
 

@@ -1,10 +1,12 @@
 //! Table `[estimate]`: how the records become an FRF.
 
 use frfid_estimate::Method;
+use frfid_signals::Record;
+use ndarray::Array2;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::description::text::Fault;
+use crate::description::fault::Fault;
 
 /// How the records become an FRF.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -45,6 +47,12 @@ impl EstimateTable {
             (false, Average::Frfs) => Method::MeanOfFrfs,
             (false, Average::Spectra) => Method::MeanOfSpectra,
         })
+    }
+
+    /// The reference of a record, where the method needs it.
+    pub(crate) fn reference_of<'r>(&self, record: &'r Record) -> Option<&'r Array2<f64>> {
+        let reference = record.r.as_ref();
+        reference.filter(|_| self.method().needs_reference())
     }
 
     /// Refuses two answers to one question.

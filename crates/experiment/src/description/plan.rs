@@ -5,7 +5,7 @@ use frfid_signals::{Excitation, Injection, Phasing, Plan, SignalError, Target};
 
 use crate::description::config::{Config, ConstantVelocityTable};
 use crate::description::estimate::{EstimateTable, GlideSubtraction};
-use crate::description::text::Fault;
+use crate::description::fault::{Fault, check_entries};
 
 /// The plan that a configuration describes.
 ///
@@ -13,24 +13,21 @@ use crate::description::text::Fault;
 /// [`Fault`] with the place of the value that does not fit.
 pub(crate) fn design(config: &Config) -> Result<Plan, Fault> {
     let (name, design) = config.excitation()?;
-    let at_excitation = |error: SignalError| located(name, &error);
     let target = target(config);
-    let excitation = design.excitation(&target).map_err(at_excitation)?;
+    let excitation = design.excitation(&target).map_err(located(name))?;
     let mut plan = plan_at_rest(config, &target, excitation, design.phasing())?;
     if let Some(table) = &config.constant_velocity {
         plan.velocity_rad_s = velocity_rad_s(table, &plan)?;
     }
     design
         .ride(&mut plan.excitation, &plan.velocity_rad_s)
-        .map_err(at_excitation)?;
+        .map_err(located(name))?;
     check_estimate(&config.estimate, &plan)?;
     // one draw shows whether amplitudes, phasing and inputs fit together; its numbers are thrown
     // away
-    plan.period(0).map_err(at_excitation)?;
-    config
-        .limits
-        .check(plan.n_inputs)
-        .map_err(|error| located("limits", &error))?;
+    plan.period(0).map_err(located(name))?;
+    let checked = config.limits.check(plan.n_inputs);
+    checked.map_err(located("limits"))?;
     Ok(plan)
 }
 
@@ -100,20 +97,7 @@ fn lead_in_samples(config: &Config, excitation: &Excitation) -> Result<usize, Fa
 fn velocity_rad_s(table: &ConstantVelocityTable, plan: &Plan) -> Result<Vec<f64>, Fault> {
     match (&table.velocity_rad_s, &table.travel_rad) {
         (Some(velocity), None) => Ok(velocity.clone()),
-        (None, Some(travel)) if travel.len() != plan.n_inputs => {
-            let (found, needed) = (travel.len(), plan.n_inputs);
-            let message = format!(
-                "travel_rad has {found} entries, needed: one for each of the {needed} axes"
-            );
-            Err(Fault::new(&["constant_velocity", "travel_rad"], message))
-        }
-        (None, Some(travel)) => {
-            let samples = plan
-                .run_samples()
-                .map_err(|error| located("constant_velocity", &error))?;
-            let run_s = samples as f64 * plan.sample_time_s;
-            Ok(travel.iter().map(|way| way / run_s).collect())
-        }
+        (None, Some(travel)) => velocity_over_run(travel, plan),
         _ => {
             let message = "give the velocity (velocity_rad_s) or the way of a run (travel_rad), \
                            one of the two";
@@ -122,17 +106,27 @@ fn velocity_rad_s(table: &ConstantVelocityTable, plan: &Plan) -> Result<Vec<f64>
     }
 }
 
+/// The velocity that covers the way of every axis in the duration of a run.
+fn velocity_over_run(travel_rad: &[f64], plan: &Plan) -> Result<Vec<f64>, Fault> {
+    check_entries("travel_rad", travel_rad.len(), plan.n_inputs, "axes")
+        .map_err(|message| Fault::new(&["constant_velocity", "travel_rad"], message))?;
+    let samples = plan.run_samples().map_err(located("constant_velocity"))?;
+    let run_s = samples as f64 * plan.sample_time_s;
+    Ok(travel_rad.iter().map(|way| way / run_s).collect())
+}
+
 /// A numeric crate's complaint about `table` where its value stands: what a plan counts and the
 /// clock lie in tables of their own.
-pub(crate) fn located(table: &str, error: &SignalError) -> Fault {
-    let path = error.path();
-    let table: &[&str] = match path.first() {
-        Some(&("realizations" | "repetitions" | "periods")) => &["averaging"],
-        Some(&"velocity_rad_s") => &["constant_velocity"],
-        Some(&"sample_time_s") => &[],
-        _ => &[table],
-    };
-    Fault::new(&path, error.to_string()).within(table)
+pub(crate) fn located(table: &str) -> impl Fn(SignalError) -> Fault {
+    move |error| {
+        let table: &[&str] = match error.path().first() {
+            Some(&("realizations" | "repetitions" | "periods")) => &["averaging"],
+            Some(&"velocity_rad_s") => &["constant_velocity"],
+            Some(&"sample_time_s") => &[],
+            _ => &[table],
+        };
+        Fault::from(error).within(table)
+    }
 }
 
 #[cfg(test)]

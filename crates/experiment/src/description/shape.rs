@@ -1,6 +1,6 @@
 //! Table `[shape]`: what a reference is shaped towards.
 
-use frfid_estimate::{ShapeOptions, Step};
+use frfid_estimate::{ShapeOptions, Step, Target};
 use frfid_signals::Amplitude;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -53,6 +53,15 @@ pub enum StepName {
 }
 
 impl ShapeTable {
+    /// Which signal is to follow, the key of its amplitudes and these; `None` unless one of the two is given.
+    pub(crate) fn desired(&self) -> Option<(Target, &'static str, &[Amplitude])> {
+        match (&self.desired_nm, &self.desired_rad_s) {
+            (Some(torque), None) => Some((Target::Torque, "desired_nm", torque)),
+            (None, Some(velocity)) => Some((Target::Velocity, "desired_rad_s", velocity)),
+            _ => None,
+        }
+    }
+
     /// The step.
     #[must_use]
     pub fn step(&self) -> Step {

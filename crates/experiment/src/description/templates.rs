@@ -102,15 +102,17 @@ impl Template {
 /// those of `[robot]`.
 fn within_robot(text: &str) -> String {
     let mut lines: Vec<String> = text.lines().map(table_within_robot).collect();
-    let is_entry = |line: &String| !line.is_empty() && !line.starts_with('#');
-    if let Some(first) = lines
-        .iter()
-        .position(is_entry)
-        .filter(|&first| !lines[first].starts_with('['))
+    if let Some(first) = lines.iter().position(|line| is_entry(line))
+        && !lines[first].starts_with('[')
     {
         lines.insert(first, "[robot]".to_owned());
     }
     lines.join("\n") + "\n"
+}
+
+/// Whether a line is a key or a header.
+fn is_entry(line: &str) -> bool {
+    !line.is_empty() && !line.starts_with('#')
 }
 
 /// A line, in which the name of a table is put beneath `robot`; lines within a list are indented

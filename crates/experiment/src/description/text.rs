@@ -4,10 +4,11 @@ use std::fmt;
 use std::ops::Range;
 use std::path::Path;
 
-use frfid_signals::SignalError;
 use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
+
+use crate::description::fault::Fault;
 
 /// A configuration text and the name it goes by in messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -42,67 +43,6 @@ pub struct TextSpan {
     pub width: usize,
 }
 
-/// What is wrong in a table, and where: keys from that table inwards, in lists the number from 0.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Fault {
-    path: Vec<String>,
-    message: String,
-}
-
-impl Fault {
-    pub(crate) fn new(path: &[&str], message: impl Into<String>) -> Self {
-        let path = path.iter().map(|&key| key.to_owned()).collect();
-        Self {
-            path,
-            message: message.into(),
-        }
-    }
-
-    /// The same fault seen from farther out: the table lies at `path`.
-    pub(crate) fn within(mut self, path: &[&str]) -> Self {
-        self.path
-            .splice(0..0, path.iter().map(|&key| key.to_owned()));
-        self
-    }
-
-    /// The same fault at another place.
-    pub(crate) fn at(self, path: &[&str]) -> Self {
-        Self::new(path, self.message)
-    }
-
-    /// The same fault seen from the table of this key, or as it is where it does not lie in it.
-    pub(crate) fn inside(mut self, key: &str) -> Result<Self, Self> {
-        if self.path.first().is_none_or(|first| first != key) {
-            return Err(self);
-        }
-        self.path.remove(0);
-        Ok(self)
-    }
-
-    /// The fault as an error, where no text shows its place.
-    pub(crate) fn without_text(self, name: &str) -> ConfigError {
-        let file = name.to_owned();
-        ConfigError {
-            file,
-            place: None,
-            message: self.message,
-        }
-    }
-
-    /// The same fault, the message saying of which part it is.
-    pub(crate) fn of(self, part: &str) -> Self {
-        let message = format!("{part}: {}", self.message);
-        Self { message, ..self }
-    }
-}
-
-/// The names of the fields are the keys of the tables.
-impl From<SignalError> for Fault {
-    fn from(error: SignalError) -> Self {
-        Self::new(&error.path(), error.to_string())
-    }
-}
-
 impl std::error::Error for ConfigError {}
 
 impl fmt::Display for ConfigError {
@@ -117,16 +57,18 @@ impl fmt::Display for ConfigError {
             return write!(f, "{}: {}", self.file, self.message);
         };
         let margin = " ".repeat(line.to_string().len());
-        // tabs are kept, so that the caret stands under its column whatever their width
-        let indent: String = text
-            .chars()
-            .take(column - 1)
-            .map(|c| if c == '\t' { '\t' } else { ' ' })
-            .collect();
+        let indent = blanked(text, column - 1);
         writeln!(f, "{}:{line}:{column}: {}", self.file, self.message)?;
         writeln!(f, "{margin} |\n{line} | {text}")?;
         write!(f, "{margin} | {indent}{}", "^".repeat(*width))
     }
+}
+
+/// Blanks in the place of the first characters; tabs are kept, so that a caret behind them stands
+/// under its column whatever their width.
+fn blanked(text: &str, n_characters: usize) -> String {
+    let first = text.chars().take(n_characters);
+    first.map(|c| if c == '\t' { '\t' } else { ' ' }).collect()
 }
 
 impl TomlText {
@@ -143,14 +85,15 @@ impl TomlText {
     /// [`ConfigError`] with the operating system's reason, or that the file is not UTF-8.
     pub fn read(path: &Path) -> Result<Self, ConfigError> {
         let name = path.display().to_string();
-        match std::fs::read_to_string(path) {
-            Ok(text) => Ok(Self { name, text }),
-            Err(error) => Err(ConfigError {
-                file: name,
-                place: None,
-                message: format!("cannot read: {error}"),
-            }),
-        }
+        let text = std::fs::read_to_string(path).map_err(|error| {
+            Fault::new(&[], format!("cannot read: {error}")).without_text(&name)
+        })?;
+        Ok(Self { name, text })
+    }
+
+    /// The description that travelled in the file at `path`.
+    pub(crate) fn travelled_in(path: &Path, text: String) -> Self {
+        Self::new(format!("experiment.toml in {}", path.display()), text)
     }
 
     /// Reads the text into `T`: unknown keys, missing keys and wrong types are errors with their
@@ -159,8 +102,12 @@ impl TomlText {
     /// # Errors
     /// [`ConfigError`].
     pub fn parse<T: DeserializeOwned>(&self) -> Result<T, ConfigError> {
-        toml::from_str(&self.text)
-            .map_err(|error| self.error_at(error.span(), error.message().trim().to_owned()))
+        toml::from_str(&self.text).map_err(|error| self.not_read(&error))
+    }
+
+    /// The reader's complaint.
+    fn not_read(&self, error: &toml::de::Error) -> ConfigError {
+        self.error_at(error.span(), error.message().trim().to_owned())
     }
 
     /// As [`TomlText::parse`]; the tables of these names are enums, of which their key `kind` names
@@ -173,20 +120,16 @@ impl TomlText {
         &self,
         tables: &[(&str, &'static str)],
     ) -> Result<T, ConfigError> {
-        let error_at =
-            |error: toml::de::Error| self.error_at(error.span(), error.message().trim().to_owned());
-        let mut root = DeTable::parse(&self.text).map_err(error_at)?;
+        let mut root = DeTable::parse(&self.text).map_err(|error| self.not_read(&error))?;
         for &(table, default) in tables {
             if let Some(value) = root.get_mut().get_mut(table) {
                 put_behind_kind(value, default).map_err(|span| {
-                    self.error_at(
-                        Some(span),
-                        "needed: the name of a kind, in quotes".to_owned(),
-                    )
+                    let needed = "needed: the name of a kind, in quotes";
+                    self.error_at(Some(span), needed.to_owned())
                 })?;
             }
         }
-        T::deserialize(toml::Deserializer::from(root)).map_err(error_at)
+        T::deserialize(toml::Deserializer::from(root)).map_err(|error| self.not_read(&error))
     }
 
     /// An error at the value of `path` (keys from the outermost table inwards, in lists the number
@@ -199,34 +142,32 @@ impl TomlText {
     /// The fault of a table at `table`, with its place.
     pub(crate) fn locate(&self, table: &[&str], fault: impl Into<Fault>) -> ConfigError {
         let Fault { path, message } = fault.into().within(table);
-        let path: Vec<&str> = path.iter().map(String::as_str).collect();
-        self.error(&path, message)
+        self.error_at(self.span_of(&path), message)
     }
 
     fn error_at(&self, span: Option<Range<usize>>, message: String) -> ConfigError {
-        let place = span
-            .filter(|span| !span.is_empty())
-            .map(|span| self.place(&span));
         ConfigError {
             file: self.name.clone(),
-            place,
+            place: span
+                .filter(|span| !span.is_empty())
+                .map(|span| self.place(&span)),
             message,
         }
     }
 
-    fn span_of(&self, path: &[&str]) -> Option<Range<usize>> {
+    fn span_of(&self, path: &[impl AsRef<str>]) -> Option<Range<usize>> {
         self.walk(path).pop()
     }
 
     /// Spans along `path` as far as it exists: of the name for a table, of the value otherwise.
-    fn walk(&self, path: &[&str]) -> Vec<Range<usize>> {
+    fn walk(&self, path: &[impl AsRef<str>]) -> Vec<Range<usize>> {
         let Ok(root) = DeTable::parse(&self.text) else {
             return Vec::new();
         };
         let root = DeValue::Table(root.into_inner());
         let (mut outer, mut spans) = (&root, Vec::new());
         for key in path {
-            let Some((name, value)) = entry(outer, key) else {
+            let Some((name, value)) = entry(outer, key.as_ref()) else {
                 break;
             };
             outer = value.get_ref();
@@ -235,19 +176,21 @@ impl TomlText {
         spans
     }
 
-    fn place(&self, span: &Range<usize>) -> TextSpan {
-        let start = self.text[..span.start]
+    /// Where the line at an index of the text begins, and its text.
+    fn line_at(&self, index: usize) -> (usize, &str) {
+        let start = self.text[..index]
             .rfind('\n')
             .map_or(0, |newline| newline + 1);
-        let text = self.text[start..].lines().next().unwrap_or_default();
-        let end = span.end.min(start + text.len());
+        (start, self.text[start..].lines().next().unwrap_or_default())
+    }
+
+    fn place(&self, span: &Range<usize>) -> TextSpan {
+        let (start, text) = self.line_at(span.start);
+        let marked = self.text.get(span.start..span.end.min(start + text.len()));
         TextSpan {
             line: 1 + self.text[..start].matches('\n').count(),
             column: 1 + self.text[start..span.start].chars().count(),
-            width: self
-                .text
-                .get(span.start..end)
-                .map_or(1, |marked| marked.chars().count().max(1)),
+            width: marked.map_or(1, |marked| marked.chars().count().max(1)),
             text: text.to_owned(),
         }
     }

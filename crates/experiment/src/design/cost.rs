@@ -30,20 +30,16 @@ impl Cost {
     /// # Errors
     /// [`SignalError`] if the plan's lengths are impossible.
     pub fn of(plan: &Plan) -> Result<Self, SignalError> {
-        let (run_samples, period_samples) = (plan.run_samples()?, plan.period_samples()?);
-        let (n, axes, experiments) = (
-            run_samples as f64,
-            plan.n_inputs as f64,
-            plan.n_experiments() as f64,
-        );
+        let run_samples = plan.run_samples()?;
+        let (n, axes) = (run_samples as f64, plan.n_inputs as f64);
+        let period_samples = plan.n_experiments() as f64 * plan.period_samples()? as f64;
+        let sample_bytes = BYTES_PER_SAMPLE + axes * BYTES_PER_JOINT_SAMPLE;
         Ok(Self {
             n_runs: plan.n_runs(),
             run_samples,
             robot_time_s: plan.robot_time_s()?,
-            memory_bytes: 8.0 * axes * (6.0 * n + experiments * period_samples as f64),
-            disk_bytes: plan.n_runs() as f64
-                * n
-                * (BYTES_PER_SAMPLE + axes * BYTES_PER_JOINT_SAMPLE),
+            memory_bytes: 8.0 * axes * (6.0 * n + period_samples),
+            disk_bytes: plan.n_runs() as f64 * n * sample_bytes,
         })
     }
 }

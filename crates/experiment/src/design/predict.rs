@@ -9,6 +9,7 @@ use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::load::{Load, crest_factors, larger};
 use crate::run::parallel::{Progress, Steps, for_each};
+use crate::run::planned_runs::first_repetitions;
 
 /// What a design will ask of the robot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -38,7 +39,7 @@ pub fn predict(
     let simulator = experiment.simulator(None);
     let plan = &experiment.plan;
     let baseline = Demand::of(&glide(plan)?, experiment, &simulator)?.load;
-    let ids: Vec<RunId> = plan.run_ids().filter(|id| id.repetition == 0).collect();
+    let ids = first_repetitions(plan);
     let steps = Steps {
         progress,
         before: 0,
@@ -82,9 +83,9 @@ impl Demand {
         simulator: &SimulatedRobot,
     ) -> Result<Self, ExperimentError> {
         let (record, truth) = simulator.simulate(run)?;
-        let load = Load::of(&record, &run.start_rad, &experiment.pose_rad).with_motion(&truth);
+        let load = Load::of(&record, &run.start_rad, &experiment.pose_rad);
         Ok(Self {
-            load,
+            load: load.with_motion(&truth),
             crest_factor: crest_factors(&record),
         })
     }

@@ -7,6 +7,7 @@ use frfid_signals::{Excess, Limit, Peaks};
 use crate::description::text::ConfigError;
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
+use crate::run::load::larger;
 
 impl Experiment {
     /// What is possible but looks like a mistake: inertias that no body can have, and gains under
@@ -56,18 +57,25 @@ impl Experiment {
         self.error_at_limit(excess, message)
     }
 
+    fn exceeds_robots_own(&self, excess: &Excess) -> bool {
+        self.limit_is_robots_own(excess.limit, excess.axis)
+    }
+
     /// The limit, and whose it is.
     #[must_use]
     pub fn limit_owner(&self, excess: &Excess) -> String {
-        let is_own = self.limit_is_robots_own(excess.limit, excess.axis);
-        let owner = if is_own { "the robot's" } else { "the limit" };
+        let owner = if self.exceeds_robots_own(excess) {
+            "the robot's"
+        } else {
+            "the limit"
+        };
         format!("{owner} {}", excess.limit.key())
     }
 
     /// An error at the place of the limit in the description.
     #[must_use]
     pub fn error_at_limit(&self, excess: &Excess, message: String) -> ConfigError {
-        if self.limit_is_robots_own(excess.limit, excess.axis) {
+        if self.exceeds_robots_own(excess) {
             self.text.error(&["robot"], message)
         } else {
             self.text.error(&["limits", excess.limit.key()], message)
@@ -76,35 +84,39 @@ impl Experiment {
 
     /// What the runs ask of the robot without their excitation, at both ends of their way.
     fn resting(&self) -> Result<Peaks, ExperimentError> {
-        let (velocity, start) = (&self.plan.velocity_rad_s, self.plan.start_rad()?);
-        let sizes = |values: &[f64]| -> Vec<f64> { values.iter().map(|x| x.abs()).collect() };
+        let start = self.plan.start_rad()?;
         let travel = sizes(&start);
-        let from_pose = |sign: f64| {
-            let ways = self.pose_rad.iter().zip(&travel);
-            ways.map(|(pose, way)| pose + sign * way).collect()
-        };
         let holding_nm = self.holding_nm(&start)?;
         let at_rest = |limit: &Limit| match limit {
             Limit::Torque => Some(holding_nm.clone()),
             Limit::TorqueRate => Some(vec![0.0; start.len()]),
-            Limit::Velocity => Some(sizes(velocity)),
+            Limit::Velocity => Some(sizes(&self.plan.velocity_rad_s)),
             Limit::Acceleration | Limit::Jerk => None,
             Limit::Travel => Some(travel.clone()),
-            Limit::LowestPosition => Some(from_pose(-1.0)),
-            Limit::HighestPosition => Some(from_pose(1.0)),
+            Limit::LowestPosition => Some(self.beside_pose(&travel, -1.0)),
+            Limit::HighestPosition => Some(self.beside_pose(&travel, 1.0)),
         };
         let known = |limit: &Limit| Some((*limit, at_rest(limit)?));
         Ok(Limit::ALL.iter().filter_map(known).collect())
     }
 
+    /// Positions of all axes on one side of the pose.
+    fn beside_pose(&self, travel_rad: &[f64], sign: f64) -> Vec<f64> {
+        let ways = self.pose_rad.iter().zip(travel_rad);
+        ways.map(|(pose, way)| pose + sign * way).collect()
+    }
+
     /// Torque that friction and gravity ask for on the way from `start_rad` to its mirror image,
     /// the larger of both ends.
     fn holding_nm(&self, start_rad: &[f64]) -> Result<Vec<f64>, ExperimentError> {
-        let (robot, velocity) = (&self.robot, &self.plan.velocity_rad_s);
         let end_rad: Vec<f64> = start_rad.iter().map(|start| -start).collect();
-        let at_start = robot.start(start_rad, velocity)?.holding_nm();
-        let at_end = robot.start(&end_rad, velocity)?.holding_nm();
-        let torques = at_start.iter().zip(&at_end);
-        Ok(torques.map(|(a, b)| a.abs().max(b.abs())).collect())
+        let velocity = &self.plan.velocity_rad_s;
+        let at_start = self.robot.start(start_rad, velocity)?.holding_nm();
+        let at_end = self.robot.start(&end_rad, velocity)?.holding_nm();
+        Ok(larger(&sizes(&at_start), &sizes(&at_end)))
     }
+}
+
+fn sizes(values: &[f64]) -> Vec<f64> {
+    values.iter().map(|value| value.abs()).collect()
 }

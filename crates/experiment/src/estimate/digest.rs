@@ -76,8 +76,9 @@ impl ReadRecord<'_> {
         let period_samples = plan.period_samples()?;
         let is_lost = |period: usize| {
             let from = plan.lead_in_samples + period * period_samples;
-            let hits = |loss: &Loss| hits(loss, from..from + period_samples, plan.sample_time_s);
-            losses.iter().any(hits)
+            let samples = from..from + period_samples;
+            let mut losses = losses.iter();
+            losses.any(|loss| hits(loss, &samples, plan.sample_time_s))
         };
         let filled = (!self.losses.is_empty()).then(|| filled(&self.record));
         let record = filled.as_ref().unwrap_or(&self.record);
@@ -87,7 +88,7 @@ impl ReadRecord<'_> {
 }
 
 /// Whether a loss takes a sample of this range away.
-fn hits(loss: &Loss, samples: Range<usize>, sample_time_s: f64) -> bool {
+fn hits(loss: &Loss, samples: &Range<usize>, sample_time_s: f64) -> bool {
     let sample = |time_s: f64| (time_s / sample_time_s).round() as usize;
     sample(loss.from_s) < samples.end && sample(loss.to_s) > samples.start
 }
@@ -114,18 +115,20 @@ fn filled(record: &Record) -> Record {
 
 /// What a run that was stopped did not do, as a loss.
 pub(crate) fn stop_of(record: &Record, run_samples: usize) -> Option<Loss> {
-    let why = |event: &Event| match &event.kind {
-        EventKind::Stopped { reason, .. } => Some(reason.clone()),
-        _ => None,
-    };
-    let reason = record.events.iter().find_map(why)?;
+    let reason = record.events.iter().find_map(reason_of_stop)?;
     let time_s = |samples: usize| samples as f64 * record.sample_time_s;
-    let (from_s, to_s) = (time_s(record.n_steady_samples()), time_s(run_samples));
-    let (topic, reason) = ("run".into(), format!("stopped: {reason}"));
     Some(Loss {
-        topic,
-        from_s,
-        to_s,
-        reason,
+        topic: "run".into(),
+        from_s: time_s(record.n_steady_samples()),
+        to_s: time_s(run_samples),
+        reason: format!("stopped: {reason}"),
     })
+}
+
+/// Why a run was stopped, where the event says that it was.
+fn reason_of_stop(event: &Event) -> Option<&str> {
+    match &event.kind {
+        EventKind::Stopped { reason, .. } => Some(reason),
+        _ => None,
+    }
 }

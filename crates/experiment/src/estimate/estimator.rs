@@ -1,6 +1,8 @@
 //! Estimator of the FRF of a plan from its records: record by record, in any order, so that no
 //! campaign is too long for the memory.
 
+use std::iter::zip;
+
 use frfid_estimate::{Campaign, Evaluation, PeriodIndex, RunSpectra};
 use frfid_signals::{Frf, Plan, Record, RunId, RunKind};
 use ndarray::s;
@@ -59,11 +61,7 @@ impl Estimated {
     /// Frequencies in Hz at which what remains of the ripple exceeds the noise.
     #[must_use]
     pub fn disturbed_hz(&self) -> Vec<f64> {
-        let lines = self
-            .frf
-            .frequency_hz
-            .iter()
-            .zip(self.ripple.iter().flatten());
+        let lines = zip(&self.frf.frequency_hz, self.ripple.iter().flatten());
         lines
             .filter(|(_, exceeds)| **exceeds)
             .map(|(hz, _)| *hz)
@@ -102,12 +100,12 @@ impl Estimator {
         }
         self.baseline = Baseline::of_glides(glides)?;
         if self.baseline == Baseline::None {
-            return Err(ExperimentError::Logs {
-                what: "glide runs",
-                found: "none that is readable and whole".into(),
-                needed: format!("at least one of the plan's {}", self.plan.n_glides),
-                advice: "without them nothing can be subtracted; add their records",
-            });
+            return Err(ExperimentError::logs(
+                "glide runs",
+                "none that is readable and whole",
+                format!("at least one of the plan's {}", self.plan.n_glides),
+                "without them nothing can be subtracted; add their records",
+            ));
         }
         Ok(self)
     }
@@ -127,11 +125,8 @@ impl Estimator {
     /// [`ExperimentError`] for records that do not make an estimate.
     pub fn with_ripple_of(mut self, runs: &[(RunId, &Record)]) -> Result<Self, ExperimentError> {
         if self.learns_ripple() {
-            let mut spectra = Spectra::default();
-            for (run, record) in runs {
-                spectra.extend(self.spectra(*run, record, &|_| false)?);
-            }
-            self.baseline = self.baseline.with_ripple(&self.estimate(spectra)?.frf)?;
+            let plant = self.frf_of(runs)?;
+            self.baseline = self.baseline.with_ripple(&plant)?;
         }
         Ok(self)
     }
@@ -151,15 +146,19 @@ impl Estimator {
         }
         let rest = self.baseline.subtract_from(record)?;
         let record = rest.as_ref().unwrap_or(record);
-        let complete = record
-            .n_steady_samples()
-            .saturating_sub(self.plan.lead_in_samples)
-            / self.period_samples;
         let mut spectra = Spectra::default();
-        for period in (0..complete.min(self.plan.n_periods)).filter(|&period| !lost(period)) {
+        for period in (0..self.n_complete(record)).filter(|&period| !lost(period)) {
             self.add_period(&mut spectra, id, record, period)?;
         }
         Ok(spectra)
+    }
+
+    /// Number of planned periods that a record holds from their beginning to their end.
+    fn n_complete(&self, record: &Record) -> usize {
+        let after_lead_in = record
+            .n_steady_samples()
+            .saturating_sub(self.plan.lead_in_samples);
+        (after_lead_in / self.period_samples).min(self.plan.n_periods)
     }
 
     /// Adds the spectra of one period of a record, from which the baseline is taken off.
@@ -173,8 +172,7 @@ impl Estimator {
         let start = self.plan.lead_in_samples + period * self.period_samples;
         let window = s![.., start..start + self.period_samples];
         let (u, y) = (record.u.slice(window), record.y.slice(window));
-        let reference = record.r.as_ref();
-        let reference = reference.filter(|_| self.options.method().needs_reference());
+        let reference = self.options.reference_of(record);
         let r = reference.map(|r| r.slice(window));
         let place = self.place(id, period);
         let on_lines = RunSpectra::of(&*self.evaluation.transform, u, y, r)?;
@@ -201,10 +199,15 @@ impl Estimator {
     /// # Errors
     /// [`ExperimentError`] for records that do not make an estimate.
     pub fn frf_of_experiments(&self, records: &[Record]) -> Result<Frf, ExperimentError> {
+        let ids = (0..).map(|experiment| RunId::excitation(0, experiment, 0));
+        self.frf_of(&zip(ids, records).collect::<Vec<_>>())
+    }
+
+    /// The FRF of runs of which nothing is lost.
+    fn frf_of(&self, runs: &[(RunId, &Record)]) -> Result<Frf, ExperimentError> {
         let mut spectra = Spectra::default();
-        for (experiment, record) in records.iter().enumerate() {
-            let id = RunId::excitation(0, experiment, 0);
-            spectra.extend(self.spectra(id, record, &|_| false)?);
+        for (id, record) in runs {
+            spectra.extend(self.spectra(*id, record, &|_| false)?);
         }
         Ok(self.estimate(spectra)?.frf)
     }
@@ -223,15 +226,14 @@ impl Estimator {
             relative_resolution: self.evaluation.relative_resolution,
             ..campaign.estimate(&self.options.method().into())?
         };
-        let ripple = self
-            .residual
-            .as_ref()
-            .map(|residual| residual.exceeds_noise(spectra.free, &frf))
-            .transpose()?;
+        let ripple = match &self.residual {
+            Some(residual) => residual.exceeds_noise(spectra.free, &frf)?,
+            None => None,
+        };
         Ok(Estimated {
             frf,
             missing,
-            ripple: ripple.flatten(),
+            ripple,
         })
     }
 }

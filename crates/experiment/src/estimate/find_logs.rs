@@ -24,18 +24,26 @@ pub(crate) fn find_logs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentErr
             found.push(path.clone());
         }
     }
-    let mut seen = BTreeSet::new();
-    found.retain(|path| seen.insert(path.clone()));
     if found.is_empty() {
-        let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
-        return Err(ExperimentError::Logs {
-            what: "recordings",
-            found: format!("no {} file", names.join(", ")),
-            needed: "at least one".into(),
-            advice: "name files, or folders that hold them",
-        });
+        return Err(no_recordings());
     }
-    Ok(found)
+    Ok(each_once(found))
+}
+
+fn each_once(mut paths: Vec<PathBuf>) -> Vec<PathBuf> {
+    let mut seen = BTreeSet::new();
+    paths.retain(|path| seen.insert(path.clone()));
+    paths
+}
+
+fn no_recordings() -> ExperimentError {
+    let names: Vec<&str> = FORMATS.iter().map(|format| format.name).collect();
+    ExperimentError::logs(
+        "recordings",
+        format!("no {} file", names.join(", ")),
+        "at least one",
+        "name files, or folders that hold them",
+    )
 }
 
 /// The recordings of a folder, by name.
@@ -44,13 +52,12 @@ fn recordings_inside(folder: &Path) -> Result<Vec<PathBuf>, ExperimentError> {
     for entry in std::fs::read_dir(folder).map_err(|error| unreadable(folder, &error))? {
         files.insert(entry.map_err(|error| unreadable(folder, &error))?.path());
     }
-    let of_format = |format: &Format| -> Vec<PathBuf> {
-        let has = |path: &&PathBuf| format.has(path);
-        files.iter().filter(has).cloned().collect()
-    };
-    let of_formats = FORMATS.iter().map(of_format);
-    let first = of_formats.into_iter().find(|files| !files.is_empty());
-    Ok(first.unwrap_or_default())
+    let has_any = |format: &&Format| files.iter().any(|path| format.has(path));
+    if let Some(format) = FORMATS.iter().find(has_any) {
+        files.retain(|path| format.has(path));
+        return Ok(files.into_iter().collect());
+    }
+    Ok(Vec::new())
 }
 
 fn unreadable(path: &Path, error: &std::io::Error) -> FileError {

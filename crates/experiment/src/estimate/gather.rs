@@ -3,6 +3,7 @@
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
+use std::iter::zip;
 
 use frfid_files::Loss;
 use frfid_signals::{Record, RunId, RunKind};
@@ -25,8 +26,14 @@ pub(crate) trait Records: Sync {
     ///
     /// # Errors
     /// [`ExperimentError`] for a run that cannot be had.
-    fn record(&self, place: usize) -> Result<(Cow<'_, Record>, Vec<Loss>), ExperimentError>;
+    fn record(&self, place: usize) -> Result<Recorded<'_>, ExperimentError>;
 }
+
+/// A record, and what was lost of it.
+pub(crate) type Recorded<'a> = (Cow<'a, Record>, Vec<Loss>);
+
+/// Realization and repetition of runs: with every experiment they make one estimate.
+type Realization = (usize, usize);
 
 /// What the records of a campaign say.
 pub(crate) struct Gathered {
@@ -74,18 +81,17 @@ impl Experiment {
         let mut spectra = vec![Spectra::default(); estimators.len()];
         let (mut loads, mut strengths, mut losses) = (Vec::new(), Vec::new(), Vec::new());
         for digest in digests {
-            for (all, of_one) in spectra.iter_mut().zip(digest.spectra) {
+            for (all, of_one) in zip(&mut spectra, digest.spectra) {
                 all.extend(of_one);
             }
             loads.extend(digest.load);
             strengths.extend(digest.strength);
             losses.extend(digest.losses.into_iter().map(|loss| (digest.place, loss)));
         }
-        let estimates = estimators.iter().zip(spectra);
+        let estimates = zip(estimators, spectra);
+        let estimated = estimates.map(|(estimator, spectra)| estimator.estimate(spectra));
         Ok(Gathered {
-            estimated: estimates
-                .map(|(estimator, spectra)| estimator.estimate(spectra))
-                .collect::<Result<_, _>>()?,
+            estimated: estimated.collect::<Result<_, _>>()?,
             load: Load::largest(loads),
             strength: self.strength(&strengths),
             losses,
@@ -123,7 +129,7 @@ impl<'a> Gathering<'a> {
     fn read_realization(
         &self,
         first: &mut Vec<ReadRecord<'a>>,
-    ) -> Result<(usize, usize), ExperimentError> {
+    ) -> Result<Realization, ExperimentError> {
         for (realization, places) in self.complete_realizations() {
             let before = first.len();
             first.extend(self.read(&places, before)?);
@@ -131,17 +137,12 @@ impl<'a> Gathering<'a> {
                 return Ok(realization);
             }
         }
-        Err(ExperimentError::Logs {
-            what: "runs to learn the ripple from",
-            found: "no realization of which every experiment is whole".into(),
-            needed: "one run of every experiment of one realization".into(),
-            advice: "add the missing files, or set glide_subtraction = \"time\"",
-        })
+        Err(no_realization())
     }
 
     /// Places of the runs of each realization and repetition of which every experiment is there.
-    fn complete_realizations(&self) -> BTreeMap<(usize, usize), Vec<usize>> {
-        let mut groups: BTreeMap<(usize, usize), Vec<usize>> = BTreeMap::new();
+    fn complete_realizations(&self) -> BTreeMap<Realization, Vec<usize>> {
+        let mut groups: BTreeMap<Realization, Vec<usize>> = BTreeMap::new();
         for place in self.places(RunKind::Excitation) {
             if let Some(realization) = realization_of(self.records.runs()[place]) {
                 groups.entry(realization).or_default().push(place);
@@ -172,24 +173,21 @@ impl<'a> Gathering<'a> {
     }
 
     fn steps(&self, before: usize) -> Steps<'_> {
-        let (progress, total) = (self.progress, self.records.runs().len());
         Steps {
-            progress,
+            progress: self.progress,
             before,
-            total,
+            total: self.records.runs().len(),
         }
     }
 
     fn read_one(&self, place: usize) -> Result<ReadRecord<'a>, ExperimentError> {
         let (record, losses) = self.records.record(place)?;
-        let stop = stop_of(&record, self.experiment.plan.run_samples()?);
-        let run = self.records.runs()[place];
         Ok(ReadRecord {
             place,
-            run,
+            run: self.records.runs()[place],
+            stop: stop_of(&record, self.experiment.plan.run_samples()?),
             record,
             losses,
-            stop,
         })
     }
 
@@ -213,37 +211,50 @@ impl<'a> Gathering<'a> {
     }
 }
 
+fn no_realization() -> ExperimentError {
+    ExperimentError::logs(
+        "runs to learn the ripple from",
+        "no realization of which every experiment is whole",
+        "one run of every experiment of one realization",
+        "add the missing files, or set glide_subtraction = \"time\"",
+    )
+}
+
 /// Estimators that subtract what the whole ones among the records read say of the glides.
 fn with_glides(
     estimators: Vec<Estimator>,
     read: &[ReadRecord],
 ) -> Result<Vec<Estimator>, ExperimentError> {
     let glides: Vec<&Record> = whole(read).map(|(_, glide)| glide).collect();
-    let with_glides = |estimator: Estimator| estimator.with_glides(&glides);
-    estimators.into_iter().map(with_glides).collect()
+    let estimators = estimators.into_iter();
+    estimators
+        .map(|estimator| estimator.with_glides(&glides))
+        .collect()
 }
 
 /// Estimators that know the ripple from the runs of a realization among the records read.
 fn with_ripple(
     estimators: Vec<Estimator>,
     read: &[ReadRecord],
-    realization: (usize, usize),
+    realization: Realization,
 ) -> Result<Vec<Estimator>, ExperimentError> {
-    let runs: Vec<(RunId, &Record)> = whole(read)
-        .filter(|(run, _)| realization_of(*run) == Some(realization))
-        .collect();
-    let with_ripple = |estimator: Estimator| estimator.with_ripple_of(&runs);
-    estimators.into_iter().map(with_ripple).collect()
+    let runs = whole(read).filter(|(run, _)| realization_of(*run) == Some(realization));
+    let runs: Vec<(RunId, &Record)> = runs.collect();
+    let estimators = estimators.into_iter();
+    estimators
+        .map(|estimator| estimator.with_ripple_of(&runs))
+        .collect()
 }
 
-/// Realization and repetition of a run: with every experiment they make one estimate. None for a
-/// glide.
-fn realization_of(run: RunId) -> Option<(usize, usize)> {
+/// The realization of a run; `None` for a glide.
+fn realization_of(run: RunId) -> Option<Realization> {
     (run.kind == RunKind::Excitation).then_some((run.realization, run.repetition))
 }
 
 /// The whole ones among records.
 fn whole<'a>(records: &'a [ReadRecord<'_>]) -> impl Iterator<Item = (RunId, &'a Record)> {
-    let whole = records.iter().filter(|read| read.is_whole());
-    whole.map(|read| (read.run, &*read.record))
+    records
+        .iter()
+        .filter(|read| read.is_whole())
+        .map(|read| (read.run, &*read.record))
 }

@@ -27,13 +27,10 @@ impl Baseline {
         let Some(&first) = glides.first() else {
             return Ok(Self::None);
         };
-        let u = mean("u of a glide", glides.iter().map(|glide| &glide.u))?;
-        let y = mean("y of a glide", glides.iter().map(|glide| &glide.y))?;
-        let position_rad = mean_position(glides);
         Ok(Self::Glide(Record {
-            u,
-            y,
-            position_rad,
+            u: mean("u of a glide", glides.iter().map(|glide| &glide.u))?,
+            y: mean("y of a glide", glides.iter().map(|glide| &glide.y))?,
+            position_rad: mean_position(glides),
             ..first.clone()
         }))
     }
@@ -68,10 +65,8 @@ fn mean<'a>(
     name: &'static str,
     signals: impl ExactSizeIterator<Item = &'a Array2<f64>> + Clone,
 ) -> Result<Array2<f64>, SignalError> {
-    let (n_glides, shape) = (
-        signals.len() as f64,
-        signals.clone().next().map(Array2::dim),
-    );
+    let n_glides = signals.len() as f64;
+    let shape = signals.clone().next().map(Array2::dim);
     let mut sum = Array2::zeros(shape.unwrap_or_default());
     for signal in signals {
         if signal.dim() != sum.dim() {
@@ -90,11 +85,8 @@ fn mean<'a>(
 fn mean_position(glides: &[&Record]) -> Option<Array2<f64>> {
     let mut sum = Array2::zeros(glides.first()?.position_rad.as_ref()?.dim());
     for glide in glides {
-        let position = glide
-            .position_rad
-            .as_ref()
-            .filter(|position| position.dim() == sum.dim())?;
-        sum += position;
+        let position = glide.position_rad.as_ref();
+        sum += position.filter(|position| position.dim() == sum.dim())?;
     }
     Some(sum / glides.len() as f64)
 }

@@ -46,13 +46,9 @@ pub fn estimate_logs(
     progress: Progress,
 ) -> Result<Outcome, ExperimentError> {
     let paths = find_logs(paths)?;
-    let EstimateOptions {
-        estimate,
-        map,
-        jobs,
-    } = options;
-    match map {
-        Some(map) => estimate_others_logs(&paths, map, &estimate.clone().unwrap_or_default()),
-        None => estimate_our_logs(&paths, estimate.as_ref(), *jobs, progress),
+    let estimate = options.estimate.as_ref();
+    match &options.map {
+        Some(map) => estimate_others_logs(&paths, map, &estimate.cloned().unwrap_or_default()),
+        None => estimate_our_logs(&paths, estimate, options.jobs, progress),
     }
 }

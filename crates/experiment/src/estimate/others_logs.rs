@@ -1,7 +1,6 @@
 //! Logs of others, recordings that frfid did not make, to an FRF: period, transient and lines are
 //! found in the reference.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use frfid_estimate::{
@@ -15,6 +14,7 @@ use ndarray::{Array2, ArrayView2, s};
 use crate::description::estimate::EstimateTable;
 use crate::error::ExperimentError;
 use crate::estimate::outcome::{Outcome, condition_check, log_hashes};
+use crate::run::provenance::{Metadata, metadata};
 
 /// Estimates the FRF from recordings of a periodic excitation, one for each experiment: the columns
 /// of U first, then the next realization. All must have the period of the first one; without a
@@ -72,28 +72,33 @@ impl<'a> Recordings<'a> {
     /// Finds period and lines in the first recording, the transient in all of them.
     fn periods(&self) -> Result<Periods, ExperimentError> {
         let reference = filled(reference(&self.logs[0]));
-        let n_samples =
-            find_period(reference.view()).map_err(|error| self.in_recording(0, error))?;
-        let lines = find_lines(reference.view(), n_samples);
-        let lines = lines.map_err(|error| self.in_recording(0, error))?;
-        let mut n_transient = 0;
-        for (number, log) in self.logs.iter().enumerate() {
-            let found = transient(log, n_samples, &lines);
-            let found = found.map_err(|error| self.in_recording(number, error))?;
-            n_transient = n_transient.max(found);
-        }
+        let n_samples = find_period(reference.view()).map_err(self.in_recording(0))?;
+        let lines = find_lines(reference.view(), n_samples).map_err(self.in_recording(0))?;
         let n_periods = |log: &Log| log.record.n_samples() / n_samples;
         Ok(Periods {
             n_samples,
-            lines,
             n_periods: self.logs.iter().map(n_periods).min().unwrap_or(0),
-            n_transient,
+            n_transient: self.n_transient(n_samples, &lines)?,
+            lines,
         })
     }
 
-    fn in_recording(&self, number: usize, source: EstimateError) -> ExperimentError {
-        let path = self.paths[number].clone();
-        ExperimentError::Recording { path, source }
+    /// Leading periods that are transient in any of the recordings.
+    fn n_transient(&self, n_samples: usize, lines: &[usize]) -> Result<usize, ExperimentError> {
+        let mut most = 0;
+        for (number, log) in self.logs.iter().enumerate() {
+            let found = transient(log, n_samples, lines).map_err(self.in_recording(number))?;
+            most = most.max(found);
+        }
+        Ok(most)
+    }
+
+    /// A complaint about the recording of that number.
+    fn in_recording(&self, number: usize) -> impl Fn(EstimateError) -> ExperimentError {
+        move |source| ExperimentError::Recording {
+            path: self.paths[number].clone(),
+            source,
+        }
     }
 
     /// The FRF from the whole periods after the transient.
@@ -153,27 +158,23 @@ impl<'a> Recordings<'a> {
     /// What there is to say of each log, with the name of its file.
     fn in_files(&self, said: impl Fn(&Log) -> Vec<String>) -> Vec<String> {
         let files = self.paths.iter().zip(&self.logs);
-        let of_file = |(path, log): (&PathBuf, &Log)| {
-            let texts = said(log).into_iter();
-            let named = texts.map(|text| format!("{}: {text}", path.display()));
-            named.collect::<Vec<_>>()
-        };
-        files.flat_map(of_file).collect()
+        let texts =
+            files.flat_map(|(path, log)| said(log).into_iter().map(move |text| (path, text)));
+        texts
+            .map(|(path, text)| format!("{}: {text}", path.display()))
+            .collect()
     }
 }
 
 /// Where the result comes from: the periods that were found, and the hash of every file.
-fn provenance(
-    paths: &[PathBuf],
-    periods: &Periods,
-) -> Result<BTreeMap<String, String>, ExperimentError> {
+fn provenance(paths: &[PathBuf], periods: &Periods) -> Result<Metadata, ExperimentError> {
     let entries = [
         ("frfid_version", env!("CARGO_PKG_VERSION").to_owned()),
         ("period_samples", periods.n_samples.to_string()),
         ("periods_used", periods.n_used().to_string()),
         ("transient_periods_dropped", periods.n_transient.to_string()),
     ];
-    let mut provenance = entries.map(|(key, value)| (key.to_owned(), value)).into();
+    let mut provenance = metadata(entries);
     log_hashes(paths, &mut provenance)?;
     Ok(provenance)
 }
@@ -214,11 +215,7 @@ fn spectra(
 ) -> Result<Option<RunSpectra>, ExperimentError> {
     let window = s![.., period * dft.n_samples()..(period + 1) * dft.n_samples()];
     let record = &log.record;
-    let r = record
-        .r
-        .as_ref()
-        .filter(|_| options.method().needs_reference())
-        .map(|r| r.slice(window));
+    let r = options.reference_of(record).map(|r| r.slice(window));
     let (u, y) = (record.u.slice(window), record.y.slice(window));
     if is_whole(u) && is_whole(y) && r.is_none_or(is_whole) {
         return Ok(Some(RunSpectra::of(dft, u, y, r)?));

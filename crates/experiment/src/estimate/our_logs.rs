@@ -5,12 +5,12 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use frfid_files::{FORMATS, Format, Loss, RunLabel, read_run, read_run_label};
-use frfid_signals::{Record, RunId};
+use frfid_signals::RunId;
 
 use crate::description::estimate::EstimateTable;
 use crate::description::text::TomlText;
 use crate::error::ExperimentError;
-use crate::estimate::gather::{Gathered, Records};
+use crate::estimate::gather::{Gathered, Recorded, Records};
 use crate::estimate::outcome::{Inventory, Outcome, log_hashes};
 use crate::experiment::Experiment;
 use crate::run::parallel::Progress;
@@ -45,14 +45,16 @@ pub(crate) fn estimate_our_logs(
 fn refuse_others(paths: &[PathBuf]) -> Result<(), ExperimentError> {
     let is_others = |path: &&PathBuf| FORMATS[1..].iter().any(|format: &Format| format.has(path));
     let other = paths.iter().find(is_others);
-    other.map_or(Ok(()), |other| {
-        Err(ExperimentError::Logs {
-            what: "recordings",
-            found: format!("{}, which frfid did not make", other.display()),
-            needed: "which signal is which".into(),
-            advice: "give a log map: --map, or --u and --y with their units",
-        })
-    })
+    other.map_or(Ok(()), |other| Err(no_map(other)))
+}
+
+fn no_map(recording: &Path) -> ExperimentError {
+    ExperimentError::logs(
+        "recordings",
+        format!("{}, which frfid did not make", recording.display()),
+        "which signal is which",
+        "give a log map: --map, or --u and --y with their units",
+    )
 }
 
 /// Run files of one plan.
@@ -70,7 +72,7 @@ impl Records for OurLogs {
         &self.runs
     }
 
-    fn record(&self, place: usize) -> Result<(Cow<'_, Record>, Vec<Loss>), ExperimentError> {
+    fn record(&self, place: usize) -> Result<Recorded<'_>, ExperimentError> {
         let (run, losses) = read_run(&self.paths[place])?;
         Ok((Cow::Owned(run.record), losses))
     }
@@ -110,8 +112,7 @@ impl OurLogs {
         if let (None, Some(text)) = (&self.description, label.experiment_toml)
             && !text.is_empty()
         {
-            let name = format!("experiment.toml in {}", path.display());
-            self.description = Some(TomlText { name, text });
+            self.description = Some(TomlText::travelled_in(path, text));
         }
     }
 
@@ -123,19 +124,26 @@ impl OurLogs {
 
     /// What is there and what is not, losses by the names of their files.
     fn inventory(&self, gathered: &Gathered) -> Inventory {
-        let by_path = |(place, loss): &'_ (usize, Loss)| (&self.paths[*place], loss.to_string());
-        let mut lost: Vec<(&PathBuf, String)> = gathered.losses.iter().map(by_path).collect();
-        lost.sort_by_key(|(path, _)| *path);
+        let lost = self.losses_by_path(gathered);
         let flawed: BTreeSet<&PathBuf> = lost.iter().map(|(path, _)| *path).collect();
-        let unused = self.unreadable.iter();
-        let unused = unused.map(|(path, error)| format!("{}: not used: {error}", path.display()));
         let lost = lost.iter();
         let lost = lost.map(|(path, loss)| format!("{}: {loss}", path.display()));
+        let unused = self.unreadable.iter();
+        let unused = unused.map(|(path, error)| format!("{}: not used: {error}", path.display()));
         Inventory {
             n_records: self.runs.len(),
             n_flawed: flawed.len(),
             losses: unused.chain(lost).collect(),
         }
+    }
+
+    /// What was lost of each file, in the order of their paths.
+    fn losses_by_path<'a>(&'a self, gathered: &'a Gathered) -> Vec<(&'a PathBuf, &'a Loss)> {
+        let losses = gathered.losses.iter();
+        let by_path = losses.map(|(place, loss)| (&self.paths[*place], loss));
+        let mut by_path: Vec<_> = by_path.collect();
+        by_path.sort_by_key(|(path, _)| *path);
+        by_path
     }
 }
 
@@ -150,20 +158,24 @@ fn check_design(
     if found == *needed {
         return Ok(());
     }
-    let short = |hash: &str| hash.get(..12).unwrap_or(hash).to_owned();
-    Err(ExperimentError::Logs {
-        what: "design of the logs",
-        found: format!("{} in {}", short(&found), path.display()),
-        needed: format!("{}, as in the files before it", short(needed)),
-        advice: "estimate the runs of one plan at a time",
-    })
+    Err(ExperimentError::logs(
+        "design of the logs",
+        format!("{} in {}", short(&found), path.display()),
+        format!("{}, as in the files before it", short(needed)),
+        "estimate the runs of one plan at a time",
+    ))
+}
+
+/// The first digits of a hash.
+fn short(hash: &str) -> &str {
+    hash.get(..12).unwrap_or(hash)
 }
 
 fn no_description() -> ExperimentError {
-    ExperimentError::Logs {
-        what: "experiment.toml in the logs",
-        found: "none that is readable".into(),
-        needed: "the description in at least one of them".into(),
-        advice: "the attachment is damaged in every file; say which topic is which (--map)",
-    }
+    ExperimentError::logs(
+        "experiment.toml in the logs",
+        "none that is readable",
+        "the description in at least one of them",
+        "the attachment is damaged in every file; say which topic is which (--map)",
+    )
 }

@@ -1,7 +1,6 @@
 //! Outcome of an estimate: the FRF with its checks, what a careful reader should know besides, and
 //! where it came from; the same whether the records came from files, from memory or from Python.
 
-use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use frfid_files::{Check, ResultFile, sha256_file};
@@ -12,6 +11,7 @@ use crate::estimate::estimator::Estimated;
 use crate::estimate::gather::Gathered;
 use crate::experiment::Experiment;
 use crate::run::load::Load;
+use crate::run::provenance::Metadata;
 use crate::run::strength::Strength;
 
 /// Largest condition number of U that passes the check.
@@ -45,16 +45,11 @@ pub(crate) struct Inventory {
 impl Experiment {
     /// What follows from gathered records, an outcome for each way of estimating.
     pub(crate) fn conclude(&self, gathered: Gathered, inventory: &Inventory) -> Vec<Outcome> {
-        let Gathered {
-            estimated,
-            load,
-            strength,
-            ..
-        } = gathered;
-        let outcome = |estimated: Estimated| {
-            self.outcome(estimated, load.as_ref(), strength.as_ref(), inventory)
-        };
-        estimated.into_iter().map(outcome).collect()
+        let (load, strength) = (gathered.load.as_ref(), gathered.strength.as_ref());
+        let estimated = gathered.estimated.into_iter();
+        estimated
+            .map(|estimated| self.outcome(estimated, load, strength, inventory))
+            .collect()
     }
 
     fn outcome(
@@ -108,22 +103,25 @@ impl Experiment {
     pub fn result(&self, frf: Frf, load: Option<&Load>) -> ResultFile {
         let mut provenance = self.provenance();
         provenance.insert("experiment_toml".into(), self.to_toml());
-        if let Some(load) = load {
-            let peaks = [
-                ("effort_peak_nm", Limit::Torque),
-                ("velocity_peak_rad_s", Limit::Velocity),
-            ];
-            for (key, limit) in peaks {
-                let peaks = load.peaks.get(limit).unwrap_or_default();
-                provenance.insert(key.into(), format!("{peaks:?}"));
-            }
-        }
+        provenance.extend(load.into_iter().flat_map(reached));
         ResultFile {
             torque_rms_nm: load.map(|load| load.torque_rms_nm.clone()),
             provenance,
             ..ResultFile::torque_to_velocity(frf, &self.joint_names)
         }
     }
+}
+
+/// The amplitudes reached, as they stand in the provenance.
+fn reached(load: &Load) -> [(String, String); 2] {
+    [
+        ("effort_peak_nm", Limit::Torque),
+        ("velocity_peak_rad_s", Limit::Velocity),
+    ]
+    .map(|(key, limit)| {
+        let peaks = load.peaks.get(limit).unwrap_or_default();
+        (key.into(), format!("{peaks:?}"))
+    })
 }
 
 /// What was lost, missing, too weak or disturbed, in this order.
@@ -164,13 +162,7 @@ fn ripple_warning(disturbed_hz: &[f64], n_lines: usize) -> Option<String> {
 /// number as large as their spread and cost nothing: what counts is what it is beyond that.
 pub(crate) fn condition_check(frf: &Frf, torque_rms_nm: &[f64]) -> Check {
     let worst = frf.condition.iter().flatten().copied().fold(1.0, f64::max);
-    let low = torque_rms_nm.iter().copied().fold(f64::INFINITY, f64::min);
-    let high = torque_rms_nm.iter().copied().fold(0.0, f64::max);
-    let spread = if low > 0.0 && low < high {
-        high / low
-    } else {
-        1.0
-    };
+    let spread = spread(torque_rms_nm);
     let share = if spread > 2.0 {
         format!(", {spread:.1} of it from the spread of the torques")
     } else {
@@ -187,10 +179,21 @@ pub(crate) fn condition_check(frf: &Frf, torque_rms_nm: &[f64]) -> Check {
     }
 }
 
+/// Largest over smallest of several torques; 1 where one is zero.
+fn spread(torque_rms_nm: &[f64]) -> f64 {
+    let low = torque_rms_nm.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = torque_rms_nm.iter().copied().fold(0.0, f64::max);
+    if low > 0.0 && low < high {
+        high / low
+    } else {
+        1.0
+    }
+}
+
 /// The hash of every log, so that a result can be traced to its data.
 pub(crate) fn log_hashes(
     paths: &[PathBuf],
-    provenance: &mut BTreeMap<String, String>,
+    provenance: &mut Metadata,
 ) -> Result<(), ExperimentError> {
     for path in paths {
         let name = path.file_name().unwrap_or_default().to_string_lossy();

@@ -7,7 +7,7 @@ use frfid_signals::{Record, RunId, Testbed};
 
 use crate::description::estimate::EstimateTable;
 use crate::error::ExperimentError;
-use crate::estimate::gather::{Gathered, Records};
+use crate::estimate::gather::{Gathered, Recorded, Records};
 use crate::estimate::outcome::{Inventory, Outcome};
 use crate::experiment::Experiment;
 use crate::run::parallel::Progress;
@@ -24,7 +24,7 @@ impl Records for Measuring<'_> {
         &self.runs
     }
 
-    fn record(&self, place: usize) -> Result<(Cow<'_, Record>, Vec<Loss>), ExperimentError> {
+    fn record(&self, place: usize) -> Result<Recorded<'_>, ExperimentError> {
         let run = self.experiment.plan.run(self.runs[place])?;
         Ok((Cow::Owned(self.testbed.run(&run)?), Vec::new()))
     }
@@ -41,7 +41,7 @@ impl Records for Kept<'_> {
         &self.runs
     }
 
-    fn record(&self, place: usize) -> Result<(Cow<'_, Record>, Vec<Loss>), ExperimentError> {
+    fn record(&self, place: usize) -> Result<Recorded<'_>, ExperimentError> {
         Ok((Cow::Borrowed(&self.records[place].1), Vec::new()))
     }
 }
@@ -72,11 +72,10 @@ impl Experiment {
         jobs: usize,
         progress: Progress,
     ) -> Result<[Outcome; N], ExperimentError> {
-        let runs = self.plan.run_ids().collect();
         let measuring = Measuring {
             experiment: self,
             testbed,
-            runs,
+            runs: self.plan.run_ids().collect(),
         };
         let outcomes = self.outcomes(&measuring, &ways, jobs, progress)?;
         Ok(outcomes.try_into().expect("one for each way"))
@@ -109,16 +108,13 @@ impl Experiment {
 
 /// What is there and what is not, losses by the names of their runs.
 fn inventory(runs: &[RunId], gathered: &Gathered) -> Inventory {
-    let mut flawed: Vec<RunId> = gathered
-        .losses
-        .iter()
-        .map(|(place, _)| runs[*place])
-        .collect();
+    let losses = &gathered.losses;
+    let mut flawed: Vec<RunId> = losses.iter().map(|(place, _)| runs[*place]).collect();
     flawed.dedup();
     let lost = |(place, loss): &(usize, Loss)| format!("run {}: {loss}", runs[*place]);
     Inventory {
         n_records: runs.len(),
         n_flawed: flawed.len(),
-        losses: gathered.losses.iter().map(lost).collect(),
+        losses: losses.iter().map(lost).collect(),
     }
 }

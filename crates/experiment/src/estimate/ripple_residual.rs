@@ -25,9 +25,18 @@ pub(crate) struct FreeSpectra {
     y: Array2<Complex64>,
 }
 
+/// Realization and experiment: what was applied.
+type Reference = (usize, usize);
+
 /// Looks at the free lines of a plan.
 pub(crate) struct RippleResidual {
     lines: FreeLines,
+}
+
+fn is_subtracted_and_repeated(plan: &Plan, options: &EstimateTable) -> bool {
+    plan.n_glides > 0
+        && plan.n_repetitions * plan.n_periods > 1
+        && options.glide_subtraction != GlideSubtraction::None
 }
 
 impl RippleResidual {
@@ -43,8 +52,7 @@ impl RippleResidual {
         let Excitation::Multisine(Multisine { grid, .. }) = &plan.excitation else {
             return Ok(None);
         };
-        let repeated = plan.n_repetitions * plan.n_periods > 1;
-        if plan.n_glides == 0 || !repeated || options.glide_subtraction == GlideSubtraction::None {
+        if !is_subtracted_and_repeated(plan, options) {
             return Ok(None);
         }
         Ok(Some(Self {
@@ -86,18 +94,27 @@ impl RippleResidual {
         free.sort_by_key(|FreeSpectra { place, .. }| {
             (place.realization, place.experiment, place.period)
         });
-        let mut references: BTreeMap<(usize, usize), Vec<Array2<Complex64>>> = BTreeMap::new();
+        let mut levels = Vec::new();
+        for repetitions in self.unexplained(free, plant)?.values() {
+            if repetitions.len() > 1 {
+                levels.push(self.lines.level(repetitions)?);
+            }
+        }
+        Ok(ResidualLevel::mean(&levels).map(|mean| mean.exceeds_noise()))
+    }
+
+    /// What `plant` does not explain in the repetitions of every reference.
+    fn unexplained(
+        &self,
+        free: Vec<FreeSpectra>,
+        plant: &Frf,
+    ) -> Result<BTreeMap<Reference, Vec<Array2<Complex64>>>, ExperimentError> {
+        let mut references: BTreeMap<_, Vec<_>> = BTreeMap::new();
         for FreeSpectra { place, u, y } in free {
             let repetitions = references.entry((place.realization, place.experiment));
             let unexplained = self.lines.unexplained(&u, &y, plant)?;
             repetitions.or_default().push(unexplained);
         }
-        let repeated = references
-            .values()
-            .filter(|repetitions| repetitions.len() > 1);
-        let levels = repeated
-            .map(|repetitions| self.lines.level(repetitions))
-            .collect::<Result<Vec<_>, _>>()?;
-        Ok(ResidualLevel::mean(&levels).map(|mean| mean.exceeds_noise()))
+        Ok(references)
     }
 }

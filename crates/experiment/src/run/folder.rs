@@ -1,11 +1,11 @@
 //! Folder of runs, one MCAP each; what is there already and belongs to the plan is not done again.
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use frfid_estimate::AxisStrength;
 use frfid_files::{Overwrite, RunFile, create_folder, read_run, write_run};
 use frfid_signals::{Event, EventKind, Plan, Record, RunId, RunKind, Testbed};
+use ndarray::ArrayView1;
 use serde::Serialize;
 
 use crate::error::ExperimentError;
@@ -13,7 +13,7 @@ use crate::experiment::Experiment;
 use crate::run::load::Load;
 use crate::run::parallel::{Progress, Steps, for_each};
 use crate::run::planned_runs::PlannedRuns;
-use crate::run::provenance::CONFIG;
+use crate::run::provenance::{CONFIG, Metadata};
 use crate::run::strength::Strength;
 
 /// How runs are done.
@@ -73,14 +73,8 @@ pub fn run_to_folder(
     let experiment = &planned.experiment;
     let writer = Writer::new(planned, folder, options.overwrite);
     let (open, stopped_before) = writer.open(&ids);
-    let model;
-    let testbed = match testbed {
-        Some(testbed) => testbed,
-        None => {
-            model = experiment.testbed();
-            &*model
-        }
-    };
+    let model = experiment.testbed();
+    let testbed = testbed.unwrap_or(&*model);
     create_folder(folder)?;
     let n_skipped = ids.len() - open.len();
     let steps = Steps {
@@ -124,7 +118,7 @@ struct Writer<'a> {
     planned: &'a PlannedRuns,
     folder: &'a Path,
     overwrite: Overwrite,
-    metadata: BTreeMap<String, String>,
+    metadata: Metadata,
 }
 
 impl<'a> Writer<'a> {
@@ -157,16 +151,14 @@ impl<'a> Writer<'a> {
     }
 
     fn found(&self, id: RunId) -> Found {
-        match read_run(&self.path_of(id)) {
-            Ok((file, losses)) if losses.is_empty() => {
-                let ours = file.metadata.get(CONFIG) == self.metadata.get(CONFIG);
-                match file.record.stopped_at_s() {
-                    _ if file.run != id || !ours => Found::Nothing,
-                    Some(_) => Found::Stopped,
-                    None => Found::Whole,
-                }
-            }
-            _ => Found::Nothing,
+        let Ok((file, losses)) = read_run(&self.path_of(id)) else {
+            return Found::Nothing;
+        };
+        let is_ours = file.metadata.get(CONFIG) == self.metadata.get(CONFIG);
+        match file.record.stopped_at_s() {
+            _ if !losses.is_empty() || file.run != id || !is_ours => Found::Nothing,
+            Some(_) => Found::Stopped,
+            None => Found::Whole,
         }
     }
 
@@ -189,12 +181,12 @@ fn chosen(planned: &PlannedRuns, index: Option<usize>) -> Result<Vec<RunId>, Exp
     let Some(index) = index else { return Ok(ids) };
     match ids.get(index) {
         Some(&id) => Ok(vec![id]),
-        None => Err(ExperimentError::Logs {
-            what: "index of the run",
-            found: index.to_string(),
-            needed: format!("0 to {}", ids.len().saturating_sub(1)),
-            advice: "the order has no more runs",
-        }),
+        None => Err(ExperimentError::logs(
+            "index of the run",
+            index.to_string(),
+            format!("0 to {}", ids.len().saturating_sub(1)),
+            "the order has no more runs",
+        )),
     }
 }
 
@@ -203,11 +195,10 @@ pub(crate) fn run_file(
     experiment: &Experiment,
     run: RunId,
     mut record: Record,
-    metadata: BTreeMap<String, String>,
+    metadata: Metadata,
 ) -> Result<RunFile, ExperimentError> {
-    record
-        .events
-        .extend(period_starts(&experiment.plan, run, &record)?);
+    let starts = period_starts(&experiment.plan, run, &record)?;
+    record.events.extend(starts);
     record.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
     Ok(RunFile {
         joint_names: experiment.joint_names.clone(),
@@ -222,35 +213,34 @@ pub(crate) fn run_file(
 /// The starts of the measured periods that the record reaches.
 fn period_starts(plan: &Plan, id: RunId, record: &Record) -> Result<Vec<Event>, ExperimentError> {
     let period_samples = plan.period_samples()?;
-    let periods = if id.kind == RunKind::Glide {
-        0..0
-    } else {
-        0..plan.n_periods
+    let n_periods = match id.kind {
+        RunKind::Glide => 0,
+        RunKind::Excitation => plan.n_periods,
     };
-    let starts = periods.map(|period| (period, plan.lead_in_samples + period * period_samples));
+    let starts =
+        (0..n_periods).map(|period| (period, plan.lead_in_samples + period * period_samples));
     let reached = starts.filter(|(_, start)| *start < record.n_samples());
-    Ok(reached
-        .map(|(period, start)| Event {
-            time_s: start as f64 * plan.sample_time_s,
-            kind: EventKind::PeriodStart { period },
-        })
-        .collect())
+    let event = |(period, start)| Event {
+        time_s: start as f64 * plan.sample_time_s,
+        kind: EventKind::PeriodStart { period },
+    };
+    Ok(reached.map(event).collect())
 }
 
 fn report(path: PathBuf, load: Load, record: &Record) -> RunReport {
-    let standing = |row: ndarray::ArrayView1<f64>| {
-        row.iter().filter(|&&y| y == 0.0).count() as f64 / row.len().max(1) as f64
-    };
-    let is_start = |event: &&Event| matches!(event.kind, EventKind::PeriodStart { .. });
+    let is_start = |event: &Event| matches!(event.kind, EventKind::PeriodStart { .. });
+    let mut events = record.events.clone();
+    events.retain(|event| !is_start(event));
     RunReport {
         path,
         load,
-        standing_share: record.y.rows().into_iter().map(standing).collect(),
-        events: record
-            .events
-            .iter()
-            .filter(|event| !is_start(event))
-            .cloned()
-            .collect(),
+        standing_share: record.y.rows().into_iter().map(standing_share).collect(),
+        events,
     }
+}
+
+/// Share of the samples that are exactly zero.
+fn standing_share(velocity_rad_s: ArrayView1<f64>) -> f64 {
+    let standing = velocity_rad_s.iter().filter(|&&y| y == 0.0);
+    standing.count() as f64 / velocity_rad_s.len().max(1) as f64
 }

@@ -24,10 +24,9 @@ impl Load {
     /// axis. Where the robot counts its positions from does not matter.
     #[must_use]
     pub fn of(record: &Record, start_rad: &[f64], pose_rad: &[f64]) -> Self {
-        let torque = record.u.rows().into_iter();
         Self {
             peaks: Peaks::of_record(record, start_rad, pose_rad),
-            torque_rms_nm: torque.map(|row| rms(&about_mean(row))).collect(),
+            torque_rms_nm: of_torques(record, rms),
         }
     }
 
@@ -35,16 +34,11 @@ impl Load {
     /// noise would be all that is left of them.
     #[must_use]
     pub fn with_motion(mut self, truth: &Trajectory) -> Self {
-        let slope = |signal: &Array2<f64>| {
-            let samples = signal.ncols().max(1);
-            let (after, before) = (s![.., 1..samples], s![.., ..samples - 1]);
-            (&signal.slice(after) - &signal.slice(before)) / truth.sample_time_s
-        };
-        let acceleration = slope(&truth.motor_velocity_rad_s);
-        let jerk = slope(&acceleration);
-        self.peaks
-            .set(Limit::Acceleration, largest_by_axis(&acceleration));
-        self.peaks.set(Limit::Jerk, largest_by_axis(&jerk));
+        let acceleration = slope(&truth.motor_velocity_rad_s, truth.sample_time_s);
+        let jerk = slope(&acceleration, truth.sample_time_s);
+        for (limit, signal) in [(Limit::Acceleration, acceleration), (Limit::Jerk, jerk)] {
+            self.peaks.set(limit, largest_by_axis(&signal));
+        }
         self
     }
 
@@ -66,13 +60,24 @@ impl Load {
     }
 }
 
+/// Slope of every channel from sample to sample.
+fn slope(signal: &Array2<f64>, sample_time_s: f64) -> Array2<f64> {
+    let samples = signal.ncols().max(1);
+    let (after, before) = (s![.., 1..samples], s![.., ..samples - 1]);
+    (&signal.slice(after) - &signal.slice(before)) / sample_time_s
+}
+
+/// A number of the torque about its mean, one for each axis.
+fn of_torques(record: &Record, number: impl Fn(&[f64]) -> f64) -> Vec<f64> {
+    let torques = record.u.rows().into_iter().map(about_mean);
+    torques.map(|torque| number(&torque)).collect()
+}
+
 /// Crest factor of the torque about its mean, one for each axis.
 pub(crate) fn crest_factors(record: &Record) -> Vec<f64> {
-    let of_axis = |row| {
-        let torque = about_mean(row);
-        crest_factor(sample_peak(&torque), rms(&torque))
-    };
-    record.u.rows().into_iter().map(of_axis).collect()
+    of_torques(record, |torque| {
+        crest_factor(sample_peak(torque), rms(torque))
+    })
 }
 
 /// The larger of two values of every axis.

@@ -26,20 +26,11 @@ impl PlannedRuns {
     /// # Errors
     /// [`ExperimentError`]: unreadable, damaged, or not what it should be.
     pub fn load(path: &Path) -> Result<Self, ExperimentError> {
-        if path
-            .extension()
-            .is_some_and(|extension| extension == "toml")
-        {
-            return Ok(Self {
-                experiment: Experiment::load(path)?,
-                plan: None,
-            });
+        if path.extension().is_some_and(|ending| ending == "toml") {
+            return Ok(Self::of(Experiment::load(path)?));
         }
         let plan = PlanFile::open(path)?;
-        let source = TomlText {
-            name: format!("experiment.toml in {}", path.display()),
-            text: plan.head.experiment_toml.clone(),
-        };
+        let source = TomlText::travelled_in(path, plan.head.experiment_toml.clone());
         Ok(Self {
             experiment: Experiment::new(source, Path::new(""))?,
             plan: Some(plan),
@@ -88,16 +79,14 @@ impl Experiment {
         overwrite: Overwrite,
         progress: Progress,
     ) -> Result<(), ExperimentError> {
-        let plan = &self.plan;
-        // repetitions share a reference: only the first of them is written
-        let ids: Vec<RunId> = plan.run_ids().filter(|id| id.repetition == 0).collect();
+        let ids = first_repetitions(&self.plan);
         let total = ids.len();
         let runs = ids.iter().enumerate().map(|(done, &id)| {
             if !progress(done, total) {
                 let interrupted = ExperimentError::Interrupted { done, total };
                 return Err(BoxError::from(interrupted));
             }
-            Ok(planned_run(plan, id)?)
+            Ok(planned_run(&self.plan, id)?)
         });
         Ok(write_plan(path, overwrite, &self.plan_head()?, runs)?)
     }
@@ -116,6 +105,11 @@ impl Experiment {
             experiment_toml: self.to_toml(),
         })
     }
+}
+
+/// One run of every reference: repetitions share theirs.
+pub(crate) fn first_repetitions(plan: &Plan) -> Vec<RunId> {
+    plan.run_ids().filter(|id| id.repetition == 0).collect()
 }
 
 /// A run with the number of its repetitions.

@@ -8,6 +8,9 @@ use frfid_signals::Plan;
 
 use crate::experiment::Experiment;
 
+/// Names and values that say where a file comes from.
+pub(crate) type Metadata = BTreeMap<String, String>;
+
 /// Key of the plan itself, as JSON.
 pub(crate) const PLAN: &str = "plan";
 /// Key of the hash of the plan: records with the same one belong together.
@@ -25,17 +28,21 @@ impl Experiment {
     /// Version, seed, hashes and the plan itself, as they stand in the metadata record `frfid` of
     /// plans and runs.
     #[must_use]
-    pub fn provenance(&self) -> BTreeMap<String, String> {
+    pub fn provenance(&self) -> Metadata {
         let plan = plan_json(&self.plan);
-        let entries = [
+        metadata([
             ("frfid_version", env!("CARGO_PKG_VERSION").to_owned()),
             ("seed", self.config.seed.to_string()),
             (CONFIG, self.config_sha256()),
             (DESIGN, sha256_hex(plan.as_bytes())),
             (PLAN, plan),
-        ];
-        entries.map(|(key, value)| (key.to_owned(), value)).into()
+        ])
     }
+}
+
+/// Names with their values.
+pub(crate) fn metadata<const N: usize>(entries: [(&str, String); N]) -> Metadata {
+    entries.map(|(name, value)| (name.to_owned(), value)).into()
 }
 
 /// The plan as JSON.

@@ -1,6 +1,7 @@
 //! Simulated robot that a description asks for, watched as a real one would be, and its
 //! linear truth.
 
+use std::iter::zip;
 use std::sync::Arc;
 
 use frfid_plant::{Hold, SimulatedRobot, Watch};
@@ -71,9 +72,12 @@ impl Experiment {
 
     /// Distance in rad from the pose to a position limit, one for each axis; `None` without one.
     fn room_rad(&self, side: Limit) -> Option<Vec<f64>> {
-        let positions = self.limits.get(side)?.iter().zip(&self.pose_rad);
-        let distance = |(limit, pose): (&f64, &f64)| (limit - pose).abs();
-        Some(positions.map(distance).collect())
+        let positions = zip(self.limits.get(side)?, &self.pose_rad);
+        Some(
+            positions
+                .map(|(limit, pose)| (limit - pose).abs())
+                .collect(),
+        )
     }
 }
 

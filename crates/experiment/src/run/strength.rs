@@ -34,9 +34,8 @@ impl Experiment {
     pub(crate) fn strength(&self, runs: &[Vec<AxisStrength>]) -> Option<Strength> {
         let coulomb_nm = self.robot.coulomb_nm();
         let axes = pooled_strength(runs, Some(&coulomb_nm))?;
-        let names: Vec<String> = (1..=axes.len())
-            .map(|axis| format!("axis {axis}"))
-            .collect();
+        let names = (1..=axes.len()).map(|axis| format!("axis {axis}"));
+        let names: Vec<String> = names.collect();
         let warnings = strength_warnings(&axes, &names, Some(&coulomb_nm));
         Some(Strength { axes, warnings })
     }
@@ -60,23 +59,13 @@ impl Strength {
     /// Whether the measured velocity kept the direction of the constant velocity; `None` without
     /// one.
     pub(crate) fn sign_check(&self) -> Option<Check> {
-        let crossing: Vec<bool> = self
-            .axes
-            .iter()
-            .filter_map(|axis| axis.crosses_zero)
-            .collect();
-        if crossing.is_empty() {
-            return None;
-        }
-        let slowest = self
-            .axes
-            .iter()
-            .map(|axis| format!("{:.4}", axis.slowest_rad_s))
-            .collect::<Vec<_>>()
-            .join(", ");
+        self.axes.iter().find_map(|axis| axis.crosses_zero)?;
+        let slowest = self.axes.iter().map(|axis| axis.slowest_rad_s);
+        let slowest: Vec<String> = slowest.map(|slowest| format!("{slowest:.4}")).collect();
+        let slowest = slowest.join(", ");
         Some(Check {
             name: "velocity keeps its sign".into(),
-            passed: crossing.iter().all(|crosses| !crosses),
+            passed: !self.crosses_zero(),
             found: format!("at the slowest {slowest} rad/s"),
             needed: "the direction of the constant velocity in every sample".into(),
             advice: "raise the constant velocity, or lower the excitation".into(),

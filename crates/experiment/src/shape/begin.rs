@@ -3,9 +3,10 @@
 
 use frfid_estimate::{EstimateError, ShapeError, ShapeOptions, Shaper, Target};
 use frfid_plant::Sensor;
-use frfid_signals::{Amplitude, Chirp, Excitation, Limit, Plan, Profile, RunId, RunKind};
+use frfid_signals::{Amplitude, Chirp, Excitation, Limit, Plan, Profile, RunId};
 use ndarray::{Array3, Axis};
 
+use crate::description::fault::check_entries;
 use crate::description::shape::ShapeTable;
 use crate::description::text::ConfigError;
 use crate::error::ExperimentError;
@@ -51,12 +52,13 @@ impl Experiment {
     /// As [`Experiment::shaper`].
     pub fn desired_signal(&self) -> Result<Array3<f64>, ExperimentError> {
         let (chirp, table) = self.shaped()?;
-        let chirp = Chirp {
-            amplitude: self.desired(table)?.1,
+        let (_, amplitude) = self.desired(table)?;
+        let desired = Chirp {
+            amplitude,
             ..chirp.clone()
         };
         experiments(&Plan {
-            excitation: Excitation::Chirp(chirp),
+            excitation: Excitation::Chirp(desired),
             ..self.plan.clone()
         })
     }
@@ -96,14 +98,11 @@ impl Experiment {
 
     /// Which signal is to follow, and its amplitude on each axis.
     fn desired(&self, table: &ShapeTable) -> Result<(Target, Vec<Profile>), ConfigError> {
-        let (target, key, amplitude) = match (&table.desired_nm, &table.desired_rad_s) {
-            (Some(torque), None) => (Target::Torque, "desired_nm", torque),
-            (None, Some(velocity)) => (Target::Velocity, "desired_rad_s", velocity),
-            _ => {
-                let message = "give the desired torque (desired_nm) or velocity (desired_rad_s), one of the two";
-                return Err(self.text.error(&["shape"], message));
-            }
-        };
+        let (target, key, amplitude) = table.desired().ok_or_else(|| {
+            let message =
+                "give the desired torque (desired_nm) or velocity (desired_rad_s), one of the two";
+            self.text.error(&["shape"], message)
+        })?;
         let profiles: Vec<Profile> = amplitude.iter().map(Amplitude::profile).collect();
         self.check_desired(key, &profiles)
             .and_then(|()| self.check_inside_limits(target, &profiles))
@@ -113,13 +112,7 @@ impl Experiment {
 
     /// Refuses amplitudes that are not one for each axis, of which one is not sound or nothing.
     fn check_desired(&self, key: &str, profiles: &[Profile]) -> Result<(), String> {
-        let n_axes = self.plan.n_inputs;
-        if profiles.len() != n_axes {
-            let found = profiles.len();
-            return Err(format!(
-                "{key} has {found} entries, needed: one for each of the {n_axes} axes"
-            ));
-        }
+        check_entries(key, profiles.len(), self.plan.n_inputs, "axes")?;
         for (axis, profile) in profiles.iter().enumerate() {
             profile.check().map_err(|error| error.to_string())?;
             if profile.peak() == 0.0 {
@@ -194,12 +187,7 @@ fn velocity_noise_rad_s(sensor: &Sensor, sample_time_s: f64) -> f64 {
 fn experiments(plan: &Plan) -> Result<Array3<f64>, ExperimentError> {
     let mut stacked = Array3::zeros((plan.n_experiments(), plan.n_inputs, plan.run_samples()?));
     for (experiment, mut to) in stacked.axis_iter_mut(Axis(0)).enumerate() {
-        let id = RunId {
-            kind: RunKind::Excitation,
-            realization: 0,
-            experiment,
-            repetition: 0,
-        };
+        let id = RunId::excitation(0, experiment, 0);
         to.assign(&plan.run(id)?.reference);
     }
     Ok(stacked)

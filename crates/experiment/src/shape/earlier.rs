@@ -15,21 +15,20 @@ pub(crate) fn check_same(
     now: &ShapeReport,
 ) -> Result<(), ExperimentError> {
     if before.config_sha256 != now.config_sha256 {
-        return Err(unfit(
+        return Err(ExperimentError::trail(
             &folder.join(FILE),
-            "the shaping of another description".into(),
+            "the shaping of another description",
             "one of this description",
             ANOTHER_FOLDER,
         ));
     }
     for (path, hash) in written(folder, before) {
         if path.exists() && sha256_file(&path)? != hash {
-            let advice = "put the original back; or delete it, and it is made again";
-            return Err(unfit(
+            return Err(ExperimentError::trail(
                 &path,
-                "another content".into(),
+                "another content",
                 "the file as it was written",
-                advice,
+                "put the original back; or delete it, and it is made again",
             ));
         }
     }
@@ -43,47 +42,48 @@ fn written<'a>(
 ) -> impl Iterator<Item = (PathBuf, &'a str)> {
     let best = report.frf_sha256.iter();
     let best = best.map(|hash| (folder.join(BEST), hash.as_str()));
-    let of_iteration = |iteration: &'a IterationReport| {
-        let folder = folder.join(iteration_name(iteration.number));
-        let files = iteration.files.iter();
-        files.map(move |(name, hash)| (folder.join(name), hash.as_str()))
-    };
-    best.chain(report.iterations.iter().flat_map(of_iteration))
+    let iterations = report.iterations.iter();
+    best.chain(iterations.flat_map(|iteration| files_of(folder, iteration)))
 }
 
-pub(crate) fn unfit(
-    path: &Path,
-    found: String,
-    needed: &'static str,
-    advice: &'static str,
-) -> ExperimentError {
-    ExperimentError::Trail {
-        path: path.to_owned(),
-        found,
-        needed,
-        advice,
-    }
+/// Every file of an iteration, with its hash.
+fn files_of<'a>(
+    folder: &Path,
+    iteration: &'a IterationReport,
+) -> impl Iterator<Item = (PathBuf, &'a str)> + use<'a> {
+    let folder = folder.join(iteration_name(iteration.number));
+    let files = iteration.files.iter();
+    files.map(move |(name, hash)| (folder.join(name), hash.as_str()))
 }
 
 /// Removes the best FRF and the iterations of an earlier shaping, of their folders what frfid wrote
 /// into them.
 pub(crate) fn clear(folder: &Path) -> Result<(), FileError> {
-    if folder.join(BEST).exists() {
-        remove(&folder.join(BEST))?;
+    let best = folder.join(BEST);
+    if best.exists() {
+        remove(&best)?;
     }
     for number in 1.. {
-        let iteration = folder.join(iteration_name(number));
-        let Ok(entries) = std::fs::read_dir(&iteration) else {
+        if !clear_iteration(&folder.join(iteration_name(number)))? {
             break;
-        };
-        for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
-            if is_ours(&path) {
-                remove(&path)?;
-            }
         }
-        std::fs::remove_dir(&iteration).ok(); // stays where somebody keeps files of his own in it
     }
     Ok(())
+}
+
+/// Removes what frfid wrote into the folder of an iteration, and the folder where nothing else is
+/// in it; returns whether there was one.
+fn clear_iteration(folder: &Path) -> Result<bool, FileError> {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return Ok(false);
+    };
+    for path in entries.filter_map(|entry| Some(entry.ok()?.path())) {
+        if is_ours(&path) {
+            remove(&path)?;
+        }
+    }
+    std::fs::remove_dir(folder).ok(); // stays where somebody keeps files of his own in it
+    Ok(true)
 }
 
 /// Whether a file in the folder of an iteration has a name that frfid gives, complete or not.

@@ -40,14 +40,8 @@ pub fn shape_to_folder(
     progress: Progress,
 ) -> Result<ShapeReport, ExperimentError> {
     let (shaper, shape_options) = experiment.shaper()?;
-    let model;
-    let testbed = match testbed {
-        Some(testbed) => testbed,
-        None => {
-            model = experiment.testbed();
-            &*model
-        }
-    };
+    let model = experiment.testbed();
+    let testbed = testbed.unwrap_or(&*model);
     let report = ShapeReport::begun(experiment, &shape_options);
     let trail = Trail::open(experiment, folder, options.jobs, options.overwrite, report)?;
     let mut player = Player {

@@ -1,6 +1,5 @@
 //! Files of one iteration of a shaping: FRFs, errors, and where they come from.
 
-use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -12,9 +11,10 @@ use frfid_signals::{Frf, Record, RunId};
 
 use crate::error::ExperimentError;
 use crate::estimate::estimator::Estimator;
-use crate::estimate::outcome::condition_check;
+use crate::estimate::outcome::{condition_check, log_hashes};
 use crate::experiment::Experiment;
 use crate::run::load::Load;
+use crate::run::provenance::Metadata;
 
 /// FRF from motor torque to motor velocity.
 const U_TO_Y: &str = "u_to_y.json";
@@ -36,7 +36,7 @@ pub(crate) fn iteration_name(number: usize) -> String {
 pub(crate) struct IterationFiles<'a> {
     experiment: &'a Experiment,
     /// Provenance of the experiment.
-    pub metadata: BTreeMap<String, String>,
+    pub metadata: Metadata,
     estimator: Estimator,
 }
 
@@ -56,10 +56,17 @@ impl<'a> IterationFiles<'a> {
         self.estimator.frf_of_experiments(records)
     }
 
+    /// The load of all runs of an iteration, which began at the pose.
+    fn load_of(&self, iteration: &estimate::Iteration) -> Option<Load> {
+        let pose_rad = &self.experiment.pose_rad;
+        let start_rad = vec![0.0; pose_rad.len()];
+        let load = |record| Load::of(record, &start_rad, pose_rad);
+        Load::largest(iteration.records.iter().map(load))
+    }
+
     /// Whether U of an iteration can be inverted well.
     pub(crate) fn condition_check(&self, frf: &Frf, iteration: &estimate::Iteration) -> Check {
-        let still = vec![0.0; self.experiment.plan.n_inputs];
-        let torques = largest_load(&iteration.records, &still).map(|load| load.torque_rms_nm);
+        let torques = self.load_of(iteration).map(|load| load.torque_rms_nm);
         condition_check(frf, &torques.unwrap_or_default())
     }
 
@@ -69,8 +76,8 @@ impl<'a> IterationFiles<'a> {
         iteration: &estimate::Iteration,
         frf: Option<Frf>,
         folder: &Path,
-    ) -> Result<BTreeMap<String, String>, ExperimentError> {
-        let mut names = run_names(iteration);
+    ) -> Result<Metadata, ExperimentError> {
+        let mut names: Vec<String> = run_names(iteration).collect();
         if let Some(frf) = frf {
             let checks = vec![self.condition_check(&frf, iteration)];
             let result = self.result(frf, iteration, folder, checks)?;
@@ -81,11 +88,7 @@ impl<'a> IterationFiles<'a> {
             self.write_response(estimate, folder)?;
             names.extend([RESPONSE.into(), ERRORS.into()]);
         }
-        let hashed = |name: String| {
-            let hash = sha256_file(&folder.join(&name))?;
-            Ok((name, hash))
-        };
-        names.into_iter().map(hashed).collect()
+        hashed(folder, names)
     }
 
     /// Writes the response from the reference and the errors over frequency.
@@ -108,29 +111,24 @@ impl<'a> IterationFiles<'a> {
         folder: &Path,
         checks: Vec<Check>,
     ) -> Result<ResultFile, ExperimentError> {
-        let pose = &self.experiment.pose_rad;
-        let load = largest_load(&iteration.records, pose);
+        let load = self.load_of(iteration);
         let mut result = ResultFile {
             checks,
             ..self.experiment.result(frf, load.as_ref())
         };
         let provenance = &mut result.provenance;
         provenance.insert("iteration".into(), iteration.number.to_string());
-        for name in run_names(iteration) {
-            let hash = sha256_file(&folder.join(&name))?;
-            provenance.insert(format!("sha256 of {name}"), hash);
-        }
+        let runs = run_names(iteration).map(|name| folder.join(name));
+        log_hashes(&runs.collect::<Vec<_>>(), provenance)?;
         Ok(result)
     }
 
     /// The response from the reference to the motor torque as a result.
     fn response(&self, frf: Frf) -> ResultFile {
         let joints = self.experiment.joint_names.clone();
-        let named = |quantity: &str| -> Vec<String> {
-            joints
-                .iter()
-                .map(|joint| format!("{joint} {quantity}"))
-                .collect()
+        let named = |quantity: &str| {
+            let names = joints.iter().map(|joint| format!("{joint} {quantity}"));
+            names.collect()
         };
         ResultFile {
             input_names: named("reference"),
@@ -143,37 +141,34 @@ impl<'a> IterationFiles<'a> {
     }
 }
 
-/// The load of all records, which began at the pose.
-fn largest_load(records: &[Record], pose_rad: &[f64]) -> Option<Load> {
-    let start_rad = vec![0.0; pose_rad.len()];
-    let load = |record| Load::of(record, &start_rad, pose_rad);
-    Load::largest(records.iter().map(load))
-}
-
 fn run_id(realization: usize, experiment: usize) -> RunId {
     RunId::excitation(realization, experiment, 0)
 }
 
+/// The hash of every file of these names.
+fn hashed(folder: &Path, names: Vec<String>) -> Result<Metadata, ExperimentError> {
+    names
+        .into_iter()
+        .map(|name| {
+            let hash = sha256_file(&folder.join(&name))?;
+            Ok((name, hash))
+        })
+        .collect()
+}
+
 /// Files of the runs of an iteration.
-fn run_names(iteration: &estimate::Iteration) -> Vec<String> {
+fn run_names(iteration: &estimate::Iteration) -> impl Iterator<Item = String> {
     let runs = 0..iteration.records.len();
     runs.map(|experiment| format!("{}.mcap", run_id(iteration.number, experiment)))
-        .collect()
 }
 
 /// The relative error of each axis and the condition number of U over frequency.
 fn errors_csv(estimate: &estimate::Estimate) -> String {
     let errors = &estimate.error_per_frequency;
-    let axes: String = (1..=errors.ncols())
-        .map(|axis| format!("error_axis_{axis},"))
-        .collect();
-    let mut text = format!("frequency_hz,{axes}condition\n");
-    let lines = estimate
-        .r_to_u
-        .frequency_hz
-        .iter()
-        .zip(errors.rows())
-        .zip(&estimate.condition);
+    let axes = (1..=errors.ncols()).map(|axis| format!("error_axis_{axis},"));
+    let mut text = format!("frequency_hz,{}condition\n", axes.collect::<String>());
+    let frequency_hz = estimate.r_to_u.frequency_hz.iter();
+    let lines = frequency_hz.zip(errors.rows()).zip(&estimate.condition);
     for ((hz, errors), condition) in lines {
         let errors: String = errors.iter().map(|error| format!("{error},")).collect();
         writeln!(text, "{hz},{errors}{condition}").expect("a text can always be written");

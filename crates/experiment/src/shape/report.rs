@@ -2,13 +2,15 @@
 //! give the same bytes.
 
 use std::collections::BTreeMap;
+use std::io::ErrorKind;
 use std::path::Path;
 
-use frfid_estimate::{Iteration, ShapeOptions, ShapePeaks, Shaped, Sticking, Stop, Target};
+use frfid_estimate::{Estimate, Iteration, ShapeOptions, ShapePeaks, Shaped, Target};
 use frfid_files::{Check, FileError};
 use serde::{Deserialize, Serialize};
 
 use crate::experiment::Experiment;
+use crate::shape::in_words::{code, in_words, per_axis};
 
 /// Name of the file in the folder of a shaping.
 pub(crate) const FILE: &str = "shape.json";
@@ -96,8 +98,7 @@ impl IterationReport {
             error: iteration.error(),
             axis_error: estimate.map(|estimate| estimate.channel_error.clone()),
             stuck_share: iteration.stuck_share.clone(),
-            condition: estimate
-                .map(|estimate| estimate.condition.iter().copied().fold(1.0, f64::max)),
+            condition: estimate.map(worst_condition),
             damping: iteration.damping,
             predicted: iteration.predicted.as_ref().map(ShapePeaks::from),
             peaks: ShapePeaks::from(&iteration.peaks),
@@ -106,6 +107,10 @@ impl IterationReport {
             files: BTreeMap::new(),
         }
     }
+}
+
+fn worst_condition(estimate: &Estimate) -> f64 {
+    estimate.condition.iter().copied().fold(1.0, f64::max)
 }
 
 impl ShapeReport {
@@ -140,26 +145,16 @@ impl ShapeReport {
     /// [`FileError::Io`], or [`FileError::Format`] for another kind of file.
     pub fn load(folder: &Path) -> Result<Option<Self>, FileError> {
         let path = folder.join(FILE);
-        let text = match std::fs::read(&path) {
-            Ok(text) => text,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
-            Err(error) => {
-                return Err(FileError::Io {
-                    path,
-                    action: "read",
-                    reason: error.to_string(),
-                });
-            }
+        let Some(text) = read_if_there(&path)? else {
+            return Ok(None);
         };
-        match Self::of_json(&text) {
-            Ok(report) => Ok(Some(report)),
-            Err(found) => Err(FileError::Format {
-                path,
-                found,
-                needed: "a shaping written by frfid (JSON, frfid-shape version 1)",
-                advice: ANOTHER_FOLDER.into(),
-            }),
-        }
+        let report = Self::of_json(&text).map_err(|found| FileError::Format {
+            path,
+            found,
+            needed: "a shaping written by frfid (JSON, frfid-shape version 1)",
+            advice: ANOTHER_FOLDER.into(),
+        })?;
+        Ok(Some(report))
     }
 
     /// The report that the file holds, or what it holds instead.
@@ -192,11 +187,8 @@ impl ShapeReport {
         self.best = Some(shaped.best.number);
         self.stop = Some(code(shaped.stop).into());
         self.stop_reason = Some(shaped.stop.to_string());
-        self.sticking = shaped
-            .sticking
-            .iter()
-            .map(|sticking| in_words(sticking, high_hz))
-            .collect();
+        let sticking = shaped.sticking.iter();
+        self.sticking = sticking.map(|axis| in_words(axis, high_hz)).collect();
         self.checks = vec![
             self.follows(shaped),
             self.moves(shaped),
@@ -206,15 +198,12 @@ impl ShapeReport {
     }
 
     fn follows(&self, shaped: &Shaped) -> Check {
-        let errors = shaped
-            .best
-            .estimate
-            .as_ref()
-            .map_or(Vec::new(), |estimate| estimate.channel_error.clone());
+        let estimate = shaped.best.estimate.as_ref();
+        let errors = estimate.map_or(&[][..], |estimate| &estimate.channel_error);
         Check {
             name: format!("{} as desired", self.target),
             passed: !errors.is_empty() && errors.iter().all(|&error| error <= self.good_enough),
-            found: format!("off by {}", per_axis(&errors)),
+            found: format!("off by {}", per_axis(errors)),
             needed: format!("{} % or less on every axis", 100.0 * self.good_enough),
             advice: "allow more iterations, or look at the notes of the iterations: which limit held the steps back?"
                 .into(),
@@ -233,13 +222,17 @@ impl ShapeReport {
         }
     }
 
-    fn kept_limits(&self) -> Check {
-        let outside: Vec<String> = self
-            .iterations
-            .iter()
+    /// Numbers of the iterations that exceeded a limit.
+    fn outside_limits(&self) -> Vec<String> {
+        let iterations = self.iterations.iter();
+        iterations
             .filter(|iteration| !iteration.within_limits)
             .map(|iteration| iteration.number.to_string())
-            .collect();
+            .collect()
+    }
+
+    fn kept_limits(&self) -> Check {
+        let outside = self.outside_limits();
         Check {
             name: "limits".into(),
             passed: outside.is_empty(),
@@ -254,46 +247,15 @@ impl ShapeReport {
     }
 }
 
-/// The reason of an end in one word.
-fn code(stop: Stop) -> &'static str {
-    match stop {
-        Stop::GoodEnough => "good-enough",
-        Stop::Sticking => "sticking",
-        Stop::RoseTwice => "rose-twice",
-        Stop::AllIterations => "all-iterations",
-        Stop::Watcher => "watcher",
+/// What a file holds; `None` where there is none.
+fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>, FileError> {
+    match std::fs::read(path) {
+        Ok(text) => Ok(Some(text)),
+        Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(FileError::Io {
+            path: path.to_owned(),
+            action: "read",
+            reason: error.to_string(),
+        }),
     }
-}
-
-/// Where an axis sticks, and why: axes from 1.
-fn in_words(sticking: &Sticking, band_high_hz: f64) -> String {
-    let &Sticking {
-        axis,
-        low_hz,
-        high_hz,
-        stuck_share,
-        rms_nm,
-        coulomb_nm,
-    } = sticking;
-    let place = if high_hz < 0.999 * band_high_hz {
-        format!("between {low_hz:.1} and {high_hz:.1} Hz")
-    } else {
-        format!("above {low_hz:.1} Hz")
-    };
-    let friction = coulomb_nm.map_or(String::new(), |nm| {
-        format!(" against {nm:.0} N m of friction")
-    });
-    let (axis, percent) = (axis + 1, 100.0 * stuck_share);
-    format!(
-        "axis {axis} sticks {place}: {percent:.0} % of the time, with a torque of {rms_nm:.0} N m rms{friction}"
-    )
-}
-
-/// Shares in %, axis by axis.
-fn per_axis(shares: &[f64]) -> String {
-    shares
-        .iter()
-        .map(|share| format!("{:.1} %", 100.0 * share))
-        .collect::<Vec<_>>()
-        .join(", ")
 }

@@ -15,8 +15,8 @@ use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::folder::run_file;
 use crate::run::parallel::{Progress, Steps, for_each};
-use crate::run::provenance::{CONFIG, DESIGN};
-use crate::shape::earlier::{check_same, clear, unfit};
+use crate::run::provenance::{CONFIG, DESIGN, Metadata};
+use crate::shape::earlier::{check_same, clear};
 use crate::shape::iteration_files::{BEST, IterationFiles, iteration_name};
 use crate::shape::report::{ANOTHER_FOLDER, FILE, IterationReport, ShapeReport};
 
@@ -121,14 +121,18 @@ impl<'a> Trail<'a> {
         let (file, losses) = read_run(path)?;
         if let Some(loss) = losses.first() {
             let advice = "delete it, and its run is done again";
-            return Err(unfit(path, loss.to_string(), "a whole recording", advice));
+            let found = loss.to_string();
+            return Err(ExperimentError::trail(
+                path,
+                found,
+                "a whole recording",
+                advice,
+            ));
         }
         let expected = self.metadata_of(run);
-        let differs = [CONFIG, REFERENCE]
-            .into_iter()
-            .find(|&key| file.metadata.get(key) != expected.get(key));
-        match differs {
-            Some(key) => Err(unfit(
+        let mut keys = [CONFIG, REFERENCE].into_iter();
+        match keys.find(|&key| file.metadata.get(key) != expected.get(key)) {
+            Some(key) => Err(ExperimentError::trail(
                 path,
                 format!("another {key}"),
                 "the run that follows from the iterations before it",
@@ -153,16 +157,12 @@ impl<'a> Trail<'a> {
 
     /// The provenance of a run. The design differs from iteration to iteration: their runs do not
     /// belong into one estimate.
-    fn metadata_of(&self, run: &Run) -> BTreeMap<String, String> {
+    fn metadata_of(&self, run: &Run) -> Metadata {
         let mut metadata = self.files.metadata.clone();
-        let design = format!(
-            "{:?} iteration {}",
-            metadata.get(DESIGN),
-            run.id.realization
-        );
+        let (design, iteration) = (metadata.get(DESIGN), run.id.realization);
+        let design = format!("{design:?} iteration {iteration}");
         metadata.insert(DESIGN.into(), sha256_hex(design.as_bytes()));
-        let reference: Vec<u8> = run.reference.iter().flat_map(|r| r.to_le_bytes()).collect();
-        metadata.insert(REFERENCE.into(), sha256_hex(&reference));
+        metadata.insert(REFERENCE.into(), reference_sha256(run));
         metadata
     }
 
@@ -176,29 +176,30 @@ impl<'a> Trail<'a> {
             None => self.files.write(iteration, frf, &folder)?,
         };
         self.report.iterations.push(report);
-        let before = self.before.as_ref();
-        let n_before = before.map_or(0, |before| before.iterations.len());
-        if self.report.iterations.len() > n_before {
+        if self.report.iterations.len() > self.n_before() {
             self.write_report()?;
         }
         Ok(())
+    }
+
+    /// Number of iterations that the folder held when it was opened.
+    fn n_before(&self) -> usize {
+        let before = self.before.as_ref();
+        before.map_or(0, |before| before.iterations.len())
     }
 
     /// The FRF from torque to velocity of an iteration whose runs went to their end, or a note why
     /// there is none.
     fn frf_of(&self, iteration: &Iteration, notes: &mut Vec<String>) -> Option<Frf> {
         iteration.estimate.as_ref()?;
-        match self.files.frf(&iteration.records) {
-            Ok(frf) => Some(frf),
-            Err(error) => {
-                notes.push(format!("no FRF from torque to velocity: {error}"));
-                None
-            }
-        }
+        self.files
+            .frf(&iteration.records)
+            .inspect_err(|error| notes.push(format!("no FRF from torque to velocity: {error}")))
+            .ok()
     }
 
     /// The files of an iteration with their hashes, if they were written before and are all there.
-    fn files_before(&self, number: usize, folder: &Path) -> Option<&BTreeMap<String, String>> {
+    fn files_before(&self, number: usize, folder: &Path) -> Option<&Metadata> {
         let known = self.before.as_ref()?.iterations.get(number - 1)?;
         let is_whole = known.files.keys().all(|name| folder.join(name).exists());
         is_whole.then_some(&known.files)
@@ -206,21 +207,23 @@ impl<'a> Trail<'a> {
 
     /// Writes the FRF of the best iteration and the end of the report.
     pub(crate) fn finish(mut self, shaped: &Shaped) -> Result<ShapeReport, ExperimentError> {
-        let (path, best) = (self.folder.join(BEST), &shaped.best);
+        let best = &shaped.best;
         let frf = self.files.frf(&best.records)?;
         let high_hz = frf.frequency_hz.last().copied().unwrap_or(f64::INFINITY);
-        self.report
-            .finish(shaped, high_hz, self.files.condition_check(&frf, best));
-        let result = self.files.result(
-            frf,
-            best,
-            &self.folder_of(best.number),
-            self.report.checks.clone(),
-        )?;
-        write_result(&path, Overwrite::Replace, &result)?;
-        self.report.frf_sha256 = Some(sha256_file(&path)?);
+        let condition = self.files.condition_check(&frf, best);
+        self.report.finish(shaped, high_hz, condition);
+        self.report.frf_sha256 = Some(self.write_best(frf, best)?);
         self.write_report()?;
         Ok(self.report)
+    }
+
+    /// Writes the FRF of the best iteration; returns the hash of its file.
+    fn write_best(&self, frf: Frf, best: &Iteration) -> Result<String, ExperimentError> {
+        let path = self.folder.join(BEST);
+        let (runs, checks) = (self.folder_of(best.number), self.report.checks.clone());
+        let result = self.files.result(frf, best, &runs, checks)?;
+        write_result(&path, Overwrite::Replace, &result)?;
+        Ok(sha256_file(&path)?)
     }
 
     fn folder_of(&self, iteration: usize) -> PathBuf {
@@ -228,12 +231,14 @@ impl<'a> Trail<'a> {
     }
 
     fn write_report(&self) -> Result<(), ExperimentError> {
-        Ok(write_bytes(
-            &self.folder.join(FILE),
-            Overwrite::Replace,
-            self.report.to_json().as_bytes(),
-        )?)
+        let (path, text) = (self.folder.join(FILE), self.report.to_json());
+        Ok(write_bytes(&path, Overwrite::Replace, text.as_bytes())?)
     }
+}
+
+fn reference_sha256(run: &Run) -> String {
+    let reference = run.reference.iter().flat_map(|r| r.to_le_bytes());
+    sha256_hex(&reference.collect::<Vec<u8>>())
 }
 
 /// An error of the runs of an iteration: an interruption is one of the shaping.

@@ -4,7 +4,7 @@ use frfid_estimate::{CompareOptions, Side, Verdict, compare};
 use frfid_report::Claim;
 
 use crate::against_truth::largest_relative_difference;
-use crate::section6::Section6;
+use crate::section6::{Pair, Section6};
 
 impl Section6 {
     /// Every claim that section 6 lets one check, with our number.
@@ -136,14 +136,11 @@ impl Section6 {
     }
 
     fn stiffness_claims(&self) -> Vec<Claim> {
-        let errors = self.stiffening.multisine.errors_db(1.0..=60.0);
+        let Pair { multisine, chirp } = &self.stiffening;
+        let errors = multisine.errors_db(1.0..=60.0);
         let largest = errors[errors.len() - 1];
         let verdict = self.stiffness_verdict();
-        let peak_hz = self
-            .stiffening
-            .chirp
-            .peak(8.0..=20.0)
-            .map_or(f64::NAN, |(hz, _)| hz);
+        let peak_hz = chirp.peak(8.0..=20.0).map_or(f64::NAN, |(hz, _)| hz);
         vec![
             Claim {
                 id: "5a",
@@ -172,22 +169,13 @@ impl Section6 {
     /// What the comparison of multisine and chirp says about the stiffness, the chirp being the
     /// stronger excitation.
     fn stiffness_verdict(&self) -> Option<Verdict> {
+        let Pair { multisine, chirp } = &self.stiffening;
         let options = CompareOptions {
             stronger: Some(Side::B),
             ..CompareOptions::default()
         };
-        let comparison = compare(
-            &self.stiffening.multisine.frf,
-            &self.stiffening.chirp.frf,
-            &options,
-        )
-        .ok()?;
-        let verdicts = comparison
-            .entries
-            .into_iter()
-            .flat_map(|entry| entry.verdicts);
-        verdicts
-            .into_iter()
-            .find(|verdict| matches!(verdict, Verdict::StiffnessGrowsWithDeflection { .. }))
+        let entries = compare(&multisine.frf, &chirp.frf, &options).ok()?.entries;
+        let mut verdicts = entries.into_iter().flat_map(|entry| entry.verdicts);
+        verdicts.find(|verdict| matches!(verdict, Verdict::StiffnessGrowsWithDeflection { .. }))
     }
 }

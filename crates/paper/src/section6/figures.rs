@@ -1,5 +1,7 @@
 //! Figures 4 and 5 of the paper and its section 6 in the report.
 
+use std::iter;
+
 use frfid_report::{Band, Curve, Labels, Part, Responses, Style, bode};
 
 use crate::against_truth::Measured;
@@ -22,49 +24,40 @@ impl Section6 {
 
     /// Figure 4.
     fn friction_figure(&self) -> Result<Named, PaperError> {
-        let (linear, friction) = (&self.linear, &self.friction);
-        let curves = [
-            self.exact(),
-            estimate("multisine, no friction", &linear.multisine, Style::Markers),
-            estimate("chirp, no friction", &linear.chirp, Style::Line),
-            estimate("multisine, 50 N m", &friction.multisine, Style::Markers),
-            estimate("chirp, 50 N m", &friction.chirp, Style::Line),
-        ];
-        Ok(Named {
-            name: "figure_4_friction",
-            caption: "Figure 4: influence of Coulomb friction. The multisine is too weak and loses the resonance, the chirp is only damped.".into(),
-            figure: bode(&curves, 0, 0, &labels())?,
-        })
+        self.figure(
+            "figure_4_friction",
+            "Figure 4: influence of Coulomb friction. The multisine is too weak and loses the resonance, the chirp is only damped.",
+            &[("no friction", &self.linear), ("50 N m", &self.friction)],
+        )
     }
 
     /// The same friction on a constant velocity, which the paper reports in words.
     fn constant_velocity_figure(&self) -> Result<Named, PaperError> {
-        let Pair { multisine, chirp } = &self.gliding;
-        let curves = [
-            self.exact(),
-            estimate("multisine, 50 N m, 0.25 rad/s", multisine, Style::Markers),
-            estimate("chirp, 50 N m, 0.25 rad/s", chirp, Style::Line),
-        ];
-        Ok(Named {
-            name: "figure_4b_constant_velocity",
-            caption: "Not depicted in the paper: the same friction, the excitation on a constant velocity of 0.25 rad/s. Friction drops out.".into(),
-            figure: bode(&curves, 0, 0, &labels())?,
-        })
+        self.figure(
+            "figure_4b_constant_velocity",
+            "Not depicted in the paper: the same friction, the excitation on a constant velocity of 0.25 rad/s. Friction drops out.",
+            &[("50 N m, 0.25 rad/s", &self.gliding)],
+        )
     }
 
     /// Figure 5.
     fn stiffness_figure(&self) -> Result<Named, PaperError> {
-        let Pair { multisine, chirp } = &self.stiffening;
-        let curves = [
-            self.exact(),
-            estimate("multisine, k2 = 1.7 k1", multisine, Style::Markers),
-            estimate("chirp, k2 = 1.7 k1", chirp, Style::Line),
-        ];
-        Ok(Named {
-            name: "figure_5_stiffness",
-            caption: "Figure 5: influence of a stiffness that grows with deflection (k2 = 1.7 k1). Only the chirp reaches the stiffer part: its resonance is warped upwards.".into(),
-            figure: bode(&curves, 0, 0, &labels())?,
-        })
+        self.figure(
+            "figure_5_stiffness",
+            "Figure 5: influence of a stiffness that grows with deflection (k2 = 1.7 k1). Only the chirp reaches the stiffer part: its resonance is warped upwards.",
+            &[("k2 = 1.7 k1", &self.stiffening)],
+        )
+    }
+
+    /// A figure of the truth and the estimates of joints, each with its name.
+    fn figure(
+        &self,
+        name: &'static str,
+        caption: &str,
+        joints: &[(&str, &Pair)],
+    ) -> Result<Named, PaperError> {
+        let figure = bode(&self.curves(joints), 0, 0, &labels())?;
+        Ok(Named::new(name, caption, figure))
     }
 
     /// Section 6 as a part of the report: the figures and the responses to look into.
@@ -81,38 +74,35 @@ impl Section6 {
             tables: Vec::new(),
             responses: Some(Responses {
                 title: "Frequency responses".into(),
-                curves: self.curves_to_look_into(),
+                curves: self.curves(&[
+                    ("50 N m", &self.friction),
+                    ("k2 = 1.7 k1", &self.stiffening),
+                ]),
                 labels: labels(),
             }),
             figures: figures.iter().map(Named::captioned).collect(),
         }
     }
 
-    /// The curves of the page's interactive diagram.
-    fn curves_to_look_into(&self) -> Vec<Curve<'_>> {
-        let (friction, stiffening) = (&self.friction, &self.stiffening);
-        vec![
-            self.exact(),
-            estimate("multisine, 50 N m", &friction.multisine, Style::Markers),
-            estimate("chirp, 50 N m", &friction.chirp, Style::Line),
+    /// The truth and, of each joint, what multisine and chirp find.
+    fn curves<'a>(&'a self, joints: &[(&str, &'a Pair)]) -> Vec<Curve<'a>> {
+        let exact = Curve::new("linear joint, exact", &self.truth, Style::Reference);
+        let found = joints.iter().flat_map(|(joint, pair)| pair.curves(joint));
+        iter::once(exact).chain(found).collect()
+    }
+}
+
+impl Pair {
+    /// Both estimates of a joint of this name.
+    fn curves(&self, joint: &str) -> [Curve<'_>; 2] {
+        [
             estimate(
-                "multisine, k2 = 1.7 k1",
-                &stiffening.multisine,
+                format!("multisine, {joint}"),
+                &self.multisine,
                 Style::Markers,
             ),
-            estimate("chirp, k2 = 1.7 k1", &stiffening.chirp, Style::Line),
+            estimate(format!("chirp, {joint}"), &self.chirp, Style::Line),
         ]
-    }
-
-    /// The truth, which every figure shows.
-    fn exact(&self) -> Curve<'_> {
-        Curve {
-            label: "linear joint, exact".into(),
-            frf: &self.truth,
-            style: Style::Reference,
-            band: Band::None,
-            flagged: None,
-        }
     }
 }
 
@@ -122,12 +112,9 @@ fn labels() -> Labels {
 }
 
 /// An estimate with its 95 % region of noise and nonlinear distortion.
-fn estimate<'a>(label: &str, measured: &'a Measured, style: Style) -> Curve<'a> {
+fn estimate(label: String, measured: &Measured, style: Style) -> Curve<'_> {
     Curve {
-        label: label.into(),
-        frf: &measured.frf,
-        style,
         band: Band::Total,
-        flagged: None,
+        ..Curve::new(label, &measured.frf, style)
     }
 }

@@ -6,7 +6,7 @@ pub(crate) mod figures;
 pub(crate) mod variant;
 
 use frfid_experiment::{ExperimentError, Progress};
-use frfid_signals::{Draw, Excitation, Frf, log_spaced, power};
+use frfid_signals::{Frf, log_spaced, power};
 use ndarray::Array3;
 
 use crate::against_truth::Measured;
@@ -109,18 +109,10 @@ impl Series<'_> {
 /// (SK15 section 6.1).
 fn power_share() -> Result<Vec<f64>, ExperimentError> {
     let chirp_power = mean_power(&LINEAR.experiment("chirp")?.plan().period(0)?);
-    let experiment = LINEAR.experiment("multisine")?;
-    let plan = experiment.plan();
-    let Excitation::Multisine(signal) = &plan.excitation else {
-        return Ok(Vec::new());
-    };
+    let multisine = LINEAR.experiment("multisine")?;
     let share = |realization| {
-        let drawn = signal.realize(&Draw {
-            seed: plan.seed,
-            realization,
-            phasing: plan.phasing,
-        })?;
-        Ok(mean_power(&drawn.signal) / chirp_power)
+        let drawn = multisine.plan().period(realization)?;
+        Ok(mean_power(&drawn) / chirp_power)
     };
     let mut shares = (0..1000)
         .map(share)

@@ -100,6 +100,11 @@ impl ShapedChirps {
             iterations: shaped.iterations,
         })
     }
+
+    /// The iteration that came closest.
+    pub(crate) fn best_iteration(&self) -> &Summary {
+        &self.iterations[self.best - 1]
+    }
 }
 
 /// Number and FRF of an iteration.

@@ -5,12 +5,13 @@ use std::iter::zip;
 use frfid_estimate::Summary;
 use frfid_report::Claim;
 
+use crate::against_truth::relative_differences;
 use crate::section7::Section7;
 use crate::section7::chirps::ShapedChirps;
 use crate::section7::frf_errors::{
-    cross_errors_db, diagonal_errors_db, disagreement_db, levels_below, middle, peaks,
-    relative_errors, spikes_db,
+    cross_errors_db, diagonal_errors_db, disagreement_db, levels_below, middle, peaks, spikes_db,
 };
+use crate::section7::lists::{joined, list};
 
 impl Section7 {
     /// Every claim that section 7 lets one check, with our number.
@@ -48,7 +49,7 @@ impl Section7 {
             &campaign.in_time,
             &campaign.by_position,
         ]
-        .map(|frf| middle(relative_errors(frf, &campaign.truth)));
+        .map(|frf| middle(relative_differences(frf, &campaign.truth)));
         Claim {
             id: "6b",
             statement: "Subtraction by motor position is better than in time (ours)",
@@ -64,7 +65,7 @@ impl Section7 {
     }
 
     fn shaping_claim(&self) -> Claim {
-        let both = [&self.orthogonal, &self.sign_flip].map(BestIteration::of);
+        let both = self.shaped().map(BestIteration::of);
         let [orthogonal, sign_flip] = &both;
         let all_stuck_first = self.sign_flip.iterations[0]
             .stuck_share
@@ -112,9 +113,11 @@ impl Section7 {
     }
 
     fn cross_channel_claim(&self) -> Claim {
-        let [orthogonal, sign_flip] =
-            [&self.orthogonal, &self.sign_flip].map(|chirps| disagreement_db(&chirps.frf, 0, 1));
-        let [orthogonal_error, sign_flip_error] = [&self.orthogonal, &self.sign_flip]
+        let [orthogonal, sign_flip] = self
+            .shaped()
+            .map(|chirps| disagreement_db(&chirps.frf, 0, 1));
+        let [orthogonal_error, sign_flip_error] = self
+            .shaped()
             .map(|chirps| middle(cross_errors_db(&chirps.frf, &chirps.truth)));
         Claim {
             id: "8",
@@ -142,12 +145,17 @@ impl Section7 {
             found: format!(
                 "diagonal entries of the chirp off by {difference:.2} dB (median); its peaks {} dB below the truth, the \
                  multisine's {} dB; peaks shifted by {} %",
-                list(levels_below(&chirp, &truth)),
-                list(levels_below(&multisine, &truth)),
-                list(shifts.iter().map(|shift| 100.0 * shift))
+                list(levels_below(&chirp, &truth), 1),
+                list(levels_below(&multisine, &truth), 1),
+                list(shifts.iter().map(|shift| 100.0 * shift), 1)
             ),
             holds: difference < 1.5 && shifts.iter().all(|shift| shift.abs() < 0.04) && are_lower,
         }
+    }
+
+    /// The shaped chirps of both phasings, SK15 (9) and (26).
+    fn shaped(&self) -> [&ShapedChirps; 2] {
+        [&self.orthogonal, &self.sign_flip]
     }
 
     fn robot_time_claim(&self) -> Claim {
@@ -182,7 +190,7 @@ struct BestIteration {
 
 impl BestIteration {
     fn of(chirps: &ShapedChirps) -> Self {
-        let best = &chirps.iterations[chirps.best - 1];
+        let best = chirps.best_iteration();
         Self {
             error: best.error.unwrap_or(f64::INFINITY),
             worst_axis: worst_axis(best).unwrap_or(f64::INFINITY),
@@ -199,27 +207,11 @@ impl BestIteration {
 
 /// Error of the axis that follows worst.
 fn worst_axis(iteration: &Summary) -> Option<f64> {
-    iteration
-        .channel_error
-        .as_ref()?
-        .iter()
-        .copied()
-        .reduce(f64::max)
-}
-
-/// Numbers with one decimal, separated by commas.
-fn list(values: impl Iterator<Item = f64>) -> String {
-    values
-        .map(|value| format!("{value:.1}"))
-        .collect::<Vec<_>>()
-        .join(", ")
+    let errors = iteration.channel_error.as_ref()?;
+    errors.iter().copied().reduce(f64::max)
 }
 
 /// Shares as whole percents, separated by commas.
 fn percents(shares: &[f64]) -> String {
-    shares
-        .iter()
-        .map(|share| format!("{:.0} %", 100.0 * share))
-        .collect::<Vec<_>>()
-        .join(", ")
+    joined(shares.iter().map(|share| format!("{:.0} %", 100.0 * share)))
 }

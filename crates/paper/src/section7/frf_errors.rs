@@ -3,15 +3,9 @@
 use std::iter::zip;
 
 use frfid_signals::{Frf, median};
+use num_complex::Complex64;
 
-/// |G - P| / |P| of every entry and line.
-pub(crate) fn relative_errors(frf: &Frf, truth: &Frf) -> Vec<f64> {
-    frf.response
-        .iter()
-        .zip(&truth.response)
-        .map(|(g, p)| (g - p).norm() / p.norm())
-        .collect()
-}
+use crate::against_truth::levels_db;
 
 /// |20 lg |G/P|| of the diagonal entries.
 pub(crate) fn diagonal_errors_db(frf: &Frf, truth: &Frf) -> Vec<f64> {
@@ -28,9 +22,13 @@ fn errors_db(frf: &Frf, truth: &Frf, chosen: impl Fn(usize, usize) -> bool) -> V
     let entries = frf.response.indexed_iter().zip(&truth.response);
     let chosen = entries.filter(|(((_, output, input), _), _)| chosen(*output, *input));
     chosen
-        .map(|((_, g), p)| (20.0 * (g.norm() / p.norm()).log10()).abs())
-        .filter(|error| error.is_finite())
+        .filter_map(|((_, g), p)| difference_db(*g, *p))
         .collect()
+}
+
+/// |20 lg |A/B||, where it is finite.
+fn difference_db(a: Complex64, b: Complex64) -> Option<f64> {
+    Some((20.0 * (a.norm() / b.norm()).log10()).abs()).filter(|difference| difference.is_finite())
 }
 
 /// Largest difference in dB between two estimates over the diagonal entries.
@@ -43,12 +41,7 @@ pub(crate) fn spikes_db(frf: &Frf, smooth: &Frf) -> f64 {
 /// Median of |20 lg |G_ab / G_ba|| over the frequencies.
 pub(crate) fn disagreement_db(frf: &Frf, a: usize, b: usize) -> f64 {
     let lines = frf.response.outer_iter();
-    middle(
-        lines
-            .map(|g| (20.0 * (g[[a, b]].norm() / g[[b, a]].norm()).log10()).abs())
-            .filter(|x| x.is_finite())
-            .collect(),
-    )
+    middle(lines.filter_map(|g| difference_db(g[[a, b]], g[[b, a]])))
 }
 
 /// Frequency in Hz and magnitude in dB of the highest peak of every diagonal entry.
@@ -59,12 +52,7 @@ pub(crate) fn peaks(frf: &Frf) -> Vec<(f64, f64)> {
 /// The highest peak of a diagonal entry above 10 Hz, where the rigid robot's own slope no longer
 /// reaches it.
 fn peak(frf: &Frf, axis: usize) -> (f64, f64) {
-    let levels = frf
-        .frequency_hz
-        .iter()
-        .copied()
-        .zip(frf.magnitude_db(axis, axis))
-        .filter(|(hz, _)| *hz > 10.0);
+    let levels = levels_db(frf, axis).filter(|(hz, _)| *hz > 10.0);
     levels.fold((f64::NAN, f64::NEG_INFINITY), |highest, level| {
         if level.1 > highest.1 { level } else { highest }
     })
@@ -79,6 +67,6 @@ pub(crate) fn levels_below(
 }
 
 /// The median; NaN without values.
-pub(crate) fn middle(values: Vec<f64>) -> f64 {
-    median(values).unwrap_or(f64::NAN)
+pub(crate) fn middle(values: impl IntoIterator<Item = f64>) -> f64 {
+    median(values.into_iter().collect()).unwrap_or(f64::NAN)
 }

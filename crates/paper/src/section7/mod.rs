@@ -5,6 +5,7 @@ pub(crate) mod chirps;
 pub(crate) mod claims;
 pub(crate) mod figures;
 pub(crate) mod frf_errors;
+pub(crate) mod lists;
 pub(crate) mod multisine;
 
 use frfid_estimate::Summary;

@@ -95,13 +95,18 @@ fn measured_in_three_ways(
 
 /// The linear truths at poses from the start of a run to its end.
 fn along_the_way(experiment: &Experiment, hz: &[f64]) -> Result<Vec<Frf>, ExperimentError> {
-    let start_rad = experiment.plan().start_rad()?;
     let truth = |number: usize| {
         let share = 1.0 - 2.0 * number as f64 / (POSES - 1) as f64;
-        let ways = experiment.pose_rad().iter().zip(&start_rad);
-        let pose_rad = ways.map(|(pose, start)| pose + share * start).collect();
+        let pose_rad = pose_at(experiment, share)?;
         let there = experiment.with(|config| config.robot.pose_rad = Some(pose_rad))?;
         Ok(there.truth(hz, Hold::Zoh, true)?)
     };
     (0..POSES).map(truth).collect()
+}
+
+/// The pose in rad at a share of the way, from 1 at the start of a run to -1 at its end.
+fn pose_at(experiment: &Experiment, share: f64) -> Result<Vec<f64>, ExperimentError> {
+    let start_rad = experiment.plan().start_rad()?;
+    let ways = experiment.pose_rad().iter().zip(&start_rad);
+    Ok(ways.map(|(pose, start)| pose + share * start).collect())
 }

@@ -11,7 +11,7 @@ use crate::figure::drawing::Align;
 use crate::figure::geometry::{Point, Rect};
 use crate::figure::ink::{Ink, LIMIT, MARKERS};
 use crate::figure::legend::Legend;
-use crate::figure::panel::{BELOW, GAP, LABEL_SIZE, LEFT, Panel, RIGHT};
+use crate::figure::panel::{GAP, LABEL_SIZE, LEFT, Panel, Value};
 use crate::validation;
 
 /// Heights of the titles, of the panels of errors and of those of stuck shares, in pixels.
@@ -64,26 +64,30 @@ pub fn convergence(
 /// Refuses no procedures, no axes, and procedures with another number of axes.
 fn check(procedures: &[Procedure], axes: &[String]) -> Result<(), ReportError> {
     let figure = "a figure of convergence";
-    let empty = |missing| Err(ReportError::Empty { figure, missing });
     if axes.is_empty() {
-        return empty("axes");
+        return Err(ReportError::empty(figure, "axes"));
     }
     if procedures.is_empty() {
-        return empty("procedures");
+        return Err(ReportError::empty(figure, "procedures"));
     }
-    for procedure in procedures {
-        let label = &procedure.label;
-        let found = procedure.error.ncols();
-        validation::length(&format!("axes of \"{label}\""), found, axes.len())?;
-        if let Some(stuck) = &procedure.stuck {
-            validation::length(
-                &format!("axes of the stuck share of \"{label}\""),
-                stuck.ncols(),
-                axes.len(),
-            )?;
-        }
+    let mut procedures = procedures.iter();
+    procedures.try_for_each(|procedure| procedure.check(axes.len()))
+}
+
+impl Procedure {
+    fn n_iterations(&self) -> usize {
+        self.error.nrows()
     }
-    Ok(())
+
+    /// Refuses another number of axes.
+    fn check(&self, n_axes: usize) -> Result<(), ReportError> {
+        let of_error = format!("axes of \"{}\"", self.label);
+        validation::length(&of_error, self.error.ncols(), n_axes)?;
+        let of_stuck = format!("axes of the stuck share of \"{}\"", self.label);
+        self.stuck
+            .iter()
+            .try_for_each(|stuck| validation::length(&of_stuck, stuck.ncols(), n_axes))
+    }
 }
 
 /// The layout of a figure.
@@ -102,23 +106,18 @@ impl Sheet<'_> {
     fn draw(&self) -> Figure {
         let across = self.axes.len() as f64 * (self.width + GAP) - GAP;
         let legend = self.legend(across);
-        let top = 8.0 + legend.height() + TITLE;
-        let below = if self.shows_stuck() { GAP + STUCK } else { 0.0 };
-        let mut figure = Figure::new(LEFT + across + RIGHT, top + ERROR + below + BELOW);
-        legend.draw(&mut figure, LEFT, 8.0);
+        let stuck = if self.shows_stuck() { GAP + STUCK } else { 0.0 };
+        let mut figure = legend.figure(across, TITLE + ERROR + stuck);
         for axis in 0..self.axes.len() {
             let left = LEFT + axis as f64 * (self.width + GAP);
-            self.column(&mut figure, (left, top), axis);
+            self.column(&mut figure, (left, legend.bottom() + TITLE), axis);
         }
         figure
     }
 
     fn legend(&self, width: f64) -> Legend<'_> {
-        let labels = self
-            .procedures
-            .iter()
-            .map(|procedure| procedure.label.as_str());
-        let entries = labels.zip(self.inks.iter().copied());
+        let procedures = self.procedures.iter().zip(&self.inks);
+        let entries = procedures.map(|(procedure, ink)| (procedure.label.as_str(), *ink));
         Legend::new(entries.chain([("limit", LIMIT)]), width)
     }
 
@@ -170,30 +169,22 @@ impl Sheet<'_> {
         let errors = self
             .procedures
             .iter()
-            .flat_map(|procedure| procedure.error.iter());
-        let all = errors
-            .chain(self.error_limits)
-            .filter(|share| share.is_finite());
-        Axis::upright_log(all.map(|share| percent(*share)), ERROR)
+            .flat_map(|procedure| &procedure.error);
+        let all = errors.chain(self.error_limits).copied();
+        Axis::upright_log(all.filter(|share| share.is_finite()).map(percent), ERROR)
     }
 
     /// One axis for the stuck shares of all columns, in %, from 0.
     fn stuck_axis(&self) -> Axis {
-        let shares = self
-            .procedures
-            .iter()
-            .filter_map(|procedure| procedure.stuck.as_ref())
-            .flatten();
-        let all = shares.chain(&self.stuck_limit).chain(&[0.0]);
+        let procedures = self.procedures.iter();
+        let shares = procedures.filter_map(|procedure| procedure.stuck.as_ref());
+        let all = shares.flatten().chain(&self.stuck_limit).chain(&[0.0]);
         Axis::linear(all.map(|share| 100.0 * share), STUCK)
     }
 
     /// A panel over the iterations.
     fn panel(&self, (x, y): Point, height: f64, vertical: Axis) -> Panel {
-        let iterations = self
-            .procedures
-            .iter()
-            .map(|procedure| procedure.error.nrows());
+        let iterations = self.procedures.iter().map(Procedure::n_iterations);
         Panel {
             rect: Rect {
                 x,
@@ -220,8 +211,7 @@ impl Sheet<'_> {
                 panel.curve(figure, &ends, &LIMIT);
             }
             for (procedure, ink) in self.procedures.iter().zip(&self.inks) {
-                let n_iterations = procedure.error.nrows();
-                let values = over_iterations(n_iterations, |k| share(procedure, k));
+                let values = over_iterations(procedure, &share);
                 panel.curve(figure, &values, ink);
             }
         });
@@ -229,9 +219,12 @@ impl Sheet<'_> {
 }
 
 /// Shares in % over the number of the iteration, NaN where they are not known.
-fn over_iterations(n_iterations: usize, share: impl Fn(usize) -> Option<f64>) -> Vec<(f64, f64)> {
-    let known = |k: usize| share(k).filter(|share| share.is_finite());
-    (0..n_iterations)
+fn over_iterations(
+    procedure: &Procedure,
+    share: impl Fn(&Procedure, usize) -> Option<f64>,
+) -> Vec<Value> {
+    let known = |k| share(procedure, k).filter(|share| share.is_finite());
+    (0..procedure.n_iterations())
         .map(|k| ((k + 1) as f64, known(k).map_or(f64::NAN, percent)))
         .collect()
 }
@@ -245,11 +238,9 @@ fn percent(share: f64) -> f64 {
 fn marked_inks(count: usize) -> Vec<Ink> {
     let lines = inks(std::iter::repeat_n(Style::Line, count)).into_iter();
     let markers = MARKERS.into_iter().cycle();
-    lines
-        .zip(markers)
-        .map(|(ink, marker)| Ink {
-            marker: Some(marker),
-            ..ink
-        })
-        .collect()
+    let marked = |(ink, marker)| Ink {
+        marker: Some(marker),
+        ..ink
+    };
+    lines.zip(markers).map(marked).collect()
 }

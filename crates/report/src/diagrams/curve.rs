@@ -1,6 +1,7 @@
 //! Curves of Bode diagrams: FRFs with their names, how each is drawn, and their 95 % regions.
 
 use frfid_signals::{Frf, Uncertainty};
+use ndarray::s;
 
 use crate::diagrams::style::Style;
 
@@ -32,7 +33,19 @@ pub struct Curve<'a> {
     pub flagged: Option<Vec<bool>>,
 }
 
-impl Curve<'_> {
+impl<'a> Curve<'a> {
+    /// An FRF without its uncertainty, every line of it sound.
+    #[must_use]
+    pub fn new(label: impl Into<String>, frf: &'a Frf, style: Style) -> Self {
+        Self {
+            label: label.into(),
+            frf,
+            style,
+            band: Band::None,
+            flagged: None,
+        }
+    }
+
     /// Number of outputs and inputs.
     pub(crate) fn size(&self) -> (usize, usize) {
         (self.frf.n_outputs(), self.frf.n_inputs())
@@ -41,6 +54,17 @@ impl Curve<'_> {
     /// Whether the line of that number is not to be trusted.
     pub(crate) fn is_flagged(&self, k: usize) -> bool {
         self.flagged.as_ref().is_some_and(|flagged| flagged[k])
+    }
+
+    /// Whether any line is not to be trusted.
+    pub(crate) fn has_flags(&self) -> bool {
+        self.flagged.iter().flatten().any(|is_flagged| *is_flagged)
+    }
+
+    /// |G| of one entry over frequency.
+    pub(crate) fn sizes(&self, (output, input): (usize, usize)) -> impl Iterator<Item = f64> {
+        let entry = self.frf.response.slice(s![.., output, input]);
+        entry.into_iter().map(|value| value.norm())
     }
 
     /// Radius of the 95 % region of one entry over frequency, for the band asked for; `None` where
@@ -53,8 +77,9 @@ impl Curve<'_> {
             Band::Total => (frf.total.as_ref()?, frf.total_variance()?),
         };
         let factor = confidence_radius(known)?;
-        let radius = |k: usize| factor * variance[[k, output, input]].max(0.0).sqrt();
-        Some((0..frf.n_frequencies()).map(radius).collect())
+        let variances = variance.slice(s![.., output, input]);
+        let radius = |variance: &f64| factor * variance.max(0.0).sqrt();
+        Some(variances.iter().map(radius).collect())
     }
 }
 

@@ -15,11 +15,9 @@ impl Labels {
     /// Motor torques `τ1`, `τ2`, ... to motor velocities `dq1/dt`, `dq2/dt`, ... in rad/s per N m.
     #[must_use]
     pub fn torque_to_velocity(n_outputs: usize, n_inputs: usize) -> Self {
-        let inputs = (1..=n_inputs).map(|k| format!("τ{k}")).collect();
-        let outputs = (1..=n_outputs).map(|k| format!("dq{k}/dt")).collect();
         Self {
-            inputs,
-            outputs,
+            inputs: (1..=n_inputs).map(|k| format!("τ{k}")).collect(),
+            outputs: (1..=n_outputs).map(|k| format!("dq{k}/dt")).collect(),
             gain_unit: "rad/s per N m".to_owned(),
         }
     }

@@ -32,6 +32,16 @@ pub struct Mark {
 }
 
 impl Mark {
+    /// Its output and input.
+    pub(crate) fn entry(&self) -> (usize, usize) {
+        (self.output, self.input)
+    }
+
+    /// Its frequency in Hz and magnitude in dB.
+    pub(crate) fn place(&self) -> (f64, f64) {
+        (self.frequency_hz, self.magnitude_db)
+    }
+
     /// Its ink, in a figure with curves of these inks.
     pub(crate) fn ink(&self, curves: &[Ink]) -> Ink {
         let marker = match self.shape {

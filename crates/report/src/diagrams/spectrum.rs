@@ -6,11 +6,13 @@ use crate::figure::axis::Axis;
 use crate::figure::geometry::Rect;
 use crate::figure::ink::{COLORS, Ink, Marker, Pen};
 use crate::figure::legend::Legend;
-use crate::figure::panel::{BELOW, LEFT, Panel, RIGHT};
+use crate::figure::panel::{LEFT, Panel};
 use crate::validation;
 
 const WIDTH: f64 = 540.0;
 const HEIGHT: f64 = 210.0;
+/// Room between the legend and the panel.
+const ABOVE: f64 = 8.0;
 const GREY: &str = "#888888";
 
 /// What a line of the period is for.
@@ -44,10 +46,8 @@ pub struct SpectralLine {
 pub fn spectrum(lines: &[SpectralLine], label: &str) -> Result<Figure, ReportError> {
     check(lines)?;
     let legend = legend(lines);
-    let top = 16.0 + legend.height();
-    let mut figure = Figure::new(LEFT + WIDTH + RIGHT, top + HEIGHT + BELOW);
-    legend.draw(&mut figure, LEFT, 8.0);
-    let panel = panel(lines, top);
+    let mut figure = legend.figure(WIDTH, ABOVE + HEIGHT);
+    let panel = panel(lines, legend.bottom() + ABOVE);
     panel.draw(&mut figure, |figure| {
         for line in lines {
             draw_line(figure, &panel, line);
@@ -61,10 +61,7 @@ pub fn spectrum(lines: &[SpectralLine], label: &str) -> Result<Figure, ReportErr
 /// Refuses no lines, and frequencies that a logarithmic axis cannot hold.
 fn check(lines: &[SpectralLine]) -> Result<(), ReportError> {
     if lines.is_empty() {
-        return Err(ReportError::Empty {
-            figure: "a spectrum",
-            missing: "lines",
-        });
+        return Err(ReportError::empty("a spectrum", "lines"));
     }
     let frequencies = lines.iter().map(|line| line.frequency_hz);
     validation::log_frequencies("a frequency_hz", frequencies)
@@ -98,11 +95,11 @@ fn legend(lines: &[SpectralLine]) -> Legend<'static> {
 /// Draws a stem and its marker.
 fn draw_line(figure: &mut Figure, panel: &Panel, line: &SpectralLine) {
     let ink = line.role.ink();
+    let stem = Ink::line(Pen::solid(ink.color, 1.0));
     let (foot, head) = (
         (line.frequency_hz, 0.0),
         (line.frequency_hz, line.amplitude),
     );
-    let stem = Ink::line(Pen::solid(ink.color, 1.0));
     panel.curve(figure, &[foot, head], &stem);
     panel.curve(figure, &[head], &ink.without_line());
 }

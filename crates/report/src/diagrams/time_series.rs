@@ -8,11 +8,13 @@ use crate::figure::axis::Axis;
 use crate::figure::geometry::Rect;
 use crate::figure::ink::{COLORS, Ink, LIMIT, Pen};
 use crate::figure::legend::Legend;
-use crate::figure::panel::{BELOW, GAP, LEFT, Panel, RIGHT};
+use crate::figure::panel::{GAP, LEFT, Panel, Value};
 use crate::validation;
 
 const WIDTH: f64 = 540.0;
 const HEIGHT: f64 = 140.0;
+/// Room between the legend and the first panel.
+const ABOVE: f64 = 8.0;
 const ENVELOPE: Ink = Ink::line(Pen::solid("#000000", 1.4));
 
 /// One signal over time.
@@ -47,19 +49,13 @@ pub fn time_series(sample_time_s: f64, panels: &[TimePanel]) -> Result<Figure, R
     check(sample_time_s, panels)?;
     let inks = trace_inks(panels);
     let legend = legend(panels, &inks);
-    let top = 16.0 + legend.height();
-    let mut figure = Figure::new(
-        LEFT + WIDTH + RIGHT,
-        top + panels.len() as f64 * (HEIGHT + GAP) - GAP + BELOW,
-    );
-    legend.draw(&mut figure, LEFT, 8.0);
+    let rows = panels.len() as f64 * (HEIGHT + GAP) - GAP;
+    let mut figure = legend.figure(WIDTH, ABOVE + rows);
     let time = time_axis(sample_time_s, panels);
     for (row, content) in panels.iter().enumerate() {
-        let panel = content.panel(top + row as f64 * (HEIGHT + GAP), time.clone());
-        panel.draw(&mut figure, |figure| {
-            content.draw(figure, &panel, sample_time_s, &inks);
-        });
-        panel.label_y(&mut figure, &content.label);
+        let top = legend.bottom() + ABOVE + row as f64 * (HEIGHT + GAP);
+        let panel = content.panel(top, time.clone());
+        content.draw(&mut figure, &panel, sample_time_s, &inks);
         if row + 1 == panels.len() {
             panel.label_x(&mut figure, "Time in s");
         }
@@ -70,10 +66,7 @@ pub fn time_series(sample_time_s: f64, panels: &[TimePanel]) -> Result<Figure, R
 /// Refuses no panels, and a sample time that is not above zero.
 fn check(sample_time_s: f64, panels: &[TimePanel]) -> Result<(), ReportError> {
     if panels.is_empty() {
-        return Err(ReportError::Empty {
-            figure: "a time series",
-            missing: "panels",
-        });
+        return Err(ReportError::empty("a time series", "panels"));
     }
     let needed = "a finite number above 0";
     validation::value("sample_time_s", sample_time_s, needed, |value| value > 0.0)
@@ -82,7 +75,7 @@ fn check(sample_time_s: f64, panels: &[TimePanel]) -> Result<(), ReportError> {
 /// The time from 0 to the end of the longest trace of all panels.
 fn time_axis(sample_time_s: f64, panels: &[TimePanel]) -> Axis {
     let longest = panels.iter().map(TimePanel::longest).max().unwrap_or(0);
-    Axis::exact([0.0, longest as f64 * sample_time_s].into_iter(), WIDTH)
+    Axis::exact([0.0, longest as f64 * sample_time_s], WIDTH)
 }
 
 /// Every label of a trace once, in order, with its ink.
@@ -105,12 +98,9 @@ fn trace_ink(k: usize) -> Ink {
 fn legend<'a>(panels: &'a [TimePanel], inks: &[(&'a str, Ink)]) -> Legend<'a> {
     let envelope = panels.iter().find_map(|panel| panel.envelope.as_ref());
     let is_limited = panels.iter().any(|panel| panel.limit.is_some());
-    let entries = inks
-        .iter()
-        .copied()
-        .chain(envelope.map(|trace| (trace.label.as_str(), ENVELOPE)))
-        .chain(is_limited.then_some(("limit", LIMIT)));
-    Legend::new(entries, WIDTH)
+    let envelope = envelope.map(|trace| (trace.label.as_str(), ENVELOPE));
+    let limit = is_limited.then_some(("limit", LIMIT));
+    Legend::new(inks.iter().copied().chain(envelope).chain(limit), WIDTH)
 }
 
 impl TimePanel<'_> {
@@ -146,19 +136,29 @@ impl TimePanel<'_> {
         self.limit.into_iter().flat_map(|limit| [-limit, limit])
     }
 
-    /// Draws the signals, the envelope and the limits.
+    /// Draws the signals, the envelope and the limits, in this order, and what the panel shows.
     fn draw(&self, figure: &mut Figure, panel: &Panel, step: f64, inks: &[(&str, Ink)]) {
-        for trace in &self.traces {
-            let ink = inks.iter().find(|(label, _)| *label == trace.label);
-            if let Some((_, ink)) = ink {
-                panel.curve(figure, &trace.points(step, 1.0), ink);
+        panel.draw(figure, |figure| {
+            for trace in &self.traces {
+                if let Some((_, ink)) = inks.iter().find(|(label, _)| *label == trace.label) {
+                    panel.curve(figure, &trace.points(step, 1.0), ink);
+                }
             }
-        }
+            self.draw_envelope(figure, panel, step);
+            self.draw_limits(figure, panel, step);
+        });
+        panel.label_y(figure, &self.label);
+    }
+
+    fn draw_envelope(&self, figure: &mut Figure, panel: &Panel, step: f64) {
         if let Some(trace) = &self.envelope {
             for factor in [1.0, -1.0] {
                 panel.curve(figure, &trace.points(step, factor), &ENVELOPE);
             }
         }
+    }
+
+    fn draw_limits(&self, figure: &mut Figure, panel: &Panel, step: f64) {
         let end = self.longest() as f64 * step;
         for limit in self.limits() {
             panel.curve(figure, &[(0.0, limit), (end, limit)], &LIMIT);
@@ -168,7 +168,7 @@ impl TimePanel<'_> {
 
 impl Trace<'_> {
     /// Pairs of time in s and value times a factor.
-    fn points(&self, step: f64, factor: f64) -> Vec<(f64, f64)> {
+    fn points(&self, step: f64, factor: f64) -> Vec<Value> {
         self.samples
             .iter()
             .enumerate()

@@ -16,13 +16,13 @@ pub(crate) fn check_curves(
     curves: &[Curve],
     labels: &Labels,
 ) -> Result<Size, ReportError> {
-    let empty = |missing| ReportError::Empty { figure, missing };
-    let size = curves.first().ok_or(empty("curves"))?.size();
+    let first = curves.first();
+    let size = first.ok_or(ReportError::empty(figure, "curves"))?.size();
     for curve in curves {
         check_curve(curve, size)?;
     }
     if curves.iter().all(|curve| curve.frf.frequency_hz.is_empty()) {
-        return Err(empty("frequencies"));
+        return Err(ReportError::empty(figure, "frequencies"));
     }
     let names = (labels.outputs.len(), labels.inputs.len());
     check_size("the list of channel names".to_owned(), names, size)?;
@@ -93,13 +93,11 @@ pub(crate) fn check_entry(
 /// Refuses marks that belong to no curve or no entry of a matrix.
 pub(crate) fn check_marks(marks: &[Mark], curves: &[Curve], size: Size) -> Result<(), ReportError> {
     for mark in marks {
-        validation::value(
-            "the curve of a mark",
-            mark.curve as f64,
-            "the number of a curve, from 0",
-            |_| mark.curve < curves.len(),
-        )?;
-        check_entry(&curves[mark.curve], (mark.output, mark.input), size)?;
+        let needed = "the number of a curve, from 0";
+        validation::value("the curve of a mark", mark.curve as f64, needed, |_| {
+            mark.curve < curves.len()
+        })?;
+        check_entry(&curves[mark.curve], mark.entry(), size)?;
     }
     Ok(())
 }

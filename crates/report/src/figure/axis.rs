@@ -1,8 +1,8 @@
 //! Axes: ranges that end on round numbers, and ticks that have room.
 
 use crate::figure::ticks::{
-    ABSURD, decimals_of, extent, labelled_frequencies, one_digit_values, round_outward, round_step,
-    tick_label, widened,
+    ABSURD, decimals_of, extent, inward, labelled_frequencies, one_digit_values, outward, range,
+    round_outward, round_step, tick_label,
 };
 
 /// Least distance in pixels of labelled ticks: on logarithmic and linear horizontal axes, on
@@ -32,26 +32,26 @@ pub(crate) struct Axis {
 impl Axis {
     /// A horizontal logarithmic axis over positive values, `length` pixels long: from and to round
     /// numbers, labelled at 1-2-5 or at decades, whatever has room.
-    pub(crate) fn frequency(values: impl Iterator<Item = f64>, length: f64) -> Self {
+    pub(crate) fn frequency(values: impl IntoIterator<Item = f64>, length: f64) -> Self {
         Self::logarithmic(values, length, ROOM_LOG)
     }
 
     /// The same upright, `length` pixels high.
-    pub(crate) fn upright_log(values: impl Iterator<Item = f64>, length: f64) -> Self {
+    pub(crate) fn upright_log(values: impl IntoIterator<Item = f64>, length: f64) -> Self {
         Self::logarithmic(values, length, ROOM_LINE)
     }
 
     /// A logarithmic axis whose labels are `room` pixels apart or more.
-    fn logarithmic(values: impl Iterator<Item = f64>, length: f64, room: f64) -> Self {
-        let (low, high) =
-            round_outward(extent(values.filter(|&hz| hz > 1.0 / ABSURD)).unwrap_or((1.0, 10.0)));
+    fn logarithmic(values: impl IntoIterator<Item = f64>, length: f64, room: f64) -> Self {
+        let positive = values.into_iter().filter(|&hz| hz > 1.0 / ABSURD);
+        let (low, high) = round_outward(extent(positive).unwrap_or((1.0, 10.0)));
         let fine = one_digit_values(low, high, &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
         let per_decade = length / (high / low).log10();
         let mut labelled = labelled_frequencies((low, high), per_decade, room, &fine);
         if labelled.len() < 3 && high / low < 10.0 {
             return Self {
                 log: true,
-                ..Self::linear_within(low, high, length, 1.5 * room)
+                ..Self::linear_within((low, high), length, 1.5 * room)
             };
         }
         labelled.extend(ends_with_room(
@@ -70,27 +70,22 @@ impl Axis {
     }
 
     /// A linear axis that covers the values and ends on ticks, `length` pixels high.
-    pub(crate) fn linear(values: impl Iterator<Item = f64>, length: f64) -> Self {
-        let (low, high) = widened(extent(values).unwrap_or((0.0, 1.0)));
+    pub(crate) fn linear(values: impl IntoIterator<Item = f64>, length: f64) -> Self {
+        let (low, high) = range(values);
         let step = round_step((high - low) * ROOM_VALUE / length);
-        Self::ending_on(
-            ((low / step).floor() * step, (high / step).ceil() * step),
-            step,
-            step / 2.0,
-        )
+        Self::ending_on(outward((low, high), step), step, step / 2.0)
     }
 
     /// A linear axis with a little room above and below the values, `length` pixels high.
-    pub(crate) fn padded(values: impl Iterator<Item = f64>, length: f64) -> Self {
-        let (low, high) = widened(extent(values).unwrap_or((0.0, 1.0)));
+    pub(crate) fn padded(values: impl IntoIterator<Item = f64>, length: f64) -> Self {
+        let (low, high) = range(values);
         let room = 0.05 * (high - low);
-        Self::linear_within(low - room, high + room, length, ROOM_VALUE)
+        Self::linear_within((low - room, high + room), length, ROOM_VALUE)
     }
 
     /// A linear axis that ends exactly where the values do, as time does, `length` pixels long.
-    pub(crate) fn exact(values: impl Iterator<Item = f64>, length: f64) -> Self {
-        let (low, high) = widened(extent(values).unwrap_or((0.0, 1.0)));
-        Self::linear_within(low, high, length, ROOM_X)
+    pub(crate) fn exact(values: impl IntoIterator<Item = f64>, length: f64) -> Self {
+        Self::linear_within(range(values), length, ROOM_X)
     }
 
     /// An axis of whole numbers from `first` to `last` with a little room at both ends, `length`
@@ -98,20 +93,17 @@ impl Axis {
     pub(crate) fn counts(first: usize, last: usize, length: f64) -> Self {
         let (low, high) = (first as f64 - 0.4, last.max(first) as f64 + 0.4);
         let step = round_step(((high - low) * ROOM_COUNT / length).max(1.0));
-        let within = ((low / step).ceil() * step, (high / step).floor() * step);
-        let ticks = Self::ending_on(within, step, step).ticks;
         Self {
             low,
             high,
-            log: false,
-            ticks,
             minor: Vec::new(),
+            ..Self::ending_on(inward((low, high), step), step, step)
         }
     }
 
     /// A phase axis in degrees, `length` pixels high: labelled at multiples of 45 or 90, at most
     /// from -180 to 180.
-    pub(crate) fn degrees(values: impl Iterator<Item = f64>, length: f64) -> Self {
+    pub(crate) fn degrees(values: impl IntoIterator<Item = f64>, length: f64) -> Self {
         let range = extent(values).unwrap_or((-180.0, 180.0));
         let fits =
             |(low, high): (f64, f64), step: f64| (high - low) / step * ROOM_DEGREES <= length;
@@ -125,15 +117,13 @@ impl Axis {
     }
 
     /// An axis that ends exactly at `low` and `high`, with ticks inside that are `room` pixels apart or more.
-    fn linear_within(low: f64, high: f64, length: f64, room: f64) -> Self {
+    fn linear_within((low, high): (f64, f64), length: f64, room: f64) -> Self {
         let step = round_step((high - low) * room / length);
-        let mut axis = Self::ending_on(
-            ((low / step).ceil() * step, (high / step).floor() * step),
-            step,
-            step / 2.0,
-        );
-        (axis.low, axis.high) = (low, high);
-        axis
+        Self {
+            low,
+            high,
+            ..Self::ending_on(inward((low, high), step), step, step / 2.0)
+        }
     }
 
     /// An axis between two multiples of `step`, with a fine grid at multiples of `fine`.
@@ -172,6 +162,11 @@ impl Axis {
         }
     }
 
+    /// The values that are labelled.
+    pub(crate) fn labelled(&self) -> impl Iterator<Item = &f64> {
+        self.ticks.iter().map(|(value, _)| value)
+    }
+
     /// Whether a value lies on the axis.
     pub(crate) fn holds(&self, value: f64) -> bool {
         (-1e-6..=1.0 + 1e-6).contains(&self.share(value))
@@ -200,8 +195,7 @@ fn ends_with_room(
 
 /// Multiples of `step` around a range of phases and 3 degrees more, at most from -180 to 180.
 fn phase_range((least, most): (f64, f64), step: f64) -> (f64, f64) {
-    let low = ((least - 3.0) / step).floor() * step;
-    let high = ((most + 3.0) / step).ceil() * step;
+    let (low, high) = outward((least - 3.0, most + 3.0), step);
     (low.max(-180.0), high.min(180.0))
 }
 
@@ -215,7 +209,7 @@ mod tests {
 
     #[test]
     fn the_papers_band_runs_from_1_to_60_hz_in_1_2_5() {
-        let axis = Axis::frequency([1.058, 59.977].into_iter(), 500.0);
+        let axis = Axis::frequency([1.058, 59.977], 500.0);
         assert_eq!((axis.low, axis.high), (1.0, 60.0));
         assert_eq!(labels(&axis), ["1", "2", "5", "10", "20", "50", "60"]);
         assert_eq!(axis.minor.len(), 9 + 6);
@@ -224,11 +218,11 @@ mod tests {
     #[test]
     fn wide_bands_are_labelled_by_decades_and_narrow_ones_linearly() {
         assert_eq!(
-            labels(&Axis::frequency([0.01, 1000.0].into_iter(), 300.0)),
+            labels(&Axis::frequency([0.01, 1000.0], 300.0)),
             ["0.01", "0.1", "1", "10", "100", "1000"]
         );
         assert_eq!(
-            labels(&Axis::frequency([48.2, 52.9].into_iter(), 300.0)),
+            labels(&Axis::frequency([48.2, 52.9], 300.0)),
             ["48", "49", "50", "51", "52", "53"]
         );
     }
@@ -236,27 +230,24 @@ mod tests {
     #[test]
     fn degrees_end_on_45_and_never_pass_180() {
         assert_eq!(
-            labels(&Axis::degrees([-90.0, 73.0].into_iter(), 160.0)),
+            labels(&Axis::degrees([-90.0, 73.0], 160.0)),
             ["−135", "−90", "−45", "0", "45", "90"]
         );
         assert_eq!(
-            labels(&Axis::degrees([-179.0, 178.0].into_iter(), 160.0)),
+            labels(&Axis::degrees([-179.0, 178.0], 160.0)),
             ["−180", "−90", "0", "90", "180"]
         );
         assert_eq!(
-            labels(&Axis::degrees([-179.0, 178.0].into_iter(), 80.0)),
+            labels(&Axis::degrees([-179.0, 178.0], 80.0)),
             ["−180", "0", "180"]
         );
     }
 
     #[test]
     fn linear_axes_survive_constants_and_nothing() {
+        assert_eq!(labels(&Axis::linear([0.0, 0.0], 60.0)), ["−1", "0", "1"]);
         assert_eq!(
-            labels(&Axis::linear([0.0, 0.0].into_iter(), 60.0)),
-            ["−1", "0", "1"]
-        );
-        assert_eq!(
-            labels(&Axis::linear([0.006, -0.006].into_iter(), 100.0)),
+            labels(&Axis::linear([0.006, -0.006], 100.0)),
             ["−0.010", "−0.005", "0.000", "0.005", "0.010"]
         );
         assert!(

@@ -34,15 +34,18 @@ impl Figure {
     /// A stroked line through the points.
     pub(crate) fn line(&mut self, points: Vec<Point>, pen: Pen) {
         if points.len() > 1 {
-            let stroke_dasharray = (!pen.dash.is_empty()).then(|| pen.dash.to_owned());
-            let stroke = Color::from(pen.color);
             self.push(Primitive::PolyLine {
                 points,
-                stroke,
+                stroke: pen.color.into(),
                 stroke_width: pen.width,
-                stroke_dasharray,
+                stroke_dasharray: Some(pen.dash.to_owned()).filter(|dash| !dash.is_empty()),
             });
         }
+    }
+
+    /// A straight line from point to point.
+    pub(crate) fn stroke(&mut self, from: Point, to: Point, pen: Pen) {
+        self.line(vec![from, to], pen);
     }
 
     /// A filled area without an outline.
@@ -50,7 +53,7 @@ impl Figure {
         if outline.len() > 2 {
             self.push(path(
                 outline,
-                Some(Color::from(color)),
+                Some(color.into()),
                 Color::None,
                 Some(opacity),
             ));
@@ -58,7 +61,13 @@ impl Figure {
     }
 
     /// One marker; `radius` is half its height.
-    pub(crate) fn marker(&mut self, center: Point, marker: Marker, radius: f64, color: &str) {
+    pub(crate) fn marker(
+        &mut self,
+        center: Point,
+        marker: Marker,
+        radius: f64,
+        color: &'static str,
+    ) {
         let (ink, white) = (Color::from(color), Color::from("#ffffff"));
         match marker {
             Marker::Dot => self.push(circle(center, radius, ink, None)),
@@ -72,20 +81,16 @@ impl Figure {
                 let outline = diamond(center, 1.2 * radius);
                 self.push(path(&outline, Some(white), ink, None));
             }
-            Marker::Cross => self.cross(center, radius, &ink),
+            Marker::Cross => self.cross(center, radius, color),
         }
     }
 
     /// Two strokes across each other.
-    fn cross(&mut self, (x, y): Point, radius: f64, ink: &Color) {
-        for (dx, dy) in [(radius, radius), (radius, -radius)] {
-            self.push(Primitive::PolyLine {
-                points: vec![(x - dx, y - dy), (x + dx, y + dy)],
-                stroke: ink.clone(),
-                stroke_width: OUTLINE,
-                stroke_dasharray: None,
-            });
-        }
+    fn cross(&mut self, center: Point, radius: f64, color: &'static str) {
+        let [first, second, third, fourth] = square(center, radius);
+        let pen = Pen::solid(color, OUTLINE);
+        self.stroke(first, third, pen);
+        self.stroke(fourth, second, pen);
     }
 
     /// A grid of coloured cells that fills a rectangle.
@@ -225,13 +230,8 @@ fn path(outline: &[Point], fill: Option<Color>, stroke: Color, opacity: Option<f
 
 /// The outline in the language of SVG paths.
 fn path_data(outline: &[Point]) -> String {
-    let mut data = String::new();
-    for (k, (x, y)) in outline.iter().enumerate() {
-        let command = if k == 0 { 'M' } else { 'L' };
-        data.push_str(&format!("{command} {x:.2} {y:.2} "));
-    }
-    data.push('Z');
-    data
+    let points = outline.iter().map(|(x, y)| format!("{x:.2} {y:.2} "));
+    format!("M {}Z", points.collect::<Vec<_>>().join("L "))
 }
 
 /// Text as XML can hold it, taken literally: control characters are replaced, and dollars escaped,

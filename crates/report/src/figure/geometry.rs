@@ -23,6 +23,13 @@ impl Rect {
         self.y + self.height
     }
 
+    /// The corners, from the upper left one clockwise.
+    pub(crate) fn corners(&self) -> [Point; 4] {
+        let Self { x, y, .. } = *self;
+        let (right, bottom) = (self.right(), self.bottom());
+        [(x, y), (right, y), (right, bottom), (x, bottom)]
+    }
+
     /// Halfway from left to right.
     pub(crate) fn middle_x(&self) -> f64 {
         self.x + self.width / 2.0

@@ -2,12 +2,12 @@
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use kuva::backend::raster::RasterBackend;
 use kuva::render::color::Color;
 use kuva::render::render::{Primitive, Scene};
 
 use crate::error::ReportError;
 use crate::figure::geometry::Rect;
+use crate::figure::rasterised;
 
 /// A colour as red, green, blue.
 pub(crate) type Rgb = [u8; 3];
@@ -33,10 +33,8 @@ impl Image {
         (rows, columns): (usize, usize),
         color: impl Fn(usize, usize) -> Rgb,
     ) -> Result<Self, ReportError> {
-        let place = |k: usize| (k / columns, k % columns);
         let cells: Vec<Rgb> = (0..rows * columns)
-            .map(place)
-            .map(|(row, column)| color(row, column))
+            .map(|k| color(k / columns, k % columns))
             .collect();
         Ok(Self {
             rect,
@@ -101,10 +99,7 @@ fn png((rows, columns): (usize, usize), cells: &[Rgb]) -> Result<Vec<u8>, Report
     };
     let mut scene = Scene::new(rect.width, rect.height);
     scene.elements = vec![batch(rect, (rows, columns), cells)];
-    RasterBackend::new()
-        .with_scale(1.0)
-        .render_scene(&scene)
-        .map_err(ReportError::Png)
+    rasterised(&scene, 1.0)
 }
 
 /// One rectangle per cell. Each reaches a pixel below the next ones, which are drawn over it: edges

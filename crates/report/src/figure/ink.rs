@@ -59,6 +59,11 @@ impl Ink {
         }
     }
 
+    /// Crosses of the colour of this ink.
+    pub(crate) const fn crosses(self) -> Self {
+        Self::markers(Marker::Cross, self.color)
+    }
+
     /// The line of this ink alone.
     pub(crate) fn without_markers(self) -> Self {
         Self {

@@ -4,8 +4,10 @@ use crate::figure::Figure;
 use crate::figure::drawing::Align;
 use crate::figure::geometry::Point;
 use crate::figure::ink::Ink;
-use crate::figure::panel::TICK_SIZE;
+use crate::figure::panel::{BELOW, LEFT, RIGHT, TICK_SIZE};
 
+/// Distance from the upper edge of the figure in pixels.
+const TOP: f64 = 8.0;
 const SAMPLE: f64 = 26.0;
 const ROW: f64 = 18.0;
 const GAP: f64 = 16.0;
@@ -21,10 +23,8 @@ impl<'a> Legend<'a> {
     /// Puts the entries into as many columns as `width` pixels hold.
     pub(crate) fn new(entries: impl Iterator<Item = (&'a str, Ink)>, width: f64) -> Self {
         let entries: Vec<_> = entries.filter(|(label, _)| !label.is_empty()).collect();
-        let column = entries
-            .iter()
-            .map(|(label, _)| entry_width(label))
-            .fold(1.0, f64::max);
+        let widths = entries.iter().map(|(label, _)| entry_width(label));
+        let column = widths.fold(1.0, f64::max);
         Self {
             entries,
             column,
@@ -32,16 +32,24 @@ impl<'a> Legend<'a> {
         }
     }
 
-    /// Height of all rows in pixels.
-    pub(crate) fn height(&self) -> f64 {
-        ROW * self.entries.len().div_ceil(self.columns) as f64
+    /// A figure with the legend above panels of that width; `below` are the pixels from its lowest row to
+    /// the labels of the lowest panel.
+    pub(crate) fn figure(&self, width: f64, below: f64) -> Figure {
+        let mut figure = Figure::new(LEFT + width + RIGHT, self.bottom() + below + BELOW);
+        self.draw(&mut figure);
+        figure
     }
 
-    /// Draws the rows from `(left, top)` downward.
-    pub(crate) fn draw(&self, figure: &mut Figure, left: f64, top: f64) {
+    /// Where the lowest row ends, in pixels from the upper edge.
+    pub(crate) fn bottom(&self) -> f64 {
+        TOP + ROW * self.entries.len().div_ceil(self.columns) as f64
+    }
+
+    /// Draws the rows from the upper left corner downward.
+    fn draw(&self, figure: &mut Figure) {
         for (k, (label, ink)) in self.entries.iter().enumerate() {
-            let x = left + self.column * (k % self.columns) as f64;
-            let y = top + ROW * ((k / self.columns) as f64 + 0.5);
+            let x = LEFT + self.column * (k % self.columns) as f64;
+            let y = TOP + ROW * ((k / self.columns) as f64 + 0.5);
             draw_sample(figure, (x, y), ink);
             figure.text((x + SAMPLE + 6.0, y + 4.0), label, TICK_SIZE, Align::Left);
         }
@@ -51,7 +59,7 @@ impl<'a> Legend<'a> {
 /// Draws a short line and a marker, the line's left end at the point.
 fn draw_sample(figure: &mut Figure, (x, y): Point, ink: &Ink) {
     if let Some(pen) = ink.pen {
-        figure.line(vec![(x, y), (x + SAMPLE, y)], pen);
+        figure.stroke((x, y), (x + SAMPLE, y), pen);
     }
     if let Some(marker) = ink.marker {
         figure.marker((x + SAMPLE / 2.0, y), marker, 3.0, ink.color);

@@ -24,6 +24,7 @@ use kuva::render::render::{Primitive, Scene};
 
 use crate::error::ReportError;
 use crate::figure::image::Image;
+use crate::validation;
 
 /// Largest PNG we make, in pixels: 16 times a 4K screen.
 const MOST_PIXELS: f64 = 128e6;
@@ -101,23 +102,15 @@ impl Figure {
             Shape::Plain(primitive) => cut_dashes(primitive),
             Shape::Image(image) => vec![image.cells()],
         });
-        let scene = self.scene(shapes.collect(), Vec::new());
-        RasterBackend::new()
-            .with_scale(scale as f32)
-            .render_scene(&scene)
-            .map_err(ReportError::Png)
+        rasterised(&self.scene(shapes.collect(), Vec::new()), scale as f32)
     }
 
     /// Refuses a scale that gives no picture or too large a one.
     fn check_scale(&self, scale: f64) -> Result<(), ReportError> {
         let pixels = self.width * self.height * scale * scale;
-        if scale > 0.0 && pixels <= MOST_PIXELS {
-            return Ok(());
-        }
-        Err(ReportError::Value {
-            what: "PNG scale".to_owned(),
-            found: scale,
-            needed: "above 0 and at most 128 million pixels in the picture",
+        let needed = "above 0 and at most 128 million pixels in the picture";
+        validation::value("PNG scale", scale, needed, |scale| {
+            scale > 0.0 && pixels <= MOST_PIXELS
         })
     }
 
@@ -126,13 +119,17 @@ impl Figure {
         let mut scene = Scene::new(self.width, self.height);
         scene.font_family = Some("Arial, Helvetica, DejaVu Sans, sans-serif".to_owned());
         let clips = self.clip_rects.iter().enumerate();
-        scene.defs = clips
-            .map(|(k, rect)| format!("<clipPath id=\"clip{k}\">{rect}</clipPath>"))
-            .collect();
-        scene.defs.extend(patterns);
+        let clips = clips.map(|(k, rect)| format!("<clipPath id=\"clip{k}\">{rect}</clipPath>"));
+        scene.defs = clips.chain(patterns).collect();
         scene.elements = shapes;
         scene
     }
+}
+
+/// A sheet as a PNG file, `scale` pixels for one of the sheet.
+pub(crate) fn rasterised(sheet: &Scene, scale: f32) -> Result<Vec<u8>, ReportError> {
+    let rasteriser = RasterBackend::new().with_scale(scale);
+    rasteriser.render_scene(sheet).map_err(ReportError::Png)
 }
 
 /// A dashed line as its strokes, anything else as it is.

@@ -22,6 +22,9 @@ const GRID: Pen = Pen::solid("#c8c8c8", 0.8);
 const FINE_GRID: Pen = Pen::solid("#e8e8e8", 0.6);
 pub(crate) const FRAME: Pen = Pen::solid("#000000", 1.0);
 
+/// A value of the horizontal axis and one of the vertical axis.
+pub(crate) type Value = (f64, f64);
+
 /// A rectangle of the picture with a horizontal and a vertical axis.
 pub(crate) struct Panel {
     pub(crate) rect: Rect,
@@ -34,41 +37,28 @@ impl Panel {
     /// clipped.
     pub(crate) fn draw(&self, figure: &mut Figure, curves: impl FnOnce(&mut Figure)) {
         self.grid(figure, self.x.minor.iter(), self.y.minor.iter(), FINE_GRID);
-        self.grid(
-            figure,
-            self.x.ticks.iter().map(|(x, _)| x),
-            self.y.ticks.iter().map(|(y, _)| y),
-            GRID,
-        );
+        self.grid(figure, self.x.labelled(), self.y.labelled(), GRID);
         curves(figure);
         self.frame(figure);
     }
 
     /// Draws the frame.
     pub(crate) fn frame(&self, figure: &mut Figure) {
-        let (left, right) = (self.rect.x, self.rect.right());
-        let (top, bottom) = (self.rect.y, self.rect.bottom());
-        let corners = vec![
-            (left, top),
-            (right, top),
-            (right, bottom),
-            (left, bottom),
-            (left, top),
-        ];
-        figure.line(corners, FRAME);
+        let [first, second, third, fourth] = self.rect.corners();
+        figure.line(vec![first, second, third, fourth, first], FRAME);
     }
 
     /// Draws short strokes outside the frame at the labelled values, for panels that hide their
     /// grid.
     pub(crate) fn ticks(&self, figure: &mut Figure) {
         let (left, bottom) = (self.rect.x, self.rect.bottom());
-        for (value, _) in &self.x.ticks {
-            let x = self.across(*value);
-            figure.line(vec![(x, bottom), (x, bottom + TICK)], FRAME);
+        for &value in self.x.labelled() {
+            let x = self.across(value);
+            figure.stroke((x, bottom), (x, bottom + TICK), FRAME);
         }
-        for (value, _) in &self.y.ticks {
-            let y = self.down(*value);
-            figure.line(vec![(left - TICK, y), (left, y)], FRAME);
+        for &value in self.y.labelled() {
+            let y = self.down(value);
+            figure.stroke((left - TICK, y), (left, y), FRAME);
         }
     }
 
@@ -94,51 +84,56 @@ impl Panel {
     }
 
     /// Draws a curve through finite values, with line, markers or both.
-    pub(crate) fn curve(&self, figure: &mut Figure, values: &[(f64, f64)], ink: &Ink) {
+    pub(crate) fn curve(&self, figure: &mut Figure, values: &[Value], ink: &Ink) {
         if let Some(pen) = ink.pen {
             figure.clipped(self.rect, |figure| {
                 for run in values.split(|(_, y)| !y.is_finite()) {
-                    figure.line(thinned(run.iter().map(|&(x, y)| self.at(x, y))), pen);
+                    figure.line(thinned(self.points(run)), pen);
                 }
             });
         }
         let radius = (0.5 * self.rect.width / values.len().max(1) as f64).clamp(1.3, 2.6);
-        values
-            .iter()
-            .for_each(|&point| self.mark(figure, point, ink, radius));
-    }
-
-    /// Draws one marker of the given radius, if the panel holds the point.
-    pub(crate) fn mark(&self, figure: &mut Figure, (x, y): (f64, f64), ink: &Ink, radius: f64) {
-        if let Some(marker) = ink.marker
-            && self.x.holds(x)
-            && self.y.holds(y)
-        {
-            figure.marker(self.at(x, y), marker, radius, ink.color);
+        for &value in values {
+            self.mark(figure, value, ink, radius);
         }
     }
 
+    /// Draws one marker of the given radius, if the panel holds the point.
+    pub(crate) fn mark(&self, figure: &mut Figure, value: Value, ink: &Ink, radius: f64) {
+        if let Some(marker) = ink.marker
+            && self.holds(value)
+        {
+            figure.marker(self.at(value), marker, radius, ink.color);
+        }
+    }
+
+    /// Whether a pair of values lies in the panel.
+    fn holds(&self, (x, y): Value) -> bool {
+        self.x.holds(x) && self.y.holds(y)
+    }
+
     /// Shades the area between two curves over the same abscissae.
-    pub(crate) fn band(
-        &self,
-        figure: &mut Figure,
-        low: &[(f64, f64)],
-        high: &[(f64, f64)],
-        color: &str,
-    ) {
-        let there = low.iter().map(|&(x, y)| self.at(x, y));
-        let back = high.iter().rev().map(|&(x, y)| self.at(x, y));
-        let outline: Vec<Point> = there.chain(back).collect();
+    pub(crate) fn band(&self, figure: &mut Figure, low: &[Value], high: &[Value], color: &str) {
+        let there_and_back = low.iter().chain(high.iter().rev());
+        let outline: Vec<Point> = self.points(there_and_back).collect();
         figure.clipped(self.rect, |figure| figure.area(&outline, color, 0.22));
     }
 
     /// Where a pair of values lies in the picture; far outside the panel it is brought near its
     /// edge.
-    pub(crate) fn at(&self, x: f64, y: f64) -> Point {
+    pub(crate) fn at(&self, (x, y): Value) -> Point {
         (
             self.rect.x + self.rect.width * self.x.share(x).clamp(-2.0, 3.0),
             self.rect.y + self.rect.height * (1.0 - self.y.share(y).clamp(-2.0, 3.0)),
         )
+    }
+
+    /// Where pairs of values lie in the picture.
+    fn points<'a>(
+        &self,
+        values: impl IntoIterator<Item = &'a Value>,
+    ) -> impl Iterator<Item = Point> {
+        values.into_iter().map(|&value| self.at(value))
     }
 
     /// Where a value of the horizontal axis lies in the picture.
@@ -161,11 +156,11 @@ impl Panel {
     ) {
         for &value in xs {
             let x = self.across(value);
-            figure.line(vec![(x, self.rect.y), (x, self.rect.bottom())], pen);
+            figure.stroke((x, self.rect.y), (x, self.rect.bottom()), pen);
         }
         for &value in ys {
             let y = self.down(value);
-            figure.line(vec![(self.rect.x, y), (self.rect.right(), y)], pen);
+            figure.stroke((self.rect.x, y), (self.rect.right(), y), pen);
         }
     }
 }

@@ -5,8 +5,9 @@
 pub(crate) const ABSURD: f64 = 1e100;
 
 /// Smallest and largest of the values that are finite and not absurd.
-pub(crate) fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
+pub(crate) fn extent(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
     values
+        .into_iter()
         .filter(|value| value.abs() < ABSURD)
         .fold(None, |range, value| match range {
             None => Some((value, value)),
@@ -14,8 +15,29 @@ pub(crate) fn extent(values: impl Iterator<Item = f64>) -> Option<(f64, f64)> {
         })
 }
 
+/// The highest of the values that are finite.
+pub(crate) fn highest(values: &[f64]) -> Option<f64> {
+    let finite = values.iter().copied().filter(|value| value.is_finite());
+    finite.reduce(f64::max)
+}
+
+/// A range that holds the values and is not a point; from 0 to 1 without values.
+pub(crate) fn range(values: impl IntoIterator<Item = f64>) -> (f64, f64) {
+    widened(extent(values).unwrap_or((0.0, 1.0)))
+}
+
+/// The smallest range between multiples of a step around another.
+pub(crate) fn outward((low, high): (f64, f64), step: f64) -> (f64, f64) {
+    ((low / step).floor() * step, (high / step).ceil() * step)
+}
+
+/// The largest range between multiples of a step within another.
+pub(crate) fn inward((low, high): (f64, f64), step: f64) -> (f64, f64) {
+    ((low / step).ceil() * step, (high / step).floor() * step)
+}
+
 /// A range that is not a point.
-pub(crate) fn widened((low, high): (f64, f64)) -> (f64, f64) {
+fn widened((low, high): (f64, f64)) -> (f64, f64) {
     let size = low.abs().max(high.abs());
     if high - low > 1e-9 * size.max(1.0 / ABSURD) {
         (low, high)
@@ -89,11 +111,9 @@ pub(crate) fn labelled_frequencies(
 /// The next step of 1, 2, 5, 10, ... at or above a length.
 pub(crate) fn round_step(least: f64) -> f64 {
     let ten = 10f64.powi(least.log10().floor() as i32);
-    [1.0, 2.0, 5.0]
-        .into_iter()
-        .map(|m| m * ten)
-        .find(|step| *step >= least * (1.0 - 1e-9))
-        .unwrap_or(10.0 * ten)
+    let mut steps = [ten, 2.0 * ten, 5.0 * ten].into_iter();
+    let step = steps.find(|step| *step >= least * (1.0 - 1e-9));
+    step.unwrap_or(10.0 * ten)
 }
 
 /// Decimals needed to print multiples of a step.

@@ -16,24 +16,26 @@ pub(crate) fn table(columns: &[&str], rows: impl Iterator<Item = String>) -> Str
     if rows.is_empty() {
         return String::new();
     }
-    let head: String = columns
-        .iter()
-        .map(|name| format!("<th scope=\"col\">{}</th>", escaped(name)))
-        .collect();
-    let head = if head.is_empty() {
-        head
-    } else {
-        format!("<thead><tr>{head}</tr></thead>\n")
-    };
+    let head = table_head(columns);
     format!("<div class=\"scroll\"><table>\n{head}<tbody>\n{rows}</tbody></table></div>\n")
+}
+
+/// The heads of a table's columns, or nothing without columns.
+fn table_head(columns: &[&str]) -> String {
+    if columns.is_empty() {
+        return String::new();
+    }
+    let names = columns.iter().map(|name| escaped(name));
+    let cells: String = names
+        .map(|name| format!("<th scope=\"col\">{name}</th>"))
+        .collect();
+    format!("<thead><tr>{cells}</tr></thead>\n")
 }
 
 /// A row of a table: its name as plain text, its cells as HTML.
 pub(crate) fn table_row(name: &str, cells: &[String]) -> String {
-    let cells: String = cells
-        .iter()
-        .map(|cell| format!("<td>{cell}</td>"))
-        .collect();
+    let cells = cells.iter().map(|cell| format!("<td>{cell}</td>"));
+    let cells: String = cells.collect();
     format!("<tr><th scope=\"row\">{}</th>{cells}</tr>\n", escaped(name))
 }
 

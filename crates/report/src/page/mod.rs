@@ -45,7 +45,7 @@ pub struct Report<'a> {
     pub provenance: Vec<(String, String)>,
 }
 
-impl<'a> Report<'a> {
+impl Report<'_> {
     /// The report as a self-contained HTML page.
     ///
     /// The page loads nothing and, by its content security policy, could not; its tables and
@@ -55,11 +55,8 @@ impl<'a> Report<'a> {
     /// [`ReportError`] if the curves of a part differ in size, their labels do not fit, or a
     /// frequency is not above zero.
     pub fn html(&self) -> Result<String, ReportError> {
-        let responses: Vec<&Responses<'a>> = self
-            .parts
-            .iter()
-            .filter_map(|part| part.responses.as_ref())
-            .collect();
+        let parts = self.parts.iter();
+        let responses: Vec<&Responses> = parts.filter_map(|part| part.responses.as_ref()).collect();
         for Responses { curves, labels, .. } in &responses {
             check_curves("the report", curves, labels)?;
         }
@@ -86,11 +83,7 @@ impl<'a> Report<'a> {
     fn verdict(&self) -> String {
         let claims = self.claims.iter().map(|row| row.holds);
         let checks = self.checks.iter().map(|row| row.passed);
-        [
-            count(claims, "claims of the paper hold"),
-            count(checks, "checks passed"),
-        ]
-        .concat()
+        count(claims, "claims of the paper hold") + &count(checks, "checks passed")
     }
 
     /// The table of claims.
@@ -102,34 +95,23 @@ impl<'a> Report<'a> {
                 &[escaped(row.expected), escaped(&row.found), verdict],
             )
         });
-        let columns = [
-            "Claim",
-            "Expected (the paper in quotation marks)",
-            "Found",
-            "Verdict",
-        ];
-        section("Claims", &table(&columns, rows))
+        let expected = "Expected (the paper in quotation marks)";
+        section(
+            "Claims",
+            &table(&["Claim", expected, "Found", "Verdict"], rows),
+        )
     }
 
     /// The table of checks.
     fn checks(&self) -> String {
         let rows = self.checks.iter().map(|row| {
-            let verdict = badge(row.passed, "passed", "failed");
             let advice = if row.passed { "" } else { &row.advice };
-            table_row(
-                &row.name,
-                &[
-                    verdict,
-                    escaped(&row.found),
-                    escaped(&row.needed),
-                    escaped(advice),
-                ],
-            )
+            let [found, needed, advice] = [&row.found, &row.needed, advice].map(escaped);
+            let verdict = badge(row.passed, "passed", "failed");
+            table_row(&row.name, &[verdict, found, needed, advice])
         });
-        section(
-            "Checks",
-            &table(&["Check", "Verdict", "Found", "Needed", "Advice"], rows),
-        )
+        let columns = ["Check", "Verdict", "Found", "Needed", "Advice"];
+        section("Checks", &table(&columns, rows))
     }
 
     /// The table of names and values.

@@ -40,12 +40,10 @@ const DENSE: usize = 150;
 /// # Errors
 /// [`ReportError`] for an FRF that cannot be drawn.
 pub fn result_figure(title: &str, result: &ResultFile) -> Result<Figure, ReportError> {
-    let (curves, labels) = (vec![curve(title, result)], labels(result));
-    let is_single = result.frf.n_outputs() * result.frf.n_inputs() == 1;
-    if is_single {
-        bode(&curves, 0, 0, &labels)
-    } else {
-        bode_matrix(&curves, &labels, true, &[])
+    let (curves, labels) = ([curve(title, result)], labels(result));
+    match curves[0].size() {
+        (1, 1) => bode(&curves, 0, 0, &labels),
+        _ => bode_matrix(&curves, &labels, true, &[]),
     }
 }
 
@@ -58,44 +56,51 @@ pub fn result_page(
     result: &ResultFile,
     notes: Vec<String>,
 ) -> Result<String, ReportError> {
-    let figure = result_figure(title, result)?;
-    let responses = Responses {
-        title: "Interactive diagram".to_owned(),
-        curves: vec![curve(title, result)],
-        labels: labels(result),
-    };
-    let part = Part {
-        title: "Frequency response".to_owned(),
-        notes,
-        tables: Vec::new(),
-        responses: Some(responses),
-        figures: vec![(caption(result), figure)],
-    };
     // the plan follows from the description, which reads better
     let provenance = result.provenance.clone().into_iter();
     let report = Report {
         title: title.to_owned(),
         claims: Vec::new(),
         checks: result.checks.clone(),
-        parts: vec![part],
+        parts: vec![part(title, result, notes)?],
         provenance: provenance.filter(|(name, _)| name != "plan").collect(),
     };
     report.html()
 }
 
+/// The FRF as a part of its page: to look into, and as a figure.
+fn part<'a>(
+    title: &str,
+    result: &'a ResultFile,
+    notes: Vec<String>,
+) -> Result<Part<'a>, ReportError> {
+    Ok(Part {
+        title: "Frequency response".to_owned(),
+        notes,
+        tables: Vec::new(),
+        responses: Some(Responses {
+            title: "Interactive diagram".to_owned(),
+            curves: vec![curve(title, result)],
+            labels: labels(result),
+        }),
+        figures: vec![(caption(result), result_figure(title, result)?)],
+    })
+}
+
 /// The FRF of a result as a curve.
 fn curve<'a>(title: &str, result: &'a ResultFile) -> Curve<'a> {
-    let is_dense = result.frf.n_frequencies() > DENSE;
     Curve {
-        label: title.to_owned(),
-        frf: &result.frf,
-        style: if is_dense {
-            Style::Line
-        } else {
-            Style::Markers
-        },
         band: band(&result.frf),
         flagged: result.flagged.clone(),
+        ..Curve::new(title, &result.frf, style(&result.frf))
+    }
+}
+
+fn style(frf: &Frf) -> Style {
+    if frf.n_frequencies() > DENSE {
+        Style::Line
+    } else {
+        Style::Markers
     }
 }
 
@@ -110,11 +115,7 @@ fn band(frf: &Frf) -> Band {
 
 /// What the figure shows, its shades and crosses included.
 fn caption(result: &ResultFile) -> String {
-    let shaded = match band(&result.frf) {
-        Band::Total => "; shaded: 95 % region of noise and nonlinear distortion",
-        Band::Noise => "; shaded: 95 % region of the measurement noise",
-        Band::None => "",
-    };
+    let shaded = shaded(band(&result.frf));
     let crossed = if result.flagged.iter().flatten().any(|flagged| *flagged) {
         "; crossed: lines at which what remains of the torque ripple exceeds the noise"
     } else {
@@ -123,18 +124,28 @@ fn caption(result: &ResultFile) -> String {
     format!("Frequency response{shaded}{crossed}")
 }
 
+fn shaded(band: Band) -> &'static str {
+    match band {
+        Band::Total => "; shaded: 95 % region of noise and nonlinear distortion",
+        Band::Noise => "; shaded: 95 % region of the measurement noise",
+        Band::None => "",
+    }
+}
+
 /// Names of the channels; one unit of the gain where all entries share it.
 fn labels(result: &ResultFile) -> Labels {
-    let output = common_unit(&result.output_units);
-    let input = common_unit(&result.input_units);
-    let gain_unit = match (output, input) {
-        (Some(output), Some(input)) => format!("{output} per {input}"),
-        _ => "output unit per input unit".to_owned(),
-    };
     Labels {
         inputs: result.input_names.clone(),
         outputs: result.output_names.clone(),
-        gain_unit,
+        gain_unit: gain_unit(result),
+    }
+}
+
+fn gain_unit(result: &ResultFile) -> String {
+    let output = common_unit(&result.output_units);
+    match (output, common_unit(&result.input_units)) {
+        (Some(output), Some(input)) => format!("{output} per {input}"),
+        _ => "output unit per input unit".to_owned(),
     }
 }
 

@@ -38,40 +38,32 @@ pub struct Part<'a> {
 impl Part<'_> {
     /// The part as HTML.
     pub(crate) fn html(&self) -> String {
-        let notes: String = self
-            .notes
-            .iter()
-            .map(|note| format!("<p>{}</p>\n", escaped(note)))
+        let notes = self.notes.iter().map(|note| note_html(note));
+        let tables = self.tables.iter().map(table_html);
+        let responses = self.responses.iter().map(responses_html);
+        let figures = self.figures.iter().map(figure_html);
+        let content: String = notes
+            .chain(tables)
+            .chain(responses)
+            .chain(figures)
             .collect();
-        let tables: String = self.tables.iter().map(table_html).collect();
-        let responses = self
-            .responses
-            .as_ref()
-            .map(responses_html)
-            .unwrap_or_default();
-        let figures: String = self
-            .figures
-            .iter()
-            .map(|(caption, figure)| figure_html(caption, figure))
-            .collect();
-        section(&self.title, &[notes, tables, responses, figures].concat())
+        section(&self.title, &content)
     }
+}
+
+fn note_html(note: &str) -> String {
+    format!("<p>{}</p>\n", escaped(note))
 }
 
 /// A table below its title.
 fn table_html(content: &Table) -> String {
     let columns: Vec<&str> = content.columns.iter().map(String::as_str).collect();
     let rows = content.rows.iter().map(|(name, cells)| {
-        table_row(
-            name,
-            &cells.iter().map(|cell| escaped(cell)).collect::<Vec<_>>(),
-        )
+        let cells: Vec<String> = cells.iter().map(|cell| escaped(cell)).collect();
+        table_row(name, &cells)
     });
-    format!(
-        "<h3>{}</h3>\n{}",
-        escaped(&content.title),
-        table(&columns, rows)
-    )
+    let (title, table) = (escaped(&content.title), table(&columns, rows));
+    format!("<h3>{title}</h3>\n{table}")
 }
 
 /// The frame that the page's script fills with an interactive diagram.
@@ -85,7 +77,7 @@ fn responses_html(responses: &Responses) -> String {
 
 /// A picture as an image: it cannot run scripts, and the ids inside one cannot meet those of
 /// another.
-fn figure_html(caption: &str, figure: &Figure) -> String {
+fn figure_html((caption, figure): &(String, Figure)) -> String {
     let (image, caption) = (STANDARD.encode(figure.svg()), escaped(caption));
     format!(
         "<figure><img src=\"data:image/svg+xml;base64,{image}\" alt=\"{caption}\">\

@@ -1,14 +1,15 @@
 //! Checks of a robot's description: each fault with its place in the tables.
 
 use std::collections::BTreeSet;
+use std::iter::zip;
 
 use frfid_plant::Robot as _;
 use frfid_signals::SignalError;
 
+use crate::description::fault::{Fault, check_entries};
 use crate::description::robot::RobotTable;
 use crate::description::robot::body::BodyTable;
-use crate::description::robot::joint::SingleJointTable;
-use crate::description::text::Fault;
+use crate::description::robot::joint::{JointTable, SingleJointTable};
 
 /// No machine is described.
 pub(super) fn no_robot() -> Fault {
@@ -19,20 +20,29 @@ pub(super) fn no_robot() -> Fault {
 impl RobotTable {
     /// Checks every number and name.
     pub(crate) fn check(&self) -> Result<(), Fault> {
-        match (&self.single_joint, self.body.is_empty()) {
-            (Some(joint), true) => self.check_single(joint),
-            (None, false) => self.check_arm(),
-            (Some(_), false) => Err(Fault::new(
+        match (&self.single_joint, self.is_arm()) {
+            (Some(joint), false) => self.check_single(joint),
+            (None, true) => self.check_arm(),
+            (Some(_), true) => Err(Fault::new(
                 &["single_joint"],
                 "a single joint and the bodies of an arm are given; keep one of them",
             )),
-            (None, true) => Err(no_robot()),
+            (None, false) => Err(no_robot()),
         }
     }
 
     /// As described, not as the challenges leave it: a number that is wrong is wrong also while it
     /// is switched off.
     fn check_single(&self, table: &SingleJointTable) -> Result<(), Fault> {
+        self.check_nothing_of_arms()?;
+        let checked = table.single_joint().check();
+        checked.map_err(Fault::in_table("single_joint"))?;
+        let checked = self.sensor.map_or(Ok(()), |sensor| sensor.check());
+        checked.map_err(Fault::in_table("sensor"))
+    }
+
+    /// Refuses what only an arm has.
+    fn check_nothing_of_arms(&self) -> Result<(), Fault> {
         let of_arms = [
             ("pose_rad", self.pose_rad.is_some()),
             ("gravity_m_s2", self.gravity_m_s2.is_some()),
@@ -44,14 +54,7 @@ impl RobotTable {
             );
             return Err(Fault::new(&[key], message));
         }
-        let robot = table.single_joint();
-        robot
-            .check()
-            .map_err(|error| Fault::from(error).within(&["single_joint"]))?;
-        self.sensor.iter().try_for_each(|sensor| {
-            let checked = sensor.check();
-            checked.map_err(|error| Fault::from(error).within(&["sensor"]))
-        })
+        Ok(())
     }
 
     fn check_arm(&self) -> Result<(), Fault> {
@@ -88,15 +91,13 @@ impl RobotTable {
     /// list of tables.
     fn of_arm(&self, error: &SignalError) -> Fault {
         let path = error.path();
-        match (
-            path.first(),
-            path.get(1).and_then(|index| index.parse().ok()),
-        ) {
-            (Some(&"body"), Some(index)) => {
-                self.of_body(index, Fault::new(&path[2..], error.to_string()))
-            }
-            _ => Fault::new(&path, error.to_string()),
+        let fault = |path: &[&str]| Fault::new(path, error.to_string());
+        if let ["body", index, of_body @ ..] = &path[..]
+            && let Ok(index) = index.parse()
+        {
+            return self.of_body(index, fault(of_body));
         }
+        fault(&path)
     }
 
     /// The fault of a body, where it stands: in the list of bodies or, where those come from URDF,
@@ -113,28 +114,24 @@ impl RobotTable {
 
     /// The pose has a position for each joint, inside its range.
     fn check_pose(&self) -> Result<(), Fault> {
-        let (pose, n_axes) = (self.pose(), self.n_axes());
-        if pose.len() != n_axes {
-            let message = format!(
-                "pose_rad has {} entries, needed: one for each of the {n_axes} joints that move",
-                pose.len()
-            );
-            return Err(Fault::new(&["pose_rad"], message));
-        }
-        for ((body, joint), position) in self.joints().zip(pose) {
-            let lowest = joint.min_position.unwrap_or(f64::NEG_INFINITY);
-            let highest = joint.max_position.unwrap_or(f64::INFINITY);
-            if !position.is_finite() || position < lowest || position > highest {
-                let name = &body.name;
-                let message = format!(
-                    "the pose cannot be reached: pose_rad puts joint {name} at {position} rad, \
-                     needed: {lowest} to {highest} rad"
-                );
-                return Err(Fault::new(&["pose_rad"], message));
-            }
-        }
-        Ok(())
+        let pose = self.pose();
+        check_entries("pose_rad", pose.len(), self.n_axes(), "joints that move")
+            .and_then(|()| zip(self.joints(), pose).try_for_each(check_reach))
+            .map_err(|message| Fault::new(&["pose_rad"], message))
     }
+}
+
+/// Refuses a position that a joint cannot reach.
+fn check_reach(((body, joint), position): ((&BodyTable, &JointTable), f64)) -> Result<(), String> {
+    let (lowest, highest) = joint.range_rad();
+    if position.is_finite() && lowest <= position && position <= highest {
+        return Ok(());
+    }
+    let name = &body.name;
+    Err(format!(
+        "the pose cannot be reached: pose_rad puts joint {name} at {position} rad, needed: \
+         {lowest} to {highest} rad"
+    ))
 }
 
 impl BodyTable {
@@ -143,6 +140,11 @@ impl BodyTable {
             let message = "it has no name; needed: the name of its joint in the logs";
             return Err(self.fault(&["name"], message));
         }
+        self.check_joint()
+    }
+
+    /// Checks the joint, or that the body is locked somewhere.
+    fn check_joint(&self) -> Result<(), Fault> {
         let locked = &["locked_position_rad"];
         match (&self.joint, self.locked_position_rad) {
             (None, None) => {

@@ -9,7 +9,7 @@ use frfid_signals::checks::positive;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-use crate::description::text::Fault;
+use crate::description::fault::Fault;
 
 /// A single flexible joint (SK15 section 6.1); everything on the joint side of the gear.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -167,16 +167,24 @@ impl SingleJointTable {
     }
 }
 
+impl MotorRippleTable {
+    /// The harmonic as the joint sees it.
+    fn behind(&self, gear_ratio: f64) -> Ripple {
+        Ripple {
+            cycles_per_turn: self.cycles_per_motor_turn * gear_ratio.abs(),
+            amplitude_nm: self.amplitude_nm,
+            phase_rad: self.phase_rad,
+        }
+    }
+}
+
 impl JointTable {
     /// Motor and gear with their defaults filled in.
     #[must_use]
     pub fn joint(&self) -> FlexibleJoint {
-        let ripple = |ripple: &MotorRippleTable| Ripple {
-            cycles_per_turn: ripple.cycles_per_motor_turn * self.gear_ratio.abs(),
-            amplitude_nm: ripple.amplitude_nm,
-            phase_rad: ripple.phase_rad,
-        };
-        motor_and_gear!(self, self.ripple.iter().map(ripple).collect())
+        let harmonics = self.ripple.iter();
+        let ripple = harmonics.map(|harmonic| harmonic.behind(self.gear_ratio));
+        motor_and_gear!(self, ripple.collect())
     }
 
     /// The sensor; an increment is a count of the encoder behind the gear.
@@ -206,15 +214,41 @@ impl JointTable {
         }
     }
 
+    /// Lowest and highest position.
+    pub(super) fn range_rad(&self) -> (f64, f64) {
+        (
+            self.min_position.unwrap_or(f64::NEG_INFINITY),
+            self.max_position.unwrap_or(f64::INFINITY),
+        )
+    }
+
     /// Checks every number.
     pub(super) fn check(&self) -> Result<(), Fault> {
-        if !self.gear_ratio.is_finite() || self.gear_ratio == 0.0 {
-            let found = self.gear_ratio;
-            let message =
-                format!("gear_ratio is {found}, needed: a finite number of either sign, not 0");
-            return Err(Fault::new(&["gear_ratio"], message));
-        }
+        self.check_gear_ratio()?;
         self.joint().check()?;
+        self.check_encoder()?;
+        self.sensor.check().map_err(Fault::in_table("sensor"))?;
+        self.check_limits()
+    }
+
+    /// Checks that every limit allows something.
+    fn check_limits(&self) -> Result<(), Fault> {
+        self.check_sizes()?;
+        self.check_range()
+    }
+
+    fn check_gear_ratio(&self) -> Result<(), Fault> {
+        let found = self.gear_ratio;
+        if found.is_finite() && found != 0.0 {
+            return Ok(());
+        }
+        let message =
+            format!("gear_ratio is {found}, needed: a finite number of either sign, not 0");
+        Err(Fault::new(&["gear_ratio"], message))
+    }
+
+    /// Checks that the encoder has counts, and one resolution.
+    fn check_encoder(&self) -> Result<(), Fault> {
         if let Some(counts) = self.encoder_counts_per_motor_turn {
             let key = "encoder_counts_per_motor_turn";
             positive(key, counts)?;
@@ -223,14 +257,11 @@ impl JointTable {
                 return Err(Fault::new(&[key], message));
             }
         }
-        self.sensor
-            .check()
-            .map_err(|error| Fault::from(error).within(&["sensor"]))?;
-        self.check_limits()
+        Ok(())
     }
 
-    /// Checks that every limit allows something.
-    fn check_limits(&self) -> Result<(), Fault> {
+    /// Checks the limits of sizes.
+    fn check_sizes(&self) -> Result<(), Fault> {
         for &limit in Limit::ALL.iter().filter(|limit| limit.is_size()) {
             let found = self.limit(limit);
             if let Some(found) = found.filter(|found| found.is_nan() || *found <= 0.0) {
@@ -239,8 +270,12 @@ impl JointTable {
                 return Err(Fault::new(&[key], message));
             }
         }
-        let lowest = self.min_position.unwrap_or(f64::NEG_INFINITY);
-        let highest = self.max_position.unwrap_or(f64::INFINITY);
+        Ok(())
+    }
+
+    /// Checks the limits of the position.
+    fn check_range(&self) -> Result<(), Fault> {
+        let (lowest, highest) = self.range_rad();
         if lowest < highest {
             return Ok(());
         }

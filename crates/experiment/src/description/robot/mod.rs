@@ -13,11 +13,12 @@ use frfid_signals::{Limit, Limits};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::description::fault::Fault;
 use crate::description::robot::body::BodyTable;
 use crate::description::robot::check::no_robot;
 use crate::description::robot::joint::{JointTable, SingleJointTable};
 use crate::description::robot::urdf::UrdfTable;
-use crate::description::text::{ConfigError, Fault, TomlText};
+use crate::description::text::{ConfigError, TomlText};
 
 /// Gravity where none is given: z up.
 const GRAVITY_M_S2: [f64; 3] = [0.0, 0.0, -9.81];
@@ -112,26 +113,31 @@ impl RobotTable {
     /// The robot to be simulated, once it is found sound.
     pub(crate) fn resolve(&self) -> Result<Arc<dyn Robot>, Fault> {
         self.check()?;
-        let joint = self.single_joint();
-        let joint = joint.map(|joint| Arc::new(joint) as Arc<dyn Robot>);
-        let arm = || self.arm().map(|arm| Arc::new(arm) as Arc<dyn Robot>);
-        joint.or_else(arm).ok_or_else(no_robot)
+        Ok(match self.single_joint() {
+            Some(joint) => Arc::new(joint),
+            None => Arc::new(self.arm().ok_or_else(no_robot)?),
+        })
+    }
+
+    /// Whether the robot is an arm: a single joint has no bodies.
+    pub(crate) fn is_arm(&self) -> bool {
+        !self.body.is_empty()
     }
 
     /// Number of axes.
     #[must_use]
     pub fn n_axes(&self) -> usize {
-        if self.body.is_empty() {
-            1
-        } else {
+        if self.is_arm() {
             self.joints().count()
+        } else {
+            1
         }
     }
 
     /// Names of the joints, as they stand in the logs: those of the bodies they move.
     #[must_use]
     pub fn joint_names(&self) -> Vec<String> {
-        if self.body.is_empty() {
+        if !self.is_arm() {
             return vec!["joint_1".to_owned()];
         }
         self.joints().map(|(body, _)| body.name.clone()).collect()
@@ -158,7 +164,7 @@ impl RobotTable {
         if !is_posed(self.challenges.sensing) {
             return vec![Sensor::default(); self.n_axes()];
         }
-        if self.body.is_empty() {
+        if !self.is_arm() {
             return vec![self.sensor.unwrap_or_default()];
         }
         self.joints().map(|(_, joint)| joint.sensor()).collect()
@@ -167,18 +173,21 @@ impl RobotTable {
     /// The robot's own limits; without challenge A no limit on the torque.
     #[must_use]
     pub fn limits(&self) -> Limits {
-        let of_joints = |&limit: &Limit| {
-            let of_axes: Vec<Option<f64>> =
-                self.joints().map(|(_, joint)| joint.limit(limit)).collect();
-            let given = of_axes.iter().any(Option::is_some);
-            let value = |of_axis: Option<f64>| of_axis.unwrap_or(limit.unlimited());
-            given.then(|| (limit, of_axes.into_iter().map(value).collect()))
-        };
+        let of_joints = |&limit: &Limit| Some((limit, self.limit_of_axes(limit)?));
         let mut limits: Limits = Limit::ALL.iter().filter_map(of_joints).collect();
         if !is_posed(self.challenges.gear_load_limit) {
             limits.remove(Limit::Torque);
         }
         limits
+    }
+
+    /// A limit of every axis, `None` where no joint has one.
+    fn limit_of_axes(&self, limit: Limit) -> Option<Vec<f64>> {
+        let of_joints = self.joints().map(|(_, joint)| joint.limit(limit));
+        let of_axes: Vec<Option<f64>> = of_joints.collect();
+        let is_given = of_axes.iter().any(Option::is_some);
+        let value = |of_axis: Option<f64>| of_axis.unwrap_or(limit.unlimited());
+        is_given.then(|| of_axes.into_iter().map(value).collect())
     }
 
     /// The joint to be simulated, if one is described, without the challenges that are switched
@@ -198,10 +207,7 @@ impl RobotTable {
     /// The arm to be simulated, if one is described.
     #[must_use]
     pub fn arm(&self) -> Option<Arm> {
-        if self.body.is_empty() {
-            return None;
-        }
-        Some(Arm {
+        self.is_arm().then(|| Arm {
             bodies: self.body.iter().map(BodyTable::body).collect(),
             payload: self.payload,
             gravity_m_s2: self.gravity_m_s2.unwrap_or(GRAVITY_M_S2),

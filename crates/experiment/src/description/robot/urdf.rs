@@ -9,10 +9,11 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use urdf_rs::{Inertial, Joint, JointType, Link};
 
+use crate::description::fault::Fault;
 use crate::description::robot::RobotTable;
 use crate::description::robot::body::{BodyTable, rotation};
 use crate::description::robot::joint::JointTable;
-use crate::description::text::{ConfigError, Fault, TomlText};
+use crate::description::text::{ConfigError, TomlText};
 
 /// An arm from URDF: the chain of joints from the base link to the tip link. Revolute and
 /// continuous joints move and need a table of their name; fixed ones are locked. Limits that a
@@ -47,11 +48,11 @@ impl RobotTable {
         let Some(urdf) = self.urdf.take() else {
             return Ok(());
         };
-        let bodies = if self.body.is_empty() {
-            urdf.read(folder)
-        } else {
+        let bodies = if self.is_arm() {
             let message = "URDF and [[body]] tables are given; keep one of them";
             Err(Fault::new(&["file"], message))
+        } else {
+            urdf.read(folder)
         };
         self.body = bodies.map_err(|fault| text.locate(table, fault.within(&["urdf"])))?;
         self.is_from_urdf = true;
@@ -75,16 +76,15 @@ impl UrdfTable {
         let chain = self.chain(robot)?;
         self.check_names(&chain)?;
         check_nothing_beside(robot, &chain)?;
-        let bodies = chain.into_iter().map(|joint| self.body(robot, joint));
-        bodies.collect()
+        let joints = chain.into_iter();
+        joints.map(|joint| self.body(robot, joint)).collect()
     }
 
     /// Refuses tables and entries for joints that the chain does not have.
     fn check_names(&self, chain: &[&Joint]) -> Result<(), Fault> {
         let known: Vec<&str> = chain.iter().map(|joint| joint.name.as_str()).collect();
-        let joints = self.joint.keys().map(|name| ("joint", name));
-        let mut named = joints.chain(self.simplified.iter().map(|name| ("simplified", name)));
-        let Some((key, name)) = named.find(|(_, name)| !known.contains(&name.as_str())) else {
+        let is_unknown = |(_, name): &(_, &String)| !known.contains(&name.as_str());
+        let Some((key, name)) = self.named_joints().find(is_unknown) else {
             return Ok(());
         };
         let known = known.join(", ");
@@ -92,9 +92,15 @@ impl UrdfTable {
         Err(Fault::new(&[key], message))
     }
 
+    /// Joints that the table names, each with the key at which it does.
+    fn named_joints(&self) -> impl Iterator<Item = (&'static str, &String)> {
+        let joints = self.joint.keys().map(|name| ("joint", name));
+        joints.chain(self.simplified.iter().map(|name| ("simplified", name)))
+    }
+
     /// The joints from the base link to the tip link.
     fn chain<'a>(&self, robot: &'a urdf_rs::Robot) -> Result<Vec<&'a Joint>, Fault> {
-        let (base, tip) = self.ends(robot)?;
+        let (base, tip) = (self.base(robot)?, self.tip(robot)?);
         let (mut chain, mut link) = (Vec::new(), tip);
         while link != base {
             // a chain longer than all joints runs in a circle
@@ -110,28 +116,24 @@ impl UrdfTable {
         Ok(chain)
     }
 
-    /// Base link and tip link.
-    fn ends<'a>(&self, robot: &'a urdf_rs::Robot) -> Result<(&'a str, &'a str), Fault> {
-        let links: Vec<&str> = robot.links.iter().map(|link| link.name.as_str()).collect();
+    fn base<'a>(&self, robot: &'a urdf_rs::Robot) -> Result<&'a str, Fault> {
         let is_base = |link: &&str| above(link, robot).is_none();
-        let is_tip = |link: &&str| robot.joints.iter().all(|joint| joint.parent.link != **link);
-        let bases = links.iter().copied().filter(is_base).collect();
-        let base = named("base_link", self.base_link.as_deref(), &links, bases)?;
-        let tips = links.iter().copied().filter(is_tip).collect();
-        let tip = named("tip_link", self.tip_link.as_deref(), &links, tips)?;
-        Ok((base, tip))
+        named("base_link", self.base_link.as_deref(), robot, is_base)
+    }
+
+    fn tip<'a>(&self, robot: &'a urdf_rs::Robot) -> Result<&'a str, Fault> {
+        let is_tip = |link: &&str| below(link, robot).next().is_none();
+        named("tip_link", self.tip_link.as_deref(), robot, is_tip)
     }
 
     /// The body that a joint of the chain carries.
     fn body(&self, robot: &urdf_rs::Robot, joint: &Joint) -> Result<BodyTable, Fault> {
         let table = self.table_of(joint)?;
-        let mut links = robot.links.iter();
-        let link = links.find(|link| link.name == joint.child.link);
         let Inertial {
             origin,
             mass,
             inertia,
-        } = link.map(|link| link.inertial.clone()).unwrap_or_default();
+        } = inertial_of(joint, robot);
         Ok(BodyTable {
             name: joint.name.clone(),
             offset_m: joint.origin.xyz.0,
@@ -149,34 +151,53 @@ impl UrdfTable {
     /// Motor and gear of a joint with the limits of both files; `None` for one that is fixed.
     fn table_of(&self, joint: &Joint) -> Result<Option<JointTable>, Fault> {
         let name = &joint.name;
-        let refused = |key: &str, message: String| Err(Fault::new(&[key], message));
         if joint.mimic.is_some() {
             let message = format!("joint {name} mimics another; every joint must move on its own");
-            return refused("file", message);
+            return Err(Fault::new(&["file"], message));
         }
         match &joint.joint_type {
             JointType::Fixed => Ok(None),
-            JointType::Revolute | JointType::Continuous => match self.joint.get(name) {
-                Some(table) => Ok(Some(with_limits(table, joint))),
-                None => refused(
-                    "joint",
-                    format!("no table [urdf.joint.{name}]: URDF knows no motor, gear and friction"),
-                ),
-            },
+            JointType::Revolute | JointType::Continuous => self.table_of_moving(joint).map(Some),
             other => {
                 let kind = format!("{other:?}").to_lowercase();
                 let message = format!(
                     "joint {name} is {kind}; only revolute, continuous and fixed joints can be simulated"
                 );
-                refused("file", message)
+                Err(Fault::new(&["file"], message))
             }
         }
+    }
+
+    /// The same of a joint that moves.
+    fn table_of_moving(&self, joint: &Joint) -> Result<JointTable, Fault> {
+        let name = &joint.name;
+        let table = self.joint.get(name).ok_or_else(|| {
+            let message =
+                format!("no table [urdf.joint.{name}]: URDF knows no motor, gear and friction");
+            Fault::new(&["joint"], message)
+        })?;
+        Ok(with_limits(table, joint))
     }
 }
 
 /// The joint on which a link hangs.
 fn above<'a>(link: &str, robot: &'a urdf_rs::Robot) -> Option<&'a Joint> {
     robot.joints.iter().find(|joint| joint.child.link == link)
+}
+
+/// The joints that hang on a link.
+fn below<'a>(link: &str, robot: &'a urdf_rs::Robot) -> impl Iterator<Item = &'a Joint> {
+    let joints = robot.joints.iter();
+    joints.filter(move |joint| joint.parent.link == link)
+}
+
+/// What the link weighs that a joint carries.
+fn inertial_of(joint: &Joint, robot: &urdf_rs::Robot) -> Inertial {
+    let link = robot
+        .links
+        .iter()
+        .find(|link| link.name == joint.child.link);
+    link.map(|link| link.inertial.clone()).unwrap_or_default()
 }
 
 /// Refuses links with a mass that hang beside the chain: what they weigh would be lost.
@@ -200,8 +221,7 @@ fn beside<'a>(robot: &'a urdf_rs::Robot, chain: &[&'a Joint]) -> Vec<&'a str> {
     let mut moved: Vec<&str> = chain.iter().map(|joint| child(joint)).collect();
     let mut next = 0;
     while let Some(&link) = moved.get(next) {
-        let joints = robot.joints.iter();
-        let hanging = joints.filter(|joint| joint.parent.link == link).map(child);
+        let hanging = below(link, robot).map(child);
         let new: Vec<&str> = hanging.filter(|child| !moved.contains(child)).collect();
         moved.extend(new);
         next += 1;
@@ -213,21 +233,22 @@ fn beside<'a>(robot: &'a urdf_rs::Robot, chain: &[&'a Joint]) -> Vec<&'a str> {
 fn named<'a>(
     key: &'static str,
     asked: Option<&str>,
-    all: &[&'a str],
-    possible: Vec<&'a str>,
+    robot: &'a urdf_rs::Robot,
+    is_possible: impl Fn(&&str) -> bool,
 ) -> Result<&'a str, Fault> {
-    match (asked, &possible[..]) {
-        (Some(asked), _) => {
-            let found = all.iter().find(|link| **link == asked);
-            found
-                .copied()
-                .ok_or_else(|| Fault::new(&[key], format!("there is no link {asked}")))
+    let mut links = robot.links.iter().map(|link| link.name.as_str());
+    if let Some(asked) = asked {
+        let found = links.find(|link| *link == asked);
+        return found.ok_or_else(|| Fault::new(&[key], format!("there is no link {asked}")));
+    }
+    let possible: Vec<&str> = links.filter(is_possible).collect();
+    match possible[..] {
+        [only] => Ok(only),
+        _ => {
+            let links = possible.join(", ");
+            let message = format!("{key} is needed to choose one of {links}");
+            Err(Fault::new(&[key], message))
         }
-        (None, [only]) => Ok(only),
-        (None, _) => Err(Fault::new(
-            &[key],
-            format!("{key} is needed to choose one of {}", possible.join(", ")),
-        )),
     }
 }
 
@@ -235,7 +256,6 @@ fn named<'a>(
 /// that is not known, and an empty range for a joint without one.
 fn with_limits(table: &JointTable, joint: &Joint) -> JointTable {
     let limit = &joint.limit;
-    let size = |value: f64| Some(value).filter(|value| value.is_finite() && *value > 0.0);
     let has_range = joint.joint_type == JointType::Revolute && limit.lower < limit.upper;
     let position = |value: f64| Some(value).filter(|value| has_range && value.is_finite());
     JointTable {
@@ -247,6 +267,11 @@ fn with_limits(table: &JointTable, joint: &Joint) -> JointTable {
         max_effort: table.max_effort.or(size(limit.effort)),
         ..table.clone()
     }
+}
+
+/// A size that URDF knows.
+fn size(value: f64) -> Option<f64> {
+    Some(value).filter(|value| value.is_finite() && *value > 0.0)
 }
 
 /// The inertia tensor of URDF, in the frame of its own origin.

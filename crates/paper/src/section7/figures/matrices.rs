@@ -7,7 +7,7 @@ use frfid_signals::Frf;
 use crate::error::PaperError;
 use crate::named_figure::Named;
 use crate::section7::Section7;
-use crate::section7::figures::{curve, estimate, labels, truth};
+use crate::section7::figures::{estimate, labels, truth};
 use crate::section7::multisine::MultisineCampaign;
 
 /// How far a peak of figure 9 must stand out, in dB.
@@ -20,17 +20,16 @@ pub(super) fn figure_8(section7: &Section7) -> Result<Named, PaperError> {
     let campaign = &section7.multisine;
     let curves = [
         truth(section7),
-        curve("not compensated", &campaign.uncompensated, Style::Line),
-        curve("glide subtracted in time", &campaign.in_time, Style::Line),
+        Curve::new("not compensated", &campaign.uncompensated, Style::Line),
+        Curve::new("glide subtracted in time", &campaign.in_time, Style::Line),
         by_position(campaign),
     ];
-    Ok(Named {
-        name: "figure_8_ripple",
-        caption: "Figure 8: the multisine's FRF with and without compensation of the motors' periodic disturbances. Shaded: 95 % region of \
-                  noise and nonlinear distortion. Crossed: lines at which what remains of the ripple exceeds the noise."
-            .into(),
-        figure: bode_matrix(&curves, &labels(section7), false, &[])?,
-    })
+    Ok(Named::new(
+        "figure_8_ripple",
+        "Figure 8: the multisine's FRF with and without compensation of the motors' periodic disturbances. Shaded: 95 % region of \
+         noise and nonlinear distortion. Crossed: lines at which what remains of the ripple exceeds the noise.",
+        bode_matrix(&curves, &labels(section7), false, &[])?,
+    ))
 }
 
 /// The estimate by subtraction of the glide by position, with its flagged lines.
@@ -59,19 +58,18 @@ pub(super) fn figure_9(section7: &Section7) -> Result<Named, PaperError> {
         peak_marks(&sign_flip.frf, 3, MarkShape::Circle, "sign flip"),
     ]
     .concat();
-    Ok(Named {
-        name: "figure_9_chirps",
-        caption: "Figure 9: the chirp's FRF at the first iteration in which every axis moves, and at the best. The peaks of the channel τ1 → dq2/dt are marked there and, \
-                  at the same place, in the channel τ2 → dq1/dt, which should equal it."
-            .into(),
-        figure: bode_matrix(&curves, &labels(section7), false, &marks)?,
-    })
+    Ok(Named::new(
+        "figure_9_chirps",
+        "Figure 9: the chirp's FRF at the first iteration in which every axis moves, and at the best. The peaks of the channel τ1 → dq2/dt are marked there and, \
+         at the same place, in the channel τ2 → dq1/dt, which should equal it.",
+        bode_matrix(&curves, &labels(section7), false, &marks)?,
+    ))
 }
 
 /// The estimate at an iteration of a shaping.
 fn at_iteration<'a>(phasing: &str, iteration: usize, frf: &'a Frf) -> Curve<'a> {
     let label = format!("{phasing}, iteration {iteration}");
-    curve(&label, frf, Style::Line)
+    Curve::new(label, frf, Style::Line)
 }
 
 /// Marks at the peaks of the channel from input 1 to output 2, there and in the channel from input
@@ -99,10 +97,8 @@ fn cross_channel_peaks(frf: &Frf) -> Vec<Feature> {
     }
     let mut peaks = find_features(frf, 1, 0, PROMINENCE_DB);
     peaks.retain(|feature| feature.kind == FeatureKind::Resonance);
-    let highest = peaks
-        .iter()
-        .map(|peak| peak.magnitude_db)
-        .fold(f64::NEG_INFINITY, f64::max);
+    let levels = peaks.iter().map(|peak| peak.magnitude_db);
+    let highest = levels.fold(f64::NEG_INFINITY, f64::max);
     peaks.retain(|peak| peak.magnitude_db >= highest - DEPTH_DB);
     peaks
 }
@@ -117,13 +113,12 @@ pub(super) fn figure_10(section7: &Section7) -> Result<Named, PaperError> {
             &multisine.by_position,
             Style::Markers,
         ),
-        curve("shaped chirp", &chirp.frf, Style::Line),
+        Curve::new("shaped chirp", &chirp.frf, Style::Line),
     ];
-    Ok(Named {
-        name: "figure_10_comparison",
-        caption: "Figure 10: multisine and chirp compared. Resonance and antiresonance show less clearly in the chirp's FRF, which does not \
-                  avoid zero velocity."
-            .into(),
-        figure: bode_matrix(&curves, &labels(section7), false, &[])?,
-    })
+    Ok(Named::new(
+        "figure_10_comparison",
+        "Figure 10: multisine and chirp compared. Resonance and antiresonance show less clearly in the chirp's FRF, which does not \
+         avoid zero velocity.",
+        bode_matrix(&curves, &labels(section7), false, &[])?,
+    ))
 }

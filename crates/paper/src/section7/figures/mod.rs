@@ -86,13 +86,13 @@ fn curves_to_look_into(section7: &Section7) -> Vec<Curve<'_>> {
             &campaign.by_position,
             Style::Markers,
         ),
-        curve(
+        Curve::new(
             "multisine, not compensated",
             &campaign.uncompensated,
             Style::Markers,
         ),
-        curve("chirp, orthogonal", &section7.orthogonal.frf, Style::Line),
-        curve("chirp, sign flip", &section7.sign_flip.frf, Style::Line),
+        Curve::new("chirp, orthogonal", &section7.orthogonal.frf, Style::Line),
+        Curve::new("chirp, sign flip", &section7.sign_flip.frf, Style::Line),
     ]
 }
 
@@ -106,32 +106,27 @@ fn convergence_figure(section7: &Section7) -> Result<Named, PaperError> {
         ("the paper's step, sign flip", &section7.paper_step),
     ]
     .map(|(label, iterations)| procedure(label, iterations, names.len()));
-    Ok(Named {
-        name: "figure_7b_convergence",
-        caption: "Not depicted in the paper: how far the torques are from the desired ones at each iteration (rms over the band; 10 % must \
-                  and 5 % should be reached), and the share of time each axis sticks (less than 15 %)."
-            .into(),
-        figure: convergence(&procedures, names, &ERROR_LIMITS, Some(STUCK_LIMIT))?,
-    })
+    Ok(Named::new(
+        "figure_7b_convergence",
+        "Not depicted in the paper: how far the torques are from the desired ones at each iteration (rms over the band; 10 % must \
+         and 5 % should be reached), and the share of time each axis sticks (less than 15 %).",
+        convergence(&procedures, names, &ERROR_LIMITS, Some(STUCK_LIMIT))?,
+    ))
 }
 
 /// Errors and stuck shares per axis; NaN where a run was stopped.
 fn procedure(label: &str, iterations: &[Summary], axes: usize) -> Procedure {
-    let error = |(k, axis): (usize, usize)| {
-        let errors = iterations[k].channel_error.as_deref();
-        value_or_nan(errors.unwrap_or_default(), axis)
+    let of_axes = |values: &dyn Fn(&Summary) -> &[f64]| {
+        Array2::from_shape_fn((iterations.len(), axes), |(k, axis)| {
+            let value = values(&iterations[k]).get(axis);
+            value.copied().unwrap_or(f64::NAN)
+        })
     };
-    let stuck = |(k, axis): (usize, usize)| value_or_nan(&iterations[k].stuck_share, axis);
-    let shape = (iterations.len(), axes);
     Procedure {
         label: label.into(),
-        error: Array2::from_shape_fn(shape, error),
-        stuck: Some(Array2::from_shape_fn(shape, stuck)),
+        error: of_axes(&|iteration| iteration.channel_error.as_deref().unwrap_or_default()),
+        stuck: Some(of_axes(&|iteration| &iteration.stuck_share)),
     }
-}
-
-fn value_or_nan(values: &[f64], axis: usize) -> f64 {
-    values.get(axis).copied().unwrap_or(f64::NAN)
 }
 
 /// Names of the axes' torques and velocities.
@@ -142,28 +137,17 @@ fn labels(section7: &Section7) -> Labels {
 
 /// The linear truth, which every matrix shows.
 fn truth(section7: &Section7) -> Curve<'_> {
-    curve(
+    Curve::new(
         "linear truth at the pose",
         &section7.truth,
         Style::Reference,
     )
 }
 
-/// An FRF without its uncertainty.
-fn curve<'a>(label: &str, frf: &'a Frf, style: Style) -> Curve<'a> {
-    Curve {
-        label: label.into(),
-        frf,
-        style,
-        band: Band::None,
-        flagged: None,
-    }
-}
-
 /// An FRF with its 95 % region of noise and nonlinear distortion.
 fn estimate<'a>(label: &str, frf: &'a Frf, style: Style) -> Curve<'a> {
     Curve {
         band: Band::Total,
-        ..curve(label, frf, style)
+        ..Curve::new(label, frf, style)
     }
 }

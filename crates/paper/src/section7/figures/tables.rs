@@ -6,6 +6,7 @@ use frfid_signals::{Limit, Peaks, median};
 
 use crate::section7::Section7;
 use crate::section7::chirps::ShapedChirps;
+use crate::section7::lists::list;
 use crate::section7::multisine::MultisineCampaign;
 
 /// What the paper says of its own robot (SK15 (23) to (25), section 7.2).
@@ -21,9 +22,7 @@ pub(crate) fn tables(section7: &Section7) -> Vec<Table> {
 fn torques_and_durations(section7: &Section7) -> Table {
     Table {
         title: "Peak torques (holding torque included) and durations".into(),
-        columns: ["", "Here", "Paper (another robot)"]
-            .map(str::to_owned)
-            .to_vec(),
+        columns: columns(&["", "Here", "Paper (another robot)"]),
         rows: [
             multisine_rows(&section7.coulomb_nm, &section7.multisine),
             chirp_rows("Chirp, orthogonal", &section7.orthogonal),
@@ -79,18 +78,17 @@ fn chirp_rows(name: &str, chirps: &ShapedChirps) -> Vec<Row> {
 
 /// What shaping reached by every procedure.
 fn shaping(section7: &Section7) -> Table {
-    let columns = [
-        "Procedure",
-        "Iteration",
-        "Error of the torques in %",
-        "Stuck in %",
-        "cond(U), made at u (median)",
-        "cond(U), made at r (median)",
-    ];
     let paper_last = [reached(section7.paper_step.last()), vec![NONE.into(); 2]].concat();
     Table {
         title: "Shaping".into(),
-        columns: columns.map(str::to_owned).to_vec(),
+        columns: columns(&[
+            "Procedure",
+            "Iteration",
+            "Error of the torques in %",
+            "Stuck in %",
+            "cond(U), made at u (median)",
+            "cond(U), made at r (median)",
+        ]),
         rows: vec![
             (
                 "Damped step, orthogonal, best".into(),
@@ -117,17 +115,14 @@ fn reached(iteration: Option<&Summary>) -> Vec<String> {
 
 /// The same of the best iteration, and how well its spectra can be inverted.
 fn reached_at_best(chirps: &ShapedChirps) -> Vec<String> {
-    let mut iterations = chirps.iterations.iter();
-    let best = iterations.find(|summary| summary.number == chirps.best);
     let conditions = &chirps.conditions;
-    [
-        reached(best),
-        vec![
-            middle(&conditions.at_torque),
-            middle(&conditions.at_reference),
-        ],
-    ]
-    .concat()
+    let conditions = [&conditions.at_torque, &conditions.at_reference].map(|of| middle(of));
+    [&reached(Some(chirps.best_iteration()))[..], &conditions].concat()
+}
+
+/// Heads of the columns of a table.
+fn columns(heads: &[&str]) -> Vec<String> {
+    heads.iter().map(|&head| head.into()).collect()
 }
 
 /// A row of a table: its name and the cells behind it.
@@ -137,21 +132,9 @@ fn row(name: impl Into<String>, here: String, paper: &str) -> Row {
     (name.into(), vec![here, paper.into()])
 }
 
-/// Numbers separated by commas.
-fn list(values: &[f64], decimals: usize) -> String {
-    values
-        .iter()
-        .map(|value| format!("{value:.decimals$}"))
-        .collect::<Vec<_>>()
-        .join(", ")
-}
-
 /// Shares in percent.
 fn percents(shares: &[f64]) -> String {
-    list(
-        &shares.iter().map(|share| 100.0 * share).collect::<Vec<_>>(),
-        1,
-    )
+    list(shares.iter().map(|share| 100.0 * share), 1)
 }
 
 /// A time as minutes and seconds.

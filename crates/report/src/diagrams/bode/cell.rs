@@ -1,5 +1,7 @@
 //! Cell of a Bode diagram: magnitude above phase of one entry.
 
+use std::iter::zip;
+
 use frfid_signals::Frf;
 
 use crate::diagrams::bode::phase;
@@ -8,8 +10,8 @@ use crate::diagrams::curve::Curve;
 use crate::figure::Figure;
 use crate::figure::axis::Axis;
 use crate::figure::geometry::{Point, Rect};
-use crate::figure::ink::{Ink, Marker};
-use crate::figure::panel::{GAP, Panel};
+use crate::figure::ink::Ink;
+use crate::figure::panel::{GAP, Panel, Value};
 
 /// Half the height of a mark in pixels.
 const MARK: f64 = 5.5;
@@ -34,17 +36,15 @@ pub(crate) struct Cell<'a> {
 }
 
 /// A curve of an entry over frequency: pairs of Hz and dB or degrees.
-type Line = Vec<(f64, f64)>;
+type Line = Vec<Value>;
 
 impl Cell<'_> {
     /// Draws magnitude and phase with the upper left corner at `corner`.
     pub(crate) fn draw(&self, figure: &mut Figure, (left, top): Point) {
         let magnitude = self.magnitude(figure, (left, top));
-        let phase_top = top + self.sheet.magnitude + GAP;
-        let phase = self
-            .sheet
-            .phase
-            .map(|height| self.phase(figure, (left, phase_top), height));
+        let phase_corner = (left, top + self.sheet.magnitude + GAP);
+        let height = self.sheet.phase;
+        let phase = height.map(|height| self.phase(figure, phase_corner, height));
         if self.is_lowest {
             let lowest = phase.unwrap_or(magnitude);
             lowest.label_x(figure, "Frequency in Hz");
@@ -55,7 +55,7 @@ impl Cell<'_> {
     fn magnitude(&self, figure: &mut Figure, corner: Point) -> Panel {
         let panel = self.panel(corner, self.sheet.magnitude, &self.axes.magnitude);
         panel.draw(figure, |figure| {
-            for (curve, ink) in self.curves() {
+            for (curve, ink) in self.sheet.inked_curves() {
                 self.magnitude_curve(figure, &panel, curve, ink);
             }
         });
@@ -71,7 +71,7 @@ impl Cell<'_> {
     fn phase(&self, figure: &mut Figure, corner: Point, height: f64) -> Panel {
         let panel = self.panel(corner, height, &self.axes.phase);
         panel.draw(figure, |figure| {
-            for (curve, ink) in self.curves() {
+            for (curve, ink) in self.sheet.inked_curves() {
                 self.phase_curve(figure, &panel, curve, ink);
             }
         });
@@ -95,37 +95,30 @@ impl Cell<'_> {
         }
     }
 
-    /// Every curve with its ink.
-    fn curves(&self) -> impl Iterator<Item = (&Curve<'_>, &Ink)> {
-        self.sheet.curves.iter().zip(&self.sheet.inks)
-    }
-
     /// Draws the region, line and markers of a magnitude.
     fn magnitude_curve(&self, figure: &mut Figure, panel: &Panel, curve: &Curve, ink: &Ink) {
         if let Some(radius) = curve.region(self.entry) {
             let [low, high] = [-1.0, 1.0].map(|sign| self.bound_db(curve, &radius, sign));
             panel.band(figure, &low, &high, ink.color);
         }
-        let line = over_frequency(curve, &self.values(curve, Frf::magnitude_db));
+        let line = self.line(curve, Frf::magnitude_db);
         panel.curve(figure, &line, &ink.without_markers());
         draw_markers(figure, panel, curve, &line, ink);
     }
 
     /// The magnitude with the radius of its region added or subtracted.
     fn bound_db(&self, curve: &Curve, radius: &[f64], sign: f64) -> Line {
-        let (output, input) = self.entry;
-        let response = &curve.frf.response;
-        let bound = |k: usize| response[[k, output, input]].norm() + sign * radius[k];
-        let bound_db = |k: usize| 20.0 * bound(k).max(0.0).log10();
-        over_frequency(curve, &(0..radius.len()).map(bound_db).collect::<Vec<_>>())
+        let bounds =
+            zip(curve.sizes(self.entry), radius).map(|(size, radius)| size + sign * radius);
+        let bounds_db = bounds.map(|bound| 20.0 * bound.max(0.0).log10());
+        over_frequency(curve, bounds_db)
     }
 
     /// Draws the region, line and markers of a phase, with gaps where it wraps.
     fn phase_curve(&self, figure: &mut Figure, panel: &Panel, curve: &Curve, ink: &Ink) {
         let phase_deg = self.values(curve, Frf::phase_deg);
-        let half_width_deg = curve
-            .region(self.entry)
-            .map(|radius| self.half_width_deg(curve, &radius));
+        let region = curve.region(self.entry);
+        let half_width_deg = region.map(|radius| self.half_width_deg(curve, &radius));
         for run in phase::runs(&phase_deg) {
             let shifted = |by: &dyn Fn(usize) -> f64| shifted_run(curve, &run, by);
             if let Some(half) = &half_width_deg {
@@ -134,31 +127,28 @@ impl Cell<'_> {
             }
             panel.curve(figure, &shifted(&|_| 0.0), &ink.without_markers());
         }
-        let line = over_frequency(curve, &phase_deg);
+        let line = over_frequency(curve, phase_deg);
         draw_markers(figure, panel, curve, &line, ink);
     }
 
     /// Half the width of the region of a phase, seen from the origin.
     fn half_width_deg(&self, curve: &Curve, radius: &[f64]) -> Vec<f64> {
-        let (output, input) = self.entry;
-        let response = &curve.frf.response;
-        let half_width =
-            |(k, radius): (usize, &f64)| match radius / response[[k, output, input]].norm() {
-                ratio if ratio < 1.0 => ratio.asin().to_degrees(),
-                _ => 180.0,
-            };
-        radius.iter().enumerate().map(half_width).collect()
+        let ratios = zip(radius, curve.sizes(self.entry)).map(|(radius, size)| radius / size);
+        let half_width = |ratio: f64| {
+            if ratio < 1.0 {
+                ratio.asin().to_degrees()
+            } else {
+                180.0
+            }
+        };
+        ratios.map(half_width).collect()
     }
 
     /// Draws crosses where curves are flagged, over all curves.
     fn flags(&self, figure: &mut Figure, panel: &Panel, values: Values) {
-        for (curve, ink) in self.curves() {
-            let cross = Ink::markers(Marker::Cross, ink.color);
-            let line = over_frequency(curve, &self.values(curve, values));
-            for (k, point) in line.into_iter().enumerate() {
-                if curve.is_flagged(k) {
-                    panel.mark(figure, point, &cross, CROSS);
-                }
+        for (curve, ink) in self.sheet.inked_curves() {
+            for point in chosen(&self.line(curve, values), |k| curve.is_flagged(k)) {
+                panel.mark(figure, point, &ink.crosses(), CROSS);
             }
         }
     }
@@ -166,11 +156,15 @@ impl Cell<'_> {
     /// Draws the marks of this entry.
     fn marks(&self, figure: &mut Figure, panel: &Panel) {
         for mark in self.sheet.marks {
-            if (mark.output, mark.input) == self.entry {
-                let at = (mark.frequency_hz, mark.magnitude_db);
-                panel.mark(figure, at, &mark.ink(&self.sheet.inks), MARK);
+            if mark.entry() == self.entry {
+                panel.mark(figure, mark.place(), &mark.ink(&self.sheet.inks), MARK);
             }
         }
+    }
+
+    /// Values of a curve at this entry, over frequency.
+    fn line(&self, curve: &Curve, of_entry: Values) -> Line {
+        over_frequency(curve, self.values(curve, of_entry))
     }
 
     /// Values of a curve at this entry.
@@ -181,12 +175,18 @@ impl Cell<'_> {
 }
 
 /// Magnitude or phase of one entry of an FRF.
-type Values = fn(&Frf, usize, usize) -> Vec<f64>;
+pub(crate) type Values = fn(&Frf, usize, usize) -> Vec<f64>;
 
 /// Values of a curve with their frequencies.
-fn over_frequency(curve: &Curve, values: &[f64]) -> Line {
+fn over_frequency(curve: &Curve, values: impl IntoIterator<Item = f64>) -> Line {
     let frequencies = curve.frf.frequency_hz.iter().copied();
-    frequencies.zip(values.iter().copied()).collect()
+    frequencies.zip(values).collect()
+}
+
+/// The points of a line whose numbers are chosen.
+fn chosen(line: &[Value], is_chosen: impl Fn(usize) -> bool) -> Line {
+    let numbers = (0..line.len()).filter(|&k| is_chosen(k));
+    numbers.map(|k| line[k]).collect()
 }
 
 /// A run of phases, each shifted by a number of degrees.
@@ -197,10 +197,7 @@ fn shifted_run(curve: &Curve, run: &[(usize, f64)], by: &dyn Fn(usize) -> f64) -
 }
 
 /// Draws the markers of a curve, where it is not flagged.
-fn draw_markers(figure: &mut Figure, panel: &Panel, curve: &Curve, line: &[(f64, f64)], ink: &Ink) {
-    let sound: Line = (0..line.len())
-        .filter(|&k| !curve.is_flagged(k))
-        .map(|k| line[k])
-        .collect();
+fn draw_markers(figure: &mut Figure, panel: &Panel, curve: &Curve, line: &[Value], ink: &Ink) {
+    let sound = chosen(line, |k| !curve.is_flagged(k));
     panel.curve(figure, &sound, &ink.without_line());
 }

@@ -2,7 +2,7 @@
 
 use frfid_signals::Frf;
 
-use crate::diagrams::bode::cell::{Axes, Cell};
+use crate::diagrams::bode::cell::{Axes, Cell, Values};
 use crate::diagrams::curve::Curve;
 use crate::diagrams::labels::Labels;
 use crate::diagrams::mark::Mark;
@@ -10,12 +10,15 @@ use crate::figure::Figure;
 use crate::figure::axis::Axis;
 use crate::figure::drawing::Align;
 use crate::figure::geometry::Point;
-use crate::figure::ink::{Ink, Marker};
+use crate::figure::ink::Ink;
 use crate::figure::legend::Legend;
-use crate::figure::panel::{BELOW, GAP, LABEL_SIZE, LEFT, RIGHT, TICK_SIZE};
+use crate::figure::panel::{GAP, LABEL_SIZE, LEFT, TICK_SIZE};
+use crate::figure::ticks::highest;
 
 /// Height of a cell's title in pixels.
 const TITLE: f64 = 24.0;
+/// Room for a line of text below the labels, in pixels.
+const FOOT: f64 = 10.0;
 /// What lies further below the highest magnitude is rounding and does not stretch the axis, in dB.
 const DEEPEST_DB: f64 = 140.0;
 
@@ -38,18 +41,14 @@ impl Sheet<'_> {
     pub(crate) fn draw(&self) -> Figure {
         let across = self.columns.len() as f64 * (self.width + GAP) - GAP;
         let legend = self.legend(across);
-        let (top, height) = (8.0 + legend.height(), self.cell_height());
-        let mut figure = Figure::new(
-            LEFT + across + RIGHT,
-            top + self.rows.len() as f64 * height + BELOW + 10.0,
-        );
-        legend.draw(&mut figure, LEFT, 8.0);
+        let height = self.cell_height();
+        let mut figure = legend.figure(across, self.rows.len() as f64 * height + FOOT);
         self.explain_reference(&mut figure, LEFT + across);
         let axes = self.axes();
         for row in 0..self.rows.len() {
             for column in 0..self.columns.len() {
                 let left = LEFT + column as f64 * (self.width + GAP);
-                let corner = (left, top + row as f64 * height);
+                let corner = (left, legend.bottom() + row as f64 * height);
                 self.cell(&mut figure, corner, (row, column), &axes);
             }
         }
@@ -63,10 +62,16 @@ impl Sheet<'_> {
 
     /// The legend: curves, marks and flagged lines.
     fn legend(&self, width: f64) -> Legend<'_> {
-        let labels = self.curves.iter().map(|curve| curve.label.as_str());
-        let curves = labels.zip(self.inks.iter().copied());
+        let curves = self
+            .inked_curves()
+            .map(|(curve, ink)| (curve.label.as_str(), *ink));
         let entries = curves.chain(self.named_marks()).chain(self.flagged_lines());
         Legend::new(entries, width)
+    }
+
+    /// Every curve with its ink.
+    pub(crate) fn inked_curves(&self) -> impl Iterator<Item = (&Curve<'_>, &Ink)> {
+        self.curves.iter().zip(&self.inks)
     }
 
     /// Every name of a mark once, with the ink of the first of that name.
@@ -82,11 +87,8 @@ impl Sheet<'_> {
 
     /// The crosses of every curve that has flagged lines.
     fn flagged_lines(&self) -> impl Iterator<Item = (&str, Ink)> {
-        self.curves
-            .iter()
-            .zip(&self.inks)
-            .filter(|(curve, _)| (0..curve.frf.n_frequencies()).any(|k| curve.is_flagged(k)))
-            .map(|(_, ink)| ("flagged line", Ink::markers(Marker::Cross, ink.color)))
+        let flagged = self.inked_curves().filter(|(curve, _)| curve.has_flags());
+        flagged.map(|(_, ink)| ("flagged line", ink.crosses()))
     }
 
     /// Says below the cells what 0 dB is.
@@ -120,33 +122,26 @@ impl Sheet<'_> {
 
     /// Axes that hold every curve of every entry.
     fn axes(&self) -> Axes {
-        let frequencies = self
-            .curves
-            .iter()
-            .flat_map(|curve| curve.frf.frequency_hz.iter().copied());
-        let phases = self.values(Frf::phase_deg).into_iter();
+        let frequencies = self.curves.iter().flat_map(|curve| &curve.frf.frequency_hz);
+        let phase_height = self.phase.unwrap_or(self.magnitude);
         Axes {
-            frequency: Axis::frequency(frequencies, self.width),
-            magnitude: Axis::linear(self.magnitudes_db().into_iter(), self.magnitude),
-            phase: Axis::degrees(phases, self.phase.unwrap_or(self.magnitude)),
+            frequency: Axis::frequency(frequencies.copied(), self.width),
+            magnitude: Axis::linear(self.magnitudes_db(), self.magnitude),
+            phase: Axis::degrees(self.values(Frf::phase_deg), phase_height),
         }
     }
 
     /// The magnitudes that the axis must hold, those of marks included.
     fn magnitudes_db(&self) -> Vec<f64> {
         let mut magnitudes = self.values(Frf::magnitude_db);
-        let highest = magnitudes
-            .iter()
-            .copied()
-            .filter(|db| db.is_finite())
-            .fold(f64::NEG_INFINITY, f64::max);
+        let highest = highest(&magnitudes).unwrap_or(f64::NEG_INFINITY);
         magnitudes.retain(|db| *db >= highest - DEEPEST_DB);
         magnitudes.extend(self.marks.iter().map(|mark| mark.magnitude_db));
         magnitudes
     }
 
     /// Values of every curve at every entry of the sheet.
-    fn values(&self, of_entry: fn(&Frf, usize, usize) -> Vec<f64>) -> Vec<f64> {
+    fn values(&self, of_entry: Values) -> Vec<f64> {
         let mut values = Vec::new();
         for &output in &self.rows {
             for &input in &self.columns {

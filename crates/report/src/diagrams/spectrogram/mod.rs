@@ -12,7 +12,8 @@ use crate::figure::colormap::{STEPS, color};
 use crate::figure::drawing::Align;
 use crate::figure::geometry::Rect;
 use crate::figure::ink::{Ink, Pen};
-use crate::figure::panel::{BELOW, FRAME, LABEL_SIZE, LEFT, Panel, TICK, TICK_SIZE};
+use crate::figure::panel::{BELOW, FRAME, LABEL_SIZE, LEFT, Panel, TICK, TICK_SIZE, Value};
+use crate::figure::ticks::highest;
 use crate::validation;
 
 const WIDTH: f64 = 540.0;
@@ -96,37 +97,30 @@ impl Spectrogram<'_> {
         validation::length("time_s of the spectrogram", self.time_s.len(), times)?;
         validation::rising("frequency_hz of the spectrogram", self.frequency_hz)?;
         validation::rising("time_s of the spectrogram", self.time_s)?;
+        self.check_band()?;
+        let range_db = "range_db of the spectrogram";
+        validation::value(range_db, self.range_db, "above 0", |db| db > 0.0)
+    }
+
+    fn check_band(&self) -> Result<(), ReportError> {
         let (low, high) = self.band_hz;
         let least = if self.log_frequency {
             f64::MIN_POSITIVE
         } else {
             0.0
         };
-        validation::value(
-            "band_hz.0 of the spectrogram",
-            low,
-            "above 0 (from 0 on a linear axis)",
-            |hz| hz >= least,
-        )?;
-        validation::value(
-            "band_hz.1 of the spectrogram",
-            high,
-            "above band_hz.0",
-            |hz| hz > low,
-        )?;
-        validation::value(
-            "range_db of the spectrogram",
-            self.range_db,
-            "above 0",
-            |db| db > 0.0,
-        )
+        let needed = "above 0 (from 0 on a linear axis)";
+        validation::value("band_hz.0 of the spectrogram", low, needed, |hz| {
+            hz >= least
+        })?;
+        let needed = "above band_hz.0";
+        validation::value("band_hz.1 of the spectrogram", high, needed, |hz| hz > low)
     }
 
     /// The panel of the heat map: the analysed time over the band.
     fn panel(&self) -> Panel {
-        let (low_hz, high_hz) = self.band_hz;
-        let band = [low_hz, high_hz].into_iter();
-        let (start_s, end_s) = span(self.time_s);
+        let band: [f64; 2] = self.band_hz.into();
+        let time_s: [f64; 2] = span(self.time_s).into();
         Panel {
             rect: Rect {
                 x: LEFT,
@@ -134,7 +128,7 @@ impl Spectrogram<'_> {
                 width: WIDTH,
                 height: HEIGHT,
             },
-            x: Axis::exact([start_s, end_s].into_iter(), WIDTH),
+            x: Axis::exact(time_s, WIDTH),
             y: if self.log_frequency {
                 Axis::upright_log(band, HEIGHT)
             } else {
@@ -145,33 +139,32 @@ impl Spectrogram<'_> {
 
     /// The axis of the colour bar, up to the highest level.
     fn scale(&self, level_db: &[f64]) -> Axis {
-        let highest = level_db
-            .iter()
-            .copied()
-            .filter(|db| db.is_finite())
-            .reduce(f64::max)
-            .unwrap_or(0.0);
-        Axis::linear([highest - self.range_db, highest].into_iter(), HEIGHT)
+        let highest = highest(level_db).unwrap_or(0.0);
+        Axis::linear([highest - self.range_db, highest], HEIGHT)
     }
 
-    /// Draws one multiple of the excitation's frequency, with its name where it leaves the picture
-    /// or, if it ends before, at the right edge.
+    /// Draws one multiple of the excitation's frequency with its name.
     fn mark(&self, figure: &mut Figure, panel: &Panel, harmonic: u32) {
         let seen = self.sweep.iter().filter(|(s, _)| panel.x.holds(*s));
-        let line: Vec<(f64, f64)> = seen.map(|&(s, hz)| (s, f64::from(harmonic) * hz)).collect();
+        let line: Vec<Value> = seen.map(|&(s, hz)| (s, f64::from(harmonic) * hz)).collect();
         panel.curve(figure, &line, &HARMONIC);
-        let name = harmonic_name(harmonic);
-        let leaves = line.iter().position(|&(_, hz)| panel.y.share(hz) > 1.0);
-        match (leaves, line.last()) {
-            (Some(0), _) | (_, None) => {}
-            (Some(first), _) => {
-                let at = (panel.at(line[first].0, 0.0).0, panel.rect.y - 6.0);
-                figure.text(at, &name, TICK_SIZE, Align::Center);
-            }
-            (None, Some(&(s, hz))) => {
-                let at = (panel.rect.right() + 6.0, panel.at(s, hz).1 + 4.0);
-                figure.text(at, &name, TICK_SIZE, Align::Left);
-            }
+        write_name(figure, panel, &line, &harmonic_name(harmonic));
+    }
+}
+
+/// Writes the name of a rising line where it leaves the picture or, if it ends before, at the right
+/// edge.
+fn write_name(figure: &mut Figure, panel: &Panel, line: &[Value], name: &str) {
+    let leaves = line.iter().position(|&(_, hz)| panel.y.share(hz) > 1.0);
+    match (leaves, line.last()) {
+        (Some(0), _) | (_, None) => {}
+        (Some(first), _) => {
+            let at = (panel.at((line[first].0, 0.0)).0, panel.rect.y - 6.0);
+            figure.text(at, name, TICK_SIZE, Align::Center);
+        }
+        (None, Some(&last)) => {
+            let at = (panel.rect.right() + 6.0, panel.at(last).1 + 4.0);
+            figure.text(at, name, TICK_SIZE, Align::Left);
         }
     }
 }
@@ -198,7 +191,7 @@ fn draw_bar(figure: &mut Figure, scale: &Axis, label: &str) -> Result<(), Report
     })?;
     let bar = Panel {
         rect,
-        x: Axis::exact([0.0, 1.0].into_iter(), BAR),
+        x: Axis::exact([0.0, 1.0], BAR),
         y: scale.clone(),
     };
     bar.frame(figure);
@@ -210,8 +203,8 @@ fn draw_bar(figure: &mut Figure, scale: &Axis, label: &str) -> Result<(), Report
 /// Ticks and labels to the right of a panel.
 fn label_right(figure: &mut Figure, panel: &Panel) {
     for (value, text) in &panel.y.ticks {
-        let (right, y) = panel.at(1.0, *value);
-        figure.line(vec![(right, y), (right + TICK, y)], FRAME);
+        let (right, y) = panel.at((1.0, *value));
+        figure.stroke((right, y), (right + TICK, y), FRAME);
         figure.text((right + 6.0, y + 4.0), text, TICK_SIZE, Align::Left);
     }
 }
