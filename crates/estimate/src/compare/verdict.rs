@@ -130,10 +130,15 @@ pub(crate) fn verdicts(
     stronger: Option<Side>,
 ) -> Vec<Verdict> {
     let friction = friction(changes, phase_range_deg);
-    let is_buried = |verdict: &Verdict| matches!(verdict, Verdict::FrictionIn { resonance_down_db, .. } if *resonance_down_db >= BURIED_DB);
-    let stiffness =
-        stiffness(changes, stronger).filter(|_| !friction.as_ref().is_some_and(is_buried));
+    let is_buried = friction.is_some_and(Verdict::buries_resonance);
+    let stiffness = stiffness(changes, stronger).filter(|_| !is_buried);
     stiffness.into_iter().chain(friction).collect()
+}
+
+impl Verdict {
+    fn buries_resonance(self) -> bool {
+        matches!(self, Self::FrictionIn { resonance_down_db, .. } if resonance_down_db >= BURIED_DB)
+    }
 }
 
 /// Judges by the most prominent resonance that moved.

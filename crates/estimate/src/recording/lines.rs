@@ -1,11 +1,10 @@
 //! Excited lines: found in a periodic reference, or checked against the grid of a period.
 
 use frfid_signals::checks::positive;
-use ndarray::{Array2, ArrayView1, ArrayView2, s};
+use ndarray::{Array2, ArrayView1, ArrayView2};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::spectra::Transform;
 use crate::spectra::line_dft::{LineDft, check_rising};
 
 /// Smallest gap between the weakest excited line and the strongest other one, as a ratio of
@@ -39,11 +38,8 @@ pub fn find_lines(reference: ArrayView2<f64>, period: usize) -> Result<Vec<usize
     }
     let candidates: Vec<usize> = (1..period.div_ceil(2)).collect();
     let dft = LineDft::new(period, &candidates)?;
-    let spectrum = |q: usize| {
-        let samples = s![.., q * period..(q + 1) * period];
-        dft.transform("reference", reference.slice(samples))
-    };
-    let spectra: Vec<_> = (0..n_periods).map(spectrum).collect::<Result<_, _>>()?;
+    let periods = reference.exact_chunks((reference.nrows(), period));
+    let spectra = dft.transform_each("reference", periods)?;
     let (amplitude, floor) = amplitude_above_noise(&spectra, candidates.len());
     let threshold = threshold(&amplitude, floor)?;
     let excited = candidates.into_iter().zip(amplitude);
@@ -79,12 +75,19 @@ fn amplitude_above_noise(spectra: &[Array2<Complex64>], n_lines: usize) -> (Vec<
     (amplitude, floor)
 }
 
+/// Mean of the spectra of several periods, line by line.
+pub(super) fn mean_spectrum(periods: &[ArrayView1<Complex64>]) -> Vec<Complex64> {
+    let of_line = |line: usize| {
+        let values = periods.iter().map(|period| period[line]);
+        values.sum::<Complex64>() / periods.len() as f64
+    };
+    (0..periods[0].len()).map(of_line).collect()
+}
+
 /// Mean of the spectra of several periods, and its standard deviation over all lines.
 fn mean_and_deviation(periods: &[ArrayView1<Complex64>]) -> (Vec<Complex64>, f64) {
     let (n, n_lines) = (periods.len() as f64, periods[0].len());
-    let mean: Vec<Complex64> = (0..n_lines)
-        .map(|line| periods.iter().map(|period| period[line]).sum::<Complex64>() / n)
-        .collect();
+    let mean = mean_spectrum(periods);
     let squares: f64 = periods
         .iter()
         .flat_map(|period| period.iter().zip(&mean))

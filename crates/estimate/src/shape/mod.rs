@@ -99,8 +99,8 @@ impl Driver for Watched<'_, '_> {
     type Error = ShapeError;
 
     fn records(&mut self, shaper: &Shaper) -> Result<Vec<Record>, ShapeError> {
-        let runs = shaper.runs();
-        let records = runs.par_iter().map(|run| self.testbed.run(run));
+        let runs = shaper.runs().into_par_iter();
+        let records = runs.map(|run| self.testbed.run(&run));
         Ok(records.collect::<Result<_, _>>()?)
     }
 
