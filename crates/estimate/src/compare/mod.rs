@@ -94,15 +94,17 @@ pub fn compare(a: &Frf, b: &Frf, options: &CompareOptions) -> Result<Comparison,
 fn common_band(a: &Frf, b: &Frf) -> Result<(f64, f64), EstimateError> {
     let (a_hz, b_hz) = (ends_hz(a), ends_hz(b));
     let band_hz = (a_hz.0.max(b_hz.0), a_hz.1.min(b_hz.1));
-    let within = |frf: &Frf| {
-        let inside = |hz: &&f64| is_within(band_hz, **hz);
-        frf.frequency_hz.iter().filter(inside).count()
-    };
-    let found = within(a).min(within(b));
+    let found = n_within(a, band_hz).min(n_within(b, band_hz));
     if found < 3 {
         return Err(EstimateError::NoCommonBand { a_hz, b_hz, found });
     }
     Ok(band_hz)
+}
+
+/// Number of frequencies in a band.
+fn n_within(frf: &Frf, band_hz: (f64, f64)) -> usize {
+    let inside = |hz: &&f64| is_within(band_hz, **hz);
+    frf.frequency_hz.iter().filter(inside).count()
 }
 
 /// Lowest and highest frequency in Hz; not a number without any.

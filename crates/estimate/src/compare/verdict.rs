@@ -143,11 +143,7 @@ impl Verdict {
 
 /// Judges by the most prominent resonance that moved.
 fn stiffness(changes: &[Change], stronger: Option<Side>) -> Option<Verdict> {
-    let moved = changes
-        .iter()
-        .filter(|change| change.is_resonance() && change.has_moved());
-    let change = most_prominent(moved)?;
-    let (a_hz, b_hz) = (change.a.frequency_hz, change.b?.frequency_hz);
+    let (a_hz, b_hz) = moved_resonance_hz(changes)?;
     let (weaker_hz, stronger_hz) = match stronger {
         None => return Some(Verdict::ResonanceMoved { a_hz, b_hz }),
         Some(Side::A) => (b_hz, a_hz),
@@ -164,6 +160,13 @@ fn stiffness(changes: &[Change], stronger: Option<Side>) -> Option<Verdict> {
             stronger_hz,
         }
     })
+}
+
+/// Frequency in A and in B of the most prominent resonance that moved.
+fn moved_resonance_hz(changes: &[Change]) -> Option<(f64, f64)> {
+    let resonances = changes.iter().filter(|change| change.is_resonance());
+    let change = most_prominent(resonances.filter(|change| change.has_moved()))?;
+    Some((change.a.frequency_hz, change.b?.frequency_hz))
 }
 
 /// Judges by the most prominent resonance and antiresonance of A.

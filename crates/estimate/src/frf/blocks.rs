@@ -70,18 +70,26 @@ impl<M: BlockMethod> FrfMethod for M {
 fn sound_lines(
     lines: Vec<Result<LineEstimate, DeficientLine>>,
 ) -> Result<Vec<LineEstimate>, EstimateError> {
-    let (sound, deficient): (Vec<_>, Vec<_>) = lines.into_iter().partition(Result::is_ok);
-    if deficient.is_empty() {
-        return Ok(sound.into_iter().flatten().collect());
+    let (mut sound, mut deficient) = (Vec::new(), Vec::new());
+    for line in lines {
+        match line {
+            Ok(line) => sound.push(line),
+            Err(line) => deficient.push(line),
+        }
     }
-    let lines = deficient.into_iter().filter_map(Result::err).collect();
-    Err(EstimateError::RankDeficient(lines))
+    if deficient.is_empty() {
+        Ok(sound)
+    } else {
+        Err(EstimateError::RankDeficient(deficient))
+    }
 }
 
 /// What follows from each block on its own, `(realization, period)` as the blocks.
 pub(crate) fn map_blocks<B, T>(blocks: &[Vec<B>], of_block: impl Fn(&B) -> T) -> Vec<Vec<T>> {
-    let of_realization = |periods: &Vec<B>| periods.iter().map(&of_block).collect();
-    blocks.iter().map(of_realization).collect()
+    blocks
+        .iter()
+        .map(|periods| periods.iter().map(&of_block).collect())
+        .collect()
 }
 
 /// U, Y and R of one block on one line: channels in rows, experiments in columns.
@@ -142,8 +150,8 @@ fn with_covariances(estimates: &BlockEstimates) -> LineEstimate {
 
 /// The noise covariance at the head of this file; `None` where a realization has one period.
 fn noise_covariance(blocks: &[Vec<Matrix>]) -> Option<Matrix> {
-    let of_realization = |periods: &Vec<Matrix>| covariance_of_mean(periods);
-    let covariances: Vec<_> = blocks.iter().map(of_realization).collect::<Option<_>>()?;
+    let covariances = blocks.iter().map(|periods| covariance_of_mean(periods));
+    let covariances = covariances.collect::<Option<Vec<_>>>()?;
     Some(mean(&covariances) / Complex64::from(blocks.len() as f64))
 }
 
@@ -204,7 +212,7 @@ fn uncertainty<'a>(
     covariances: impl Iterator<Item = Option<&'a Matrix>>,
     degrees_of_freedom: usize,
 ) -> Option<Uncertainty> {
-    let covariances: Vec<_> = covariances.collect::<Option<_>>()?;
+    let covariances = covariances.collect::<Option<Vec<_>>>()?;
     Some(Uncertainty {
         covariance: stacked(&covariances),
         degrees_of_freedom,

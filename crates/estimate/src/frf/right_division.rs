@@ -43,13 +43,7 @@ pub(crate) fn check_rank(u: &Matrix, limit: f64, frequency_hz: f64) -> Result<f6
     if condition <= limit {
         return Ok(condition); // scaling the rows would make it smaller still, but for a factor sqrt(n_u)
     }
-    let mut scaled = u.clone();
-    for mut row in scaled.row_iter_mut() {
-        let size = row.camax();
-        if size > 0.0 {
-            row /= Complex64::from(size);
-        }
-    }
+    let scaled = with_rows_scaled(u);
     let scaled_condition = condition_of_finite(&scaled);
     if scaled_condition <= limit {
         return Ok(condition);
@@ -62,11 +56,28 @@ pub(crate) fn check_rank(u: &Matrix, limit: f64, frequency_hz: f64) -> Result<f6
     })
 }
 
+/// `U` with the largest part of every row 1, but of silent ones.
+fn with_rows_scaled(u: &Matrix) -> Matrix {
+    let mut scaled = u.clone();
+    for mut row in scaled.row_iter_mut() {
+        let size = row.camax();
+        if size > 0.0 {
+            row /= Complex64::from(size);
+        }
+    }
+    scaled
+}
+
 /// The silent input, or the two experiments that are most alike.
 fn cause_of(u: &Matrix) -> Deficiency {
     if let Some(input) = u.row_iter().position(|row| row.camax() == 0.0) {
         return Deficiency::InputSilent { input };
     }
+    most_alike(u)
+}
+
+/// The two experiments with the highest correlation.
+fn most_alike(u: &Matrix) -> Deficiency {
     let pairs = (0..u.ncols()).flat_map(|m| (m + 1..u.ncols()).map(move |n| (m, n)));
     let alike = pairs
         .map(|(m, n)| ((m, n), correlation(u, m, n)))

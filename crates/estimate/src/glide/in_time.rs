@@ -21,6 +21,7 @@ pub fn subtract_glide(run: &Record, glide: &Record) -> Result<Record, EstimateEr
     run.check()?;
     glide.check()?;
     check_same_clock(run, glide)?;
+    check_same_channels(run, glide)?;
     check_same_direction(&run.y, &glide.y)?;
     let without = |signal: &Array2<f64>, glide: &Array2<f64>| {
         signal - &glide.slice(s![.., ..run.n_samples()])
@@ -34,12 +35,16 @@ pub fn subtract_glide(run: &Record, glide: &Record) -> Result<Record, EstimateEr
     Ok(rest)
 }
 
-/// Refuses a glide of another sample time, of other channels, or shorter than the run.
+/// Refuses a glide of another sample time.
 fn check_same_clock(run: &Record, glide: &Record) -> Result<(), SignalError> {
     let found_s = glide.sample_time_s;
     let fits = same_clock(found_s, run.sample_time_s, run.n_samples());
     let needed = "the sample time of the run";
-    require("sample_time_s of the glide", found_s, fits, needed)?;
+    require("sample_time_s of the glide", found_s, fits, needed)
+}
+
+/// Refuses a glide of other channels, or shorter than the run.
+fn check_same_channels(run: &Record, glide: &Record) -> Result<(), SignalError> {
     check_holds("u of the glide", &run.u, &glide.u)?;
     check_holds("y of the glide", &run.y, &glide.y)?;
     match (&run.r, &glide.r) {

@@ -211,8 +211,8 @@ fn check_dim(
     found: &Array2<Complex64>,
     needed: (usize, usize),
 ) -> Result<(), SignalError> {
-    let (found, fits) = (found.shape(), found.dim() == needed);
-    require_shape(name, found, fits, format_args!("{needed:?}"))
+    let fits = found.dim() == needed;
+    require_shape(name, found.shape(), fits, format_args!("{needed:?}"))
 }
 
 impl Transform for FreeLines {

@@ -102,10 +102,9 @@ fn mean_and_deviation(periods: &[ArrayView1<Complex64>]) -> (Vec<Complex64>, f64
 fn threshold(amplitude: &[f64], floor: f64) -> Result<f64, EstimateError> {
     let mut levels = amplitude.to_vec();
     levels.sort_by(|a, b| b.total_cmp(a));
-    let gap = |split: usize| levels[split - 1] / levels[split];
     let widest = widest_gap(&levels);
     let split = widest
-        .filter(|&split| gap(split) >= GAP)
+        .filter(|&split| gap(&levels, split) >= GAP)
         .unwrap_or(levels.len());
     let (excited, rest) = levels.split_at(split);
     let weakest = excited.last().copied().unwrap_or(floor);
@@ -116,20 +115,24 @@ fn threshold(amplitude: &[f64], floor: f64) -> Result<f64, EstimateError> {
         return Ok((weakest * below).sqrt());
     }
     Err(EstimateError::NoLines {
-        gap: widest.map_or(1.0, gap),
+        gap: widest.map_or(1.0, |split| gap(&levels, split)),
         range: fall.max(1.0 / weakest),
     })
 }
 
+/// The gap below the first `split` of the falling levels, as a ratio.
+fn gap(levels: &[f64], split: usize) -> f64 {
+    levels[split - 1] / levels[split]
+}
+
 /// How many of the falling levels lie above their widest gap; a gap above few others must be wider.
 fn widest_gap(levels: &[f64]) -> Option<usize> {
-    let gap = |split: usize| levels[split - 1] / levels[split];
     let counts = |&split: &usize| {
         levels.len() - split >= FEW || levels[split - 1] >= GAP_ABOVE_FEW * levels[split]
     };
     (1..levels.len())
         .filter(counts)
-        .max_by(|&a, &b| gap(a).total_cmp(&gap(b)))
+        .max_by(|&a, &b| gap(levels, a).total_cmp(&gap(levels, b)))
 }
 
 /// Lines of a period of `n_samples` at `frequencies_hz`, which must rise.

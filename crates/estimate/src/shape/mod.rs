@@ -100,8 +100,7 @@ impl Driver for Watched<'_, '_> {
 
     fn records(&mut self, shaper: &Shaper) -> Result<Vec<Record>, ShapeError> {
         let runs = shaper.runs().into_par_iter();
-        let records = runs.map(|run| self.testbed.run(&run));
-        Ok(records.collect::<Result<_, _>>()?)
+        runs.map(|run| Ok(self.testbed.run(&run)?)).collect()
     }
 
     fn iterated(&mut self, iteration: &Iteration) -> Result<bool, ShapeError> {

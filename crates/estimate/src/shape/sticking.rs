@@ -117,17 +117,19 @@ impl Sweep {
     /// Share of the sweep that each axis was stuck, over all records.
     pub(super) fn stuck_share(&self, stuck: &[Array2<bool>]) -> Vec<f64> {
         let n_axes = stuck.first().map_or(0, Array2::nrows);
-        let share = |axis: usize| {
-            let samples = || {
-                stuck.iter().flat_map(|stuck| {
-                    self.samples
-                        .clone()
-                        .filter_map(move |k| stuck.get([axis, k]))
-                })
-            };
-            samples().filter(|&&stuck| stuck).count() as f64 / samples().count().max(1) as f64
+        (0..n_axes)
+            .map(|axis| self.stuck_share_of(axis, stuck))
+            .collect()
+    }
+
+    fn stuck_share_of(&self, axis: usize, stuck: &[Array2<bool>]) -> f64 {
+        let samples = || {
+            stuck.iter().flat_map(|stuck| {
+                let samples = self.samples.clone();
+                samples.filter_map(move |k| stuck.get([axis, k]))
+            })
         };
-        (0..n_axes).map(share).collect()
+        samples().filter(|&&stuck| stuck).count() as f64 / samples().count().max(1) as f64
     }
 
     /// Stuck share and torque of every axis in every band, axis by axis.

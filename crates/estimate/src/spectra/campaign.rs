@@ -160,10 +160,11 @@ impl Campaign {
     fn check_experiments(&self) -> Result<(), EstimateError> {
         let first = self.first().ok_or(EstimateError::EmptyList("runs"))?;
         let (found, needed) = (self.n_experiments(), first.u.nrows());
-        if found < needed {
-            return Err(EstimateError::TooFewExperiments { found, needed });
+        if found >= needed {
+            Ok(())
+        } else {
+            Err(EstimateError::TooFewExperiments { found, needed })
         }
-        Ok(())
     }
 
     /// A run whose shapes all others have.

@@ -65,8 +65,10 @@ impl LineDft {
         name: &'static str,
         periods: impl IntoIterator<Item = ArrayView2<'a, f64>>,
     ) -> Result<Vec<Array2<Complex64>>, EstimateError> {
-        let spectra = |period| self.transform(name, period);
-        periods.into_iter().map(spectra).collect()
+        periods
+            .into_iter()
+            .map(|period| self.transform(name, period))
+            .collect()
     }
 
     /// Frequencies of the lines in Hz: `line / (n_samples sample_time_s)`.

@@ -52,8 +52,8 @@ impl Shaper {
         } = self.options.step
             && let Some((_, before)) = &self.stepped_from
         {
-            let now = &estimate.error_per_frequency;
-            adapt(&mut self.next_damping, now, before, smoothing_bins);
+            let error = &estimate.error_per_frequency;
+            adapt(&mut self.next_damping, error, before, smoothing_bins);
         }
     }
 
