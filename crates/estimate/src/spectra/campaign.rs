@@ -93,8 +93,8 @@ impl Campaign {
     /// Adds one run.
     ///
     /// # Errors
-    /// [`EstimateError::Duplicate`], [`SignalError::Shape`] if it does not fit the frequencies or
-    /// the runs before it, [`SignalError::NotFinite`].
+    /// [`EstimateError::Duplicate`], [`frfid_signals::SignalError::Shape`] if it does not fit the
+    /// frequencies or the runs before it, [`frfid_signals::SignalError::NotFinite`].
     pub fn insert(&mut self, place: PeriodIndex, run: RunSpectra) -> Result<(), EstimateError> {
         self.check(&run)?;
         match self.runs.entry(place) {
