@@ -201,18 +201,12 @@ pub enum EstimateError {
 impl EstimateError {
     /// [`SignalError::Shape`] of a signal or an FRF.
     pub(crate) fn shape(name: &'static str, found: &[usize], needed: String) -> Self {
-        let found = found.to_vec();
-        SignalError::Shape {
-            name,
-            found,
-            needed,
-        }
-        .into()
+        SignalError::shape(name, found, needed).into()
     }
 
     /// [`SignalError::Parameter`] of a value out of range.
     pub(crate) fn parameter(key: &'static str, found: f64, needed: &'static str) -> Self {
-        SignalError::Parameter { key, found, needed }.into()
+        SignalError::parameter(key, found, needed).into()
     }
 }
 

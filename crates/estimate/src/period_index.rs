@@ -10,3 +10,10 @@ pub struct PeriodIndex {
     /// Column of U.
     pub experiment: usize,
 }
+
+impl PeriodIndex {
+    /// Realization and period, which all experiments of a block share.
+    pub(crate) fn block(&self) -> (usize, usize) {
+        (self.realization, self.period)
+    }
+}

@@ -9,7 +9,8 @@
 use std::f64::consts::TAU;
 use std::iter::zip;
 
-use frfid_signals::{check_finite, checks::positive};
+use frfid_signals::check_finite;
+use frfid_signals::checks::{positive, require};
 use ndarray::{Array2, ArrayView1, Axis, s};
 use realfft::RealFftPlanner;
 
@@ -103,14 +104,9 @@ fn window_samples(
     positive("window_s", options.window_s)?;
     positive("step_s", options.step_s)?;
     let length = (options.window_s / sample_time_s).round();
-    if !(4.0..=n_samples as f64).contains(&length) {
-        let needed = "four samples or more, and no longer than the signal";
-        return Err(EstimateError::parameter(
-            "window_s",
-            options.window_s,
-            needed,
-        ));
-    }
+    let fits = (4.0..=n_samples as f64).contains(&length);
+    let needed = "four samples or more, and no longer than the signal";
+    require("window_s", options.window_s, fits, needed)?;
     Ok(length as usize)
 }
 

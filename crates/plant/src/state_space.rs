@@ -7,7 +7,7 @@
 
 use std::f64::consts::TAU;
 
-use frfid_signals::checks::positive;
+use frfid_signals::checks::{positive, require_shape};
 use frfid_signals::{Frf, SignalError};
 use nalgebra::DMatrix;
 use ndarray::{Array3, Axis};
@@ -66,11 +66,9 @@ impl StateSpace {
             } else {
                 (s * sample_time_s).exp()
             };
-            let states = states_at(p, &phi, [&gamma, &lead]).ok_or(SignalError::Parameter {
-                key: "hz",
-                found: f,
-                needed: "a frequency at which the model has no pole",
-            })?;
+            let needed = "a frequency at which the model has no pole";
+            let states = states_at(p, &phi, [&gamma, &lead])
+                .ok_or(SignalError::parameter("hz", f, needed))?;
             let matrix = self.c.map(Complex64::from) * states + self.d.map(Complex64::from);
             put_line(&mut response, line, &matrix);
         }
@@ -112,16 +110,8 @@ impl StateSpace {
             ("c", &self.c, (outputs, n)),
         ];
         needed.into_iter().try_for_each(|(name, matrix, shape)| {
-            if matrix.shape() == shape {
-                Ok(())
-            } else {
-                let found = vec![matrix.nrows(), matrix.ncols()];
-                Err(SignalError::Shape {
-                    name,
-                    found,
-                    needed: format!("{shape:?}"),
-                })
-            }
+            let (found, fits) = ([matrix.nrows(), matrix.ncols()], matrix.shape() == shape);
+            require_shape(name, &found, fits, format_args!("{shape:?}"))
         })
     }
 }

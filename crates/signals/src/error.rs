@@ -153,6 +153,45 @@ pub enum SignalError {
 }
 
 impl SignalError {
+    /// [`SignalError::Parameter`] of a value out of range.
+    #[must_use]
+    pub fn parameter(key: &'static str, found: f64, needed: &'static str) -> Self {
+        Self::Parameter { key, found, needed }
+    }
+
+    /// [`SignalError::Derived`] of a quantity that follows from a parameter.
+    #[must_use]
+    pub fn derived(
+        key: &'static str,
+        quantity: &'static str,
+        found: f64,
+        needed: &'static str,
+    ) -> Self {
+        Self::Derived {
+            key,
+            quantity,
+            found,
+            needed,
+        }
+    }
+
+    /// [`SignalError::Unfit`] of values that do not go together.
+    #[must_use]
+    pub fn unfit(key: &'static str, what: impl Into<String>) -> Self {
+        let what = what.into();
+        Self::Unfit { key, what }
+    }
+
+    /// [`SignalError::Shape`] of an array or a list.
+    #[must_use]
+    pub fn shape(name: &'static str, found: &[usize], needed: impl Into<String>) -> Self {
+        Self::Shape {
+            name,
+            found: found.to_vec(),
+            needed: needed.into(),
+        }
+    }
+
     /// The same error of one of several parts, with the keys of the tables and the numbers in lists
     /// that lead to the part.
     #[must_use]

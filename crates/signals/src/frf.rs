@@ -4,6 +4,7 @@ use ndarray::{Array2, Array3, Axis};
 use num_complex::Complex64;
 
 use crate::error::SignalError;
+use crate::number::checks::{of_axes, require_shape};
 
 /// How well the entries of an FRF are known: variances *of the averaged FRF*, with the degrees of
 /// freedom behind them.
@@ -67,23 +68,15 @@ impl Frf {
     /// [`SignalError::Shape`].
     pub fn check(&self) -> Result<(), SignalError> {
         let (lines, entries) = (self.frequency_hz.len(), self.n_outputs() * self.n_inputs());
-        if self.response.len_of(Axis(0)) != lines || entries == 0 {
-            return Err(SignalError::Shape {
-                name: "response",
-                found: self.response.shape().to_vec(),
-                needed: format!("({lines}, outputs, inputs), one matrix per frequency"),
-            });
-        }
+        let fits = self.response.len_of(Axis(0)) == lines && entries > 0;
+        let needed = format_args!("({lines}, outputs, inputs), one matrix per frequency");
+        require_shape("response", self.response.shape(), fits, needed)?;
         self.check_covariance("noise covariance", self.noise.as_ref())?;
         self.check_covariance("total covariance", self.total.as_ref())?;
-        match &self.condition {
-            Some(condition) if condition.len() != lines => Err(SignalError::Shape {
-                name: "condition",
-                found: vec![condition.len()],
-                needed: format!("({lines})"),
-            }),
-            _ => Ok(()),
+        if let Some(condition) = &self.condition {
+            of_axes("condition", condition, lines)?;
         }
+        Ok(())
     }
 
     /// Checks that a covariance, where there is one, has the size of vec(G) at every frequency.
@@ -93,16 +86,10 @@ impl Frf {
         known: Option<&Uncertainty>,
     ) -> Result<(), SignalError> {
         let (lines, entries) = (self.frequency_hz.len(), self.n_outputs() * self.n_inputs());
-        match known {
-            Some(known) if known.covariance.shape() != [lines, entries, entries] => {
-                Err(SignalError::Shape {
-                    name,
-                    found: known.covariance.shape().to_vec(),
-                    needed: format!("({lines}, {entries}, {entries})"),
-                })
-            }
-            _ => Ok(()),
-        }
+        let Some(known) = known else { return Ok(()) };
+        let (found, needed) = (known.covariance.dim(), (lines, entries, entries));
+        let shape = known.covariance.shape();
+        require_shape(name, shape, found == needed, format_args!("{needed:?}"))
     }
 
     /// Number of frequencies.

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
 use crate::limit::Limit;
-use crate::number::checks::positive;
+use crate::number::checks::{all_finite, positive, require_shape};
 
 /// Whether the recorded plant input is what the controller commanded or what the drive measured.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -121,15 +121,11 @@ impl Record {
         ];
         for (name, signal) in signals {
             let Some(signal) = signal else { continue };
-            if signal.nrows() == 0 || signal.ncols() != samples {
-                let needed =
-                    format!("(channel, {samples}) with at least one channel, as many samples as u");
-                return Err(SignalError::Shape {
-                    name,
-                    found: signal.shape().to_vec(),
-                    needed,
-                });
-            }
+            let fits = signal.nrows() > 0 && signal.ncols() == samples;
+            let needed = format_args!(
+                "(channel, {samples}) with at least one channel, as many samples as u"
+            );
+            require_shape(name, signal.shape(), fits, needed)?;
             check_finite(name, signal.view())?;
         }
         Ok(())
@@ -189,18 +185,8 @@ pub fn check_finite(name: &'static str, signal: ArrayView2<f64>) -> Result<(), S
     if signal.sum().is_finite() {
         return Ok(()); // one bad sample is enough to spoil the sum
     }
-    let mut bad = signal
-        .indexed_iter()
-        .filter(|(_, value)| !value.is_finite());
-    match bad.next() {
-        None => Ok(()),
-        Some(((channel, sample), _)) => Err(SignalError::NotFinite {
-            name,
-            count: 1 + bad.count(),
-            channel,
-            sample,
-        }),
-    }
+    let bad = |(place, value): (_, &f64)| (!value.is_finite()).then_some(place);
+    all_finite(name, signal.indexed_iter().filter_map(bad))
 }
 
 #[cfg(test)]

@@ -81,9 +81,9 @@ impl Change {
     /// Whether the shift exceeds what the two frequency grids leave uncertain, and 1 %.
     #[must_use]
     pub fn has_moved(&self) -> bool {
-        let uncertain =
-            |b: Feature| (self.a.resolution_hz + b.resolution_hz).max(0.01 * self.a.frequency_hz);
-        self.b
-            .is_some_and(|b| (b.frequency_hz - self.a.frequency_hz).abs() > uncertain(b))
+        self.b.zip(self.shift_hz()).is_some_and(|(b, shift_hz)| {
+            let uncertain_hz = self.a.resolution_hz + b.resolution_hz;
+            shift_hz.abs() > uncertain_hz.max(0.01 * self.a.frequency_hz)
+        })
     }
 }

@@ -7,7 +7,8 @@ mod pairing;
 pub(crate) mod resonance;
 pub(crate) mod verdict;
 
-use frfid_signals::{Frf, median};
+use frfid_signals::{Frf, checks::require_shape, median};
+use ndarray::indices;
 use serde::Serialize;
 
 use crate::compare::bode::Bode;
@@ -97,32 +98,34 @@ pub struct Comparison {
 pub fn compare(a: &Frf, b: &Frf, options: &CompareOptions) -> Result<Comparison, EstimateError> {
     a.check()?;
     b.check()?;
-    if (a.n_outputs(), a.n_inputs()) != (b.n_outputs(), b.n_inputs()) {
-        let needed = format!("(frequency, {}, {}), as a", a.n_outputs(), a.n_inputs());
-        return Err(EstimateError::shape("b", b.response.shape(), needed));
-    }
+    let (n_outputs, n_inputs) = (a.n_outputs(), a.n_inputs());
+    let fits = (b.n_outputs(), b.n_inputs()) == (n_outputs, n_inputs);
+    let needed = format_args!("(frequency, {n_outputs}, {n_inputs}), as a");
+    require_shape("b", b.response.shape(), fits, needed)?;
     let band_hz = common_band(a, b)?;
-    let inputs_of = |output| (0..a.n_inputs()).map(move |input| (output, input));
-    let entries = (0..a.n_outputs())
-        .flat_map(inputs_of)
-        .map(|entry| compare_entry(a, b, entry, band_hz, options))
-        .collect();
-    Ok(Comparison { band_hz, entries })
+    let entry = |entry| compare_entry(a, b, entry, band_hz, options);
+    let entries = indices((n_outputs, n_inputs)).into_iter().map(entry);
+    Ok(Comparison {
+        band_hz,
+        entries: entries.collect(),
+    })
 }
 
 /// The band in which both have frequencies, at least three each.
 fn common_band(a: &Frf, b: &Frf) -> Result<(f64, f64), EstimateError> {
     let (a_hz, b_hz) = (ends_hz(a), ends_hz(b));
     let band_hz = (a_hz.0.max(b_hz.0), a_hz.1.min(b_hz.1));
-    let within = |frf: &Frf| {
-        let inside = |hz: &&f64| is_within(band_hz, **hz);
-        frf.frequency_hz.iter().filter(inside).count()
-    };
-    let found = within(a).min(within(b));
+    let found = n_within(a, band_hz).min(n_within(b, band_hz));
     if found < 3 {
         return Err(EstimateError::NoCommonBand { a_hz, b_hz, found });
     }
     Ok(band_hz)
+}
+
+/// Number of frequencies in a band.
+fn n_within(frf: &Frf, band_hz: (f64, f64)) -> usize {
+    let inside = |hz: &&f64| is_within(band_hz, **hz);
+    frf.frequency_hz.iter().filter(inside).count()
 }
 
 /// Lowest and highest frequency in Hz; not a number without any.
@@ -167,14 +170,15 @@ fn compare_entry(
 }
 
 /// Places of A's own frequencies in a band, on which both are compared.
-fn places_in(a: &Bode, band_hz: (f64, f64)) -> impl Iterator<Item = usize> {
+fn places_in(a: &Bode, band_hz: (f64, f64)) -> impl Iterator<Item = usize> + Clone {
     (0..a.frequency_hz.len()).filter(move |&k| is_within(band_hz, a.frequency_hz[k]))
 }
 
 /// Levels of B over A in dB.
 fn levels_db(a: &Bode, b: &Bode, band_hz: (f64, f64)) -> Vec<f64> {
-    let level = |k: usize| Some(b.magnitude_db_at(a.frequency_hz[k])? - a.magnitude_db[k]);
-    places_in(a, band_hz).filter_map(level).collect()
+    places_in(a, band_hz)
+        .filter_map(|k| Some(b.magnitude_db_at(a.frequency_hz[k])? - a.magnitude_db[k]))
+        .collect()
 }
 
 /// Ranges of the phase in degrees.
@@ -187,9 +191,8 @@ fn phase_ranges_deg(a: &Bode, b: &Bode, band_hz: (f64, f64)) -> Sides<f64> {
 }
 
 /// The largest minus the smallest value; 0 of none.
-fn range(values: impl Iterator<Item = f64>) -> f64 {
-    let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-        (low.min(value), high.max(value))
-    });
+fn range(values: impl Iterator<Item = f64> + Clone) -> f64 {
+    let high = values.clone().fold(f64::NEG_INFINITY, f64::max);
+    let low = values.fold(f64::INFINITY, f64::min);
     (high - low).max(0.0)
 }

@@ -14,14 +14,12 @@ pub(super) fn pair(
     curve_b: &Bode,
     largest_shift: f64,
 ) -> (Vec<Change>, Vec<Feature>) {
-    let mut partners: Vec<Option<Feature>> = vec![None; a.len()];
+    let mut partners = vec![None; a.len()];
     while let Some((i, j)) = nearest(a, &partners, &b, largest_shift) {
         partners[i] = Some(b.remove(j));
     }
-    let changes = zip(a, partners)
-        .map(|(a, b)| change(*a, b, curve_b))
-        .collect();
-    (changes, b)
+    let changes = zip(a, partners).map(|(a, b)| change(*a, b, curve_b));
+    (changes.collect(), b)
 }
 
 /// The nearest two features of the same kind, by their places, of A's without a partner and of B's.

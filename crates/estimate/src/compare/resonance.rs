@@ -95,17 +95,18 @@ fn peaks(hz: &[f64], level: &[f64], kind: FeatureKind, least: f64) -> Vec<Featur
 
 /// Height above the higher of the two lowest points on the way to something higher, or to the ends.
 fn prominence(level: &[f64], top: usize) -> f64 {
-    let saddle = |side: &mut dyn Iterator<Item = &f64>| {
-        side.take_while(|&&value| value <= level[top])
-            .copied()
-            .fold(f64::INFINITY, f64::min)
-    };
-    let (left, right) = (
-        saddle(&mut level[..top].iter().rev()),
-        saddle(&mut level[top + 1..].iter()),
-    );
+    let height = level[top];
+    let left = saddle(level[..top].iter().rev(), height);
+    let right = saddle(level[top + 1..].iter(), height);
     // a side without any lower point cannot be: the neighbours are not higher
-    level[top] - left.max(right).min(level[top])
+    height - left.max(right).min(height)
+}
+
+/// The lowest level on the way to something higher, or to the end.
+fn saddle<'a>(way: impl Iterator<Item = &'a f64>, height: f64) -> f64 {
+    way.take_while(|&&level| level <= height)
+        .copied()
+        .fold(f64::INFINITY, f64::min)
 }
 
 /// Top of the parabola through a point and its neighbours, over log frequency: frequency in Hz,

@@ -130,19 +130,20 @@ pub(crate) fn verdicts(
     stronger: Option<Side>,
 ) -> Vec<Verdict> {
     let friction = friction(changes, phase_range_deg);
-    let is_buried = |verdict: &Verdict| matches!(verdict, Verdict::FrictionIn { resonance_down_db, .. } if *resonance_down_db >= BURIED_DB);
-    let stiffness =
-        stiffness(changes, stronger).filter(|_| !friction.as_ref().is_some_and(is_buried));
+    let is_buried = friction.is_some_and(Verdict::buries_resonance);
+    let stiffness = stiffness(changes, stronger).filter(|_| !is_buried);
     stiffness.into_iter().chain(friction).collect()
+}
+
+impl Verdict {
+    fn buries_resonance(self) -> bool {
+        matches!(self, Self::FrictionIn { resonance_down_db, .. } if resonance_down_db >= BURIED_DB)
+    }
 }
 
 /// Judges by the most prominent resonance that moved.
 fn stiffness(changes: &[Change], stronger: Option<Side>) -> Option<Verdict> {
-    let moved = changes
-        .iter()
-        .filter(|change| change.is_resonance() && change.has_moved());
-    let change = most_prominent(moved)?;
-    let (a_hz, b_hz) = (change.a.frequency_hz, change.b?.frequency_hz);
+    let (a_hz, b_hz) = moved_resonance_hz(changes)?;
     let (weaker_hz, stronger_hz) = match stronger {
         None => return Some(Verdict::ResonanceMoved { a_hz, b_hz }),
         Some(Side::A) => (b_hz, a_hz),
@@ -159,6 +160,13 @@ fn stiffness(changes: &[Change], stronger: Option<Side>) -> Option<Verdict> {
             stronger_hz,
         }
     })
+}
+
+/// Frequency in A and in B of the most prominent resonance that moved.
+fn moved_resonance_hz(changes: &[Change]) -> Option<(f64, f64)> {
+    let resonances = changes.iter().filter(|change| change.is_resonance());
+    let change = most_prominent(resonances.filter(|change| change.has_moved()))?;
+    Some((change.a.frequency_hz, change.b?.frequency_hz))
 }
 
 /// Judges by the most prominent resonance and antiresonance of A.

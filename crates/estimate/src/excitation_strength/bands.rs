@@ -20,17 +20,21 @@ pub(super) fn passages(
     window: &Range<usize>,
     bands_hz: &[[f64; 2]],
 ) -> Option<Vec<Passage>> {
-    let passage = |&band_hz: &[f64; 2]| {
-        let waveform = plan.excitation.waveform();
-        let [from, to] = waveform
-            .seconds_in(band_hz, plan.sample_time_s)?
-            .map(|time_s| {
-                let sample = (time_s / plan.sample_time_s).round() as usize;
-                (plan.lead_in_samples + sample).min(window.end)
-            });
-        Some((band_hz, from..to))
-    };
+    let passage = |&band_hz: &[f64; 2]| Some((band_hz, samples_in(plan, window.end, band_hz)?));
     bands_hz.iter().map(passage).collect()
+}
+
+/// The samples up to `end` in which the excitation passes a band.
+fn samples_in(plan: &Plan, end: usize, band_hz: [f64; 2]) -> Option<Range<usize>> {
+    let waveform = plan.excitation.waveform();
+    let sample = |time_s: f64| {
+        let sample = (time_s / plan.sample_time_s).round() as usize;
+        (plan.lead_in_samples + sample).min(end)
+    };
+    let [from, to] = waveform
+        .seconds_in(band_hz, plan.sample_time_s)?
+        .map(sample);
+    Some(from..to)
 }
 
 /// Bands of every axis from the time in which the excitation passes them.
@@ -62,10 +66,8 @@ pub(super) fn line_bands(
     let lines = Evaluation::of(plan, 2)?;
     let power = mean_line_power(record, window, plan.period_samples()?, &lines)?;
     let of_axis = |power: ArrayView1<f64>| {
-        let bands = bands_hz.iter();
-        bands
-            .filter_map(|&band_hz| band_of_lines(&lines.frequency_hz, power, band_hz))
-            .collect()
+        let band = |&band_hz: &[f64; 2]| band_of_lines(&lines.frequency_hz, power, band_hz);
+        bands_hz.iter().filter_map(band).collect()
     };
     Ok(power.rows().into_iter().map(of_axis).collect())
 }

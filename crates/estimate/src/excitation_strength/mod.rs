@@ -12,7 +12,7 @@ use std::iter::zip;
 use std::ops::Range;
 
 use frfid_signals::power::{about_mean, rms};
-use frfid_signals::{Plan, Record};
+use frfid_signals::{Plan, Record, SignalError, checks::require_shape};
 use ndarray::{Array2, ArrayView1, s};
 use serde::Serialize;
 
@@ -94,14 +94,13 @@ pub fn strength(
 }
 
 /// Refuses a record that has not a channel for each input of the plan.
-fn check_axes(record: &Record, n_axes: usize) -> Result<(), EstimateError> {
-    for (name, signal) in [("u", &record.u), ("y", &record.y)] {
-        if signal.nrows() != n_axes {
-            let needed = format!("({n_axes}, sample), a channel for each input of the plan");
-            return Err(EstimateError::shape(name, signal.shape(), needed));
-        }
-    }
-    Ok(())
+fn check_axes(record: &Record, n_axes: usize) -> Result<(), SignalError> {
+    [("u", &record.u), ("y", &record.y)]
+        .into_iter()
+        .try_for_each(|(name, signal)| {
+            let needed = format_args!("({n_axes}, sample), a channel for each input of the plan");
+            require_shape(name, signal.shape(), signal.nrows() == n_axes, needed)
+        })
 }
 
 /// Samples of the excitation: its whole periods, or what is there of an excitation that is done once
@@ -119,13 +118,11 @@ fn window(record: &Record, plan: &Plan) -> Result<Range<usize>, EstimateError> {
             2,
         )
     };
-    if samples < least {
-        let needed = format!(
-            "(channel, {} or more samples), lead-in and excitation",
-            start + least
-        );
-        return Err(EstimateError::shape("u", record.u.shape(), needed));
-    }
+    let needed = format_args!(
+        "(channel, {} or more samples), lead-in and excitation",
+        start + least
+    );
+    require_shape("u", record.u.shape(), samples >= least, needed)?;
     Ok(start..start + samples)
 }
 

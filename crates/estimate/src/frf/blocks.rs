@@ -20,7 +20,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::error::{DeficientLine, EstimateError};
-use crate::frf::matrices::stacked;
+use crate::frf::matrices::{Matrix, stacked};
 use crate::frf::right_division::check_rank;
 use crate::frf::{FrfMethod, FrfOptions};
 use crate::spectra::campaign::{Block, Campaign};
@@ -40,7 +40,7 @@ pub(crate) trait BlockMethod: Sync {
 }
 
 /// The condition number of a matrix, or why it cannot be inverted.
-pub(crate) type Invertible<'a> = dyn Fn(&DMatrix<Complex64>) -> Result<f64, DeficientLine> + 'a;
+pub(crate) type Invertible<'a> = dyn Fn(&Matrix) -> Result<f64, DeficientLine> + 'a;
 
 impl<M: BlockMethod> FrfMethod for M {
     fn needs_reference(&self) -> bool {
@@ -50,9 +50,9 @@ impl<M: BlockMethod> FrfMethod for M {
     fn frf(&self, campaign: &Campaign, options: &FrfOptions) -> Result<Frf, EstimateError> {
         let realizations = campaign.realizations()?;
         let of_line = |(line, &hz): (usize, &f64)| {
-            let invertible = |u: &DMatrix<Complex64>| check_rank(u, options.max_condition, hz);
-            let estimates = self.estimates(&line_blocks(&realizations, line), &invertible)?;
-            Ok(with_covariances(&estimates))
+            let invertible = |u: &Matrix| check_rank(u, options.max_condition, hz);
+            let blocks = map_blocks(&realizations, |block| LineBlock::of(block, line));
+            Ok(with_covariances(&self.estimates(&blocks, &invertible)?))
         };
         let frequency_hz = campaign.frequency_hz();
         let lines = frequency_hz.par_iter().enumerate().map(of_line).collect();
@@ -70,28 +70,33 @@ impl<M: BlockMethod> FrfMethod for M {
 fn sound_lines(
     lines: Vec<Result<LineEstimate, DeficientLine>>,
 ) -> Result<Vec<LineEstimate>, EstimateError> {
-    let (sound, deficient): (Vec<_>, Vec<_>) = lines.into_iter().partition(Result::is_ok);
-    if deficient.is_empty() {
-        return Ok(sound.into_iter().flatten().collect());
+    let (mut sound, mut deficient) = (Vec::new(), Vec::new());
+    for line in lines {
+        match line {
+            Ok(line) => sound.push(line),
+            Err(line) => deficient.push(line),
+        }
     }
-    let lines = deficient.into_iter().filter_map(Result::err).collect();
-    Err(EstimateError::RankDeficient(lines))
+    if deficient.is_empty() {
+        Ok(sound)
+    } else {
+        Err(EstimateError::RankDeficient(deficient))
+    }
 }
 
-/// The blocks of a line, `(realization, period)`.
-fn line_blocks(realizations: &[Vec<Block>], line: usize) -> Vec<Vec<LineBlock>> {
-    let of_realization = |periods: &Vec<Block>| {
-        let blocks = periods.iter().map(|block| LineBlock::of(block, line));
-        blocks.collect()
-    };
-    realizations.iter().map(of_realization).collect()
+/// What follows from each block on its own, `(realization, period)` as the blocks.
+pub(crate) fn map_blocks<B, T>(blocks: &[Vec<B>], of_block: impl Fn(&B) -> T) -> Vec<Vec<T>> {
+    blocks
+        .iter()
+        .map(|periods| periods.iter().map(&of_block).collect())
+        .collect()
 }
 
 /// U, Y and R of one block on one line: channels in rows, experiments in columns.
 pub(crate) struct LineBlock {
-    pub(crate) u: DMatrix<Complex64>,
-    pub(crate) y: DMatrix<Complex64>,
-    pub(crate) r: Option<DMatrix<Complex64>>,
+    pub(crate) u: Matrix,
+    pub(crate) y: Matrix,
+    pub(crate) r: Option<Matrix>,
 }
 
 impl LineBlock {
@@ -110,7 +115,7 @@ fn on_line<'a>(
     line: usize,
     n_experiments: usize,
     spectra: impl Fn(usize) -> &'a Array2<Complex64>,
-) -> DMatrix<Complex64> {
+) -> Matrix {
     DMatrix::from_fn(spectra(0).nrows(), n_experiments, |channel, m| {
         spectra(m)[[channel, line]]
     })
@@ -119,48 +124,46 @@ fn on_line<'a>(
 /// Estimates of every block, `(realization, period)`, whose mean over periods, then realizations,
 /// has the errors of the FRF.
 pub(crate) struct BlockEstimates {
-    pub(crate) blocks: Vec<Vec<DMatrix<Complex64>>>,
+    pub(crate) blocks: Vec<Vec<Matrix>>,
     /// Worst condition number of the matrices inverted.
     pub(crate) condition: f64,
 }
 
 /// The FRF on one line with its covariances.
 struct LineEstimate {
-    response: DMatrix<Complex64>,
-    noise: Option<DMatrix<Complex64>>,
-    total: Option<DMatrix<Complex64>>,
+    response: Matrix,
+    noise: Option<Matrix>,
+    total: Option<Matrix>,
     condition: f64,
 }
 
 /// The means and covariances at the head of this file.
 fn with_covariances(estimates: &BlockEstimates) -> LineEstimate {
-    let per_realization: Vec<DMatrix<Complex64>> = estimates
-        .blocks
-        .iter()
-        .map(|periods| mean(periods.iter()))
-        .collect();
-    let n_p = per_realization.len() as f64;
-    let noise: Option<Vec<_>> = estimates
-        .blocks
-        .iter()
-        .map(|periods| covariance_of_mean(periods))
-        .collect();
+    let per_realization = means_over_periods(&estimates.blocks);
     LineEstimate {
-        response: mean(per_realization.iter()),
-        noise: noise.map(|noise| mean(noise.iter()) / Complex64::from(n_p)),
+        response: mean(&per_realization),
+        noise: noise_covariance(&estimates.blocks),
         total: covariance_of_mean(&per_realization),
         condition: estimates.condition,
     }
 }
 
-/// Arithmetic mean; the iterator must not be empty.
-pub(crate) fn mean<'a>(
-    mut matrices: impl Iterator<Item = &'a DMatrix<Complex64>>,
-) -> DMatrix<Complex64> {
-    let mut sum = matrices
-        .next()
-        .cloned()
-        .unwrap_or_else(|| DMatrix::zeros(0, 0));
+/// The noise covariance at the head of this file; `None` where a realization has one period.
+fn noise_covariance(blocks: &[Vec<Matrix>]) -> Option<Matrix> {
+    let covariances = blocks.iter().map(|periods| covariance_of_mean(periods));
+    let covariances = covariances.collect::<Option<Vec<_>>>()?;
+    Some(mean(&covariances) / Complex64::from(blocks.len() as f64))
+}
+
+/// `G_p` of every realization.
+pub(crate) fn means_over_periods(blocks: &[Vec<Matrix>]) -> Vec<Matrix> {
+    blocks.iter().map(mean).collect()
+}
+
+/// Arithmetic mean of at least one matrix.
+pub(crate) fn mean<'a>(matrices: impl IntoIterator<Item = &'a Matrix>) -> Matrix {
+    let mut matrices = matrices.into_iter();
+    let mut sum = matrices.next().cloned().unwrap_or_default();
     let mut count = 1.0;
     for matrix in matrices {
         sum += matrix;
@@ -170,22 +173,16 @@ pub(crate) fn mean<'a>(
 }
 
 /// Covariance of the mean of vec(matrix), `sum d d^H / (n (n - 1))`; `None` for one matrix.
-fn covariance_of_mean(matrices: &[DMatrix<Complex64>]) -> Option<DMatrix<Complex64>> {
+fn covariance_of_mean(matrices: &[Matrix]) -> Option<Matrix> {
     if matrices.len() < 2 {
         return None;
     }
-    let (n, centre) = (matrices.len() as f64, mean(matrices.iter()));
+    let (n, centre) = (matrices.len() as f64, mean(matrices));
     let mut sum = DMatrix::zeros(centre.len(), centre.len());
     for matrix in matrices {
-        let deviation = matrix - &centre;
         let deviation =
-            deviation.reshape_generic(nalgebra::Dyn(centre.len()), nalgebra::Const::<1>);
-        sum.gerc(
-            Complex64::from(1.0),
-            &deviation,
-            &deviation,
-            Complex64::from(1.0),
-        );
+            (matrix - &centre).reshape_generic(nalgebra::Dyn(centre.len()), nalgebra::Const::<1>);
+        sum.gerc(Complex64::ONE, &deviation, &deviation, Complex64::ONE);
     }
     Some(sum / Complex64::from(n * (n - 1.0)))
 }
@@ -212,10 +209,10 @@ fn assemble(
 
 /// The covariances of all lines; `None` where they were not measured.
 fn uncertainty<'a>(
-    covariances: impl Iterator<Item = Option<&'a DMatrix<Complex64>>>,
+    covariances: impl Iterator<Item = Option<&'a Matrix>>,
     degrees_of_freedom: usize,
 ) -> Option<Uncertainty> {
-    let covariances: Vec<_> = covariances.collect::<Option<_>>()?;
+    let covariances = covariances.collect::<Option<Vec<_>>>()?;
     Some(Uncertainty {
         covariance: stacked(&covariances),
         degrees_of_freedom,

@@ -19,7 +19,8 @@ use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 use crate::error::DeficientLine;
-use crate::frf::blocks::{BlockEstimates, BlockMethod, Invertible, LineBlock};
+use crate::frf::blocks::{BlockEstimates, BlockMethod, Invertible, LineBlock, map_blocks};
+use crate::frf::matrices::Matrix;
 use crate::frf::right_division::right_divide;
 
 pub(crate) struct JointInputOutput;
@@ -38,8 +39,7 @@ impl BlockMethod for JointInputOutput {
         let s_y = correlation(blocks, &instruments, |block| &block.y);
         let condition = invertible(&s_u)?;
         let response = right_divide(&s_y, &s_u);
-        let contribution = |(block, instrument): (&LineBlock, &DMatrix<Complex64>),
-                            count: usize| {
+        let contribution = |(block, instrument): (&LineBlock, &Matrix), count: usize| {
             let residual =
                 (&block.y - &response * &block.u) * instrument * Complex64::from(count as f64);
             &response + right_divide(&residual, &s_u)
@@ -61,9 +61,9 @@ impl BlockMethod for JointInputOutput {
 /// `sum X R^H` of a signal over all blocks.
 fn correlation(
     blocks: &[Vec<LineBlock>],
-    instruments: &[Vec<DMatrix<Complex64>>],
-    signal: impl Fn(&LineBlock) -> &DMatrix<Complex64>,
-) -> DMatrix<Complex64> {
+    instruments: &[Vec<Matrix>],
+    signal: impl Fn(&LineBlock) -> &Matrix,
+) -> Matrix {
     zip(blocks.iter().flatten(), instruments.iter().flatten())
         .map(|(block, instrument)| signal(block) * instrument)
         .sum()
@@ -71,32 +71,25 @@ fn correlation(
 
 /// `R^H` of every block, each reference channel scaled to unit power over the campaign: G does not
 /// depend on the scale, but the condition number would.
-fn instruments(blocks: &[Vec<LineBlock>]) -> Vec<Vec<DMatrix<Complex64>>> {
+fn instruments(blocks: &[Vec<LineBlock>]) -> Vec<Vec<Matrix>> {
     let sizes = reference_sizes(blocks);
-    let of_block = |block: &LineBlock| scaled_adjoint(block.r.as_ref(), &sizes);
-    blocks
-        .iter()
-        .map(|periods| periods.iter().map(of_block).collect())
-        .collect()
+    map_blocks(blocks, |block| scaled_adjoint(block.r.as_ref(), &sizes))
 }
 
 /// Root of the power of every reference channel over the campaign.
 fn reference_sizes(blocks: &[Vec<LineBlock>]) -> Vec<f64> {
     let references = || blocks.iter().flatten().filter_map(|block| block.r.as_ref());
-    let power = |channel: usize| {
-        references()
-            .map(|r| r.row(channel).norm_squared())
-            .sum::<f64>()
-    };
     let n_channels = references().next().map_or(0, DMatrix::nrows);
-    (0..n_channels)
-        .map(|channel| power(channel).sqrt())
-        .collect()
+    let size = |channel: usize| {
+        let powers = references().map(|r| r.row(channel).norm_squared());
+        powers.sum::<f64>().sqrt()
+    };
+    (0..n_channels).map(size).collect()
 }
 
 /// `R^H`, every channel over its size; empty without R.
-fn scaled_adjoint(r: Option<&DMatrix<Complex64>>, sizes: &[f64]) -> DMatrix<Complex64> {
-    let mut adjoint = r.map_or_else(|| DMatrix::zeros(0, 0), DMatrix::adjoint);
+fn scaled_adjoint(r: Option<&Matrix>, sizes: &[f64]) -> Matrix {
+    let mut adjoint = r.map(DMatrix::adjoint).unwrap_or_default();
     for (mut column, &size) in zip(adjoint.column_iter_mut(), sizes) {
         if size > 0.0 {
             column /= Complex64::from(size);

@@ -13,11 +13,12 @@
 //! E. Wernholt, S. Moberg, Experimental comparison of methods for multivariable frequency response
 //! function estimation, IFAC World Congress 2008, section 3.
 
-use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 use crate::error::DeficientLine;
-use crate::frf::blocks::{BlockEstimates, BlockMethod, Invertible, LineBlock, mean};
+use crate::frf::blocks::{
+    BlockEstimates, BlockMethod, Invertible, LineBlock, map_blocks, mean, means_over_periods,
+};
 use crate::frf::mean_of_frfs::MeanOfFrfs;
 
 pub(crate) struct LogarithmicMean;
@@ -29,12 +30,11 @@ impl BlockMethod for LogarithmicMean {
         invertible: &Invertible,
     ) -> Result<BlockEstimates, DeficientLine> {
         let mut estimates = MeanOfFrfs.estimates(blocks, invertible)?;
-        let arithmetic = mean_of_blocks(&estimates.blocks);
-        let mut logarithms = estimates.blocks.clone();
-        for matrix in logarithms.iter_mut().flatten() {
-            *matrix = matrix.zip_map(&arithmetic, |t, centre| (t / direction(centre)).ln());
-        }
-        let mean_logarithm = mean_of_blocks(&logarithms);
+        let arithmetic = mean(&means_over_periods(&estimates.blocks));
+        let logarithms = map_blocks(&estimates.blocks, |matrix| {
+            matrix.zip_map(&arithmetic, |t, centre| (t / direction(centre)).ln())
+        });
+        let mean_logarithm = mean(&means_over_periods(&logarithms));
         let of_blocks = estimates.blocks.iter_mut().flatten();
         for (matrix, logarithm) in of_blocks.zip(logarithms.iter().flatten()) {
             for (entry, value) in matrix.iter_mut().enumerate() {
@@ -47,12 +47,6 @@ impl BlockMethod for LogarithmicMean {
         }
         Ok(estimates)
     }
-}
-
-/// Mean over periods, then realizations.
-fn mean_of_blocks(blocks: &[Vec<DMatrix<Complex64>>]) -> DMatrix<Complex64> {
-    let per_realization: Vec<_> = blocks.iter().map(|periods| mean(periods.iter())).collect();
-    mean(per_realization.iter())
 }
 
 /// The unit number with the phase of this one.

@@ -7,8 +7,11 @@ use nalgebra::DMatrix;
 use ndarray::{Array3, ArrayView2};
 use num_complex::Complex64;
 
+/// A complex matrix: channels of one line, or entries of an FRF.
+pub(crate) type Matrix = DMatrix<Complex64>;
+
 /// Matrices of one shape, at least one, as an array `(line, row, column)`.
-pub(crate) fn stacked(matrices: &[impl Borrow<DMatrix<Complex64>>]) -> Array3<Complex64> {
+pub(crate) fn stacked(matrices: &[impl Borrow<Matrix>]) -> Array3<Complex64> {
     let (n_rows, n_columns) = matrices[0].borrow().shape();
     let shape = (matrices.len(), n_rows, n_columns);
     Array3::from_shape_fn(shape, |(line, row, column)| {
@@ -17,12 +20,12 @@ pub(crate) fn stacked(matrices: &[impl Borrow<DMatrix<Complex64>>]) -> Array3<Co
 }
 
 /// The matrices of an FRF.
-pub(crate) fn matrices(frf: &Frf) -> Vec<DMatrix<Complex64>> {
+pub(crate) fn matrices(frf: &Frf) -> Vec<Matrix> {
     frf.response.outer_iter().map(matrix).collect()
 }
 
 /// An array as a matrix.
-pub(crate) fn matrix(array: ArrayView2<Complex64>) -> DMatrix<Complex64> {
+pub(crate) fn matrix(array: ArrayView2<Complex64>) -> Matrix {
     DMatrix::from_fn(array.nrows(), array.ncols(), |row, column| {
         array[[row, column]]
     })

@@ -103,9 +103,8 @@ impl Campaign {
     pub fn estimate(&self, options: &FrfOptions) -> Result<Frf, EstimateError> {
         if options.method.needs_reference() && !self.has_reference() {
             let what = "the method estimates through the reference r: give it for every run, or \
-                        choose a method that does without"
-                .to_owned();
-            return Err(SignalError::Unfit { key: "r", what }.into());
+                        choose a method that does without";
+            return Err(SignalError::unfit("r", what).into());
         }
         options.method.estimator().frf(self, options)
     }

@@ -10,6 +10,7 @@ use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 use crate::error::{Deficiency, DeficientLine};
+use crate::frf::matrices::Matrix;
 use crate::frf::singular::condition_of_finite;
 
 /// Largest condition number of U, rows scaled to equal size, at which a line is inverted by default.
@@ -19,7 +20,7 @@ pub(crate) const MAX_CONDITION: f64 = 1e10;
 /// squares beyond.
 ///
 /// `U` must have passed [`check_rank`]; a singular one gives NaN.
-pub(crate) fn right_divide(y: &DMatrix<Complex64>, u: &DMatrix<Complex64>) -> DMatrix<Complex64> {
+pub(crate) fn right_divide(y: &Matrix, u: &Matrix) -> Matrix {
     let inputs = u.nrows();
     let mut order: Vec<usize> = (0..u.ncols()).collect();
     order.sort_by(|&a, &b| u.column(b).camax().total_cmp(&u.column(a).camax()));
@@ -37,22 +38,12 @@ pub(crate) fn right_divide(y: &DMatrix<Complex64>, u: &DMatrix<Complex64>) -> DM
 ///
 /// The limit applies to `U` with rows scaled to equal size, so that it does not depend on the units
 /// of the inputs; the number returned is that of `U` as it is.
-pub(crate) fn check_rank(
-    u: &DMatrix<Complex64>,
-    limit: f64,
-    frequency_hz: f64,
-) -> Result<f64, DeficientLine> {
+pub(crate) fn check_rank(u: &Matrix, limit: f64, frequency_hz: f64) -> Result<f64, DeficientLine> {
     let condition = condition_of_finite(u);
     if condition <= limit {
         return Ok(condition); // scaling the rows would make it smaller still, but for a factor sqrt(n_u)
     }
-    let mut scaled = u.clone();
-    for mut row in scaled.row_iter_mut() {
-        let size = row.camax();
-        if size > 0.0 {
-            row /= Complex64::from(size);
-        }
-    }
+    let scaled = with_rows_scaled(u);
     let scaled_condition = condition_of_finite(&scaled);
     if scaled_condition <= limit {
         return Ok(condition);
@@ -65,11 +56,28 @@ pub(crate) fn check_rank(
     })
 }
 
+/// `U` with the largest part of every row 1, but of silent ones.
+fn with_rows_scaled(u: &Matrix) -> Matrix {
+    let mut scaled = u.clone();
+    for mut row in scaled.row_iter_mut() {
+        let size = row.camax();
+        if size > 0.0 {
+            row /= Complex64::from(size);
+        }
+    }
+    scaled
+}
+
 /// The silent input, or the two experiments that are most alike.
-fn cause_of(u: &DMatrix<Complex64>) -> Deficiency {
+fn cause_of(u: &Matrix) -> Deficiency {
     if let Some(input) = u.row_iter().position(|row| row.camax() == 0.0) {
         return Deficiency::InputSilent { input };
     }
+    most_alike(u)
+}
+
+/// The two experiments with the highest correlation.
+fn most_alike(u: &Matrix) -> Deficiency {
     let pairs = (0..u.ncols()).flat_map(|m| (m + 1..u.ncols()).map(move |n| (m, n)));
     let alike = pairs
         .map(|(m, n)| ((m, n), correlation(u, m, n)))
@@ -79,7 +87,7 @@ fn cause_of(u: &DMatrix<Complex64>) -> Deficiency {
 }
 
 /// `|u_m^H u_n| / (|u_m| |u_n|)` of two columns; 1 if one of them is zero.
-fn correlation(u: &DMatrix<Complex64>, m: usize, n: usize) -> f64 {
+fn correlation(u: &Matrix, m: usize, n: usize) -> f64 {
     let norms = u.column(m).norm() * u.column(n).norm();
     if norms > 0.0 {
         u.column(m).dotc(&u.column(n)).norm() / norms

@@ -5,7 +5,7 @@
 //! Demmel, K. Veselic, SIAM J. Matrix Anal. Appl. 13 (1992) 1204), as FRF matrices from wrist to
 //! base are; nalgebra's bidiagonalisation loses the small values.
 
-use frfid_signals::SignalError;
+use frfid_signals::{SignalError, checks::all_finite};
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 
@@ -20,7 +20,7 @@ const MAX_SWEEPS: usize = 60;
 /// [`SignalError::NotFinite`] if an entry is NaN or infinite (channel and sample are its row and
 /// column).
 pub fn singular_values(matrix: &DMatrix<Complex64>) -> Result<Vec<f64>, EstimateError> {
-    check_finite_entries("matrix", matrix.nrows(), matrix.as_slice())?;
+    check_finite_entries(matrix)?;
     Ok(singular_values_of_finite(matrix))
 }
 
@@ -30,7 +30,7 @@ pub fn singular_values(matrix: &DMatrix<Complex64>) -> Result<Vec<f64>, Estimate
 /// # Errors
 /// As [`singular_values`].
 pub fn condition_number(matrix: &DMatrix<Complex64>) -> Result<f64, EstimateError> {
-    check_finite_entries("matrix", matrix.nrows(), matrix.as_slice())?;
+    check_finite_entries(matrix)?;
     Ok(condition_of_finite(matrix))
 }
 
@@ -59,30 +59,15 @@ pub(crate) fn condition_of_finite(matrix: &DMatrix<Complex64>) -> f64 {
     }
 }
 
-/// Refuses NaN and infinite entries of a column-major matrix; row and column are named as channel
-/// and sample.
-pub(crate) fn check_finite_entries(
-    name: &'static str,
-    n_rows: usize,
-    entries: &[Complex64],
-) -> Result<(), EstimateError> {
-    let mut bad = entries
-        .iter()
-        .enumerate()
-        .filter(|(_, entry)| !entry.is_finite());
-    match bad.next() {
-        None => Ok(()),
-        Some((index, _)) => {
-            let (channel, sample) = (index % n_rows, index / n_rows);
-            Err(SignalError::NotFinite {
-                name,
-                count: 1 + bad.count(),
-                channel,
-                sample,
-            }
-            .into())
-        }
-    }
+/// Refuses NaN and infinite entries, column by column; row and column are named as channel and
+/// sample.
+fn check_finite_entries(matrix: &DMatrix<Complex64>) -> Result<(), SignalError> {
+    let entries = matrix.iter().enumerate();
+    let bad = entries.filter(|(_, entry)| !entry.is_finite());
+    all_finite(
+        "matrix",
+        bad.map(|(index, _)| matrix.vector_to_matrix_index(index)),
+    )
 }
 
 fn singular_values_of_finite(matrix: &DMatrix<Complex64>) -> Vec<f64> {

@@ -43,11 +43,9 @@ pub fn estimate_bla(
     options: &FrfOptions,
 ) -> Result<Frf, EstimateError> {
     if r.is_some() && !options.method.needs_reference() {
-        let what =
-            "a reference r is given, but the method does without; leave it out, or estimate \
-                    through it by the method joint-input-output"
-                .to_owned();
-        return Err(SignalError::Unfit { key: "r", what }.into());
+        let what = "a reference r is given, but the method does without; leave it out, or estimate \
+                    through it by the method joint-input-output";
+        return Err(SignalError::unfit("r", what).into());
     }
     check_same_shape(&u, &y, r.as_ref())?;
     let dft = LineDft::new(u.len_of(Axis(4)), harmonics)?;

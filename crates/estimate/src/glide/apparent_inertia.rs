@@ -5,12 +5,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use frfid_signals::{Frf, checks::positive};
+use frfid_signals::Frf;
+use frfid_signals::checks::{positive, require_shape};
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::frf::matrices::matrix;
+use crate::frf::matrices::{Matrix, matrix};
 use crate::frf::right_division::right_divide;
 use crate::spectra::line_dft::check_rising;
 
@@ -20,7 +21,7 @@ const NEIGHBOURS: usize = 4;
 /// `M(f) = P^-1 / (2 pi i f)` on the frequencies of an FRF.
 pub(super) struct ApparentInertia<'a> {
     frequency_hz: &'a [f64],
-    inertia: Vec<DMatrix<Complex64>>,
+    inertia: Vec<Matrix>,
 }
 
 impl<'a> ApparentInertia<'a> {
@@ -30,17 +31,18 @@ impl<'a> ApparentInertia<'a> {
             "frequencies of the plant",
             plant.frequency_hz.iter().copied(),
         )?;
-        if (plant.n_outputs(), plant.n_inputs()) != (n_axes, n_axes) {
-            return Err(EstimateError::shape(
-                "response of the plant",
-                plant.response.shape(),
-                format!("(frequency, {n_axes}, {n_axes}), torque to velocity of the glide's axes"),
-            ));
-        }
+        let fits = (plant.n_outputs(), plant.n_inputs()) == (n_axes, n_axes);
+        let needed =
+            format_args!("(frequency, {n_axes}, {n_axes}), torque to velocity of the glide's axes");
+        require_shape(
+            "response of the plant",
+            plant.response.shape(),
+            fits,
+            needed,
+        )?;
         let lines = plant.frequency_hz.iter().zip(plant.response.outer_iter());
-        let inertia: Vec<DMatrix<Complex64>> = lines
-            .map(|(&hz, response)| inertia_at(hz, &matrix(response)))
-            .collect::<Result<_, _>>()?;
+        let inertia = lines.map(|(&hz, response)| inertia_at(hz, &matrix(response)));
+        let inertia = inertia.collect::<Result<Vec<_>, _>>()?;
         Ok(Self {
             frequency_hz: &plant.frequency_hz,
             inertia: medians(&inertia),
@@ -91,10 +93,7 @@ impl<'a> ApparentInertia<'a> {
 }
 
 /// `P^-1 / (2 pi i f)` of the response P at one frequency.
-fn inertia_at(
-    frequency_hz: f64,
-    response: &DMatrix<Complex64>,
-) -> Result<DMatrix<Complex64>, EstimateError> {
+fn inertia_at(frequency_hz: f64, response: &Matrix) -> Result<Matrix, EstimateError> {
     positive("frequencies of the plant", frequency_hz)?;
     let n_axes = response.nrows();
     let inverse = right_divide(&DMatrix::identity(n_axes, n_axes), response);
@@ -108,24 +107,20 @@ fn inertia_at(
 /// Entry by entry, real and imaginary part, the median over each frequency and its neighbours on
 /// either side: M is smooth, but a first estimate is far off on the few frequencies that the ripple
 /// itself hits.
-fn medians(inertia: &[DMatrix<Complex64>]) -> Vec<DMatrix<Complex64>> {
-    let around = |line: usize| {
-        &inertia[line.saturating_sub(NEIGHBOURS)..(line + NEIGHBOURS + 1).min(inertia.len())]
-    };
-    (0..inertia.len())
-        .map(|line| median(around(line)))
-        .collect()
+fn medians(inertia: &[Matrix]) -> Vec<Matrix> {
+    let lines = 0..inertia.len();
+    let around =
+        |line: usize| line.saturating_sub(NEIGHBOURS)..(line + NEIGHBOURS + 1).min(inertia.len());
+    lines.map(|line| median(&inertia[around(line)])).collect()
 }
 
 /// Entry by entry the median of matrices, real and imaginary part.
-fn median(matrices: &[DMatrix<Complex64>]) -> DMatrix<Complex64> {
+fn median(matrices: &[Matrix]) -> Matrix {
     let (n_rows, n_columns) = matrices[0].shape();
     DMatrix::from_fn(n_rows, n_columns, |row, column| {
-        let entries = || matrices.iter().map(|matrix| matrix[(row, column)]);
-        Complex64::new(
-            middle(entries().map(|entry| entry.re).collect()),
-            middle(entries().map(|entry| entry.im).collect()),
-        )
+        let entries = matrices.iter().map(|matrix| matrix[(row, column)]);
+        let (real, imaginary) = entries.map(|entry| (entry.re, entry.im)).unzip();
+        Complex64::new(middle(real), middle(imaginary))
     })
 }
 

@@ -22,6 +22,7 @@
 
 use std::f64::consts::TAU;
 
+use frfid_signals::checks::{require, require_shape};
 use frfid_signals::{Frf, Record};
 use ndarray::{Array2, ArrayView1, Zip, s};
 use num_complex::Complex64;
@@ -101,20 +102,13 @@ fn position_of<'a>(
     record: &'a Record,
     which: &'static str,
 ) -> Result<&'a Array2<f64>, EstimateError> {
-    let position = record
-        .position_rad
-        .as_ref()
-        .ok_or(EstimateError::NoPosition(which))?;
-    if position.dim() == record.u.dim() && position.dim() == record.y.dim() {
-        return Ok(position);
-    }
+    let position = record.position_rad.as_ref();
+    let position = position.ok_or(EstimateError::NoPosition(which))?;
     let shape = record.u.dim();
-    let needed = format!("{shape:?} as u, and y the same: every axis its own motor");
-    Err(EstimateError::shape(
-        "position_rad",
-        position.shape(),
-        needed,
-    ))
+    let fits = position.dim() == shape && record.y.dim() == shape;
+    let needed = format_args!("{shape:?} as u, and y the same: every axis its own motor");
+    require_shape("position_rad", position.shape(), fits, needed)?;
+    Ok(position)
 }
 
 /// `d(t) = u_g - P^-1 y_g`, `(axis, sample)`, without its straight line over time and above the
@@ -126,13 +120,7 @@ fn position_of<'a>(
 fn torque_over_time(glide: &Record, plant: &Frf) -> Result<Array2<f64>, EstimateError> {
     let inertia = ApparentInertia::of(plant, glide.u.nrows())?;
     let n = glide.n_samples();
-    if n < 3 {
-        return Err(EstimateError::parameter(
-            "samples of the glide",
-            n as f64,
-            "3 or more",
-        ));
-    }
+    require("samples of the glide", n as f64, n >= 3, "3 or more")?;
     let (mut torque, y) = (reflected_spectra(&glide.u), reflected_spectra(&glide.y));
     let duration_s = (2 * (n - 1)) as f64 * glide.sample_time_s;
     for bin in 0..n {

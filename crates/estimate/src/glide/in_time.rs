@@ -2,7 +2,8 @@
 //! ripple, slow gravity) is recorded once and taken off every run of the same start, velocity and
 //! direction.
 
-use frfid_signals::Record;
+use frfid_signals::checks::{require, require_shape};
+use frfid_signals::{Record, SignalError};
 use ndarray::{Array2, ArrayView1, s};
 
 use crate::error::EstimateError;
@@ -20,6 +21,7 @@ pub fn subtract_glide(run: &Record, glide: &Record) -> Result<Record, EstimateEr
     run.check()?;
     glide.check()?;
     check_same_clock(run, glide)?;
+    check_same_channels(run, glide)?;
     check_same_direction(&run.y, &glide.y)?;
     let without = |signal: &Array2<f64>, glide: &Array2<f64>| {
         signal - &glide.slice(s![.., ..run.n_samples()])
@@ -33,15 +35,16 @@ pub fn subtract_glide(run: &Record, glide: &Record) -> Result<Record, EstimateEr
     Ok(rest)
 }
 
-/// Refuses a glide of another sample time, of other channels, or shorter than the run.
-fn check_same_clock(run: &Record, glide: &Record) -> Result<(), EstimateError> {
-    if !same_clock(glide.sample_time_s, run.sample_time_s, run.n_samples()) {
-        return Err(EstimateError::parameter(
-            "sample_time_s of the glide",
-            glide.sample_time_s,
-            "the sample time of the run",
-        ));
-    }
+/// Refuses a glide of another sample time.
+fn check_same_clock(run: &Record, glide: &Record) -> Result<(), SignalError> {
+    let found_s = glide.sample_time_s;
+    let fits = same_clock(found_s, run.sample_time_s, run.n_samples());
+    let needed = "the sample time of the run";
+    require("sample_time_s of the glide", found_s, fits, needed)
+}
+
+/// Refuses a glide of other channels, or shorter than the run.
+fn check_same_channels(run: &Record, glide: &Record) -> Result<(), SignalError> {
     check_holds("u of the glide", &run.u, &glide.u)?;
     check_holds("y of the glide", &run.y, &glide.y)?;
     match (&run.r, &glide.r) {
@@ -55,13 +58,11 @@ fn check_holds(
     name: &'static str,
     run: &Array2<f64>,
     glide: &Array2<f64>,
-) -> Result<(), EstimateError> {
-    if glide.nrows() == run.nrows() && glide.ncols() >= run.ncols() {
-        return Ok(());
-    }
+) -> Result<(), SignalError> {
     let (n_channels, n_samples) = run.dim();
-    let needed = format!("({n_channels}, {n_samples} or more samples), as the run");
-    Err(EstimateError::shape(name, glide.shape(), needed))
+    let fits = glide.nrows() == n_channels && glide.ncols() >= n_samples;
+    let needed = format_args!("({n_channels}, {n_samples} or more samples), as the run");
+    require_shape(name, glide.shape(), fits, needed)
 }
 
 /// Whether two sample times in s are one: stamps of a robot's clock may differ in the last digits,
@@ -92,7 +93,7 @@ fn check_same_direction(run: &Array2<f64>, glide: &Array2<f64>) -> Result<(), Es
 /// Mean velocity of an axis that glides; `None` for one that stands still, whose mean has either
 /// sign and no direction.
 pub(crate) fn glide_velocity(glide: ArrayView1<f64>) -> Option<f64> {
-    let mean = glide.sum() / glide.len() as f64;
+    let mean = glide.mean()?;
     let rms = (glide.dot(&glide) / glide.len() as f64).sqrt();
     (mean.abs() > 0.5 * rms).then_some(mean)
 }

@@ -17,7 +17,8 @@
 
 use std::collections::BTreeSet;
 
-use frfid_signals::Frf;
+use frfid_signals::checks::require_shape;
+use frfid_signals::{Frf, SignalError};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
@@ -90,14 +91,10 @@ impl FreeLines {
         let (n_outputs, n_inputs, n_lines) = (plant.n_outputs(), plant.n_inputs(), self.n_lines());
         check_dim("u on free lines", u, (n_inputs, n_lines))?;
         check_dim("y on free lines", y, (n_outputs, n_lines))?;
-        if plant.n_frequencies() != self.excited.len() {
-            let needed = format!("({}, output, input), the excited lines", self.excited.len());
-            return Err(EstimateError::shape(
-                "plant",
-                plant.response.shape(),
-                needed,
-            ));
-        }
+        let n_excited = self.excited.len();
+        let fits = plant.n_frequencies() == n_excited;
+        let needed = format_args!("({n_excited}, output, input), the excited lines");
+        require_shape("plant", plant.response.shape(), fits, needed)?;
         Ok(Array2::from_shape_fn(
             (n_outputs, n_lines),
             |(output, place)| y[[output, place]] - self.explained(u, plant, output, place),
@@ -172,12 +169,8 @@ impl FreeLines {
         let scale = 4.0 / (self.dft.n_samples() as f64).powi(2);
         Array2::from_shape_fn((power.nrows(), self.neighbours.len()), |(channel, line)| {
             let around = &self.neighbours[line];
-            scale
-                * around
-                    .iter()
-                    .map(|&place| power[[channel, place]])
-                    .sum::<f64>()
-                / around.len() as f64
+            let sum: f64 = around.iter().map(|&place| power[[channel, place]]).sum();
+            scale * sum / around.len() as f64
         })
     }
 
@@ -216,13 +209,10 @@ fn scatter(spectra: &[Array2<Complex64>], mean: &Array2<Complex64>) -> Array2<f6
 fn check_dim(
     name: &'static str,
     found: &Array2<Complex64>,
-    (n_channels, n_lines): (usize, usize),
-) -> Result<(), EstimateError> {
-    if found.dim() == (n_channels, n_lines) {
-        return Ok(());
-    }
-    let needed = format!("({n_channels}, {n_lines})");
-    Err(EstimateError::shape(name, found.shape(), needed))
+    needed: (usize, usize),
+) -> Result<(), SignalError> {
+    let fits = found.dim() == needed;
+    require_shape(name, found.shape(), fits, format_args!("{needed:?}"))
 }
 
 impl Transform for FreeLines {

@@ -1,11 +1,10 @@
 //! Excited lines: found in a periodic reference, or checked against the grid of a period.
 
 use frfid_signals::checks::positive;
-use ndarray::{Array2, ArrayView1, ArrayView2, s};
+use ndarray::{Array2, ArrayView1, ArrayView2};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::spectra::Transform;
 use crate::spectra::line_dft::{LineDft, check_rising};
 
 /// Smallest gap between the weakest excited line and the strongest other one, as a ratio of
@@ -39,11 +38,8 @@ pub fn find_lines(reference: ArrayView2<f64>, period: usize) -> Result<Vec<usize
     }
     let candidates: Vec<usize> = (1..period.div_ceil(2)).collect();
     let dft = LineDft::new(period, &candidates)?;
-    let spectrum = |q: usize| {
-        let samples = s![.., q * period..(q + 1) * period];
-        dft.transform("reference", reference.slice(samples))
-    };
-    let spectra: Vec<_> = (0..n_periods).map(spectrum).collect::<Result<_, _>>()?;
+    let periods = reference.exact_chunks((reference.nrows(), period));
+    let spectra = dft.transform_each("reference", periods)?;
     let (amplitude, floor) = amplitude_above_noise(&spectra, candidates.len());
     let threshold = threshold(&amplitude, floor)?;
     let excited = candidates.into_iter().zip(amplitude);
@@ -79,12 +75,19 @@ fn amplitude_above_noise(spectra: &[Array2<Complex64>], n_lines: usize) -> (Vec<
     (amplitude, floor)
 }
 
+/// Mean of the spectra of several periods, line by line.
+pub(super) fn mean_spectrum(periods: &[ArrayView1<Complex64>]) -> Vec<Complex64> {
+    let of_line = |line: usize| {
+        let values = periods.iter().map(|period| period[line]);
+        values.sum::<Complex64>() / periods.len() as f64
+    };
+    (0..periods[0].len()).map(of_line).collect()
+}
+
 /// Mean of the spectra of several periods, and its standard deviation over all lines.
 fn mean_and_deviation(periods: &[ArrayView1<Complex64>]) -> (Vec<Complex64>, f64) {
     let (n, n_lines) = (periods.len() as f64, periods[0].len());
-    let mean: Vec<Complex64> = (0..n_lines)
-        .map(|line| periods.iter().map(|period| period[line]).sum::<Complex64>() / n)
-        .collect();
+    let mean = mean_spectrum(periods);
     let squares: f64 = periods
         .iter()
         .flat_map(|period| period.iter().zip(&mean))
@@ -99,10 +102,9 @@ fn mean_and_deviation(periods: &[ArrayView1<Complex64>]) -> (Vec<Complex64>, f64
 fn threshold(amplitude: &[f64], floor: f64) -> Result<f64, EstimateError> {
     let mut levels = amplitude.to_vec();
     levels.sort_by(|a, b| b.total_cmp(a));
-    let gap = |split: usize| levels[split - 1] / levels[split];
     let widest = widest_gap(&levels);
     let split = widest
-        .filter(|&split| gap(split) >= GAP)
+        .filter(|&split| gap(&levels, split) >= GAP)
         .unwrap_or(levels.len());
     let (excited, rest) = levels.split_at(split);
     let weakest = excited.last().copied().unwrap_or(floor);
@@ -113,20 +115,24 @@ fn threshold(amplitude: &[f64], floor: f64) -> Result<f64, EstimateError> {
         return Ok((weakest * below).sqrt());
     }
     Err(EstimateError::NoLines {
-        gap: widest.map_or(1.0, gap),
+        gap: widest.map_or(1.0, |split| gap(&levels, split)),
         range: fall.max(1.0 / weakest),
     })
 }
 
+/// The gap below the first `split` of the falling levels, as a ratio.
+fn gap(levels: &[f64], split: usize) -> f64 {
+    levels[split - 1] / levels[split]
+}
+
 /// How many of the falling levels lie above their widest gap; a gap above few others must be wider.
 fn widest_gap(levels: &[f64]) -> Option<usize> {
-    let gap = |split: usize| levels[split - 1] / levels[split];
     let counts = |&split: &usize| {
         levels.len() - split >= FEW || levels[split - 1] >= GAP_ABOVE_FEW * levels[split]
     };
     (1..levels.len())
         .filter(counts)
-        .max_by(|&a, &b| gap(a).total_cmp(&gap(b)))
+        .max_by(|&a, &b| gap(levels, a).total_cmp(&gap(levels, b)))
 }
 
 /// Lines of a period of `n_samples` at `frequencies_hz`, which must rise.

@@ -3,11 +3,11 @@
 
 use std::iter::zip;
 
-use ndarray::{Array2, ArrayView3, Axis};
+use ndarray::{ArrayView1, ArrayView3, Axis};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::spectra::Transform;
+use crate::recording::lines::mean_spectrum;
 use crate::spectra::line_dft::LineDft;
 
 /// A period is transient when its squared distance from the last ones exceeds theirs by this factor
@@ -32,18 +32,13 @@ pub fn count_transient_periods(
 ) -> Result<usize, EstimateError> {
     let (n_periods, n_channels, n_samples) = periods.dim();
     let dft = LineDft::new(n_samples, lines)?;
-    let spectra: Vec<Array2<Complex64>> = periods
-        .axis_iter(Axis(0))
-        .map(|period| dft.transform("periods", period))
-        .collect::<Result<_, _>>()?;
+    let spectra = dft.transform_each("periods", periods.axis_iter(Axis(0)))?;
     if n_periods < 3 {
         return Ok(0);
     }
     let count = |channel: usize| {
-        let rows = spectra
-            .iter()
-            .map(|spectrum| spectrum.row(channel).to_vec());
-        leading_outliers(&rows.collect::<Vec<_>>(), n_periods / 2)
+        let rows: Vec<_> = spectra.iter().map(|all| all.row(channel)).collect();
+        leading_outliers(&rows, n_periods / 2)
     };
     let transient = (0..n_channels).map(count).max().unwrap_or(0);
     if transient == n_periods / 2 {
@@ -57,11 +52,11 @@ pub fn count_transient_periods(
 
 /// How many spectra before `first_settled` differ, without interruption from the first on, from
 /// those after it.
-fn leading_outliers(spectra: &[Vec<Complex64>], first_settled: usize) -> usize {
+fn leading_outliers(spectra: &[ArrayView1<Complex64>], first_settled: usize) -> usize {
     let settled = &spectra[first_settled..];
     let count = settled.len() as f64;
-    let mean = mean(settled);
-    let distance = |spectrum: &Vec<Complex64>| {
+    let mean = mean_spectrum(settled);
+    let distance = |spectrum: &ArrayView1<Complex64>| {
         zip(spectrum, &mean)
             .map(|(x, mean)| (x - mean).norm_sqr())
             .sum::<f64>()
@@ -74,16 +69,6 @@ fn leading_outliers(spectra: &[Vec<Complex64>], first_settled: usize) -> usize {
         .iter()
         .take_while(|spectrum| distance(spectrum) > allowed)
         .count()
-}
-
-/// Mean of spectra, line by line.
-fn mean(spectra: &[Vec<Complex64>]) -> Vec<Complex64> {
-    let count = spectra.len() as f64;
-    let of_line = |line: usize| {
-        let values = spectra.iter().map(|spectrum| spectrum[line]);
-        values.sum::<Complex64>() / count
-    };
-    (0..spectra[0].len()).map(of_line).collect()
 }
 
 #[cfg(test)]

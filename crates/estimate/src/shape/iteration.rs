@@ -4,6 +4,7 @@ use frfid_signals::{Frf, Peaks, Record};
 use ndarray::{Array2, Array3};
 
 use crate::shape::note::Note;
+use crate::shape::options::Target;
 use crate::shape::sticking::BandMotion;
 
 /// One iteration: a reference for every experiment, what was measured, and what it says.
@@ -52,6 +53,16 @@ pub struct Estimate {
     /// Condition number of U per frequency, its channels scaled to equal size: 1 if the experiments
     /// are orthogonal, 2 for the sign flip on three axes.
     pub condition: Vec<f64>,
+}
+
+impl Estimate {
+    /// Response from reference to the target.
+    pub(super) fn response_of(&self, target: Target) -> &Frf {
+        match target {
+            Target::Torque => &self.r_to_u,
+            Target::Velocity => &self.r_to_y,
+        }
+    }
 }
 
 impl Iteration {

@@ -32,20 +32,21 @@ pub(super) type Margins = [Vec<f64>; 3];
 
 /// The peaks of torque, velocity and travel, each `(experiment, axis, sample)`.
 pub(super) fn peaks_of_signals(signals: [&Array3<f64>; 3]) -> Peaks {
-    let peak = |signal: &Array3<f64>| {
-        let largest =
-            |axis: ArrayView2<f64>| axis.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()));
-        signal.axis_iter(Axis(1)).map(largest).collect()
-    };
-    zip(KEPT, signals.map(peak)).collect()
+    let of_axes = |signal: &Array3<f64>| signal.axis_iter(Axis(1)).map(peak_of).collect();
+    zip(KEPT, signals.map(of_axes)).collect()
 }
 
-/// The peaks of torque, velocity and travel that were measured.
-pub(super) fn peaks_of_records(records: &[Record], sample_time_s: f64) -> Peaks {
+/// The peak of an axis over all experiments, `(experiment, sample)`.
+pub(super) fn peak_of(axis: ArrayView2<f64>) -> f64 {
+    axis.iter().fold(0.0, |peak: f64, x| peak.max(x.abs()))
+}
+
+/// Torque, velocity and travel that were measured, each `(experiment, axis, sample)`.
+pub(super) fn signals_of(records: &[Record], sample_time_s: f64) -> [Array3<f64>; 3] {
     let torque = stack(records, |record| &record.u);
     let velocity = stack(records, |record| &record.y);
     let travel = travel_of(records, &velocity, sample_time_s);
-    peaks_of_signals([&torque, &velocity, &travel])
+    [torque, velocity, travel]
 }
 
 /// Every kept limit that the peaks exceed.
@@ -77,20 +78,19 @@ pub(super) fn teach(
 
 /// Distance in rad from the first sample, `(experiment, axis, sample)`; from the velocity where the
 /// position was not measured.
-pub(super) fn travel_of(
-    records: &[Record],
-    velocity: &Array3<f64>,
-    sample_time_s: f64,
-) -> Array3<f64> {
+fn travel_of(records: &[Record], velocity: &Array3<f64>, sample_time_s: f64) -> Array3<f64> {
     let mut travel = velocity.clone();
     for (mut travel, record) in zip(travel.axis_iter_mut(Axis(0)), records) {
         let Some(position) = &record.position_rad else {
-            let axes = travel.rows_mut().into_iter();
-            axes.for_each(|axis| integrate(axis, sample_time_s));
+            for axis in travel.rows_mut() {
+                integrate(axis, sample_time_s);
+            }
             continue;
         };
-        for (mut travel, position) in zip(travel.rows_mut(), position.rows()) {
-            zip(travel.iter_mut(), position).for_each(|(travel, &at)| *travel = at - position[0]);
+        for (travel, position) in zip(travel.rows_mut(), position.rows()) {
+            for (travel, at) in zip(travel, position) {
+                *travel = at - position[0];
+            }
         }
     }
     travel
@@ -109,10 +109,9 @@ pub(super) fn integrate(mut signal: ArrayViewMut1<f64>, sample_time_s: f64) {
 /// The integral of every signal, `(experiment, axis, sample)`.
 pub(super) fn integral(velocity: &Array3<f64>, sample_time_s: f64) -> Array3<f64> {
     let mut travel = velocity.clone();
-    travel
-        .lanes_mut(Axis(2))
-        .into_iter()
-        .for_each(|lane| integrate(lane, sample_time_s));
+    for lane in travel.lanes_mut(Axis(2)) {
+        integrate(lane, sample_time_s);
+    }
     travel
 }
 

@@ -1,13 +1,12 @@
 //! Measurement of an iteration by its records: responses, errors, whether every run was complete.
 
+use frfid_signals::checks::{require, require_shape};
 use frfid_signals::power::rms;
 use frfid_signals::{Event, EventKind, Frf, Record, SignalError};
-use nalgebra::DMatrix;
 use ndarray::{Array2, Array3, Axis, s};
-use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::frf::matrices::stacked;
+use crate::frf::matrices::{Matrix, stacked};
 use crate::frf::singular::scaled_condition_number;
 use crate::glide::in_time::same_clock;
 use crate::shape::error::ShapeError;
@@ -27,10 +26,9 @@ pub(super) fn stopped(
     (n_experiments, n_axes, n_samples): (usize, usize, usize),
     sample_time_s: f64,
 ) -> Result<Vec<Note>, EstimateError> {
-    if records.len() != n_experiments {
-        let needed = format!("({n_experiments}), one per experiment");
-        return Err(EstimateError::shape("records", &[records.len()], needed));
-    }
+    let (found, fits) = ([records.len()], records.len() == n_experiments);
+    let needed = format_args!("({n_experiments}), one per experiment");
+    require_shape("records", &found, fits, needed)?;
     let mut notes = Vec::new();
     for (experiment, record) in records.iter().enumerate() {
         check_record(record, (n_axes, n_samples), sample_time_s)?;
@@ -52,18 +50,13 @@ fn check_record(
     sample_time_s: f64,
 ) -> Result<(), EstimateError> {
     record.check()?;
-    if !same_clock(record.sample_time_s, sample_time_s, n_samples) {
-        return Err(EstimateError::parameter(
-            "sample_time_s of a record",
-            record.sample_time_s,
-            "that of the reference",
-        ));
-    }
+    let (key, needed) = ("sample_time_s of a record", "that of the reference");
+    let fits = same_clock(record.sample_time_s, sample_time_s, n_samples);
+    require(key, record.sample_time_s, fits, needed)?;
     for (name, signal) in [("u", &record.u), ("y", &record.y)] {
-        if signal.nrows() != n_axes || signal.ncols() > n_samples {
-            let needed = format!("({n_axes}, {n_samples}), as the reference");
-            return Err(EstimateError::shape(name, signal.shape(), needed));
-        }
+        let fits = signal.nrows() == n_axes && signal.ncols() <= n_samples;
+        let needed = format_args!("({n_axes}, {n_samples}), as the reference");
+        require_shape(name, signal.shape(), fits, needed)?;
     }
     Ok(())
 }
@@ -83,7 +76,7 @@ pub(super) fn estimate(
     records: &[Record],
     reference: &Array3<f64>,
     band: &Band,
-    desired: &[DMatrix<Complex64>],
+    desired: &[Matrix],
     options: &ShapeOptions,
 ) -> Result<Estimate, ShapeError> {
     let hz = &band.frequency_hz;
@@ -122,7 +115,7 @@ fn check_coherence(target: &'static str, coherence: &[f64]) -> Result<(), ShapeE
     Ok(())
 }
 
-fn frf(frequency_hz: &[f64], responses: &[DMatrix<Complex64>]) -> Result<Frf, SignalError> {
+fn frf(frequency_hz: &[f64], responses: &[Matrix]) -> Result<Frf, SignalError> {
     Frf::new(frequency_hz.to_vec(), stacked(responses))
 }
 
@@ -132,7 +125,7 @@ fn rms_per_channel(error: &Array2<f64>) -> Vec<f64> {
     columns.map(|channel| rms(&channel.to_vec())).collect()
 }
 
-fn conditions(u: &[DMatrix<Complex64>]) -> Result<Vec<f64>, EstimateError> {
+fn conditions(u: &[Matrix]) -> Result<Vec<f64>, EstimateError> {
     u.iter().map(scaled_condition_number).collect()
 }
 
@@ -150,7 +143,7 @@ pub(super) fn stack(records: &[Record], signal: impl Fn(&Record) -> &Array2<f64>
 }
 
 /// `|X - X_des| / |X_des|` over the experiments, `(frequency, channel)`.
-fn relative_error(found: &[DMatrix<Complex64>], desired: &[DMatrix<Complex64>]) -> Array2<f64> {
+fn relative_error(found: &[Matrix], desired: &[Matrix]) -> Array2<f64> {
     let n_channels = found[0].nrows();
     Array2::from_shape_fn((found.len(), n_channels), |(k, channel)| {
         let missing = &desired[k] - &found[k];

@@ -99,9 +99,8 @@ impl Driver for Watched<'_, '_> {
     type Error = ShapeError;
 
     fn records(&mut self, shaper: &Shaper) -> Result<Vec<Record>, ShapeError> {
-        let runs = shaper.runs();
-        let records = runs.par_iter().map(|run| self.testbed.run(run));
-        Ok(records.collect::<Result<_, _>>()?)
+        let runs = shaper.runs().into_par_iter();
+        runs.map(|run| Ok(self.testbed.run(&run)?)).collect()
     }
 
     fn iterated(&mut self, iteration: &Iteration) -> Result<bool, ShapeError> {

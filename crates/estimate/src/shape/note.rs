@@ -98,16 +98,14 @@ impl fmt::Display for Note {
 }
 
 fn write_excess(f: &mut fmt::Formatter<'_>, excess: &Excess) -> fmt::Result {
-    let Excess {
-        axis,
-        limit,
-        allowed,
-        found,
-    } = excess;
-    let (axis, quantity, unit) = (axis + 1, limit.quantity(), limit.unit());
     write!(
         f,
-        "axis {axis}: {quantity} in {unit} reached {found:.4}, the limit is {allowed:.4}"
+        "axis {}: {} in {} reached {:.4}, the limit is {:.4}",
+        excess.axis + 1,
+        excess.limit.quantity(),
+        excess.limit.unit(),
+        excess.found,
+        excess.allowed
     )
 }
 

@@ -1,6 +1,8 @@
 //! Options of a shaping: target, step, band, limits and when it is good enough.
 
-use frfid_signals::{Limits, SignalError, checks};
+use frfid_signals::checks::{self, require};
+use frfid_signals::{Limits, Record, SignalError};
+use ndarray::Array2;
 
 /// The measured signal that is to follow the desired one; any with an invertible path from r.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -10,6 +12,24 @@ pub enum Target {
     Torque,
     /// The plant output y, motor velocity in rad/s.
     Velocity,
+}
+
+impl Target {
+    /// Its name among the signals of a record.
+    pub(super) fn channel(self) -> &'static str {
+        match self {
+            Self::Torque => "u",
+            Self::Velocity => "y",
+        }
+    }
+
+    /// Its signal in a record.
+    pub(super) fn signal(self, record: &Record) -> &Array2<f64> {
+        match self {
+            Self::Torque => &record.u,
+            Self::Velocity => &record.y,
+        }
+    }
 }
 
 /// How the next reference follows from the last one.
@@ -121,26 +141,17 @@ impl ShapeOptions {
     }
 
     fn check_band(&self) -> Result<(), SignalError> {
-        let (high_hz, sample_time_s) = (self.high_hz, self.sample_time_s);
-        let nyquist_hz = 0.5 / sample_time_s;
-        if high_hz.is_nan() || high_hz >= nyquist_hz {
-            return Err(SignalError::AboveNyquist {
-                high_hz,
-                nyquist_hz,
-                sample_time_s,
-            });
-        }
-        let is_band = high_hz > self.low_hz;
-        require("high_hz", high_hz, is_band, "a frequency above low_hz")
+        checks::below_nyquist(self.high_hz, self.sample_time_s)?;
+        let is_band = self.high_hz > self.low_hz;
+        require("high_hz", self.high_hz, is_band, "a frequency above low_hz")
     }
 
     fn check_factors(&self) -> Result<(), SignalError> {
-        let change = self.largest_change;
-        let grows = change > 1.0 && change.is_finite();
-        require("largest_change", change, grows, "a finite factor above 1")?;
-        let margin = self.margin;
-        let is_safe = margin >= 1.0 && margin.is_finite();
-        require("margin", margin, is_safe, "a finite factor, 1 or above")
+        let (change, margin) = (self.largest_change, self.margin);
+        let needed = "a finite factor above 1";
+        require("largest_change", change, change > 1.0, needed)?;
+        let needed = "a finite factor, 1 or above";
+        require("margin", margin, margin >= 1.0, needed)
     }
 }
 
@@ -174,19 +185,5 @@ impl Step {
         require("damping", damping, is_share, "above 0 and at most 1")?;
         let bins = smoothing_bins as f64;
         require("smoothing_bins", bins, smoothing_bins > 0, "at least 1")
-    }
-}
-
-/// Refuses a value that does not fit.
-fn require(
-    key: &'static str,
-    found: f64,
-    fits: bool,
-    needed: &'static str,
-) -> Result<(), SignalError> {
-    if fits {
-        Ok(())
-    } else {
-        Err(SignalError::Parameter { key, found, needed })
     }
 }

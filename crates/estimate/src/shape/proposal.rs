@@ -4,17 +4,17 @@ use std::f64::consts::PI;
 use std::iter::zip;
 
 use frfid_signals::{Frf, Peaks};
-use nalgebra::DMatrix;
 use ndarray::{Array1, Array2, Array3, ArrayView1, Axis, s};
-use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::frf::matrices::matrices;
+use crate::frf::matrices::{Matrix, matrices};
 use crate::shape::error::ShapeError;
 use crate::shape::iteration::{Estimate, Iteration};
-use crate::shape::limits::{Margins, exceeded, integral, peaks_of_signals, share_of_sample};
+use crate::shape::limits::{
+    Margins, exceeded, integral, peak_of, peaks_of_signals, share_of_sample,
+};
 use crate::shape::note::Note;
-use crate::shape::options::{ShapeOptions, Target};
+use crate::shape::options::ShapeOptions;
 use crate::shape::spectra::Band;
 use crate::shape::step::{answer, step};
 use crate::shape::trace::{Trace, share_over_time, traces};
@@ -65,7 +65,7 @@ impl Proposal {
     /// confined to a moment, the whole step is shortened.
     pub(super) fn after(
         from: &Origin,
-        desired: &[DMatrix<Complex64>],
+        desired: &[Matrix],
         damping: &Array2<f64>,
         margins: &Margins,
     ) -> Result<Self, ShapeError> {
@@ -97,21 +97,15 @@ impl Origin<'_> {
     /// The whole step, as a change of the reference that begins and ends at rest.
     fn step(
         &self,
-        desired: &[DMatrix<Complex64>],
+        desired: &[Matrix],
         damping: &Array2<f64>,
     ) -> Result<Array3<f64>, EstimateError> {
+        let target = self.options.target;
         let records = self.iteration.records.iter();
-        let (g, found) = match self.options.target {
-            Target::Torque => {
-                let u = records.map(|record| record.u.view());
-                (&self.estimate.r_to_u, self.band.all("u", u)?)
-            }
-            Target::Velocity => {
-                let y = records.map(|record| record.y.view());
-                (&self.estimate.r_to_y, self.band.all("y", y)?)
-            }
-        };
-        let step = step(self.band, &matrices(g), desired, &found, damping)?;
+        let signals = records.map(|record| target.signal(record).view());
+        let found = self.band.all(target.channel(), signals)?;
+        let g = matrices(self.estimate.response_of(target));
+        let step = step(self.band, &g, desired, &found, damping)?;
         let mut change = self.band.signals(&step);
         let n_fade = samples_of_periods(FADE_PERIODS, self.options);
         change *= &from_rest(change.len_of(Axis(2)), n_fade);
@@ -143,9 +137,8 @@ fn limit_growth(reference: &Array3<f64>, change: &mut Array3<f64>, factor: f64) 
     for (axis, (reference, mut change)) in
         zip(reference.axis_iter(Axis(1)), change.axis_iter_mut(Axis(1))).enumerate()
     {
-        let peak = reference.iter().fold(0.0, |peak: f64, r| peak.max(r.abs()));
-        let shares =
-            zip(&reference, &change).map(|(&r, &dr)| share_of_sample(r, dr, 1.0, factor * peak));
+        let largest = factor * peak_of(reference);
+        let shares = zip(&reference, &change).map(|(&r, &dr)| share_of_sample(r, dr, 1.0, largest));
         let share = shares.fold(1.0, f64::min);
         if share < 1.0 {
             change *= share;

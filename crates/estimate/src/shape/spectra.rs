@@ -9,13 +9,12 @@ use std::sync::Arc;
 use frfid_signals::SignalError;
 use nalgebra::DMatrix;
 use ndarray::{Array2, Array3, ArrayView2, Axis, aview1, s};
-use num_complex::Complex64;
 use realfft::{ComplexToReal, RealFftPlanner};
 
 use crate::error::{Deficiency, DeficientLine, EstimateError};
+use crate::frf::matrices::Matrix;
 use crate::frf::right_division::MAX_CONDITION;
 use crate::shape::options::ShapeOptions;
-use crate::spectra::Transform;
 use crate::spectra::line_dft::LineDft;
 
 /// Width of the fades at both ends of the band, as a factor of frequency.
@@ -70,13 +69,9 @@ impl Band {
         let inside = lines.iter().filter(|line| outside(line) == 0.0);
         let frequency_hz: Vec<f64> = inside.map(hz).collect();
         if frequency_hz.len() < 2 {
-            return Err(SignalError::Derived {
-                key: "high_hz",
-                quantity: "lines in the band",
-                found: frequency_hz.len() as f64,
-                needed: "at least 2 lines of the record with power in the band: a longer record or a wider band",
-            }
-            .into());
+            let needed = "at least 2 lines of the record with power in the band: a longer record or a wider band";
+            let found = frequency_hz.len() as f64;
+            return Err(SignalError::derived("high_hz", "lines in the band", found, needed).into());
         }
         let below = lines.iter().filter(|line| hz(line) < options.low_hz);
         Ok(Self {
@@ -90,10 +85,7 @@ impl Band {
     }
 
     /// Refuses a desired signal in which a channel is silent on a line where another one is not.
-    pub(super) fn check_excited(
-        &self,
-        desired: &[DMatrix<Complex64>],
-    ) -> Result<(), EstimateError> {
+    pub(super) fn check_excited(&self, desired: &[Matrix]) -> Result<(), EstimateError> {
         for (desired, &frequency_hz) in zip(&desired[self.inside()], &self.frequency_hz) {
             if let Some(input) = desired.row_iter().position(|row| row.norm() == 0.0) {
                 let line = DeficientLine {
@@ -114,9 +106,8 @@ impl Band {
         &self,
         name: &'static str,
         experiments: impl Iterator<Item = ArrayView2<'a, f64>>,
-    ) -> Result<Vec<DMatrix<Complex64>>, EstimateError> {
-        let all = self.all(name, experiments)?;
-        Ok(all[self.inside()].to_vec())
+    ) -> Result<Vec<Matrix>, EstimateError> {
+        Ok(self.all(name, experiments)?[self.inside()].to_vec())
     }
 
     /// As [`Band::spectra`], with the lines in the fades.
@@ -124,10 +115,8 @@ impl Band {
         &self,
         name: &'static str,
         experiments: impl Iterator<Item = ArrayView2<'a, f64>>,
-    ) -> Result<Vec<DMatrix<Complex64>>, EstimateError> {
-        let spectra = experiments
-            .map(|signal| self.dft.transform(name, signal))
-            .collect::<Result<Vec<_>, _>>()?;
+    ) -> Result<Vec<Matrix>, EstimateError> {
+        let spectra = self.dft.transform_each(name, experiments)?;
         let n_channels = spectra.first().map_or(0, Array2::nrows);
         let matrix = |line| {
             DMatrix::from_fn(n_channels, spectra.len(), |channel, m| {
@@ -161,7 +150,7 @@ impl Band {
 
     /// The signals `(experiment, channel, sample)` that have these spectra on the lines of the
     /// band, fades included.
-    pub(super) fn signals(&self, spectra: &[DMatrix<Complex64>]) -> Array3<f64> {
+    pub(super) fn signals(&self, spectra: &[Matrix]) -> Array3<f64> {
         let n_samples = self.dft.n_samples();
         let (n_channels, n_experiments) = spectra[0].shape();
         let mut signals = Array3::zeros((n_experiments, n_channels, n_samples));

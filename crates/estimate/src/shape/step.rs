@@ -8,10 +8,11 @@ use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
+use crate::frf::matrices::Matrix;
 use crate::frf::right_division::{MAX_CONDITION, check_rank, right_divide};
 use crate::shape::spectra::Band;
 
-type Spectra = [DMatrix<Complex64>];
+type Spectra = [Matrix];
 
 /// Lines over which the response is smoothed before the coherence is taken.
 const COHERENCE_BINS: usize = 30;
@@ -31,7 +32,7 @@ pub(super) fn response(
     r: &Spectra,
     bins: usize,
     frequency_hz: &[f64],
-) -> Result<Vec<DMatrix<Complex64>>, EstimateError> {
+) -> Result<Vec<Matrix>, EstimateError> {
     let (s_xr, s_rr) = (products(x, r), products(r, r));
     let fit = |(k, &hz): (usize, &f64)| fit_at(k, &s_xr, &s_rr, bins, hz);
     frequency_hz.iter().enumerate().map(fit).collect()
@@ -44,7 +45,7 @@ fn fit_at(
     s_rr: &Spectra,
     bins: usize,
     hz: f64,
-) -> Result<DMatrix<Complex64>, EstimateError> {
+) -> Result<Matrix, EstimateError> {
     let moment = |products, power| moment(products, k, bins, power);
     let (mut right, mut left) = (moment(s_xr, 0), moment(s_rr, 0));
     check_invertible(&left, hz)?;
@@ -57,7 +58,7 @@ fn fit_at(
     Ok(right_divide(&right, &left).columns(0, n).into_owned())
 }
 
-fn check_invertible(matrix: &DMatrix<Complex64>, hz: f64) -> Result<(), EstimateError> {
+fn check_invertible(matrix: &Matrix, hz: f64) -> Result<(), EstimateError> {
     match check_rank(matrix, MAX_CONDITION, hz) {
         Ok(_) => Ok(()),
         Err(line) => Err(EstimateError::RankDeficient(vec![line])),
@@ -83,7 +84,7 @@ pub(super) fn coherence(
 
 /// Power of a channel over the band.
 fn power(spectra: &Spectra, channel: usize) -> f64 {
-    let of_line = |line: &DMatrix<Complex64>| line.row(channel).norm_squared();
+    let of_line = |line: &Matrix| line.row(channel).norm_squared();
     spectra.iter().map(of_line).sum()
 }
 
@@ -96,7 +97,7 @@ pub(super) fn step(
     desired: &Spectra,
     found: &Spectra,
     damping: &Array2<f64>,
-) -> Result<Vec<DMatrix<Complex64>>, EstimateError> {
+) -> Result<Vec<Matrix>, EstimateError> {
     for (g, &hz) in zip(g, &band.frequency_hz) {
         check_invertible(g, hz)?;
     }
@@ -111,7 +112,7 @@ pub(super) fn step(
 }
 
 /// What a change of the reference is predicted to change: `G dR`.
-pub(super) fn answer(band: &Band, g: &Spectra, change: &Spectra) -> Vec<DMatrix<Complex64>> {
+pub(super) fn answer(band: &Band, g: &Spectra, change: &Spectra) -> Vec<Matrix> {
     change
         .iter()
         .enumerate()
@@ -140,20 +141,20 @@ pub(super) fn adapt(
 }
 
 /// `X R^H` of every line.
-fn products(x: &Spectra, r: &Spectra) -> Vec<DMatrix<Complex64>> {
+fn products(x: &Spectra, r: &Spectra) -> Vec<Matrix> {
     zip(x, r).map(|(x, r)| x * r.adjoint()).collect()
 }
 
 /// The sum over the `bins` lines around line `k` of the products times `(2 m / bins)^power`, `m`
 /// the distance in lines.
-fn moment(products: &Spectra, k: usize, bins: usize, power: i32) -> DMatrix<Complex64> {
+fn moment(products: &Spectra, k: usize, bins: usize, power: i32) -> Matrix {
     let distance = |line: usize| 2.0 * (line as f64 - k as f64) / bins as f64;
     let term = |line: usize| &products[line] * Complex64::from(distance(line).powi(power));
     around(k, bins, products.len()).map(term).sum()
 }
 
 /// Blocks as one matrix, row of blocks by row.
-fn join(rows: &[&[&DMatrix<Complex64>]]) -> DMatrix<Complex64> {
+fn join(rows: &[&[&Matrix]]) -> Matrix {
     let ((n, m), n_columns) = (rows[0][0].shape(), rows[0].len());
     DMatrix::from_fn(rows.len() * n, n_columns * m, |i, j| {
         rows[i / n][j / m][(i % n, j % m)]

@@ -6,10 +6,12 @@ use std::iter::zip;
 use std::ops::{Range, RangeInclusive};
 
 use frfid_signals::Record;
-use nalgebra::DMatrix;
 use ndarray::{Array2, Array3, ArrayView1, ArrayViewMut1, Axis};
 use num_complex::Complex64;
 
+use crate::frf::matrices::Matrix;
+use crate::shape::iteration::Iteration;
+use crate::shape::options::ShapeOptions;
 use crate::shape::spectra::Band;
 
 /// Bands per octave in which stuck time is reported.
@@ -30,6 +32,12 @@ pub struct BandMotion {
     pub stuck_share: f64,
     /// Rms of the torque about its mean, in N m.
     pub rms_nm: f64,
+}
+
+impl BandMotion {
+    fn mostly_sticks(&self) -> bool {
+        self.stuck_share > MOSTLY
+    }
 }
 
 /// An axis that sticks, and where.
@@ -90,7 +98,7 @@ impl Sweep {
     pub(super) fn of(
         band: &Band,
         desired: &Array3<f64>,
-        spectra: &[DMatrix<Complex64>],
+        spectra: &[Matrix],
         [low_hz, high_hz]: [f64; 2],
     ) -> Self {
         let edges_hz = band_edges(low_hz, high_hz);
@@ -109,17 +117,19 @@ impl Sweep {
     /// Share of the sweep that each axis was stuck, over all records.
     pub(super) fn stuck_share(&self, stuck: &[Array2<bool>]) -> Vec<f64> {
         let n_axes = stuck.first().map_or(0, Array2::nrows);
-        let share = |axis: usize| {
-            let samples = || {
-                stuck.iter().flat_map(|stuck| {
-                    self.samples
-                        .clone()
-                        .filter_map(move |k| stuck.get([axis, k]))
-                })
-            };
-            samples().filter(|&&stuck| stuck).count() as f64 / samples().count().max(1) as f64
+        (0..n_axes)
+            .map(|axis| self.stuck_share_of(axis, stuck))
+            .collect()
+    }
+
+    fn stuck_share_of(&self, axis: usize, stuck: &[Array2<bool>]) -> f64 {
+        let samples = || {
+            stuck.iter().flat_map(|stuck| {
+                let samples = self.samples.clone();
+                samples.filter_map(move |k| stuck.get([axis, k]))
+            })
         };
-        (0..n_axes).map(share).collect()
+        samples().filter(|&&stuck| stuck).count() as f64 / samples().count().max(1) as f64
     }
 
     /// Stuck share and torque of every axis in every band, axis by axis.
@@ -162,7 +172,7 @@ fn active_samples(desired: &Array3<f64>) -> Range<usize> {
 /// the signal and its quadrature, each squared.
 fn add_power(
     band: &Band,
-    spectra: &[DMatrix<Complex64>],
+    spectra: &[Matrix],
     band_hz: &RangeInclusive<f64>,
     mut weight: ArrayViewMut1<f64>,
 ) {
@@ -172,7 +182,7 @@ fn add_power(
             let factor = if is_inside { turn } else { Complex64::ZERO };
             spectra[line].columns(0, 1) * factor
         };
-        let parts: Vec<DMatrix<Complex64>> = (0..band.n_lines()).map(part).collect();
+        let parts: Vec<Matrix> = (0..band.n_lines()).map(part).collect();
         for channel in band.signals(&parts).index_axis(Axis(0), 0).rows() {
             zip(&mut weight, channel).for_each(|(weight, x)| *weight += x * x);
         }
@@ -202,20 +212,17 @@ fn motion_of(
 /// Where axes stick: neighbouring bands in which an axis sticks most of the time, merged, and an
 /// axis that sticks for a larger share of the sweep than `max_stuck_share` without doing so in any
 /// one band.
-pub(super) fn sticking(
-    bands: &[BandMotion],
-    stuck_share: &[f64],
-    max_stuck_share: f64,
-    coulomb_nm: Option<&[f64]>,
-) -> Vec<Sticking> {
-    let mut found: Vec<Sticking> = Vec::new();
-    for (axis, &share) in stuck_share.iter().enumerate() {
-        let of_axis: Vec<&BandMotion> = bands.iter().filter(|band| band.axis == axis).collect();
-        let runs = of_axis.chunk_by(|a, b| (a.stuck_share > MOSTLY) == (b.stuck_share > MOSTLY));
-        let sticky = |run: &&[&BandMotion]| run[0].stuck_share > MOSTLY;
+pub(super) fn sticking(iteration: &Iteration, options: &ShapeOptions) -> Vec<Sticking> {
+    let coulomb_nm = options.coulomb_nm.as_deref();
+    let mut found = Vec::new();
+    for (axis, &share) in iteration.stuck_share.iter().enumerate() {
+        let bands = iteration.bands.iter();
+        let of_axis: Vec<&BandMotion> = bands.filter(|band| band.axis == axis).collect();
+        let runs = of_axis.chunk_by(|a, b| a.mostly_sticks() == b.mostly_sticks());
+        let sticky = runs.filter(|run| run[0].mostly_sticks());
         let before = found.len();
-        found.extend(runs.filter(sticky).map(|run| merged(run, coulomb_nm)));
-        if found.len() == before && share > max_stuck_share && !of_axis.is_empty() {
+        found.extend(sticky.map(|run| merged(run, coulomb_nm)));
+        if found.len() == before && share > options.max_stuck_share && !of_axis.is_empty() {
             found.push(Sticking {
                 stuck_share: share,
                 ..merged(&of_axis, coulomb_nm)
@@ -227,7 +234,7 @@ pub(super) fn sticking(
 
 /// Neighbouring bands as one, equal parts of the logarithm of the frequency.
 fn merged(bands: &[&BandMotion], coulomb_nm: Option<&[f64]>) -> Sticking {
-    let mean = |of: &dyn Fn(&BandMotion) -> f64| {
+    let mean = |of: fn(&BandMotion) -> f64| {
         bands.iter().map(|band| of(band)).sum::<f64>() / bands.len() as f64
     };
     let axis = bands[0].axis;
@@ -235,8 +242,8 @@ fn merged(bands: &[&BandMotion], coulomb_nm: Option<&[f64]>) -> Sticking {
         axis,
         low_hz: bands[0].low_hz,
         high_hz: bands[bands.len() - 1].high_hz,
-        stuck_share: mean(&|band| band.stuck_share),
-        rms_nm: mean(&|band| band.rms_nm.powi(2)).sqrt(),
+        stuck_share: mean(|band| band.stuck_share),
+        rms_nm: mean(|band| band.rms_nm.powi(2)).sqrt(),
         coulomb_nm: coulomb_nm.map(|coulomb_nm| coulomb_nm[axis]),
     }
 }

@@ -7,8 +7,7 @@ use frfid_signals::Limit;
 use ndarray::{Array1, Array3, Axis, s};
 
 use crate::shape::iteration::Iteration;
-use crate::shape::limits::{KEPT, Margins, integral, share_of_sample, travel_of};
-use crate::shape::measure::stack;
+use crate::shape::limits::{KEPT, Margins, integral, share_of_sample, signals_of};
 use crate::shape::note::Note;
 use crate::shape::options::ShapeOptions;
 
@@ -57,9 +56,7 @@ pub(super) fn traces(
     [torque_change, mut velocity_change]: [Array3<f64>; 2],
     sample_time_s: f64,
 ) -> [Trace; 5] {
-    let torque = stack(&from.records, |record| &record.u);
-    let mut velocity = stack(&from.records, |record| &record.y);
-    let mut travel = travel_of(&from.records, &velocity, sample_time_s);
+    let [torque, mut velocity, mut travel] = signals_of(&from.records, sample_time_s);
     let reference_travel = integral(&from.reference, sample_time_s);
     for axis in (0..from.stuck_share.len()).filter(|&axis| from.stuck_share[axis] > MOSTLY_STUCK) {
         // an axis that sticks says little about how it will move; at most it follows the reference

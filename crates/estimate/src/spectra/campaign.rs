@@ -4,7 +4,7 @@
 use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
 
-use frfid_signals::SignalError;
+use frfid_signals::checks::all_finite;
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
@@ -93,8 +93,8 @@ impl Campaign {
     /// Adds one run.
     ///
     /// # Errors
-    /// [`EstimateError::Duplicate`], [`SignalError::Shape`] if it does not fit the frequencies or
-    /// the runs before it, [`SignalError::NotFinite`].
+    /// [`EstimateError::Duplicate`], [`frfid_signals::SignalError::Shape`] if it does not fit the
+    /// frequencies or the runs before it, [`frfid_signals::SignalError::NotFinite`].
     pub fn insert(&mut self, place: PeriodIndex, run: RunSpectra) -> Result<(), EstimateError> {
         self.check(&run)?;
         match self.runs.entry(place) {
@@ -109,11 +109,7 @@ impl Campaign {
     /// Runs that are missing from periods of which other experiments are there, in order.
     #[must_use]
     pub fn missing(&self) -> Vec<PeriodIndex> {
-        let blocks: BTreeSet<(usize, usize)> = self
-            .runs
-            .keys()
-            .map(|place| (place.realization, place.period))
-            .collect();
+        let blocks: BTreeSet<_> = self.runs.keys().map(PeriodIndex::block).collect();
         let places = blocks.into_iter().flat_map(|(realization, period)| {
             (0..self.n_experiments()).map(move |experiment| PeriodIndex {
                 realization,
@@ -130,12 +126,9 @@ impl Campaign {
     /// the rest can be estimated.
     pub fn drop_incomplete(&mut self) -> Vec<PeriodIndex> {
         let missing = self.missing();
-        let broken: BTreeSet<(usize, usize)> = missing
-            .iter()
-            .map(|place| (place.realization, place.period))
-            .collect();
+        let broken: BTreeSet<_> = missing.iter().map(PeriodIndex::block).collect();
         self.runs
-            .retain(|place, _| !broken.contains(&(place.realization, place.period)));
+            .retain(|place, _| !broken.contains(&place.block()));
         missing
     }
 
@@ -150,20 +143,33 @@ impl Campaign {
 
     /// Blocks by realization and period, complete, with at least as many experiments as inputs.
     pub(crate) fn realizations(&self) -> Result<Vec<Vec<Block<'_>>>, EstimateError> {
-        let missing = self.missing();
-        if !missing.is_empty() {
-            return Err(EstimateError::Incomplete { missing });
-        }
-        let first = self
-            .runs
-            .values()
-            .next()
-            .ok_or(EstimateError::EmptyList("runs"))?;
-        let (found, needed) = (self.n_experiments(), first.u.nrows());
-        if found < needed {
-            return Err(EstimateError::TooFewExperiments { found, needed });
-        }
+        self.check_complete()?;
+        self.check_experiments()?;
         Ok(self.blocks())
+    }
+
+    fn check_complete(&self) -> Result<(), EstimateError> {
+        let missing = self.missing();
+        if missing.is_empty() {
+            Ok(())
+        } else {
+            Err(EstimateError::Incomplete { missing })
+        }
+    }
+
+    fn check_experiments(&self) -> Result<(), EstimateError> {
+        let first = self.first().ok_or(EstimateError::EmptyList("runs"))?;
+        let (found, needed) = (self.n_experiments(), first.u.nrows());
+        if found >= needed {
+            Ok(())
+        } else {
+            Err(EstimateError::TooFewExperiments { found, needed })
+        }
+    }
+
+    /// A run whose shapes all others have.
+    fn first(&self) -> Option<&RunSpectra> {
+        self.runs.values().next()
     }
 
     /// Blocks by realization and period.
@@ -189,7 +195,7 @@ impl Campaign {
 
     /// Shapes that u, y and r of a run must have: those of the runs before it.
     fn needed_shapes(&self, run: &RunSpectra) -> [Option<(usize, usize)>; 3] {
-        if let Some(first) = self.runs.values().next() {
+        if let Some(first) = self.first() {
             return first.shapes();
         }
         let shape = |channels: usize| Some((channels.max(1), self.frequency_hz.len()));
@@ -212,24 +218,15 @@ fn check_spectra(
         };
         return Err(EstimateError::shape(name, shape, needed));
     }
-    let mut bad = found
-        .into_iter()
-        .flat_map(|found| found.indexed_iter())
-        .filter(|(_, value)| !value.is_finite());
-    match bad.next() {
-        None => Ok(()),
-        Some(((channel, sample), _)) => Err(SignalError::NotFinite {
-            name,
-            count: 1 + bad.count(),
-            channel,
-            sample,
-        }
-        .into()),
-    }
+    let entries = found.into_iter().flat_map(|found| found.indexed_iter());
+    let bad = entries.filter(|(_, value)| !value.is_finite());
+    Ok(all_finite(name, bad.map(|(place, _)| place))?)
 }
 
 #[cfg(test)]
 mod tests {
+    use frfid_signals::SignalError;
+
     use super::*;
     use crate::testing::refusal;
 

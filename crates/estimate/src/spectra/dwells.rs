@@ -3,12 +3,12 @@
 
 use std::f64::consts::TAU;
 
-use frfid_signals::{Dwell, SteppedSine, check_finite};
+use frfid_signals::{Dwell, SteppedSine, check_finite, checks::require_shape};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::spectra::Transform;
+use crate::spectra::{Transform, check_length, spectra_of_pieces};
 
 /// The dwells of a stepped sine, planned once and used for every run, from any thread.
 #[derive(Debug, Clone, PartialEq)]
@@ -30,10 +30,9 @@ impl Dwells {
     ) -> Result<Self, EstimateError> {
         let dwells = stepped.dwells(sample_time_s)?;
         let needed = dwells.last().map_or(0, |dwell| dwell.measured.end);
-        if n_samples < needed {
-            let needed = format!("({needed} or more samples), all dwells");
-            return Err(EstimateError::shape("recording", &[n_samples], needed));
-        }
+        let fits = n_samples >= needed;
+        let needed = format_args!("({needed} or more samples), all dwells");
+        require_shape("recording", &[n_samples], fits, needed)?;
         Ok(Self { n_samples, dwells })
     }
 
@@ -50,19 +49,11 @@ impl Transform for Dwells {
         name: &'static str,
         signal: ArrayView2<f64>,
     ) -> Result<Array2<Complex64>, EstimateError> {
-        if signal.ncols() != self.n_samples {
-            let needed = format!("(channel, {})", self.n_samples);
-            return Err(EstimateError::shape(name, signal.shape(), needed));
-        }
+        check_length(name, signal, self.n_samples)?;
         check_finite(name, signal)?;
-        let mut spectra = Array2::zeros((signal.nrows(), self.dwells.len()));
-        for (channel, mut spectrum) in signal.rows().into_iter().zip(spectra.rows_mut()) {
-            let samples = channel.to_vec();
-            for (value, dwell) in spectrum.iter_mut().zip(&self.dwells) {
-                *value = line(&samples[dwell.measured.clone()], dwell.periods);
-            }
-        }
-        Ok(spectra)
+        let value =
+            |dwell: &Dwell, samples: &[f64]| line(&samples[dwell.measured.clone()], dwell.periods);
+        Ok(spectra_of_pieces(signal, &self.dwells, value))
     }
 }
 

@@ -8,13 +8,13 @@
 
 use std::f64::consts::{PI, TAU};
 
-use frfid_signals::checks::positive;
+use frfid_signals::checks::{finite, positive};
 use frfid_signals::{Chirp, check_finite};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::spectra::Transform;
+use crate::spectra::{Transform, check_length, spectra_of_pieces};
 
 /// How excerpts are cut and weighted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -70,13 +70,7 @@ impl Excerpts {
         positive("sample_time_s", sample_time_s)?;
         positive("n_periods", options.n_periods)?;
         positive("samples_per_period", options.samples_per_period)?;
-        if !start_s.is_finite() {
-            return Err(EstimateError::parameter(
-                "start_s",
-                start_s,
-                "a finite number",
-            ));
-        }
+        finite("start_s", start_s)?;
         chirp.check()?;
         let cut = |&hz: &f64| Excerpt::cut(hz, chirp, start_s, sample_time_s, n_samples, options);
         Ok(Self {
@@ -92,20 +86,9 @@ impl Transform for Excerpts {
         name: &'static str,
         signal: ArrayView2<f64>,
     ) -> Result<Array2<Complex64>, EstimateError> {
-        if signal.ncols() != self.n_samples {
-            let needed = format!("(channel, {})", self.n_samples);
-            return Err(EstimateError::shape(name, signal.shape(), needed));
-        }
+        check_length(name, signal, self.n_samples)?;
         check_finite(name, signal)?;
-        let mut spectra = Array2::zeros((signal.nrows(), self.excerpts.len()));
-        for (channel, mut spectrum) in signal.rows().into_iter().zip(spectra.rows_mut()) {
-            let samples = channel.to_vec();
-            spectrum
-                .iter_mut()
-                .zip(&self.excerpts)
-                .for_each(|(value, excerpt)| *value = excerpt.of(&samples));
-        }
-        Ok(spectra)
+        Ok(spectra_of_pieces(signal, &self.excerpts, Excerpt::of))
     }
 }
 

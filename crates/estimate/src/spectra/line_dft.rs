@@ -4,7 +4,7 @@
 //! transformed as it is, never padded.
 
 use std::cmp::Ordering;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use frfid_signals::{SignalError, check_finite, checks::positive};
 use ndarray::{Array2, ArrayView1, ArrayView2, aview_mut1, aview1};
@@ -12,7 +12,7 @@ use num_complex::Complex64;
 use realfft::{RealFftPlanner, RealToComplex};
 
 use crate::error::EstimateError;
-use crate::spectra::Transform;
+use crate::spectra::{Transform, check_length};
 
 /// The DFT of periods of one length on one set of lines; planned once, used for every run, from any
 /// thread.
@@ -59,6 +59,18 @@ impl LineDft {
         &self.lines
     }
 
+    /// Spectra of several periods, each `(channel, line)`.
+    pub(crate) fn transform_each<'a>(
+        &self,
+        name: &'static str,
+        periods: impl IntoIterator<Item = ArrayView2<'a, f64>>,
+    ) -> Result<Vec<Array2<Complex64>>, EstimateError> {
+        periods
+            .into_iter()
+            .map(|period| self.transform(name, period))
+            .collect()
+    }
+
     /// Frequencies of the lines in Hz: `line / (n_samples sample_time_s)`.
     ///
     /// # Errors
@@ -80,10 +92,7 @@ impl Transform for LineDft {
         name: &'static str,
         period: ArrayView2<f64>,
     ) -> Result<Array2<Complex64>, EstimateError> {
-        if period.ncols() != self.n_samples() {
-            let needed = format!("(channel, {})", self.n_samples());
-            return Err(EstimateError::shape(name, period.shape(), needed));
-        }
+        check_length(name, period, self.n_samples())?;
         let mut buffers = self.borrow();
         let mut spectra = Array2::zeros((period.nrows(), self.lines.len()));
         for (channel, mut spectrum) in period.rows().into_iter().zip(spectra.rows_mut()) {
@@ -127,11 +136,7 @@ impl Buffers {
 
 impl LineDft {
     fn borrow(&self) -> Buffers {
-        let free = self
-            .free
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .pop();
+        let free = self.free_buffers().pop();
         free.unwrap_or_else(|| Buffers {
             samples: self.fft.make_input_vec(),
             bins: self.fft.make_output_vec(),
@@ -140,10 +145,11 @@ impl LineDft {
     }
 
     fn give_back(&self, buffers: Buffers) {
-        self.free
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
-            .push(buffers);
+        self.free_buffers().push(buffers);
+    }
+
+    fn free_buffers(&self) -> MutexGuard<'_, Vec<Buffers>> {
+        self.free.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -6,7 +6,10 @@ pub(crate) mod excerpt;
 pub(crate) mod line_dft;
 pub(crate) mod time_series;
 
-use frfid_signals::{Excitation, Multisine, Plan, log_spaced};
+use std::iter::zip;
+
+use frfid_signals::checks::require_shape;
+use frfid_signals::{Excitation, Multisine, Plan, SignalError, log_spaced};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
@@ -27,6 +30,33 @@ pub trait Transform: Send + Sync {
         name: &'static str,
         signal: ArrayView2<f64>,
     ) -> Result<Array2<Complex64>, EstimateError>;
+}
+
+/// Refuses a signal of another length than the transform was planned for.
+fn check_length(
+    name: &'static str,
+    signal: ArrayView2<f64>,
+    n_samples: usize,
+) -> Result<(), SignalError> {
+    let fits = signal.ncols() == n_samples;
+    let needed = format_args!("(channel, {n_samples})");
+    require_shape(name, signal.shape(), fits, needed)
+}
+
+/// Spectra of which every line comes from a piece of the signal.
+fn spectra_of_pieces<P>(
+    signal: ArrayView2<f64>,
+    pieces: &[P],
+    value_of: impl Fn(&P, &[f64]) -> Complex64,
+) -> Array2<Complex64> {
+    let mut spectra = Array2::zeros((signal.nrows(), pieces.len()));
+    for (channel, spectrum) in zip(signal.rows(), spectra.rows_mut()) {
+        let samples = channel.to_vec();
+        for (value, piece) in zip(spectrum, pieces) {
+            *value = value_of(piece, &samples);
+        }
+    }
+    spectra
 }
 
 /// Where in frequency the periods of a plan are evaluated, and how.

@@ -1,5 +1,8 @@
 //! Time series of a campaign, and their spectra run by run.
 
+use std::iter::zip;
+
+use frfid_signals::checks::require_shape;
 use ndarray::{ArrayView, ArrayView2, ArrayView5, Dimension, s};
 use rayon::prelude::*;
 
@@ -24,11 +27,11 @@ impl TimeSeries<'_> {
         transform: &dyn Transform,
     ) -> Result<(), EstimateError> {
         let places = self.places();
-        let spectra: Result<Vec<RunSpectra>, EstimateError> = places
+        let runs = places
             .par_iter()
-            .map(|&place| self.spectra(transform, place))
-            .collect();
-        for (place, run) in places.into_iter().zip(spectra?) {
+            .map(|&place| self.spectra(transform, place));
+        let runs = runs.collect::<Result<Vec<_>, _>>()?;
+        for (place, run) in zip(places, runs) {
             campaign.insert(place, run)?;
         }
         Ok(())
@@ -75,10 +78,8 @@ pub(crate) fn check_same_shape<D: Dimension>(
     let needed = shape_but_channels(u);
     for (name, signal) in [("y", Some(y)), ("r", r)] {
         let Some(signal) = signal else { continue };
-        if shape_but_channels(signal) != needed {
-            let needed = format!("{needed}, as u");
-            return Err(EstimateError::shape(name, signal.shape(), needed));
-        }
+        let fits = shape_but_channels(signal) == needed;
+        require_shape(name, signal.shape(), fits, format_args!("{needed}, as u"))?;
     }
     Ok(())
 }

@@ -28,12 +28,12 @@ impl Arm {
         if smallest > f64::EPSILON * largest {
             return Ok(());
         }
-        Err(SignalError::Derived {
-            key: "body",
-            quantity: "the smallest eigenvalue in kg m^2 of the mass matrix at the pose",
-            found: smallest,
-            needed: "above 0: every joint must move some inertia that cannot be moved without it",
-        })
+        Err(SignalError::derived(
+            "body",
+            "the smallest eigenvalue in kg m^2 of the mass matrix at the pose",
+            smallest,
+            "above 0: every joint must move some inertia that cannot be moved without it",
+        ))
     }
 
     /// What is possible but looks like a mistake: principal moments of inertia of which one exceeds
@@ -89,13 +89,12 @@ impl Arm {
     }
 
     pub(crate) fn wrong_number_of_axes(&self) -> SignalError {
-        let found = self.n_axes() as f64;
-        SignalError::Derived {
-            key: "body",
-            quantity: "the number of moving joints",
-            found,
-            needed: "1 to 7; lock the others",
-        }
+        SignalError::derived(
+            "body",
+            "the number of moving joints",
+            self.n_axes() as f64,
+            "1 to 7; lock the others",
+        )
     }
 }
 
@@ -120,20 +119,13 @@ impl Body {
         let rotation = matrix(&self.rotation);
         let error = (rotation * rotation.transpose() - Matrix3::identity()).amax();
         if error > ROUNDING {
-            return Err(SignalError::Derived {
-                key: "rotation",
-                quantity: "rotation times its transpose, less the identity,",
-                found: error,
-                needed: "0, as of any rotation matrix",
-            });
+            let quantity = "rotation times its transpose, less the identity,";
+            let needed = "0, as of any rotation matrix";
+            return Err(SignalError::derived("rotation", quantity, error, needed));
         }
         if rotation.determinant() < 0.0 {
-            return Err(SignalError::Derived {
-                key: "rotation",
-                quantity: "rotation's determinant",
-                found: -1.0,
-                needed: "1: no mirror",
-            });
+            let (quantity, needed) = ("rotation's determinant", "1: no mirror");
+            return Err(SignalError::derived("rotation", quantity, -1.0, needed));
         }
         Ok(())
     }
@@ -144,12 +136,8 @@ impl Body {
         if length.is_normal() {
             return Ok(());
         }
-        Err(SignalError::Derived {
-            key: "axis",
-            quantity: "axis' length",
-            found: length,
-            needed: "above 0",
-        })
+        let quantity = "axis' length";
+        Err(SignalError::derived("axis", quantity, length, "above 0"))
     }
 
     fn check_joint(&self) -> Result<(), SignalError> {
@@ -177,12 +165,12 @@ fn check_mass(mass: f64, center_of_mass: &[f64; 3], inertia: Inertia) -> Result<
     entries.try_for_each(|entry| finite("inertia_kg_m2", entry))?;
     let smallest = inertia.principal_moments()[0];
     if smallest < -ROUNDING * inertia.matrix().amax() {
-        return Err(SignalError::Derived {
-            key: "inertia_kg_m2",
-            quantity: "inertia_kg_m2's smallest principal moment",
-            found: smallest,
-            needed: "0 or above",
-        });
+        return Err(SignalError::derived(
+            "inertia_kg_m2",
+            "inertia_kg_m2's smallest principal moment",
+            smallest,
+            "0 or above",
+        ));
     }
     Ok(())
 }

@@ -99,6 +99,6 @@ pub(crate) fn below_nyquist(
     let beyond = hz.iter().find(|&&hz| 2.0 * hz * sample_time_s >= 1.0);
     beyond.map_or(Ok(()), |&found| {
         let needed = "a frequency below the Nyquist frequency of the controller";
-        Err(SignalError::Parameter { key, found, needed })
+        Err(SignalError::parameter(key, found, needed))
     })
 }

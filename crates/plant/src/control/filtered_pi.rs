@@ -81,11 +81,7 @@ impl TorqueNotch {
         let amplified = gain.unwrap_or_default().iter().find(|gain| **gain > 1.0);
         amplified.map_or(Ok(()), |&found| {
             let needed = "0 to 1: a notch takes out";
-            Err(SignalError::Parameter {
-                key: "gain",
-                found,
-                needed,
-            })
+            Err(SignalError::parameter("gain", found, needed))
         })
     }
 }

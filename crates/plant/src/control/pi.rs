@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::iter::repeat_n;
 
 use frfid_signals::SignalError;
-use frfid_signals::checks::{not_negative, one_per_axis, positive};
+use frfid_signals::checks::{not_negative, one_per_axis, positive, require};
 use nalgebra::{DMatrix, DVector, RowDVector};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -109,11 +109,8 @@ impl PiController {
 impl Controller for PiController {
     fn check(&self, n_axes: usize, sample_time_s: f64) -> Result<(), SignalError> {
         positive("sample_time_s", sample_time_s)?;
-        if self.delay_samples > MOST_DELAY {
-            let (key, found) = ("delay_samples", self.delay_samples as f64);
-            let needed = "at most 100";
-            return Err(SignalError::Parameter { key, found, needed });
-        }
+        let (delay, fits) = (self.delay_samples, self.delay_samples <= MOST_DELAY);
+        require("delay_samples", delay as f64, fits, "at most 100")?;
         let checked = |key, values: Option<&Vec<f64>>, check| {
             one_per_axis(key, values.map(Vec::as_slice), n_axes, check)
         };

@@ -108,14 +108,10 @@ fn at_line(
     let position_gain = diagonal(n_axes, |axis| controller.position_gain_per_s(axis).into());
     let ahead = diagonal(n_axes, |_| 1.0.into()) + &position_gain * (sample_time_s / (z - 1.0));
     let open = &plant + position_gain * position;
-    let pole = SignalError::Parameter {
-        key: "hz",
-        found: hz,
-        needed: "a frequency at which the loop has no pole",
-    };
+    let needed = "a frequency at which the loop has no pole";
     let sensitivity = (DMatrix::identity(n_axes, n_axes) + open * &control)
         .try_inverse()
-        .ok_or(pole)?;
+        .ok_or(SignalError::parameter("hz", hz, needed))?;
     let torque = control * &sensitivity * ahead;
     let velocity = plant * &torque;
     Ok([sensitivity, torque, velocity])

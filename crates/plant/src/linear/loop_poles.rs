@@ -48,11 +48,7 @@ pub fn loop_poles(
 ) -> Result<Vec<Complex64>, SignalError> {
     let matrix = LinearLoop::new(robot, controller, sample_time_s, sensors)?.matrix();
     let needed = "a sample time over which this robot under these gains stays in numbers";
-    let refused = SignalError::Parameter {
-        key: "sample_time_s",
-        found: sample_time_s,
-        needed,
-    };
+    let refused = SignalError::parameter("sample_time_s", sample_time_s, needed);
     let mut poles = eigenvalues(matrix).ok_or(refused)?;
     poles.sort_by(|a, b| b.norm().total_cmp(&a.norm()));
     Ok(poles)

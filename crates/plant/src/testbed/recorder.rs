@@ -1,8 +1,8 @@
 //! Recorder of a run: its record, filled sample after sample as the sensors see it.
 
-use frfid_signals::checks::{finite, of_axes, one_per_axis, positive};
+use frfid_signals::checks::{finite, of_axes, one_per_axis, positive, require_shape};
 use frfid_signals::{InputKind, Record, Run, SignalError, check_finite};
-use ndarray::Array2;
+use ndarray::{Array2, ArrayView2};
 
 use crate::control::sensor::{Reader, Sensor};
 use crate::control::watch::Reached;
@@ -15,6 +15,17 @@ pub(crate) struct Recorder {
     pub record: Record,
 }
 
+/// Checks that a signal has a channel for each of the axes, and finite samples alone.
+pub(crate) fn check_channels(
+    name: &'static str,
+    signal: ArrayView2<f64>,
+    n_axes: usize,
+) -> Result<(), SignalError> {
+    let needed = format_args!("({n_axes}, sample)");
+    require_shape(name, signal.shape(), signal.nrows() == n_axes, needed)?;
+    check_finite(name, signal)
+}
+
 /// Checks that run and sensors fit a robot of `n_axes`.
 ///
 /// # Errors
@@ -22,14 +33,7 @@ pub(crate) struct Recorder {
 /// not finite.
 pub(crate) fn check_run(n_axes: usize, sensors: &[Sensor], run: &Run) -> Result<(), SignalError> {
     positive("sample_time_s", run.sample_time_s)?;
-    if run.reference.nrows() != n_axes {
-        return Err(SignalError::Shape {
-            name: "reference",
-            found: run.reference.shape().to_vec(),
-            needed: format!("({n_axes}, sample)"),
-        });
-    }
-    check_finite("reference", run.reference.view())?;
+    check_channels("reference", run.reference.view(), n_axes)?;
     for (name, values) in [
         ("velocity_rad_s", &run.velocity_rad_s),
         ("start_rad", &run.start_rad),

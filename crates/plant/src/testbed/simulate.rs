@@ -1,13 +1,14 @@
 //! Open-loop simulation: a motor torque in, the true motion out.
 
-use frfid_signals::checks::{finite, positive};
-use frfid_signals::{SignalError, check_finite};
+use frfid_signals::SignalError;
+use frfid_signals::checks::{finite, positive, require};
 use ndarray::ArrayView2;
 
 use crate::error::PlantError;
 use crate::motion::trajectory::Trajectory;
 use crate::motion::{Acting, Motion};
 use crate::robot::Robot;
+use crate::testbed::recorder::check_channels;
 
 /// A motor torque over time.
 #[derive(Clone, Copy)]
@@ -47,14 +48,8 @@ impl Clock {
         positive("sample_time_s", sample_time_s)?;
         positive("max_step_s", max_step_s)?;
         let n_steps = (sample_time_s / max_step_s - 1e-9).ceil().max(1.0);
-        if n_steps > MAX_STEPS {
-            let needed = "a step of at least a millionth of the sample time (a plant that needs less is too stiff)";
-            return Err(SignalError::Parameter {
-                key: "max_step_s",
-                found: max_step_s,
-                needed,
-            });
-        }
+        let needed = "a step of at least a millionth of the sample time (a plant that needs less is too stiff)";
+        require("max_step_s", max_step_s, n_steps <= MAX_STEPS, needed)?;
         let n_steps = n_steps as usize;
         Ok(Self {
             sample_time_s,
@@ -125,15 +120,7 @@ impl Torque<'_> {
             Self::Zoh(samples) | Self::Linear(samples) => samples,
             Self::Analytic { n_samples, .. } => return Ok(*n_samples),
         };
-        if samples.nrows() != n_axes {
-            let needed = format!("({n_axes}, sample)");
-            return Err(SignalError::Shape {
-                name: "torque",
-                found: samples.shape().to_vec(),
-                needed,
-            });
-        }
-        check_finite("torque", *samples)?;
+        check_channels("torque", *samples, n_axes)?;
         Ok(samples.ncols())
     }
 

@@ -161,8 +161,8 @@ impl SimulatedRobot {
                 if found == *sample_time_s {
                     return Ok(());
                 }
-                let (key, needed) = ("sample_time_s", "the controller's sample time");
-                Err(SignalError::Parameter { key, found, needed }.into())
+                let needed = "the controller's sample time";
+                Err(SignalError::parameter("sample_time_s", found, needed).into())
             }
         }
     }

@@ -67,14 +67,11 @@ impl Target {
         };
         if others.is_some() {
             let what = format!("{why}; give {key} instead of {other_key}");
-            return Err(SignalError::Unfit {
-                key: other_key,
-                what,
-            });
+            return Err(SignalError::unfit(other_key, what));
         }
         let Some(values) = values else {
             let what = format!("{key} is missing ({why})");
-            return Err(SignalError::Unfit { key, what });
+            return Err(SignalError::unfit(key, what));
         };
         self.check_number(key, values.len())?;
         values.iter().try_for_each(|value| check(key, value))?;
@@ -88,6 +85,6 @@ impl Target {
             return Ok(());
         }
         let what = format!("{key} has {found} entries, needed: one for each of the {needed} axes");
-        Err(SignalError::Unfit { key, what })
+        Err(SignalError::unfit(key, what))
     }
 }

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
-use crate::number::checks::{LONGEST_SIGNAL, below_nyquist, positive};
+use crate::number::checks::{LONGEST_SIGNAL, below_nyquist, positive, require};
 use crate::number::random;
 
 /// No grid needs more lines than this.
@@ -117,13 +117,9 @@ impl GridDesign {
         positive("high_hz", self.high_hz)?;
         positive("sample_time_s", self.sample_time_s)?;
         positive("resolution_hz", self.resolution_hz)?;
-        if self.high_hz < self.low_hz {
-            return Err(SignalError::Parameter {
-                key: "high_hz",
-                found: self.high_hz,
-                needed: "a frequency not below low_hz",
-            });
-        }
+        let is_band = self.high_hz >= self.low_hz;
+        let needed = "a frequency not below low_hz";
+        require("high_hz", self.high_hz, is_band, needed)?;
         below_nyquist(self.high_hz, self.sample_time_s)
     }
 
@@ -137,24 +133,17 @@ impl GridDesign {
         let needed =
             (1.0 / (self.resolution_hz * multiple * self.sample_time_s) * (1.0 - ROUNDING)).ceil();
         if needed * multiple > LONGEST_SIGNAL {
-            return Err(SignalError::Parameter {
-                key: "resolution_hz",
-                found: self.resolution_hz,
-                needed: "a spacing whose period is at most 2^26 samples",
-            });
+            let needed = "a spacing whose period is at most 2^26 samples";
+            let found = self.resolution_hz;
+            return Err(SignalError::parameter("resolution_hz", found, needed));
         }
         Ok((needed as usize).next_power_of_two() * multiple as usize)
     }
 
     /// The lines nearest to logarithmically spaced frequencies.
     fn nearest_lines(&self, count: usize, fundamental_hz: f64) -> Result<Vec<usize>, SignalError> {
-        if !(1..=MOST_LINES).contains(&count) {
-            return Err(SignalError::Parameter {
-                key: "n_lines",
-                found: count as f64,
-                needed: "from 1 to 10^6",
-            });
-        }
+        let fits = (1..=MOST_LINES).contains(&count);
+        require("n_lines", count as f64, fits, "from 1 to 10^6")?;
         let ratio = self.high_hz / self.low_hz;
         let lines = (0..count).map(|index| {
             let share = if count == 1 {
@@ -227,12 +216,8 @@ impl LineGrid {
             last = line;
         }
         if last == 0 {
-            return Err(SignalError::Derived {
-                key: "excited",
-                quantity: "number of excited lines",
-                found: 0.0,
-                needed: "at least 1",
-            });
+            let quantity = "number of excited lines";
+            return Err(SignalError::derived("excited", quantity, 0.0, "at least 1"));
         }
         Ok(())
     }

@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
-use crate::number::checks::{not_negative, positive};
+use crate::number::checks::{not_negative, positive, require_shape};
 
 /// Amplitude over frequency: constant outside its points, between two points a smoothstep in the
 /// logarithm of the frequency, `A = A_i + (A_{i+1} - A_i) x^2 (3 - 2x)`,
@@ -32,24 +32,23 @@ impl Profile {
     /// [`SignalError::Parameter`] with the first offending value.
     pub fn check(&self) -> Result<(), SignalError> {
         if self.points.is_empty() {
-            return Err(SignalError::Derived {
-                key: "points",
-                quantity: "points of the amplitude profile",
-                found: 0.0,
-                needed: "at least one (Hz, amplitude)",
-            });
+            let (quantity, needed) = (
+                "points of the amplitude profile",
+                "at least one (Hz, amplitude)",
+            );
+            return Err(SignalError::derived("points", quantity, 0.0, needed));
         }
         for &(hz, amplitude) in &self.points {
             positive("points", hz)?;
             not_negative("amplitude", amplitude)?;
         }
         match self.points.windows(2).find(|pair| pair[1].0 <= pair[0].0) {
-            Some(pair) => Err(SignalError::Derived {
-                key: "points",
-                quantity: "frequency of the amplitude profile in Hz",
-                found: pair[1].0,
-                needed: "frequencies that rise from point to point",
-            }),
+            Some(pair) => Err(SignalError::derived(
+                "points",
+                "frequency of the amplitude profile in Hz",
+                pair[1].0,
+                "frequencies that rise from point to point",
+            )),
             None => Ok(()),
         }
     }
@@ -82,16 +81,12 @@ impl Profile {
 
 /// Checks that there is one profile for all inputs or one for each.
 pub(crate) fn check_one_or_each(amplitude: &[Profile], n_inputs: usize) -> Result<(), SignalError> {
-    if n_inputs > 0 && (amplitude.len() == 1 || amplitude.len() == n_inputs) {
-        return Ok(());
-    }
-    Err(SignalError::Shape {
-        name: "amplitude",
-        found: vec![amplitude.len()],
-        needed: format!(
-            "one profile for all, or one for each of the {n_inputs} inputs (at least one)"
-        ),
-    })
+    let found = amplitude.len();
+    let fits = n_inputs > 0 && (found == 1 || found == n_inputs);
+    let needed = format_args!(
+        "one profile for all, or one for each of the {n_inputs} inputs (at least one)"
+    );
+    require_shape("amplitude", &[found], fits, needed)
 }
 
 /// An amplitude as descriptions write it: a number, or points (Hz, value).
@@ -121,13 +116,8 @@ impl Amplitude {
 
     /// Checks the profile; errors are those of the field `key`.
     pub(crate) fn check(key: &'static str, amplitude: &Self) -> Result<(), SignalError> {
-        amplitude
-            .profile()
-            .check()
-            .map_err(|error| SignalError::Unfit {
-                key,
-                what: error.to_string(),
-            })
+        let check = amplitude.profile().check();
+        check.map_err(|error| SignalError::unfit(key, error.to_string()))
     }
 }
 

@@ -1,5 +1,7 @@
 //! Ranges that parameters must lie in; every crate of the house checks its parameters with these.
 
+use std::fmt;
+
 use crate::error::SignalError;
 
 /// Longest signal in samples that a design may ask for: 2^26 doubles are half a gigabyte per
@@ -43,14 +45,9 @@ pub fn one_per_axis(
     check: fn(&'static str, f64) -> Result<(), SignalError>,
 ) -> Result<(), SignalError> {
     let Some(values) = values else { return Ok(()) };
-    if values.len() != n_axes {
-        return Err(SignalError::Shape {
-            name: key,
-            found: vec![values.len()],
-            needed: format!("({n_axes})"),
-        });
-    }
-    values.iter().try_for_each(|&value| check(key, value))
+    of_axes(key, values, n_axes)?
+        .iter()
+        .try_for_each(|&value| check(key, value))
 }
 
 /// The values, if there is one for each axis.
@@ -62,15 +59,9 @@ pub fn of_axes<'a, T>(
     values: &'a [T],
     n_axes: usize,
 ) -> Result<&'a [T], SignalError> {
-    if values.len() == n_axes {
-        return Ok(values);
-    }
-    let (found, needed) = (vec![values.len()], format!("({n_axes})"));
-    Err(SignalError::Shape {
-        name: key,
-        found,
-        needed,
-    })
+    let fits = values.len() == n_axes;
+    require_shape(key, &[values.len()], fits, format_args!("({n_axes})"))?;
+    Ok(values)
 }
 
 /// The values as an array, if there is exactly one for each axis.
@@ -81,14 +72,8 @@ pub fn channels<T: Copy, const A: usize>(
     key: &'static str,
     values: &[T],
 ) -> Result<[T; A], SignalError> {
-    values.try_into().map_err(|_| {
-        let (found, needed) = (vec![values.len()], format!("({A})"));
-        SignalError::Shape {
-            name: key,
-            found,
-            needed,
-        }
-    })
+    let refused = |_| SignalError::shape(key, &[values.len()], format!("({A})"));
+    values.try_into().map_err(refused)
 }
 
 /// A count, or a product of counts, that must not exceed `most`; it follows from the field `key`.
@@ -102,16 +87,14 @@ pub(crate) fn at_most(
     if found <= most {
         return Ok(());
     }
-    Err(SignalError::Derived {
-        key,
-        quantity,
-        found,
-        needed,
-    })
+    Err(SignalError::derived(key, quantity, found, needed))
 }
 
 /// The upper end of a band, which must lie below the Nyquist frequency.
-pub(crate) fn below_nyquist(high_hz: f64, sample_time_s: f64) -> Result<(), SignalError> {
+///
+/// # Errors
+/// [`SignalError::AboveNyquist`].
+pub fn below_nyquist(high_hz: f64, sample_time_s: f64) -> Result<(), SignalError> {
     let nyquist_hz = 0.5 / sample_time_s;
     if high_hz < nyquist_hz {
         return Ok(());
@@ -123,7 +106,11 @@ pub(crate) fn below_nyquist(high_hz: f64, sample_time_s: f64) -> Result<(), Sign
     })
 }
 
-fn require(
+/// A parameter that must be a finite number and fit as `needed` says.
+///
+/// # Errors
+/// [`SignalError::Parameter`] with the name and the value found.
+pub fn require(
     key: &'static str,
     found: f64,
     fits: bool,
@@ -132,6 +119,42 @@ fn require(
     if fits && found.is_finite() {
         Ok(())
     } else {
-        Err(SignalError::Parameter { key, found, needed })
+        Err(SignalError::parameter(key, found, needed))
     }
+}
+
+/// An array or a list whose shape must fit as `needed` says.
+///
+/// # Errors
+/// [`SignalError::Shape`] with the name and the shape found.
+pub fn require_shape(
+    name: &'static str,
+    found: &[usize],
+    fits: bool,
+    needed: impl fmt::Display,
+) -> Result<(), SignalError> {
+    if fits {
+        Ok(())
+    } else {
+        Err(SignalError::shape(name, found, needed.to_string()))
+    }
+}
+
+/// Values that must all be finite, by the places `(channel, sample)` of those that are not.
+///
+/// # Errors
+/// [`SignalError::NotFinite`] with their number and the first one.
+pub fn all_finite(
+    name: &'static str,
+    mut bad: impl Iterator<Item = (usize, usize)>,
+) -> Result<(), SignalError> {
+    let Some((channel, sample)) = bad.next() else {
+        return Ok(());
+    };
+    Err(SignalError::NotFinite {
+        name,
+        count: 1 + bad.count(),
+        channel,
+        sample,
+    })
 }

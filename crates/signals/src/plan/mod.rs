@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
 use crate::excitation::{Draw, Excitation, Injection, Phasing};
-use crate::number::checks::{LONGEST_SIGNAL, at_most, positive};
+use crate::number::checks::{LONGEST_SIGNAL, at_most, positive, require_shape};
 use crate::plan::run::{Run, RunId, RunKind};
 
 /// Most runs that a plan may have: a year of them would take 30 s each.
@@ -86,18 +86,10 @@ impl Plan {
     }
 
     fn check_velocity(&self) -> Result<(), SignalError> {
-        let velocities = &self.velocity_rad_s;
-        if velocities.len() == self.n_inputs && velocities.iter().all(|v| v.is_finite()) {
-            return Ok(());
-        }
-        Err(SignalError::Shape {
-            name: "velocity_rad_s",
-            found: vec![velocities.len()],
-            needed: format!(
-                "one finite velocity for each of the {} inputs",
-                self.n_inputs
-            ),
-        })
+        let (velocities, n_inputs) = (&self.velocity_rad_s, self.n_inputs);
+        let fits = velocities.len() == n_inputs && velocities.iter().all(|v| v.is_finite());
+        let needed = format_args!("one finite velocity for each of the {n_inputs} inputs");
+        require_shape("velocity_rad_s", &[velocities.len()], fits, needed)
     }
 
     fn check_excitation(&self) -> Result<(), SignalError> {

@@ -35,7 +35,9 @@ impl Shaper {
 
     /// Learns from how well the peaks were predicted.
     fn learn_margins(&mut self, iteration: &Iteration) {
-        if let (Some((before, _)), Some(predicted)) = (&self.stepped_from, &iteration.predicted) {
+        if let Some((before, _)) = &self.stepped_from
+            && let Some(predicted) = &iteration.predicted
+        {
             let peaks = [&iteration.peaks, before, predicted];
             teach(&mut self.margins, peaks, &self.options.limits);
         }

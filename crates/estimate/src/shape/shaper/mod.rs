@@ -5,16 +5,15 @@
 
 mod judgement;
 
-use frfid_signals::{Peaks, Record, Run, RunId, RunKind};
-use nalgebra::DMatrix;
+use frfid_signals::checks::require_shape;
+use frfid_signals::{Peaks, Record, Run, RunId, SignalError};
 use ndarray::{Array2, Array3, ArrayView2, Axis};
-use num_complex::Complex64;
 
-use crate::error::EstimateError;
 use crate::excitation_strength::stuck_samples;
+use crate::frf::matrices::Matrix;
 use crate::shape::error::ShapeError;
 use crate::shape::iteration::{Estimate, Iteration};
-use crate::shape::limits::{Margins, exceeded, peaks_of_records};
+use crate::shape::limits::{Margins, exceeded, peaks_of_signals, signals_of};
 use crate::shape::measure::{estimate, stopped};
 use crate::shape::note::Note;
 use crate::shape::options::ShapeOptions;
@@ -34,7 +33,7 @@ pub struct Shaper {
     band: Band,
     sweep: Sweep,
     /// Desired spectra on the lines of the band, fades included.
-    desired: Vec<DMatrix<Complex64>>,
+    desired: Vec<Matrix>,
     /// The reference to apply next.
     reference: Array3<f64>,
     /// What is predicted of it.
@@ -125,12 +124,7 @@ impl Shaper {
 
     fn run(&self, experiment: usize, reference: ArrayView2<f64>) -> Run {
         Run {
-            id: RunId {
-                kind: RunKind::Excitation,
-                realization: self.number(),
-                experiment,
-                repetition: 0,
-            },
+            id: RunId::excitation(self.number(), experiment, 0),
             sample_time_s: self.options.sample_time_s,
             reference: reference.to_owned(),
             velocity_rad_s: vec![0.0; reference.nrows()],
@@ -181,18 +175,11 @@ impl Shaper {
     /// [`ShapeError::NothingMeasured`] before the first iteration.
     pub fn finish(self) -> Result<Shaped, ShapeError> {
         let best = self.best.ok_or(ShapeError::NothingMeasured)?;
-        let coulomb_nm = self.options.coulomb_nm.as_deref();
-        let sticking = sticking(
-            &best.bands,
-            &best.stuck_share,
-            self.options.max_stuck_share,
-            coulomb_nm,
-        );
         Ok(Shaped {
+            sticking: sticking(&best, &self.options),
             best,
             iterations: self.iterations,
             stop: self.stop.unwrap_or(Stop::Watcher),
-            sticking,
         })
     }
 
@@ -202,7 +189,7 @@ impl Shaper {
         let mut notes = stopped(&records, self.reference.dim(), sample_time_s)?;
         let is_complete = notes.is_empty();
         let estimate = is_complete.then(|| self.estimate(&records)).transpose()?;
-        let peaks = peaks_of_records(&records, sample_time_s);
+        let peaks = peaks_of_signals(signals_of(&records, sample_time_s).each_ref());
         let excesses = exceeded(&self.options.limits, &peaks).into_iter();
         notes.extend(excesses.map(Note::Exceeded));
         let within_limits = notes.is_empty();
@@ -262,12 +249,10 @@ impl Shaper {
 }
 
 /// Refuses a desired signal and an initial reference that do not go together.
-fn check_shapes(desired: &Array3<f64>, start: &Array3<f64>) -> Result<(), EstimateError> {
+fn check_shapes(desired: &Array3<f64>, start: &Array3<f64>) -> Result<(), SignalError> {
     let (n_experiments, n_axes, n_samples) = start.dim();
-    if n_experiments == n_axes && desired.dim() == start.dim() {
-        return Ok(());
-    }
+    let fits = n_experiments == n_axes && desired.dim() == start.dim();
     let shape = [n_axes, n_axes, n_samples];
-    let needed = format!("{shape:?}, as the initial reference, one experiment per channel");
-    Err(EstimateError::shape("desired", desired.shape(), needed))
+    let needed = format_args!("{shape:?}, as the initial reference, one experiment per channel");
+    require_shape("desired", desired.shape(), fits, needed)
 }

@@ -11,7 +11,7 @@ use crate::error::SignalError;
 use crate::excitation::phasing::Phasing;
 use crate::excitation::profile::{Profile, check_one_or_each};
 use crate::excitation::waveform::{Draw, Fact, Waveform};
-use crate::number::checks::{LONGEST_SIGNAL, below_nyquist, not_negative, positive};
+use crate::number::checks::{LONGEST_SIGNAL, below_nyquist, not_negative, positive, require};
 use crate::number::format::{band, significant};
 
 pub use design::ChirpDesign;
@@ -47,20 +47,10 @@ impl Chirp {
         positive("duration_s", self.duration_s)?;
         not_negative("fade_s", self.fade_s)?;
         not_negative("tail_s", self.tail_s)?;
-        if self.high_hz <= self.low_hz {
-            return Err(SignalError::Parameter {
-                key: "high_hz",
-                found: self.high_hz,
-                needed: "a frequency above low_hz",
-            });
-        }
-        if 2.0 * self.fade_s > self.duration_s {
-            return Err(SignalError::Parameter {
-                key: "fade_s",
-                found: self.fade_s,
-                needed: "at most half of duration_s",
-            });
-        }
+        let is_band = self.high_hz > self.low_hz;
+        require("high_hz", self.high_hz, is_band, "a frequency above low_hz")?;
+        let fits = 2.0 * self.fade_s <= self.duration_s;
+        require("fade_s", self.fade_s, fits, "at most half of duration_s")?;
         self.amplitude.iter().try_for_each(Profile::check)
     }
 
@@ -162,10 +152,7 @@ fn check_phasing(phasing: Phasing) -> Result<(), SignalError> {
     }
     let what = "independent phases need many lines, a multisine; for a chirp take \
                 `orthogonal` or `sign-flip`";
-    Err(SignalError::Unfit {
-        key: "mimo",
-        what: what.to_owned(),
-    })
+    Err(SignalError::unfit("mimo", what))
 }
 
 impl Waveform for Chirp {
@@ -187,12 +174,9 @@ impl Waveform for Chirp {
         if (1.0..=LONGEST_SIGNAL).contains(&found) {
             return Ok(found as usize);
         }
-        Err(SignalError::Derived {
-            key: "duration_s",
-            quantity: "number of samples of the chirp",
-            found,
-            needed: "between 1 and 2^26",
-        })
+        let quantity = "number of samples of the chirp";
+        let needed = "between 1 and 2^26";
+        Err(SignalError::derived("duration_s", quantity, found, needed))
     }
 
     fn period(

@@ -88,10 +88,7 @@ impl Design for MultisineDesign {
             "{share} of the constant velocities {velocity_rad_s:?} rad/s leaves no peak; needed: a share \
              above 0 and a constant velocity on every axis"
         );
-        Err(SignalError::Unfit {
-            key: "peak_of_velocity",
-            what,
-        })
+        Err(SignalError::unfit("peak_of_velocity", what))
     }
 }
 
@@ -106,13 +103,8 @@ impl MultisineDesign {
         if is_closed && self.peak_nm.is_none() && self.peak_rad_s.is_none() {
             return Ok(vec![1.0; target.n_inputs]);
         }
-        let what =
-            "a share of the velocity is for experiments in closed loop, and instead of another \
-                    peak"
-                .to_owned();
-        Err(SignalError::Unfit {
-            key: "peak_of_velocity",
-            what,
-        })
+        let what = "a share of the velocity is for experiments in closed loop, and instead of another \
+                    peak";
+        Err(SignalError::unfit("peak_of_velocity", what))
     }
 }

@@ -16,7 +16,7 @@ use crate::error::SignalError;
 use crate::excitation::grid::LineGrid;
 use crate::excitation::profile::Profile;
 use crate::excitation::waveform::{Draw, Fact, Waveform};
-use crate::number::checks::positive;
+use crate::number::checks::{positive, require_shape};
 use crate::number::format::{band, count, significant};
 
 pub use design::MultisineDesign;
@@ -75,13 +75,9 @@ impl Waveform for Multisine {
     fn check_for(&self, n_inputs: usize) -> Result<(), SignalError> {
         self.grid.check()?;
         self.shape.check()?;
-        if n_inputs == 0 || self.peak.len() != n_inputs {
-            return Err(SignalError::Shape {
-                name: "peak",
-                found: vec![self.peak.len()],
-                needed: format!("one peak for each of the {n_inputs} inputs, at least one"),
-            });
-        }
+        let fits = n_inputs > 0 && self.peak.len() == n_inputs;
+        let needed = format_args!("one peak for each of the {n_inputs} inputs, at least one");
+        require_shape("peak", &[self.peak.len()], fits, needed)?;
         self.peak
             .iter()
             .try_for_each(|&peak| positive("peak", peak))

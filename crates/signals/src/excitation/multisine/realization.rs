@@ -97,12 +97,9 @@ impl Multisine {
             .map(|&hz| self.shape.at(hz))
             .collect();
         if magnitudes.iter().all(|&magnitude| magnitude == 0.0) {
-            return Err(SignalError::Derived {
-                key: "shape",
-                quantity: "largest amplitude of the shape on an excited line",
-                found: 0.0,
-                needed: "above 0 on at least one line",
-            });
+            let quantity = "largest amplitude of the shape on an excited line";
+            let needed = "above 0 on at least one line";
+            return Err(SignalError::derived("shape", quantity, 0.0, needed));
         }
         Ok(magnitudes)
     }

@@ -50,8 +50,8 @@ impl SteppedSine {
             if before.is_some_and(|before| before.hz >= dwell.hz) {
                 let needed = "frequencies far enough apart that each has whole samples of its own: \
                               fewer, or more periods";
-                let (key, found) = ("n_frequencies", self.n_frequencies as f64);
-                return Err(SignalError::Parameter { key, found, needed });
+                let found = self.n_frequencies as f64;
+                return Err(SignalError::parameter("n_frequencies", found, needed));
             }
             dwells.push(dwell);
         }

@@ -15,7 +15,7 @@ use crate::error::SignalError;
 use crate::excitation::phasing::Phasing;
 use crate::excitation::profile::{Profile, check_one_or_each};
 use crate::excitation::waveform::{Draw, Fact, Waveform};
-use crate::number::checks::{not_negative, positive};
+use crate::number::checks::{not_negative, positive, require};
 use crate::number::format::{band, count, significant};
 
 pub use design::SteppedSineDesign;
@@ -60,13 +60,8 @@ impl SteppedSine {
         not_negative("settle_s", self.settle_s)?;
         positive("periods", self.periods as f64)?;
         not_negative("measure_s", self.measure_s)?;
-        if self.high_hz <= self.low_hz {
-            return Err(SignalError::Parameter {
-                key: "high_hz",
-                found: self.high_hz,
-                needed: "a frequency above low_hz",
-            });
-        }
+        let is_band = self.high_hz > self.low_hz;
+        require("high_hz", self.high_hz, is_band, "a frequency above low_hz")?;
         self.amplitude.iter().try_for_each(Profile::check)
     }
 }
@@ -180,8 +175,5 @@ fn check_phasing(phasing: Phasing) -> Result<(), SignalError> {
     }
     let what = "independent phases need many lines, a multisine; for a stepped sine take \
                 `sign-flip`, `one-at-a-time` or `orthogonal`";
-    Err(SignalError::Unfit {
-        key: "mimo",
-        what: what.to_owned(),
-    })
+    Err(SignalError::unfit("mimo", what))
 }
