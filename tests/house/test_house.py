@@ -50,3 +50,14 @@ def test_every_path_named_exists(document):
         for path in re.findall(r"`([\w./-]+\.(?:rs|py|pyi|sh|toml|md))`", line):
             if path.startswith(("crates/", "python/", "tests/", "benches/", "examples/", "docs/")) or path.endswith(".rs"):
                 assert (base / path).exists() or (ROOT / path).exists(), f"{document.name}: {path}"
+
+
+def test_the_map_names_rooms_that_exist():
+    """In the map of ARCHITECTURE.md: crates at the margin, below each its rooms and files."""
+    blocks = (ROOT / "ARCHITECTURE.md").read_text().split("```")
+    source = None
+    for line in blocks[1].splitlines():
+        if crate := re.match(r"(crates/\w+|python/src)", line):
+            source = ROOT / crate[1] / ("src" if crate[1].startswith("crates") else "")
+        for name in re.findall(r"\b(\w+/|\w+\.rs)(?=[\s;])", line.partition("   ")[0] if line.startswith("  ") else ""):
+            assert (source / name).exists(), f"{source.relative_to(ROOT)} has no {name}"

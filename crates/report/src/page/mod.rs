@@ -1,9 +1,9 @@
 //! Page of a report: one HTML file that needs no network, for a browser or for print.
 
 pub(crate) mod claim;
-pub(crate) mod html;
 pub(crate) mod of_result;
 pub(crate) mod payload;
+pub(crate) mod pieces;
 pub(crate) mod section;
 pub(crate) mod table;
 
@@ -15,7 +15,7 @@ use sha2::{Digest, Sha256};
 use crate::diagrams::validation::check_curves;
 use crate::error::ReportError;
 use crate::page::claim::Claim;
-use crate::page::html::{badge, escaped, filled, section, table, table_row};
+use crate::page::pieces::{badge, escaped, filled, section, table, table_row};
 use crate::page::section::{Part, Responses};
 
 const TEMPLATE: &str = include_str!("report.html");

@@ -6,7 +6,7 @@ use base64::engine::general_purpose::STANDARD;
 use crate::diagrams::curve::Curve;
 use crate::diagrams::labels::Labels;
 use crate::figure::Figure;
-use crate::page::html::{escaped, section, table, table_row};
+use crate::page::pieces::{escaped, section, table, table_row};
 use crate::page::table::Table;
 
 /// FRFs of equal size to look into: an interactive matrix of Bode diagrams.
