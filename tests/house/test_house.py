@@ -59,5 +59,5 @@ def test_the_map_names_rooms_that_exist():
     for line in blocks[1].splitlines():
         if crate := re.match(r"(crates/\w+|python/src)", line):
             source = ROOT / crate[1] / ("src" if crate[1].startswith("crates") else "")
-        for name in re.findall(r"\b(\w+/|\w+\.rs)(?=[\s;])", line.partition("   ")[0] if line.startswith("  ") else ""):
+        for name in re.findall(r"\b(\w+/|\w+\.rs)(?=[\s;]|$)", line.partition("   ")[0] if line.startswith("  ") else ""):
             assert (source / name).exists(), f"{source.relative_to(ROOT)} has no {name}"
