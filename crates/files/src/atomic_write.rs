@@ -75,11 +75,7 @@ pub fn write_bytes(path: &Path, overwrite: Overwrite, content: &[u8]) -> Result<
 /// # Errors
 /// [`FileError::Io`].
 pub fn create_folder(folder: &Path) -> Result<(), FileError> {
-    std::fs::create_dir_all(folder).map_err(|error| FileError::Io {
-        path: folder.to_owned(),
-        action: "create the folder",
-        reason: error.to_string(),
-    })
+    std::fs::create_dir_all(folder).map_err(FileError::cannot("create the folder", folder))
 }
 
 /// Refuses an output that exists, before any work is done for it.
@@ -99,11 +95,7 @@ pub fn check_free(path: &Path, overwrite: Overwrite) -> Result<(), FileError> {
 fn open_part(path: &Path, part: &Path, overwrite: Overwrite) -> Result<File, FileError> {
     check_free(path, overwrite)?;
     let left_over = part.symlink_metadata().is_ok();
-    let failed = |error: std::io::Error| FileError::Io {
-        path: part.to_path_buf(),
-        action: "create",
-        reason: error.to_string(),
-    };
+    let failed = FileError::cannot("create", part);
     let file = OpenOptions::new()
         .write(true)
         .create(true)

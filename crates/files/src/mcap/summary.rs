@@ -33,21 +33,24 @@ pub(crate) fn read<R: Read + Seek>(
     let Some(footer_at) = length.checked_sub(FOOTER + MAGIC).filter(|&at| at >= MAGIC) else {
         return Ok(Err("the file is cut".into()));
     };
-    file.seek(SeekFrom::Start(footer_at))?;
     let mut end: End = [0; (FOOTER + MAGIC) as usize];
-    file.read_exact(&mut end)?;
+    read_at(file, footer_at, &mut end)?;
     let (start, size) = match place(&end, footer_at) {
         Ok(Some(place)) => place,
         Ok(None) => return Ok(Ok(Summary::default())),
         Err(reason) => return Ok(Err(reason)),
     };
-    file.seek(SeekFrom::Start(start))?;
     let mut section = vec![0; size as usize];
-    file.read_exact(&mut section)?;
+    read_at(file, start, &mut section)?;
     if !is_sound(&section, &end) {
         return Ok(Err("the checksum of the summary fails".into()));
     }
     Ok(parse(&section).map_err(|short| format!("the summary is broken: {short}")))
+}
+
+fn read_at<R: Read + Seek>(file: &mut R, offset: u64, bytes: &mut [u8]) -> io::Result<()> {
+    file.seek(SeekFrom::Start(offset))?;
+    file.read_exact(bytes)
 }
 
 /// Where the summary begins and how long it is; `None` where the writer left it out.
@@ -73,7 +76,7 @@ fn is_sound(section: &[u8], end: &End) -> bool {
     let mut found = crc32fast::Hasher::new_with_initial_len(0, 0);
     found.update(section);
     found.update(&end[..25]);
-    crc == 0 || crc == found.finalize()
+    record::holds(found.finalize(), crc)
 }
 
 fn parse(section: &[u8]) -> Result<Summary, Short> {

@@ -35,6 +35,9 @@ pub(crate) fn options() -> WriteOptions {
         .disable_seeking(true)
 }
 
+/// Appends to a file, never going back in it.
+pub(crate) type McapWriter<W> = mcap::Writer<NoSeek<W>>;
+
 /// A topic being written.
 #[derive(Debug)]
 pub(crate) struct Topic {
@@ -45,7 +48,7 @@ pub(crate) struct Topic {
 /// Writes ROS 2 messages. Bytes only ever get appended, so whatever is on the disk when the process
 /// dies can be read.
 pub(crate) struct RosWriter<W: Write> {
-    mcap: mcap::Writer<NoSeek<W>>,
+    mcap: McapWriter<W>,
     cdr: CdrWriter,
 }
 
@@ -89,23 +92,14 @@ impl<W: Write> RosWriter<W> {
         self.topic(name, &TEXT)
     }
 
-    /// Channel metadata as rosbag2 writes it; an empty list of quality-of-service profiles means
-    /// the defaults.
+    /// Announces a topic of messages of this kind.
     fn topic(&mut self, name: &str, kind: &MessageType) -> McapResult<Topic> {
         let schema = self
             .mcap
             .add_schema(kind.name, "ros2msg", kind.definition.as_bytes())?;
-        let metadata = [
-            ("offered_qos_profiles", "[]"),
-            ("topic_type_hash", kind.hash),
-        ];
-        let metadata = metadata
-            .map(|(key, value)| (key.to_string(), value.to_string()))
-            .into();
-        Ok(Topic {
-            id: self.mcap.add_channel(schema, name, "cdr", &metadata)?,
-            sequence: 0,
-        })
+        let metadata = channel_metadata(kind);
+        let id = self.mcap.add_channel(schema, name, "cdr", &metadata)?;
+        Ok(Topic { id, sequence: 0 })
     }
 
     pub(crate) fn joint_state(
@@ -147,6 +141,17 @@ impl<W: Write> RosWriter<W> {
         self.mcap.into_inner().into_inner().flush()?;
         Ok(())
     }
+}
+
+/// Channel metadata as rosbag2 writes it; an empty list of quality-of-service profiles means the
+/// defaults.
+fn channel_metadata(kind: &MessageType) -> BTreeMap<String, String> {
+    let texts = [
+        ("offered_qos_profiles", "[]"),
+        ("topic_type_hash", kind.hash),
+    ];
+    let owned = texts.map(|(key, value)| (key.to_string(), value.to_string()));
+    owned.into()
 }
 
 /// The stamp of sample k in ns.

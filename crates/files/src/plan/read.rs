@@ -8,13 +8,13 @@ use ndarray::{Array2, ArrayView1};
 
 use crate::error::FileError;
 use crate::mcap::chunk::Entry;
-use crate::mcap::open::open_mcap;
-use crate::mcap::read::{Part, scan};
+use crate::mcap::read::{Part, scan_file};
 use crate::mcap::record::Message;
 use crate::mcap::write::stamp_ns;
 use crate::plan::{INDEX, PlanEntry, PlanFile, PlanHead, PlanIndex, PlanStructure, VERSION};
 use crate::ros::joint_state::JointState;
-use crate::run::{header, topics};
+use crate::run::header::{self, Origin};
+use crate::run::topics;
 
 impl PlanFile {
     /// Reads what a plan holds, not yet its references.
@@ -24,28 +24,11 @@ impl PlanFile {
     /// cut or damaged: a plan moves a robot, so a damaged one is refused as a whole.
     pub fn open(path: &Path) -> Result<Self, FileError> {
         let texts = PlanTexts::read(path)?;
-        let refused = |found: String| not_a_plan(path, found);
-        let (Some(plan), Some(index), Some(experiment_toml)) =
-            (texts.plan, texts.index, texts.experiment_toml)
-        else {
-            return Err(refused("an MCAP without the records of a plan".into()));
-        };
-        let plan: PlanStructure<PlanHead> = header::from_texts(&plan).map_err(refused)?;
-        let index: PlanIndex = header::from_texts(&index).map_err(refused)?;
-        if plan.version != VERSION {
-            return Err(refused(format!(
-                "version {}, this frfid reads version {VERSION}",
-                plan.version
-            )));
-        }
-        header::check_sample_time(plan.head.sample_time_s)
-            .map_err(|error| refused(error.to_string()))?;
+        let (head, index) = texts
+            .understood()
+            .map_err(|found| not_a_plan(path, found))?;
         Ok(Self {
-            head: PlanHead {
-                metadata: texts.metadata,
-                experiment_toml,
-                ..plan.head
-            },
+            head,
             runs: index.runs,
             path: path.into(),
         })
@@ -79,17 +62,13 @@ impl PlanFile {
     }
 
     fn no_run(&self, id: RunId) -> FileError {
-        FileError::Content {
-            path: self.path.clone(),
-            what: "runs of the plan".into(),
-            found: format!("no {id}"),
-            needed: match (self.runs.first(), self.runs.last()) {
-                (Some(first), Some(last)) => {
-                    format!("{} to {}, with their repetitions", first.id, last.id)
-                }
-                _ => "a plan with runs".into(),
-            },
-        }
+        let needed = match (self.runs.first(), self.runs.last()) {
+            (Some(first), Some(last)) => {
+                format!("{} to {}, with their repetitions", first.id, last.id)
+            }
+            _ => "a plan with runs".into(),
+        };
+        FileError::content(&self.path, "runs of the plan", format!("no {id}"), needed)
     }
 
     /// The reference of a run, every sample of it sound.
@@ -101,19 +80,15 @@ impl PlanFile {
         }
         let mut reference = Array2::from_elem((joints, n), f64::NAN);
         let window = Part::Window(self.stamp_ns(entry, 0), self.stamp_ns(entry, n - 1));
-        scan(
-            open_mcap(&self.path)?,
-            &self.path,
-            window,
-            &mut |item| match item {
-                Entry::Message {
-                    channel, message, ..
-                } if channel.topic == topics::COMMANDS => self
-                    .take_command(entry, &message, &mut reference)
-                    .map_err(refused),
-                _ => Ok(()),
-            },
-        )?;
+        scan_file(&self.path, window, &mut |item| match item {
+            Entry::Message {
+                channel, message, ..
+            } if channel.topic == topics::COMMANDS => {
+                let taken = self.take_command(entry, &message, &mut reference);
+                taken.map_err(refused)
+            }
+            _ => Ok(()),
+        })?;
         let missing = reference.iter().filter(|value| !value.is_finite()).count();
         if missing > 0 {
             return Err(refused(format!("{missing} samples are damaged")));
@@ -128,12 +103,10 @@ impl PlanFile {
         message: &Message,
         reference: &mut Array2<f64>,
     ) -> Result<(), String> {
-        let (start_ns, step_ns) = (self.stamp_ns(entry, 0), self.head.sample_time_s * 1e9);
-        let since_start_ns = message.log_time_ns.wrapping_sub(start_ns);
-        let sample = (since_start_ns as f64 / step_ns).round() as usize;
-        if message.log_time_ns < start_ns || sample >= reference.ncols() {
+        let sample = self.sample_at(entry, message.log_time_ns);
+        let Some(sample) = sample.filter(|&sample| sample < reference.ncols()) else {
             return Ok(());
-        }
+        };
         let (state, _) = JointState::decode(message.data).map_err(|error| error.to_string())?;
         let values = match self.head.injection {
             Injection::Torque => state.effort,
@@ -146,6 +119,13 @@ impl PlanFile {
             .column_mut(sample)
             .assign(&ArrayView1::from(&values));
         Ok(())
+    }
+
+    /// The sample at this time, counted from the start of a run; `None` before it.
+    fn sample_at(&self, entry: &PlanEntry, time_ns: u64) -> Option<usize> {
+        let since_start_ns = time_ns.checked_sub(self.stamp_ns(entry, 0))?;
+        let step_ns = self.head.sample_time_s * 1e9;
+        Some((since_start_ns as f64 / step_ns).round() as usize)
     }
 
     /// The stamp in ns of a sample of a run.
@@ -169,17 +149,16 @@ impl PlanEntry {
 /// What a plan says of itself, not yet understood.
 #[derive(Default)]
 struct PlanTexts {
-    metadata: BTreeMap<String, String>,
+    origin: Origin,
     plan: Option<BTreeMap<String, String>>,
     index: Option<BTreeMap<String, String>>,
-    experiment_toml: Option<String>,
 }
 
 impl PlanTexts {
     /// Reads everything but the references; any damage is refused.
     fn read(path: &Path) -> Result<Self, FileError> {
         let mut texts = Self::default();
-        let damages = scan(open_mcap(path)?, path, Part::Description, &mut |entry| {
+        let damages = scan_file(path, Part::Description, &mut |entry| {
             texts.take(entry);
             Ok(())
         })?;
@@ -190,29 +169,37 @@ impl PlanTexts {
     }
 
     fn take(&mut self, entry: Entry) {
-        match entry {
-            Entry::Metadata { name, values } => match name.as_str() {
-                header::PROVENANCE => self.metadata = values,
+        if let Some(Entry::Metadata { name, values }) = self.origin.take(entry) {
+            match name.as_str() {
                 header::PLAN => self.plan = Some(values),
                 INDEX => self.index = Some(values),
                 _ => {}
-            },
-            Entry::Attachment(attachment) if header::is_experiment(&attachment) => {
-                self.experiment_toml = header::text_of(&attachment);
             }
-            _ => {}
         }
+    }
+
+    /// What they say, or why it is no plan.
+    fn understood(self) -> Result<(PlanHead, PlanIndex), String> {
+        let (Some(plan), Some(index), Some(experiment_toml)) =
+            (self.plan, self.index, self.origin.experiment_toml)
+        else {
+            return Err("an MCAP without the records of a plan".into());
+        };
+        let plan: PlanStructure<PlanHead> = header::from_texts(&plan)?;
+        let index = header::from_texts(&index)?;
+        header::check_version(plan.version, VERSION)?;
+        header::check_sample_time(plan.head.sample_time_s).map_err(|error| error.to_string())?;
+        let head = PlanHead {
+            metadata: self.origin.metadata,
+            experiment_toml,
+            ..plan.head
+        };
+        Ok((head, index))
     }
 }
 
 fn not_a_plan(path: &Path, found: String) -> FileError {
     let needed =
-        "a complete plan written by frfid; a damaged plan must not move a robot: design it again"
-            .into();
-    FileError::Content {
-        path: path.into(),
-        what: "plan".into(),
-        found,
-        needed,
-    }
+        "a complete plan written by frfid; a damaged plan must not move a robot: design it again";
+    FileError::content(path, "plan", found, needed)
 }

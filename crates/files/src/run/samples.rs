@@ -111,24 +111,18 @@ impl Samples {
         let structure = &self.structure;
         let mut losses = Vec::new();
         for (topic, came) in &self.came {
-            let n = structure.n_samples;
-            losses.extend(loss::gaps(
-                topic,
-                n,
-                structure.sample_time_s,
-                "are missing",
-                |sample| !came[sample],
-            ));
+            let (n, step_s) = (structure.n_samples, structure.sample_time_s);
+            let is_lost = |sample: usize| !came[sample];
+            losses.extend(loss::gaps(topic, n, step_s, "are missing", is_lost));
         }
-        if self.events.len() != structure.n_events {
-            let reason = format!(
-                "{} events, {} were written",
-                self.events.len(),
-                structure.n_events
-            );
-            losses.push(loss::of_nothing(topics::EVENTS, &reason));
-        }
+        losses.extend(self.loss_of_events());
         losses
+    }
+
+    fn loss_of_events(&self) -> Option<Loss> {
+        let (came, written) = (self.events.len(), self.structure.n_events);
+        let reason = format!("{came} events, {written} were written");
+        (came != written).then(|| loss::of_no_sample(topics::EVENTS, 0.0, reason))
     }
 
     /// The record as it is by now.
@@ -147,15 +141,15 @@ impl Samples {
 
 /// Refuses a structure that no run has.
 fn check(structure: &RunStructure) -> Result<(), String> {
-    let joints = structure.joint_names.len();
-    if structure.version != VERSION {
-        return Err(format!(
-            "version {}, this frfid reads version {VERSION}",
-            structure.version
-        ));
-    }
+    header::check_version(structure.version, VERSION)?;
     header::check_joints(&structure.joint_names).map_err(|error| error.to_string())?;
     header::check_sample_time(structure.sample_time_s).map_err(|error| error.to_string())?;
+    check_sizes(structure)
+}
+
+/// Refuses signals that do not fit the joints, and more values than a file may hold.
+fn check_sizes(structure: &RunStructure) -> Result<(), String> {
+    let joints = structure.joint_names.len();
     if structure.n_inputs.max(structure.n_outputs) != joints {
         return Err(format!(
             "{} inputs, {} outputs, {joints} joints",
