@@ -89,8 +89,9 @@ fn matrix(name: &str, array: &NamedArray) -> io::Result<Vec<u8>> {
             variable(MX_UINT8 | LOGICAL, name, &[flags.len()], &[values])
         }
         NamedArray::Texts(texts) => {
-            let cells: io::Result<Vec<Vec<u8>>> = texts.iter().map(|text| row_of(text)).collect();
-            variable(MX_CELL, name, &[texts.len()], &cells?)
+            let cells = texts.iter().map(|text| row_of(text));
+            let cells = cells.collect::<io::Result<Vec<_>>>()?;
+            variable(MX_CELL, name, &[texts.len()], &cells)
         }
     }
 }
@@ -119,11 +120,8 @@ fn variable(class: u32, name: &str, shape: &[usize], values: &[Vec<u8>]) -> io::
 /// Values column by column: the first axis is the first to change.
 fn doubles<T>(array: &ArrayD<T>, part: impl Fn(&T) -> f64) -> io::Result<Vec<u8>> {
     let columns = array.t();
-    let bytes: Vec<u8> = columns
-        .iter()
-        .flat_map(|value| part(value).to_le_bytes())
-        .collect();
-    element(MI_DOUBLE, &bytes)
+    let bytes = columns.iter().flat_map(|value| part(value).to_le_bytes());
+    element(MI_DOUBLE, &bytes.collect::<Vec<_>>())
 }
 
 /// A data element: its tag, its data, zeros up to 8 bytes.

@@ -23,6 +23,12 @@ pub(crate) enum Primitive {
     WideText,
 }
 
+impl Primitive {
+    pub(crate) fn is_number(self) -> bool {
+        !matches!(self, Self::Text | Self::WideText)
+    }
+}
+
 /// What one element of a field is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Element {
@@ -132,21 +138,30 @@ fn types(text: &str) -> Result<Types<'_>, DefinitionError> {
     let (mut names, mut fields) = (vec![String::new()], vec![Vec::new()]);
     for (number, line) in text.lines().enumerate() {
         let line = uncommented(line);
-        if line.is_empty() || line.len() >= 3 && line.chars().all(|c| c == '=') {
+        if line.is_empty() || is_rule(line) {
             continue;
         }
         if let Some(name) = line.strip_prefix("MSG:") {
             names.push(short_name(name.trim()));
             fields.push(Vec::new());
         } else if let Some(fields) = fields.last_mut() {
-            let bad = || DefinitionError::Line {
-                line: number + 1,
-                text: line.into(),
-            };
-            fields.extend(field(line).ok_or_else(bad)?);
+            fields.extend(field(line).ok_or_else(|| bad_line(number, line))?);
         }
     }
     Ok(Types { names, fields })
+}
+
+/// Whether a line stands between two messages.
+fn is_rule(line: &str) -> bool {
+    line.len() >= 3 && line.chars().all(|c| c == '=')
+}
+
+/// The line of this number, from 0, is nothing.
+fn bad_line(number: usize, line: &str) -> DefinitionError {
+    DefinitionError::Line {
+        line: number + 1,
+        text: line.into(),
+    }
 }
 
 /// A line without its comment; a `#` inside the quotes of a default is none.
@@ -171,14 +186,7 @@ fn short_name(name: &str) -> String {
 /// One field of a line; nothing for a constant; `None` for neither.
 fn field(line: &str) -> Option<Option<Written<'_>>> {
     let (kind, rest) = line.split_once(char::is_whitespace)?;
-    let rest = rest.trim_start();
-    let end = rest
-        .find(|c: char| !c.is_ascii_alphanumeric() && c != '_')
-        .unwrap_or(rest.len());
-    let (name, rest) = rest.split_at(end);
-    if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
-        return None;
-    }
+    let (name, rest) = name_and_rest(rest.trim_start())?;
     if rest.trim_start().starts_with('=') {
         return Some(None);
     }
@@ -187,6 +195,14 @@ fn field(line: &str) -> Option<Option<Written<'_>>> {
     }
     let (kind, arity) = element_and_arity(kind)?;
     Some(Some(Written { kind, arity, name }))
+}
+
+/// The name that a text begins with, and what follows it.
+fn name_and_rest(text: &str) -> Option<(&str, &str)> {
+    let end = text.find(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+    let (name, rest) = text.split_at(end.unwrap_or(text.len()));
+    let is_name = name.starts_with(|c: char| c.is_ascii_alphabetic());
+    is_name.then_some((name, rest))
 }
 
 /// The element's type and how many there are, of a type as written; `None` for brackets that make
@@ -250,22 +266,25 @@ fn place(
     places: &HashMap<&str, usize>,
 ) -> Result<usize, DefinitionError> {
     let name = short_name(kind);
-    let sibling = parent
-        .split_once('/')
-        .map(|(package, _)| format!("{package}/{name}"));
-    let by_last_name = || {
-        let mut ends = places
-            .iter()
-            .filter(|(full, _)| full.rsplit('/').next() == Some(name.as_str()));
-        ends.next()
-            .filter(|_| ends.next().is_none())
-            .map(|(_, &place)| place)
+    let by_name = |name: &str| places.get(name).copied();
+    let by_sibling = || {
+        let (package, _) = parent.split_once('/')?;
+        by_name(&format!("{package}/{name}"))
     };
-    let known = places.get(name.as_str()).copied();
-    let known = known.or_else(|| sibling.and_then(|sibling| places.get(sibling.as_str()).copied()));
-    known
-        .or_else(by_last_name)
+    by_name(&name)
+        .or_else(by_sibling)
+        .or_else(|| by_last_name(&name, places))
         .ok_or(DefinitionError::Unknown { name })
+}
+
+fn by_last_name(name: &str, places: &HashMap<&str, usize>) -> Option<usize> {
+    let mut ends = places
+        .iter()
+        .filter(|(full, _)| full.rsplit('/').next() == Some(name));
+    match (ends.next(), ends.next()) {
+        (Some((_, &place)), None) => Some(place),
+        _ => None,
+    }
 }
 
 /// Every type is looked into once, however often it is used; a cycle runs into the limit.

@@ -106,20 +106,15 @@ fn no_field(name: &str, at: &Value) -> String {
 
 /// The place of a joint in the nearest list of names that has it.
 fn place_of(joint: &str, around: &[&Value]) -> Result<Option<usize>, String> {
-    for list in around
-        .iter()
-        .rev()
-        .flat_map(|value| NAMES.iter().filter_map(|names| value.field(names)))
-    {
+    let lists = around.iter().rev();
+    for list in lists.flat_map(|value| NAMES.iter().filter_map(|names| value.field(names))) {
         let Value::List(list) = list else { continue };
-        let mut places =
-            (0..list.len()).filter(|&k| matches!(&list[k], Value::Text(name) if name == joint));
-        if let Some(place) = places.next() {
-            return if places.next().is_some() {
-                Err(format!("the joint {joint} twice"))
-            } else {
-                Ok(Some(place))
-            };
+        let is_joint = |k: &usize| matches!(&list[*k], Value::Text(name) if name == joint);
+        let mut places = (0..list.len()).filter(is_joint);
+        match (places.next(), places.next()) {
+            (None, _) => {}
+            (place, None) => return Ok(place),
+            _ => return Err(format!("the joint {joint} twice")),
         }
     }
     Ok(None)
