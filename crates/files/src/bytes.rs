@@ -39,9 +39,10 @@ impl<'a> Bytes<'a> {
 
     /// The next `count` bytes; a count read from the file may be any number.
     pub(crate) fn take(&mut self, count: u64) -> Result<&'a [u8], Short> {
-        let room = usize::try_from(count).ok();
-        let taken = room.and_then(|count| self.rest().get(..count));
-        let taken = taken.ok_or_else(|| self.short_of(count))?;
+        let length = usize::try_from(count).ok();
+        let Some(taken) = length.and_then(|length| self.rest().get(..length)) else {
+            return Err(self.short_of(count));
+        };
         self.at += taken.len();
         Ok(taken)
     }
@@ -77,6 +78,12 @@ impl<'a> Bytes<'a> {
     pub(crate) fn block(&mut self) -> Result<&'a [u8], Short> {
         let length = self.u32()?;
         self.take(u64::from(length))
+    }
+
+    /// Bytes behind their number, 64 bits wide.
+    pub(crate) fn long_block(&mut self) -> Result<&'a [u8], Short> {
+        let length = self.u64()?;
+        self.take(length)
     }
 
     /// A length-prefixed text; bytes that are not UTF-8 are replaced, never refused.

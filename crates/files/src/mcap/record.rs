@@ -137,15 +137,9 @@ pub(crate) fn attachment(body: &[u8]) -> Result<Attachment<'_>, Short> {
         create_time_ns: bytes.u64()?,
         name: bytes.text()?,
         media_type: bytes.text()?,
-        data: long_block(&mut bytes)?,
+        data: bytes.long_block()?,
         is_sound: holds(crc32fast::hash(&body[..bytes.at()]), bytes.u32()?),
     })
-}
-
-/// Bytes behind their number, 64 bits wide.
-fn long_block<'a>(bytes: &mut Bytes<'a>) -> Result<&'a [u8], Short> {
-    let length = bytes.u64()?;
-    bytes.take(length)
 }
 
 /// Whether a checksum is the one that was saved; 0 says that the writer made none.

@@ -84,8 +84,7 @@ fn parse(section: &[u8]) -> Result<Summary, Short> {
     let mut summary = Summary::default();
     while bytes.left() > 0 {
         let [opcode] = bytes.array()?;
-        let length = bytes.u64()?;
-        let body = bytes.take(length)?;
+        let body = bytes.long_block()?;
         match opcode {
             op::SCHEMA | op::CHANNEL => summary.topics.define(opcode, body)?,
             op::CHUNK_INDEX => summary.chunks.push(record::chunk_index(body)?),
