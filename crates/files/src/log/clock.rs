@@ -123,16 +123,9 @@ fn typical_step(steps: &[f64]) -> f64 {
 /// already, and its correction is exactly zero.
 fn straight_line(stamps_ns: &[i64], slots: &[usize]) -> (f64, Vec<f64>) {
     let last = slots.len() - 1;
-    let from_first = |stamp: &i64| stamp.abs_diff(stamps_ns[0]) as f64;
-    let through_ends = from_first(&stamps_ns[last]) / slots[last].max(1) as f64;
-    let deviations = |step: f64| -> Vec<f64> {
-        stamps_ns
-            .iter()
-            .zip(slots)
-            .map(|(stamp, &slot)| from_first(stamp) / step - slot as f64)
-            .collect()
-    };
-    let ends = deviations(through_ends);
+    let length_ns = stamps_ns[last].abs_diff(stamps_ns[0]) as f64;
+    let through_ends = length_ns / slots[last].max(1) as f64;
+    let ends = deviations(stamps_ns, slots, through_ends);
     let middle = slots.iter().map(|&slot| slot as f64).sum::<f64>() / slots.len() as f64;
     let (mut lean, mut weight) = (0.0, 0.0);
     for (deviation, &slot) in ends.iter().zip(slots) {
@@ -140,7 +133,16 @@ fn straight_line(stamps_ns: &[i64], slots: &[usize]) -> (f64, Vec<f64>) {
         weight += (slot as f64 - middle).powi(2);
     }
     let step = through_ends * (1.0 + lean / weight.max(1.0));
-    (step, deviations(step))
+    (step, deviations(stamps_ns, slots, step))
+}
+
+/// How many steps the stamps lie behind an even grid from the first of them.
+fn deviations(stamps_ns: &[i64], slots: &[usize], step: f64) -> Vec<f64> {
+    let from_first = |stamp: &i64| stamp.abs_diff(stamps_ns[0]) as f64;
+    let pairs = stamps_ns.iter().zip(slots);
+    pairs
+        .map(|(stamp, &slot)| from_first(stamp) / step - slot as f64)
+        .collect()
 }
 
 #[cfg(test)]

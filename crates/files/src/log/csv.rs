@@ -102,8 +102,9 @@ impl Row<'_> {
         if field.is_empty() {
             return Ok(f64::NAN);
         }
-        let number = field.parse();
-        number.map_err(|_| self.bad(format!("`{field}`"), "a number"))
+        field
+            .parse()
+            .map_err(|_| self.bad(format!("`{field}`"), "a number"))
     }
 
     fn bad(&self, found: String, needed: impl Into<String>) -> FileError {

@@ -150,8 +150,8 @@ fn bad_message(path: &Path, topic: &str, number: usize, found: String) -> FileEr
 
 /// The selected numbers of a message, NaN where it does not have the joint.
 fn row_of(selectors: &[Selector], message: &Value) -> Result<Vec<f64>, String> {
-    let picked = selectors.iter().map(|selector| selector.pick(message));
-    picked.map(|value| Ok(value?.unwrap_or(f64::NAN))).collect()
+    let picked = |selector: &Selector| Ok(selector.pick(message)?.unwrap_or(f64::NAN));
+    selectors.iter().map(picked).collect()
 }
 
 /// The definition of a topic's messages, if they are encoded as ROS 2 does.

@@ -17,7 +17,7 @@ pub(crate) mod units;
 use std::path::Path;
 
 use frfid_signals::Record;
-use ndarray::{Array2, ArrayView1};
+use ndarray::Array2;
 
 use crate::error::FileError;
 use crate::log::alignment::{Grid, drop_duplicates};
@@ -135,14 +135,16 @@ fn clocks(
 
 /// Refuses signals without a single number.
 fn check_measured(path: &Path, signals: &[&Signal], values: &Array2<f64>) -> Result<(), FileError> {
-    let is_measured = |row: ArrayView1<f64>| row.iter().any(|value| value.is_finite());
     let mut rows = signals.iter().zip(values.rows());
-    let dead = rows.find(|(_, row)| !is_measured(*row));
-    dead.map_or(Ok(()), |(signal, _)| {
-        let found = "no number in the whole recording";
-        let needed = "a measured signal";
-        Err(FileError::content(path, &signal.source, found, needed))
-    })
+    match rows.find(|(_, row)| !row.iter().any(|value| value.is_finite())) {
+        None => Ok(()),
+        Some((signal, _)) => Err(FileError::content(
+            path,
+            &signal.source,
+            "no number in the whole recording",
+            "a measured signal",
+        )),
+    }
 }
 
 fn convert(path: &Path, signals: &[&Signal], values: &mut Array2<f64>) -> Result<(), FileError> {

@@ -139,8 +139,8 @@ fn name_and_place(source: &str) -> (&str, Option<usize>) {
 mod tests {
     use super::*;
     use crate::atomic_write::Overwrite;
-    use crate::result::json::tests::result;
     use crate::result::npz::write_frf_npz;
+    use crate::result::testing::result;
 
     #[test]
     fn what_we_write_comes_back_and_nothing_that_was_not_measured() {

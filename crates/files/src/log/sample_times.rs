@@ -53,10 +53,11 @@ impl SampleTimes {
         row: usize,
         number: impl Fn(usize) -> Result<f64, FileError>,
     ) -> Result<i64, FileError> {
-        Ok(match *self {
-            Self::Column(column, factor) => (number(column)? * factor).round() as i64,
-            Self::Counted(step_ns) => (row as f64 * step_ns).round() as i64,
-        })
+        let stamp_ns = match *self {
+            Self::Column(column, factor) => number(column)? * factor,
+            Self::Counted(step_ns) => row as f64 * step_ns,
+        };
+        Ok(stamp_ns.round() as i64)
     }
 }
 

@@ -153,13 +153,15 @@ fn put_message<W: Write>(
     channel_id: u16,
     message: &Message,
 ) -> McapResult<()> {
-    let header = MessageHeader {
-        channel_id,
-        sequence: message.sequence,
-        log_time: message.log_time_ns,
-        publish_time: message.publish_time_ns,
-    };
-    writer.write_to_known_channel(&header, message.data)
+    writer.write_to_known_channel(
+        &MessageHeader {
+            channel_id,
+            sequence: message.sequence,
+            log_time: message.log_time_ns,
+            publish_time: message.publish_time_ns,
+        },
+        message.data,
+    )
 }
 
 #[cfg(test)]

@@ -24,6 +24,17 @@ pub(crate) struct Summary {
     pub(crate) chunks: Vec<ChunkIndex>,
 }
 
+impl Summary {
+    fn take(&mut self, opcode: u8, body: &[u8]) -> Result<(), Short> {
+        match opcode {
+            op::SCHEMA | op::CHANNEL => self.topics.define(opcode, body)?,
+            op::CHUNK_INDEX => self.chunks.push(record::chunk_index(body)?),
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
 /// Reads the summary; an empty one where the writer left it out, or why the end of the file cannot
 /// be used.
 pub(crate) fn read<R: Read + Seek>(
@@ -85,11 +96,7 @@ fn parse(section: &[u8]) -> Result<Summary, Short> {
     while bytes.left() > 0 {
         let [opcode] = bytes.array()?;
         let body = bytes.long_block()?;
-        match opcode {
-            op::SCHEMA | op::CHANNEL => summary.topics.define(opcode, body)?,
-            op::CHUNK_INDEX => summary.chunks.push(record::chunk_index(body)?),
-            _ => {}
-        }
+        summary.take(opcode, body)?;
     }
     summary.chunks.sort_by_key(|chunk| chunk.offset);
     Ok(summary)

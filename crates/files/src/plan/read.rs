@@ -1,6 +1,7 @@
 //! Reader of plan files, run by run.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::Path;
 
 use frfid_signals::{Injection, Run, RunId};
@@ -23,13 +24,11 @@ impl PlanFile {
     /// [`FileError::Io`]; [`FileError::Format`]; [`FileError::Content`] if it is no plan of ours,
     /// cut or damaged: a plan moves a robot, so a damaged one is refused as a whole.
     pub fn open(path: &Path) -> Result<Self, FileError> {
-        let texts = PlanTexts::read(path)?;
-        let (head, index) = texts
-            .understood()
-            .map_err(|found| not_a_plan(path, found))?;
+        let understood = PlanTexts::read(path)?.understood();
+        let (head, runs) = understood.map_err(|found| not_a_plan(path, found))?;
         Ok(Self {
             head,
-            runs: index.runs,
+            runs,
             path: path.into(),
         })
     }
@@ -37,8 +36,7 @@ impl PlanFile {
     /// Every run, repetition by repetition, in the order in which they are done.
     pub fn run_ids(&self) -> impl Iterator<Item = RunId> + '_ {
         self.runs.iter().flat_map(|entry| {
-            let first = entry.id.repetition;
-            (first..first.saturating_add(entry.n_repetitions)).map(|repetition| RunId {
+            entry.repetitions().map(|repetition| RunId {
                 repetition,
                 ..entry.id
             })
@@ -74,26 +72,40 @@ impl PlanFile {
     /// The reference of a run, every sample of it sound.
     fn reference(&self, entry: &PlanEntry) -> Result<Array2<f64>, FileError> {
         let (joints, n) = (self.head.joint_names.len(), entry.n_samples);
-        let refused = |found: String| not_a_plan(&self.path, format!("run {}: {found}", entry.id));
         if n == 0 || n.saturating_mul(joints) > header::MOST_VALUES {
-            return Err(refused(format!("{n} samples")));
+            return Err(self.refused(entry, &format!("{n} samples")));
         }
         let mut reference = Array2::from_elem((joints, n), f64::NAN);
-        let window = Part::Window(self.stamp_ns(entry, 0), self.stamp_ns(entry, n - 1));
-        scan_file(&self.path, window, &mut |item| match item {
+        self.read_commands(entry, &mut reference)?;
+        let missing = reference.iter().filter(|value| !value.is_finite()).count();
+        if missing > 0 {
+            return Err(self.refused(entry, &format!("{missing} samples are damaged")));
+        }
+        Ok(reference)
+    }
+
+    fn refused(&self, entry: &PlanEntry, found: &str) -> FileError {
+        not_a_plan(&self.path, format!("run {}: {found}", entry.id))
+    }
+
+    /// Fills the reference with the commands that are there.
+    fn read_commands(
+        &self,
+        entry: &PlanEntry,
+        reference: &mut Array2<f64>,
+    ) -> Result<(), FileError> {
+        let last = entry.n_samples - 1;
+        let window = Part::Window(self.stamp_ns(entry, 0), self.stamp_ns(entry, last));
+        let visit = &mut |item: Entry| match item {
             Entry::Message {
                 channel, message, ..
             } if channel.topic == topics::COMMANDS => {
-                let taken = self.take_command(entry, &message, &mut reference);
-                taken.map_err(refused)
+                let taken = self.take_command(entry, &message, reference);
+                taken.map_err(|found| self.refused(entry, &found))
             }
             _ => Ok(()),
-        })?;
-        let missing = reference.iter().filter(|value| !value.is_finite()).count();
-        if missing > 0 {
-            return Err(refused(format!("{missing} samples are damaged")));
-        }
-        Ok(reference)
+        };
+        scan_file(&self.path, window, visit).map(drop)
     }
 
     /// Stores the command of one sample; the commands of other runs are left out.
@@ -141,8 +153,12 @@ impl PlanEntry {
     /// Whether this is one of the repetitions.
     fn holds(&self, id: RunId) -> bool {
         let repetition = self.id.repetition;
-        let repetitions = repetition..repetition.saturating_add(self.n_repetitions);
-        RunId { repetition, ..id } == self.id && repetitions.contains(&id.repetition)
+        RunId { repetition, ..id } == self.id && self.repetitions().contains(&id.repetition)
+    }
+
+    fn repetitions(&self) -> Range<usize> {
+        let first = self.id.repetition;
+        first..first.saturating_add(self.n_repetitions)
     }
 }
 
@@ -179,14 +195,14 @@ impl PlanTexts {
     }
 
     /// What they say, or why it is no plan.
-    fn understood(self) -> Result<(PlanHead, PlanIndex), String> {
+    fn understood(self) -> Result<(PlanHead, Vec<PlanEntry>), String> {
         let (Some(plan), Some(index), Some(experiment_toml)) =
             (self.plan, self.index, self.origin.experiment_toml)
         else {
             return Err("an MCAP without the records of a plan".into());
         };
         let plan: PlanStructure<PlanHead> = header::from_texts(&plan)?;
-        let index = header::from_texts(&index)?;
+        let PlanIndex { runs } = header::from_texts(&index)?;
         header::check_version(plan.version, VERSION)?;
         header::check_sample_time(plan.head.sample_time_s).map_err(|error| error.to_string())?;
         let head = PlanHead {
@@ -194,7 +210,7 @@ impl PlanTexts {
             experiment_toml,
             ..plan.head
         };
-        Ok((head, index))
+        Ok((head, runs))
     }
 }
 

@@ -131,15 +131,21 @@ fn write_reference<W: Write>(
     start_sample: usize,
 ) -> mcap::McapResult<()> {
     for (k, values) in run.reference.columns().into_iter().enumerate() {
-        let mut command = JointState {
-            stamp_ns: stamp_ns(start_sample + k, head.sample_time_s),
-            ..Default::default()
-        };
-        match head.injection {
-            Injection::Torque => command.effort = values.to_vec(),
-            Injection::Velocity => command.velocity = values.to_vec(),
-        }
+        let command = command(head, start_sample + k, values.to_vec());
         writer.joint_state(commands, &head.joint_names, &command)?;
     }
     Ok(())
+}
+
+/// The message of one sample on the file's time axis.
+fn command(head: &PlanHead, sample: usize, values: Vec<f64>) -> JointState {
+    let mut command = JointState {
+        stamp_ns: stamp_ns(sample, head.sample_time_s),
+        ..Default::default()
+    };
+    match head.injection {
+        Injection::Torque => command.effort = values,
+        Injection::Velocity => command.velocity = values,
+    }
+    command
 }

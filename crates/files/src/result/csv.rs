@@ -27,12 +27,16 @@ pub(crate) fn write_frf_csv(
         let header: Vec<_> = columns.iter().map(|(name, _)| quoted(name)).collect();
         writeln!(file, "{}", header.join(","))?;
         for k in 0..result.frf.n_frequencies() {
-            let row = columns.iter().map(|(_, values)| format!("{:?}", values[k]));
-            let row: Vec<_> = row.collect();
-            writeln!(file, "{}", row.join(","))?;
+            writeln!(file, "{}", numbers(&columns, k))?;
         }
         Ok(())
     })
+}
+
+/// The values of all columns at a frequency.
+fn numbers(columns: &[Column], k: usize) -> String {
+    let numbers = columns.iter().map(|(_, values)| format!("{:?}", values[k]));
+    numbers.collect::<Vec<_>>().join(",")
 }
 
 fn columns(result: &ResultFile) -> Vec<Column> {
@@ -116,7 +120,7 @@ fn quoted(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::result::json::tests::result;
+    use crate::result::testing::result;
 
     #[test]
     fn every_column_has_a_unit_and_every_number_all_its_digits() {

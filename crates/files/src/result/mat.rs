@@ -134,9 +134,8 @@ fn element(kind: u32, data: &[u8]) -> io::Result<Vec<u8>> {
 
 /// A length as the format has it.
 fn int32(length: usize) -> io::Result<[u8; 4]> {
-    let length = i32::try_from(length).map_err(|_| {
+    i32::try_from(length).map(i32::to_le_bytes).map_err(|_| {
         let too_long = format!("an array of {length}: MAT files hold less than 2 GiB of each");
         io::Error::new(io::ErrorKind::InvalidInput, too_long)
-    })?;
-    Ok(length.to_le_bytes())
+    })
 }

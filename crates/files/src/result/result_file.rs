@@ -51,9 +51,9 @@ impl ResultFile {
     /// An FRF from the motor torques to the motor velocities of these joints.
     #[must_use]
     pub fn torque_to_velocity(frf: Frf, joints: &[String]) -> Self {
-        let named = |quantity: &str| -> Vec<String> {
-            let name = |joint: &String| format!("{joint} {quantity}");
-            joints.iter().map(name).collect()
+        let named = |quantity: &str| {
+            let names = joints.iter().map(|joint| format!("{joint} {quantity}"));
+            names.collect()
         };
         Self {
             frf,

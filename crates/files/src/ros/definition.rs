@@ -212,14 +212,19 @@ fn element_and_arity(kind: &str) -> Option<(&str, Arity)> {
         return Some((kind, Arity::One));
     };
     let (kind, size) = open.split_once('[')?;
+    Some((kind, arity(size)?))
+}
+
+/// How many elements there are by what stands between the brackets.
+fn arity(size: &str) -> Option<Arity> {
     if size.is_empty() {
-        return Some((kind, Arity::Many));
+        return Some(Arity::Many);
     }
     if let Some(most) = size.strip_prefix("<=") {
-        return most.parse::<usize>().ok().map(|_| (kind, Arity::Many));
+        return most.parse::<usize>().ok().map(|_| Arity::Many);
     }
     let size = size.parse().ok().filter(|&size| size > 0)?;
-    Some((kind, Arity::Exactly(size)))
+    Some(Arity::Exactly(size))
 }
 
 fn resolve(

@@ -79,19 +79,27 @@ fn steps(way: &str) -> Option<Vec<Step>> {
     let mut steps = Vec::new();
     let mut rest = way;
     while !rest.is_empty() {
-        if let Some(inside) = rest.strip_prefix('[') {
-            let (name, after) = inside.split_once(']')?;
-            let named = |_| Step::Named(name.into());
-            steps.push(name.parse().map_or_else(named, Step::Place));
-            rest = after;
-        } else {
-            let end = rest.find(['.', '[']).unwrap_or(rest.len());
-            steps.push(Step::Field(rest[..end].into()));
-            rest = &rest[end..];
-        }
-        rest = rest.strip_prefix('.').unwrap_or(rest);
+        let (step, after) = match rest.strip_prefix('[') {
+            Some(inside) => entry_step(inside)?,
+            None => field_step(rest),
+        };
+        steps.push(step);
+        rest = after.strip_prefix('.').unwrap_or(after);
     }
     Some(steps)
+}
+
+/// The step to a place or a name in brackets, of which the first is gone, and what follows it.
+fn entry_step(inside: &str) -> Option<(Step, &str)> {
+    let (name, after) = inside.split_once(']')?;
+    let named = |_| Step::Named(name.into());
+    Some((name.parse().map_or_else(named, Step::Place), after))
+}
+
+/// The step to a field, and what follows it.
+fn field_step(way: &str) -> (Step, &str) {
+    let (name, after) = way.split_at(way.find(['.', '[']).unwrap_or(way.len()));
+    (Step::Field(name.into()), after)
 }
 
 fn no_field(name: &str, at: &Value) -> String {

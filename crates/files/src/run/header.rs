@@ -99,11 +99,12 @@ pub(crate) fn from_texts<T: DeserializeOwned>(
     if texts.get(CHECKSUM) != Some(&checksum(texts)) {
         return Err("a checksum that fails: the record is damaged".into());
     }
-    let field = |(key, text): (&String, &String)| match serde_json::from_str(text) {
-        Ok(value) => Ok((key.clone(), value)),
-        Err(error) => Err(format!("{key} = {text}: {error}")),
-    };
-    let fields = texts.iter().map(field).collect::<Result<_, _>>()?;
+    let mut fields = serde_json::Map::new();
+    for (key, text) in texts {
+        let value =
+            serde_json::from_str(text).map_err(|error| format!("{key} = {text}: {error}"))?;
+        fields.insert(key.clone(), value);
+    }
     serde_json::from_value(Value::Object(fields)).map_err(|error| error.to_string())
 }
 

@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::atomic_write::{Overwrite, write_file};
 use crate::error::FileError;
-use crate::mcap::write::{RosWriter, START_NS, Topic, stamp_ns};
+use crate::mcap::write::{RosWriter, Topic, stamp_ns, time_ns};
 use crate::ros::joint_state::JointState;
 use crate::run::{header, topics};
 
@@ -202,8 +202,8 @@ fn write_event<W: Write>(
     if matches!(event.kind, EventKind::PeriodStart { .. }) {
         writer.flush()?;
     }
-    let time_ns = START_NS.saturating_add((event.time_s.max(0.0) * 1e9).round() as u64);
-    writer.text(topic, time_ns, &serde_json::json!(event).to_string())
+    let told = serde_json::json!(event).to_string();
+    writer.text(topic, time_ns(event.time_s.max(0.0)), &told)
 }
 
 /// One sample of a run, and what each topic says of it.
@@ -215,11 +215,10 @@ struct Sample<'r> {
 impl Sample<'_> {
     /// /joint_states: position, velocity and the measured input.
     fn state(&self) -> JointState {
-        let record = &self.run.record;
         JointState {
             stamp_ns: self.stamp_ns(),
-            position: self.values(record.position_rad.as_ref()),
-            velocity: self.values(Some(&record.y)),
+            position: self.values(self.run.record.position_rad.as_ref()),
+            velocity: self.values(Some(&self.run.record.y)),
             effort: self.input(InputKind::Measured),
         }
     }
