@@ -2,7 +2,8 @@
 //! file.
 
 use crate::ros::cdr_read::{CdrError, CdrReader};
-use crate::ros::definition::{Arity, Definition, Element, Field, Primitive};
+use crate::ros::definition::Definition;
+use crate::ros::field::{Arity, Element, Field, Primitive};
 
 /// A decoded field. Integers of 64 bits beyond 2^53 are rounded to the nearest `f64`.
 #[derive(Debug, Clone, PartialEq)]
