@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 
 use anstream::adapter::strip_str;
 use anstream::{AutoStream, ColorChoice};
@@ -48,11 +49,8 @@ impl<'a> Console<'a> {
             return Ok(());
         }
         let text = painted(text, self.colour, &AutoStream::choice(&std::io::stdout()));
-        match self
-            .stdout
-            .write_all(text.as_bytes())
-            .and_then(|()| self.stdout.flush())
-        {
+        let written = self.stdout.write_all(text.as_bytes());
+        match written.and_then(|()| self.stdout.flush()) {
             Err(error) if error.kind() == ErrorKind::BrokenPipe => {
                 self.left = true;
                 Ok(())
@@ -80,6 +78,11 @@ impl<'a> Console<'a> {
         }
     }
 
+    /// Tells which file was written; nothing if `--quiet`.
+    pub(crate) fn wrote(&mut self, path: &Path) {
+        self.note(format_args!("wrote {}", path.display()));
+    }
+
     /// Tells which command comes next; nothing if `--quiet`.
     pub(crate) fn hint(&mut self, message: impl Display) {
         self.note(format_args!(
@@ -94,6 +97,13 @@ impl<'a> Console<'a> {
             "{} {message}",
             label("warning:", AnsiColor::Yellow)
         ));
+    }
+
+    /// Tells all of these in the same way.
+    pub(crate) fn warnings(&mut self, messages: impl IntoIterator<Item: Display>) {
+        for message in messages {
+            self.warning(message);
+        }
     }
 
     /// Tells why the command could not be done.

@@ -48,6 +48,11 @@ impl Failure {
         }
     }
 
+    /// An error that no other command line would have avoided.
+    pub(crate) fn failed(error: &(dyn Error + 'static)) -> Self {
+        Self::of(Exit::Failed, error)
+    }
+
     /// An error with the whole chain of its causes.
     pub(crate) fn of(exit: Exit, error: &(dyn Error + 'static)) -> Self {
         let mut message = error.to_string();
@@ -72,7 +77,7 @@ impl From<ExperimentError> for Failure {
                 Self::of(Exit::Interrupted, &error)
             }
             ExperimentError::Trail { .. } => Self::of(Exit::Usage, &error),
-            error => Self::of(Exit::Failed, &error),
+            error => Self::failed(&error),
         }
     }
 }
@@ -99,19 +104,19 @@ impl From<FileError> for Failure {
 
 impl From<SignalError> for Failure {
     fn from(error: SignalError) -> Self {
-        Self::of(Exit::Failed, &error)
+        Self::failed(&error)
     }
 }
 
 impl From<PaperError> for Failure {
     fn from(error: PaperError) -> Self {
-        Self::of(Exit::Failed, &error)
+        Self::failed(&error)
     }
 }
 
 impl From<ReportError> for Failure {
     fn from(error: ReportError) -> Self {
-        Self::of(Exit::Failed, &error)
+        Self::failed(&error)
     }
 }
 

@@ -15,12 +15,12 @@ static PRESSED: AtomicUsize = AtomicUsize::new(0);
 pub(crate) fn listen() {
     static LISTENING: Once = Once::new();
     LISTENING.call_once(|| {
-        let listening = ctrlc::set_handler(|| {
+        ctrlc::set_handler(|| {
             if PRESSED.fetch_add(1, Ordering::Relaxed) > 0 {
                 std::process::exit(Exit::Interrupted as i32);
             }
-        });
-        listening.ok();
+        })
+        .ok();
     });
 }
 

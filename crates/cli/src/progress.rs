@@ -27,11 +27,9 @@ pub(crate) fn watched<T: Send>(
     work: impl FnOnce(Progress) -> T + Send,
 ) -> T {
     interrupt::listen();
-    let (done, total) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let report = |now_done: usize, of_total: usize| {
-        total.store(of_total, Ordering::Relaxed);
-        // several threads report, and the later report may come first
-        done.fetch_max(now_done, Ordering::Relaxed);
+    let steps = Steps::default();
+    let report = |done: usize, total: usize| {
+        steps.store(done, total);
         !interrupt::asked()
     };
     let mut display = Display::new(console, what, unit);
@@ -44,14 +42,31 @@ pub(crate) fn watched<T: Send>(
         });
         while !worker.is_finished() {
             thread::park_timeout(TICK);
-            display.show(
-                console,
-                done.load(Ordering::Relaxed),
-                total.load(Ordering::Relaxed),
-            );
+            let (done, total) = steps.done_of_total();
+            display.show(console, done, total);
         }
         worker.join().unwrap_or_else(|panic| resume_unwind(panic))
     })
+}
+
+/// How far the work is.
+#[derive(Default)]
+struct Steps {
+    done: AtomicUsize,
+    total: AtomicUsize,
+}
+
+impl Steps {
+    /// Several threads report, and the later report may come first.
+    fn store(&self, done: usize, total: usize) {
+        self.total.store(total, Ordering::Relaxed);
+        self.done.fetch_max(done, Ordering::Relaxed);
+    }
+
+    fn done_of_total(&self) -> (usize, usize) {
+        let load = |count: &AtomicUsize| count.load(Ordering::Relaxed);
+        (load(&self.done), load(&self.total))
+    }
 }
 
 struct Display {
@@ -66,31 +81,29 @@ struct Display {
 impl Display {
     fn new(console: &Console, what: &'static str, unit: &'static str) -> Self {
         let now = Instant::now();
-        let bar = (!console.quiet && std::io::stderr().is_terminal()).then(|| {
-            let style =
-                ProgressStyle::with_template("{prefix} {bar:30} {pos} of {len} {msg}, {eta} left");
-            let style = style.expect("the template is a constant and was tried");
-            let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
-            bar.with_style(style).with_prefix(what).with_message(unit)
-        });
+        let is_drawn = !console.quiet && std::io::stderr().is_terminal();
         Self {
             what,
             unit,
-            bar,
+            bar: is_drawn.then(|| bar(what, unit)),
             started: now,
             last_line: now,
             said_stopping: false,
         }
     }
 
+    fn say_stopping(&mut self, console: &mut Console) {
+        self.said_stopping = true;
+        let message = "stopping after the work under way; press Ctrl-C again to leave at once";
+        match &self.bar {
+            Some(bar) => bar.suspend(|| console.note(message)),
+            None => console.note(message),
+        }
+    }
+
     fn show(&mut self, console: &mut Console, done: usize, total: usize) {
         if interrupt::asked() && !self.said_stopping {
-            self.said_stopping = true;
-            let message = "stopping after the work under way; press Ctrl-C again to leave at once";
-            match &self.bar {
-                Some(bar) => bar.suspend(|| console.note(message)),
-                None => console.note(message),
-            }
+            self.say_stopping(console);
         }
         if let Some(bar) = &self.bar {
             bar.set_length(total as u64);
@@ -104,6 +117,13 @@ impl Display {
             ));
         }
     }
+}
+
+fn bar(what: &'static str, unit: &'static str) -> ProgressBar {
+    let style = ProgressStyle::with_template("{prefix} {bar:30} {pos} of {len} {msg}, {eta} left")
+        .expect("the template is a constant and was tried");
+    let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr());
+    bar.with_style(style).with_prefix(what).with_message(unit)
 }
 
 impl Drop for Display {

@@ -47,7 +47,7 @@ pub(crate) fn write_file(
     let part = part_path(path);
     let file = open_part(path, &part, overwrite)?;
     let failed = |error: &(dyn Error + 'static)| FileError::Write {
-        path: path.to_path_buf(),
+        path: path.into(),
         part: part.clone(),
         saved_bytes: file.metadata().map_or(0, |meta| meta.len()),
         reason: chain(error),
@@ -75,11 +75,7 @@ pub fn write_bytes(path: &Path, overwrite: Overwrite, content: &[u8]) -> Result<
 /// # Errors
 /// [`FileError::Io`].
 pub fn create_folder(folder: &Path) -> Result<(), FileError> {
-    std::fs::create_dir_all(folder).map_err(|error| FileError::Io {
-        path: folder.to_owned(),
-        action: "create the folder",
-        reason: error.to_string(),
-    })
+    std::fs::create_dir_all(folder).map_err(FileError::cannot("create the folder", folder))
 }
 
 /// Refuses an output that exists, before any work is done for it.
@@ -88,9 +84,7 @@ pub fn create_folder(folder: &Path) -> Result<(), FileError> {
 /// [`FileError::Exists`].
 pub fn check_free(path: &Path, overwrite: Overwrite) -> Result<(), FileError> {
     if overwrite != Overwrite::Replace && path.symlink_metadata().is_ok() {
-        return Err(FileError::Exists {
-            path: path.to_path_buf(),
-        });
+        return Err(FileError::Exists { path: path.into() });
     }
     Ok(())
 }
@@ -99,11 +93,7 @@ pub fn check_free(path: &Path, overwrite: Overwrite) -> Result<(), FileError> {
 fn open_part(path: &Path, part: &Path, overwrite: Overwrite) -> Result<File, FileError> {
     check_free(path, overwrite)?;
     let left_over = part.symlink_metadata().is_ok();
-    let failed = |error: std::io::Error| FileError::Io {
-        path: part.to_path_buf(),
-        action: "create",
-        reason: error.to_string(),
-    };
+    let failed = FileError::cannot("create", part);
     let file = OpenOptions::new()
         .write(true)
         .create(true)
@@ -112,9 +102,7 @@ fn open_part(path: &Path, part: &Path, overwrite: Overwrite) -> Result<File, Fil
         .map_err(failed)?;
     lock(&file, part)?;
     if left_over && overwrite == Overwrite::Refuse {
-        return Err(FileError::Leftover {
-            path: part.to_path_buf(),
-        });
+        return Err(FileError::Leftover { path: part.into() });
     }
     if file.metadata().is_ok_and(|meta| meta.is_file()) {
         file.set_len(0).map_err(failed)?;
@@ -124,13 +112,11 @@ fn open_part(path: &Path, part: &Path, overwrite: Overwrite) -> Result<File, Fil
 
 /// Refuses a file that another process is writing.
 fn lock(file: &File, part: &Path) -> Result<(), FileError> {
-    match file.try_lock() {
-        Err(TryLockError::WouldBlock) => Err(FileError::Busy {
-            path: part.to_path_buf(),
-        }),
-        // a file system without locks (some network folders) must not keep anyone from writing
-        Ok(()) | Err(TryLockError::Error(_)) => Ok(()),
+    if let Err(TryLockError::WouldBlock) = file.try_lock() {
+        return Err(FileError::Busy { path: part.into() });
     }
+    // a file system without locks (some network folders) must not keep anyone from writing
+    Ok(())
 }
 
 /// Makes the rename last through a power failure, where folders can be synced; the file itself is
@@ -140,9 +126,7 @@ fn sync_folder(path: &Path) {
         .parent()
         .filter(|parent| !parent.as_os_str().is_empty())
         .unwrap_or(Path::new("."));
-    if let Ok(folder) = File::open(folder) {
-        folder.sync_all().ok();
-    }
+    File::open(folder).and_then(|folder| folder.sync_all()).ok();
 }
 
 #[cfg(test)]

@@ -39,15 +39,21 @@ impl<'a> Bytes<'a> {
 
     /// The next `count` bytes; a count read from the file may be any number.
     pub(crate) fn take(&mut self, count: u64) -> Result<&'a [u8], Short> {
-        let short = Short {
-            at: self.at,
-            needed: count,
-            left: self.left(),
+        let length = usize::try_from(count).ok();
+        let Some(taken) = length.and_then(|length| self.rest().get(..length)) else {
+            return Err(self.short_of(count));
         };
-        let count = usize::try_from(count).map_err(|_| short.clone())?;
-        let taken = self.rest().get(..count).ok_or(short)?;
-        self.at += count;
+        self.at += taken.len();
         Ok(taken)
+    }
+
+    /// The error of a read of so many bytes here.
+    pub(crate) fn short_of(&self, needed: u64) -> Short {
+        Short {
+            at: self.at,
+            needed,
+            left: self.left(),
+        }
     }
 
     pub(crate) fn array<const N: usize>(&mut self) -> Result<[u8; N], Short> {
@@ -68,9 +74,20 @@ impl<'a> Bytes<'a> {
         self.array().map(u64::from_le_bytes)
     }
 
+    /// Bytes behind their number, 32 bits wide.
+    pub(crate) fn block(&mut self) -> Result<&'a [u8], Short> {
+        let length = self.u32()?;
+        self.take(u64::from(length))
+    }
+
+    /// Bytes behind their number, 64 bits wide.
+    pub(crate) fn long_block(&mut self) -> Result<&'a [u8], Short> {
+        let length = self.u64()?;
+        self.take(length)
+    }
+
     /// A length-prefixed text; bytes that are not UTF-8 are replaced, never refused.
     pub(crate) fn text(&mut self) -> Result<String, Short> {
-        let length = self.u32()?;
-        Ok(String::from_utf8_lossy(self.take(u64::from(length))?).into_owned())
+        Ok(String::from_utf8_lossy(self.block()?).into_owned())
     }
 }

@@ -1,7 +1,8 @@
 //! Errors of files: the path, what was found, what was needed, what to do.
 
 use std::error::Error;
-use std::path::PathBuf;
+use std::fmt::Display;
+use std::path::{Path, PathBuf};
 
 use thiserror::Error as ThisError;
 
@@ -85,6 +86,63 @@ pub enum FileError {
         /// What was needed.
         needed: String,
     },
+}
+
+impl FileError {
+    /// Names the file and what was tried, for the reason that the operating system gives.
+    pub(crate) fn cannot<E: Display>(
+        action: &'static str,
+        path: &Path,
+    ) -> impl Fn(E) -> Self + Copy {
+        move |reason| Self::Io {
+            path: path.into(),
+            action,
+            reason: reason.to_string(),
+        }
+    }
+
+    /// The file is of another kind.
+    pub(crate) fn format(
+        path: &Path,
+        found: impl Into<String>,
+        needed: &'static str,
+        advice: impl Into<String>,
+    ) -> Self {
+        Self::Format {
+            path: path.into(),
+            found: found.into(),
+            needed,
+            advice: advice.into(),
+        }
+    }
+
+    /// A part of the file contradicts itself or what was asked for.
+    pub(crate) fn content(
+        path: &Path,
+        what: impl Into<String>,
+        found: impl Into<String>,
+        needed: impl Into<String>,
+    ) -> Self {
+        Self::Content {
+            path: path.into(),
+            what: what.into(),
+            found: found.into(),
+            needed: needed.into(),
+        }
+    }
+
+    /// A part of what was to be written does not fit.
+    pub(crate) fn shape(
+        what: &'static str,
+        found: impl Into<String>,
+        needed: impl Into<String>,
+    ) -> Self {
+        Self::Shape {
+            what,
+            found: found.into(),
+            needed: needed.into(),
+        }
+    }
 }
 
 /// An error with all its causes, outermost first: some libraries hide the operating system's reason

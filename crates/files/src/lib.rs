@@ -30,6 +30,7 @@ mod ros {
     pub(crate) mod cdr_read;
     pub(crate) mod cdr_write;
     pub(crate) mod definition;
+    pub(crate) mod field;
     pub(crate) mod joint_state;
     pub(crate) mod selector;
     pub(crate) mod value;

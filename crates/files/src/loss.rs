@@ -40,26 +40,23 @@ impl fmt::Display for Loss {
     }
 }
 
-/// Damage to the file as a loss of no sample yet; the samples missing because of it are found one
-/// by one.
-pub(crate) fn of_file(damage: Damage, start_ns: u64) -> Loss {
-    let at_s = damage
-        .times_ns
-        .map_or(0.0, |(from, _)| (from as f64 - start_ns as f64) / 1e9);
-    Loss {
-        topic: "file".into(),
-        from_s: at_s,
-        to_s: at_s,
-        reason: damage.reason,
-    }
+/// Damages to the file as losses of no sample yet; the samples missing because of them are found
+/// one by one.
+pub(crate) fn of_file(damages: Vec<Damage>, start_ns: u64) -> Vec<Loss> {
+    let since_start_s = |time_ns: u64| (time_ns as f64 - start_ns as f64) / 1e9;
+    let loss = |damage: Damage| {
+        let at_s = damage.times_ns.map_or(0.0, |(from, _)| since_start_s(from));
+        of_no_sample("file", at_s, damage.reason)
+    };
+    damages.into_iter().map(loss).collect()
 }
 
 /// Something other than a sample is lost.
-pub(crate) fn of_nothing(topic: &str, reason: &str) -> Loss {
+pub(crate) fn of_no_sample(topic: &str, at_s: f64, reason: impl Into<String>) -> Loss {
     Loss {
         topic: topic.into(),
-        from_s: 0.0,
-        to_s: 0.0,
+        from_s: at_s,
+        to_s: at_s,
         reason: reason.into(),
     }
 }

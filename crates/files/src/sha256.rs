@@ -19,11 +19,7 @@ pub fn sha256_hex(bytes: &[u8]) -> String {
 /// # Errors
 /// [`FileError::Io`].
 pub fn sha256_file(path: &Path) -> Result<String, FileError> {
-    let failed = |error: std::io::Error| FileError::Io {
-        path: path.into(),
-        action: "read",
-        reason: error.to_string(),
-    };
+    let failed = FileError::cannot("read", path);
     let mut file = File::open(path).map_err(failed)?;
     let (mut hash, mut piece) = (Sha256::new(), vec![0; 1 << 16]);
     loop {

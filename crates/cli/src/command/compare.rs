@@ -11,7 +11,7 @@ use serde_json::json;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::{Options, existing_path, named};
-use crate::text::table::table;
+use crate::text::table::{or_dash, row, table};
 
 /// Compare two FRFs: shifts of resonances and antiresonances, damping, and what it says about
 /// stiffness and friction
@@ -47,8 +47,7 @@ pub(crate) fn run(
         prominence_db: arguments.prominence_db,
         ..CompareOptions::default()
     };
-    let comparison =
-        compare(&a.frf, &b.frf, &settings).map_err(|error| Failure::of(Exit::Failed, &error))?;
+    let comparison = compare(&a.frf, &b.frf, &settings).map_err(|error| Failure::failed(&error))?;
     if options.json {
         let (low, high) = comparison.band_hz;
         console.json(&json!({ "low_hz": low, "high_hz": high, "entries": comparison.entries }))?;
@@ -64,35 +63,37 @@ pub(crate) fn run(
 
 /// Both results, which of them was measured with the stronger excitation, and their common band.
 fn heading(arguments: &Arguments, stronger: Option<Side>, (low, high): (f64, f64)) -> String {
-    let line = |letter, path: &Path, side| {
-        let mark = if stronger == Some(side) {
-            "   stronger excitation"
-        } else {
-            ""
-        };
-        format!("{letter} {}{mark}\n", path.display())
+    let a = result_line("A", &arguments.a, stronger == Some(Side::A));
+    let b = result_line("B", &arguments.b, stronger == Some(Side::B));
+    let (low, high) = (significant(low, 5), significant(high, 5));
+    format!("{a}{b}band {low} to {high} Hz\n")
+}
+
+fn result_line(letter: &str, path: &Path, is_stronger: bool) -> String {
+    let mark = if is_stronger {
+        "   stronger excitation"
+    } else {
+        ""
     };
-    format!(
-        "{}{}band {} to {} Hz\n",
-        line("A", &arguments.a, Side::A),
-        line("B", &arguments.b, Side::B),
-        significant(low, 5),
-        significant(high, 5)
-    )
+    format!("{letter} {}{mark}\n", path.display())
 }
 
 /// The result with the larger rms torques on every axis, by a tenth at least; `None` where that is
 /// not known.
 fn stronger(a: &ResultFile, b: &ResultFile) -> Option<Side> {
-    const CLEARLY: f64 = 1.1;
     let (a, b) = (a.torque_rms_nm.as_ref()?, b.torque_rms_nm.as_ref()?);
-    let larger =
-        |x: &[f64], y: &[f64]| x.len() == y.len() && x.iter().zip(y).all(|(x, y)| *x > CLEARLY * y);
-    match (larger(a, b), larger(b, a)) {
+    match (is_larger(a, b), is_larger(b, a)) {
         (true, false) => Some(Side::A),
         (false, true) => Some(Side::B),
         _ => None,
     }
+}
+
+/// Whether the torques of all axes are.
+fn is_larger(torques: &[f64], others: &[f64]) -> bool {
+    const CLEARLY: f64 = 1.1;
+    let mut pairs = torques.iter().zip(others);
+    torques.len() == others.len() && pairs.all(|(torque, other)| *torque > CLEARLY * other)
 }
 
 /// The table of features, what differs elsewhere, and the verdicts.
@@ -116,7 +117,7 @@ fn as_text(entry: &EntryComparison) -> String {
 /// and those that are in B alone.
 fn features(entry: &EntryComparison) -> String {
     let title = ["", "A", "B", "shift", "damping A", "damping B", "level B/A"];
-    let mut rows = vec![title.map(str::to_owned).to_vec()];
+    let mut rows = vec![row(title)];
     rows.extend(entry.changes.iter().map(changed));
     rows.extend(entry.only_in_b.iter().map(only_in_b));
     table(&rows)
@@ -126,26 +127,21 @@ fn changed(change: &Change) -> Vec<String> {
     let shift = change.shift_percent();
     vec![
         change.a.kind.name().to_owned(),
-        known(Some(change.a.frequency_hz), in_hz),
-        known(change.b.map(|b| b.frequency_hz), in_hz),
-        known(shift, |percent| format!("{percent:+.1} %")),
-        known(change.a.damping, damping),
-        known(change.b.and_then(|b| b.damping), damping),
-        known(change.level_db, |level| format!("{level:+.1} dB")),
+        or_dash(Some(change.a.frequency_hz), in_hz),
+        or_dash(change.b.map(|b| b.frequency_hz), in_hz),
+        or_dash(shift, |percent| format!("{percent:+.1} %")),
+        or_dash(change.a.damping, damping),
+        or_dash(change.b.and_then(|b| b.damping), damping),
+        or_dash(change.level_db, |level| format!("{level:+.1} dB")),
     ]
 }
 
 fn only_in_b(feature: &Feature) -> Vec<String> {
-    let mut row = vec!["-".to_owned(); 7];
-    row[0] = feature.kind.name().to_owned();
-    row[2] = in_hz(feature.frequency_hz);
-    row[5] = known(feature.damping, damping);
-    row
-}
-
-/// A value in words, or a dash.
-fn known(value: Option<f64>, in_words: impl Fn(f64) -> String) -> String {
-    value.map_or_else(|| "-".to_owned(), in_words)
+    let mut cells = row(["-"; 7]);
+    cells[0] = feature.kind.name().to_owned();
+    cells[2] = in_hz(feature.frequency_hz);
+    cells[5] = or_dash(feature.damping, damping);
+    cells
 }
 
 fn in_hz(frequency_hz: f64) -> String {

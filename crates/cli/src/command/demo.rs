@@ -49,7 +49,7 @@ pub(crate) fn run(
     if options.json {
         console.json(&json!({ "report": page, "claims": claims }))?;
     } else {
-        console.data(&in_words(&claims))?;
+        console.data(&claims.iter().map(in_words).collect::<String>())?;
     }
     let seconds = significant(started.elapsed().as_secs_f64(), 2);
     console.note(format_args!("{files}, in {seconds} s"));
@@ -97,36 +97,25 @@ fn write(
 }
 
 fn write_figure(folder: &Path, named: &Named, overwrite: Overwrite) -> Result<(), Failure> {
-    write_bytes(
-        &folder.join(format!("{}.svg", named.name)),
-        overwrite,
-        named.figure.svg().as_bytes(),
-    )?;
-    Ok(write_bytes(
-        &folder.join(format!("{}.png", named.name)),
-        overwrite,
-        &named.figure.png(PNG_SCALE)?,
-    )?)
+    let Named { name, figure, .. } = named;
+    let [svg, png] = ["svg", "png"].map(|ending| folder.join(format!("{name}.{ending}")));
+    write_bytes(&svg, overwrite, figure.svg().as_bytes())?;
+    Ok(write_bytes(&png, overwrite, &figure.png(PNG_SCALE)?)?)
 }
 
-/// The claims one below the other: what is claimed, what the paper says, what we find.
-fn in_words(claims: &[Claim]) -> String {
-    let line = |claim: &Claim| {
-        let verdict = if claim.holds {
-            "holds"
-        } else {
-            "DOES NOT HOLD"
-        };
-        let Claim {
-            id,
-            statement,
-            expected,
-            found,
-            ..
-        } = claim;
-        format!(
-            "{id:3} {statement}\n    expected  {expected}\n    found     {found}\n    {verdict}\n"
-        )
+/// A claim: what is claimed, what the paper says, what we find.
+fn in_words(claim: &Claim) -> String {
+    let Claim {
+        id,
+        statement,
+        expected,
+        found,
+        ..
+    } = claim;
+    let verdict = if claim.holds {
+        "holds"
+    } else {
+        "DOES NOT HOLD"
     };
-    claims.iter().map(line).collect()
+    format!("{id:3} {statement}\n    expected  {expected}\n    found     {found}\n    {verdict}\n")
 }

@@ -1,10 +1,10 @@
 //! `frfid design`: the excitation of every run, inside the limits, as a plan file.
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
-use frfid_experiment::{ConfigError, Experiment, Prediction, predict};
+use frfid_experiment::{ConfigError, Experiment, ExperimentError, Prediction, predict};
 use frfid_signals::format::significant;
 use frfid_signals::{Excess, Limit, Limits, Plan};
 use serde_json::json;
@@ -55,21 +55,40 @@ pub(crate) fn run(
     warn(&experiment, console);
     let output = arguments.output.as_ref().filter(|_| !arguments.dry_run);
     output.map_or(Ok(()), |path| options.check_free(path))?;
-    let prediction = watched(console, "predicting", "runs", |progress| {
-        predict(&experiment, arguments.jobs, progress)
-    })?;
+    let prediction = predicted(&experiment, arguments.jobs, console)?;
     tell(&experiment, &prediction, options, console)?;
     if let Some(error) = outside(&experiment, &prediction) {
         return Err(error.into());
     }
     if let Some(path) = output {
-        watched(console, "writing", "runs", |progress| {
-            experiment.write_plan(path, options.overwrite(), progress)
-        })?;
-        console.note(format_args!("wrote {}", path.display()));
-        console.hint(format_args!("frfid run {} -o logs", path.display()));
+        write(&experiment, path, options, console)?;
     }
     Ok(Exit::Done)
+}
+
+/// What the plan will ask of the robot, run by run.
+pub(crate) fn predicted(
+    experiment: &Experiment,
+    jobs: usize,
+    console: &mut Console,
+) -> Result<Prediction, ExperimentError> {
+    watched(console, "predicting", "runs", |progress| {
+        predict(experiment, jobs, progress)
+    })
+}
+
+fn write(
+    experiment: &Experiment,
+    path: &Path,
+    options: &Options,
+    console: &mut Console,
+) -> Result<(), Failure> {
+    watched(console, "writing", "runs", |progress| {
+        experiment.write_plan(path, options.overwrite(), progress)
+    })?;
+    console.wrote(path);
+    console.hint(format_args!("frfid run {} -o logs", path.display()));
+    Ok(())
 }
 
 /// The experiment with another seed, where one is given.
@@ -85,9 +104,7 @@ pub(crate) fn with_seed(
 
 /// Tells what looks like a mistake in the description.
 pub(crate) fn warn(experiment: &Experiment, console: &mut Console) {
-    for warning in experiment.warnings() {
-        console.warning(&warning);
-    }
+    console.warnings(experiment.warnings());
 }
 
 /// Tells what the design is and what it will ask of the robot.
@@ -97,24 +114,16 @@ pub(crate) fn tell(
     options: &Options,
     console: &mut Console,
 ) -> Result<(), Failure> {
+    let (plan, limits) = (experiment.plan(), experiment.limits());
     if options.json {
-        let plan = plan_as_json(experiment.plan())?;
-        return console.json(
-            &json!({ "plan": plan, "prediction": prediction, "limits": by_key(experiment.limits()) }),
-        );
+        let (plan, limits) = (plan_as_json(plan)?, by_key(limits));
+        return console.json(&json!({ "plan": plan, "prediction": prediction, "limits": limits }));
     }
-    let crest = prediction
-        .crest_factor
-        .iter()
-        .map(|crest| significant(*crest, 4))
-        .collect();
-    let peaks = load_as_text(
-        "predicted",
-        &prediction.load,
-        experiment.limits(),
-        &[("torque, crest factor", crest)],
-    );
-    console.data(&format!("{}\n{peaks}", plan_as_text(experiment.plan())?))
+    let crest = prediction.crest_factor.iter();
+    let crest = crest.map(|crest| significant(*crest, 4)).collect();
+    let others = [("torque, crest factor", crest)];
+    let peaks = load_as_text("predicted", &prediction.load, limits, &others);
+    console.data(&format!("{}\n{peaks}", plan_as_text(plan)?))
 }
 
 /// Every limit by its key, those that are not given as nothing.
@@ -144,10 +153,8 @@ fn advice(experiment: &Experiment, prediction: &Prediction, worst: &Excess) -> S
     if factor > 0.0 {
         return smaller_amplitudes(experiment.plan(), factor);
     }
-    let velocity = &experiment.plan().velocity_rad_s;
-    let glides = velocity.iter().any(|velocity| *velocity != 0.0);
     let without = significant(prediction.without_excitation(worst), 4);
-    let slower = if glides {
+    let slower = if glides(experiment.plan()) {
         "lower the constant velocity, shorten lead-in or periods, "
     } else {
         "choose another pose, "
@@ -155,6 +162,11 @@ fn advice(experiment: &Experiment, prediction: &Prediction, worst: &Excess) -> S
     format!(
         "no amplitude is left: without any excitation it is {without} already; {slower}or raise the limit"
     )
+}
+
+/// Whether an axis moves at a constant velocity.
+fn glides(plan: &Plan) -> bool {
+    plan.velocity_rad_s.iter().any(|velocity| *velocity != 0.0)
 }
 
 fn smaller_amplitudes(plan: &Plan, factor: f64) -> String {

@@ -10,6 +10,7 @@ use frfid_report::result_page;
 use frfid_signals::format::significant;
 use frfid_signals::{Frf, Uncertainty};
 use ndarray::Array3;
+use serde::Serialize;
 use serde_json::{Value, json};
 
 use crate::console::Console;
@@ -89,11 +90,9 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
-    for output in [Some(&arguments.output), arguments.report.as_ref()]
-        .into_iter()
-        .flatten()
-    {
-        options.check_free(output)?;
+    options.check_free(&arguments.output)?;
+    if let Some(report) = &arguments.report {
+        options.check_free(report)?;
     }
     let settings = EstimateOptions {
         estimate: arguments.estimator.table(),
@@ -130,9 +129,7 @@ fn tell(
     options: &Options,
     console: &mut Console,
 ) -> Result<(), Failure> {
-    for warning in &estimate.warnings {
-        console.warning(warning);
-    }
+    console.warnings(&estimate.warnings);
     warn_of_failed(&estimate.result.checks, console);
     let output = arguments.output.display();
     if options.json {
@@ -154,41 +151,25 @@ fn tell(
 }
 
 fn summary(result: &ResultFile) -> String {
-    let frf = &result.frf;
-    let noise = known(
-        result,
-        frf.noise.as_ref(),
-        frf.noise_variance(),
-        "two periods",
-    );
-    let total = known(
-        result,
-        frf.total.as_ref(),
-        frf.total_variance(),
-        "two realizations",
-    );
+    let inputs = with_units(&result.input_names, &result.input_units);
+    let outputs = with_units(&result.output_names, &result.output_units);
+    let [noise, total] = Spread::noise_and_total(&result.frf);
     list(&[
-        (
-            "inputs",
-            with_units(&result.input_names, &result.input_units),
-        ),
-        (
-            "outputs",
-            with_units(&result.output_names, &result.output_units),
-        ),
-        ("frequencies", frequencies(frf)),
-        ("noise", noise),
-        ("noise and nonlinear", total),
+        ("inputs", inputs),
+        ("outputs", outputs),
+        ("frequencies", frequencies(&result.frf)),
+        ("noise", known(noise, "two periods")),
+        ("noise and nonlinear", known(total, "two realizations")),
     ])
 }
 
 /// Names with their units.
 fn with_units(names: &[String], units: &[String]) -> String {
-    let named = names.iter().zip(units);
-    let named: Vec<String> = named
-        .map(|(name, unit)| format!("{name} ({unit})"))
-        .collect();
-    named.join(", ")
+    let named = names
+        .iter()
+        .zip(units)
+        .map(|(name, unit)| format!("{name} ({unit})"));
+    named.collect::<Vec<_>>().join(", ")
 }
 
 /// How many frequencies there are, and from where to where.
@@ -203,41 +184,58 @@ fn frequencies(frf: &Frf) -> String {
     }
 }
 
-/// The median relative standard deviation of the averaged FRF, or what it takes to know it.
-fn known(
-    result: &ResultFile,
-    uncertainty: Option<&Uncertainty>,
-    variance: Option<Array3<f64>>,
-    needed: &str,
-) -> String {
-    let (Some(uncertainty), Some(variance)) = (uncertainty, variance) else {
+/// The median relative standard deviation, or what it takes to know it.
+fn known(spread: Option<Spread>, needed: &str) -> String {
+    let Some(spread) = spread else {
         return format!("not available: it takes at least {needed}");
     };
-    let degrees = uncertainty.degrees_of_freedom;
-    match relative_deviation(result, &variance) {
+    let degrees = spread.degrees_of_freedom;
+    match spread.median_relative_deviation {
         Some(deviation) => {
-            format!(
-                "{} % of |G| (median), {degrees} degrees of freedom",
-                significant(100.0 * deviation, 2)
-            )
+            let percent = significant(100.0 * deviation, 2);
+            format!("{percent} % of |G| (median), {degrees} degrees of freedom")
         }
         None => format!("not a number, {degrees} degrees of freedom"),
     }
 }
 
-/// Median of standard deviation over magnitude, over all entries and frequencies.
-fn relative_deviation(result: &ResultFile, variance: &Array3<f64>) -> Option<f64> {
-    let both = variance.iter().zip(&result.frf.response);
-    let mut ratios: Vec<f64> = both
-        .map(|(variance, g)| variance.sqrt() / g.norm())
-        .filter(|x| x.is_finite())
-        .collect();
+/// How far an FRF may be from the true one.
+#[derive(Serialize)]
+struct Spread {
+    degrees_of_freedom: usize,
+    /// Median of standard deviation over magnitude, over all entries and frequencies.
+    median_relative_deviation: Option<f64>,
+}
+
+impl Spread {
+    /// That of the noise and that of noise and nonlinear distortion, where they are known.
+    fn noise_and_total(frf: &Frf) -> [Option<Self>; 2] {
+        [
+            Self::of(frf, frf.noise.as_ref(), frf.noise_variance()),
+            Self::of(frf, frf.total.as_ref(), frf.total_variance()),
+        ]
+    }
+
+    fn of(frf: &Frf, known: Option<&Uncertainty>, variance: Option<Array3<f64>>) -> Option<Self> {
+        let (known, variance) = (known?, variance?);
+        Some(Self {
+            degrees_of_freedom: known.degrees_of_freedom,
+            median_relative_deviation: relative_deviation(frf, &variance),
+        })
+    }
+}
+
+fn relative_deviation(frf: &Frf, variance: &Array3<f64>) -> Option<f64> {
+    let both = variance.iter().zip(&frf.response);
+    let ratios = both.map(|(variance, g)| variance.sqrt() / g.norm());
+    let mut ratios: Vec<f64> = ratios.filter(|ratio| ratio.is_finite()).collect();
     ratios.sort_by(f64::total_cmp);
     ratios.get(ratios.len() / 2).copied()
 }
 
 fn as_json(arguments: &Arguments, estimate: &Outcome) -> Value {
     let (result, frf) = (&estimate.result, &estimate.result.frf);
+    let [noise, total] = Spread::noise_and_total(frf);
     json!({
         "output": arguments.output,
         "report": arguments.report,
@@ -246,23 +244,11 @@ fn as_json(arguments: &Arguments, estimate: &Outcome) -> Value {
         "n_frequencies": frf.n_frequencies(),
         "low_hz": frf.frequency_hz.first(),
         "high_hz": frf.frequency_hz.last(),
-        "noise": known_as_json(result, frf.noise.as_ref(), frf.noise_variance()),
-        "total": known_as_json(result, frf.total.as_ref(), frf.total_variance()),
+        "noise": noise,
+        "total": total,
         "checks": result.checks,
         "strength": estimate.strength,
         "warnings": estimate.warnings,
         "is_lossy": estimate.is_lossy,
     })
-}
-
-fn known_as_json(
-    result: &ResultFile,
-    uncertainty: Option<&Uncertainty>,
-    variance: Option<Array3<f64>>,
-) -> Option<Value> {
-    let (uncertainty, variance) = (uncertainty?, variance?);
-    Some(json!({
-        "degrees_of_freedom": uncertainty.degrees_of_freedom,
-        "median_relative_deviation": relative_deviation(result, &variance),
-    }))
 }

@@ -50,6 +50,6 @@ pub(crate) fn run(
     if options.json {
         console.json(&json!({ "output": output }))?;
     }
-    console.note(format_args!("wrote {}", output.display()));
+    console.wrote(output);
     Ok(Exit::Done)
 }

@@ -42,7 +42,7 @@ pub(crate) fn run(
         None => console.data(&text)?,
         Some(path) => {
             write_bytes(path, options.overwrite(), text.as_bytes())?;
-            console.note(format_args!("wrote {}", path.display()));
+            console.wrote(path);
             console.hint(format_args!("frfid check {}", path.display()));
         }
     }

@@ -33,7 +33,7 @@ pub(crate) fn run(
             None => return Err(no_command(name, &frfid)),
         },
     };
-    let page = page(command).map_err(|error| Failure::of(Exit::Failed, &error))?;
+    let page = page(command).map_err(|error| Failure::failed(&error))?;
     console.data(&String::from_utf8_lossy(&page))?;
     Ok(Exit::Done)
 }

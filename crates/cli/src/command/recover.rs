@@ -4,7 +4,7 @@ use frfid_signals::format::count;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use frfid_files::recover;
+use frfid_files::{Recovered, recover};
 use serde_json::json;
 
 use crate::console::Console;
@@ -31,14 +31,11 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
-    let output = arguments
-        .output
-        .clone()
-        .unwrap_or_else(|| beside(&arguments.input));
+    let named = arguments.output.clone();
+    let output = named.unwrap_or_else(|| beside(&arguments.input));
     let recovered = recover(&arguments.input, &output, options.overwrite())?;
-    for loss in &recovered.losses {
-        console.warning(format_args!("lost: {loss}"));
-    }
+    let lost = recovered.losses.iter().map(|loss| format!("lost: {loss}"));
+    console.warnings(lost);
     if options.json {
         console.json(&json!({
             "output": output,
@@ -48,13 +45,15 @@ pub(crate) fn run(
             "losses": recovered.losses.iter().map(ToString::to_string).collect::<Vec<_>>(),
         }))?;
     } else {
-        let messages = count(
-            usize::try_from(recovered.n_messages).unwrap_or(usize::MAX),
-            "message",
-        );
-        console.data(&format!("{}: {messages} salvaged\n", output.display()))?;
+        console.data(&in_words(&output, &recovered))?;
     }
     Ok(Exit::flawed_unless(recovered.losses.is_empty()))
+}
+
+fn in_words(output: &Path, recovered: &Recovered) -> String {
+    let n_messages = usize::try_from(recovered.n_messages).unwrap_or(usize::MAX);
+    let messages = count(n_messages, "message");
+    format!("{}: {messages} salvaged\n", output.display())
 }
 
 /// `logs/a.recovered.mcap` for `logs/a.mcap.part`.

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use frfid_experiment::{
-    Experiment, Load, PlannedRuns, RunOptions, RunSummary, Strength, predict, run_to_folder,
+    Experiment, Load, PlannedRuns, RunOptions, RunSummary, Strength, run_to_folder,
 };
 use frfid_signals::format::{count, significant};
 use frfid_signals::{Event, EventKind, Limits};
 use serde_json::json;
 
-use crate::command::design::{tell, warn, with_seed};
+use crate::command::design::{predicted, tell, warn, with_seed};
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::{Options, existing_path};
@@ -57,9 +57,7 @@ pub(crate) fn run(
     warn(&planned.experiment, console);
     check_index(arguments.index, planned.run_ids().len())?;
     let Some(folder) = arguments.output.as_ref().filter(|_| !arguments.dry_run) else {
-        let prediction = watched(console, "predicting", "runs", |progress| {
-            predict(&planned.experiment, arguments.jobs, progress)
-        })?;
+        let prediction = predicted(&planned.experiment, arguments.jobs, console)?;
         tell(&planned.experiment, &prediction, options, console)?;
         return Ok(Exit::Done);
     };
@@ -113,25 +111,32 @@ fn report(
     let flaws = flaws(summary, load.as_ref(), experiment.limits());
     let strength = summary.strength.as_ref();
     let too_weak = strength.iter().flat_map(|strength| &strength.warnings);
-    for warning in flaws.iter().chain(too_weak) {
-        console.warning(warning);
-    }
+    console.warnings(flaws.iter().chain(too_weak));
     if options.json {
         console.json(&json!(summary))?;
     } else {
-        let (written, skipped) = (count(summary.written.len(), "run"), summary.n_skipped);
-        let folder = folder.display();
         let table = load.map(|load| reached(summary, &load, experiment.limits()));
-        console.data(&format!(
-            "{folder}: {written} written, {skipped} there already\n{}",
-            table.unwrap_or_default()
-        ))?;
-        console.hint(format_args!(
-            "frfid estimate {folder} -o frf.json --report frf.html"
-        ));
+        tell_written(summary, folder, &table.unwrap_or_default(), console)?;
     }
     let crosses_zero = strength.is_some_and(Strength::crosses_zero);
     Ok(Exit::flawed_unless(flaws.is_empty() && !crosses_zero))
+}
+
+fn tell_written(
+    summary: &RunSummary,
+    folder: &Path,
+    table: &str,
+    console: &mut Console,
+) -> Result<(), Failure> {
+    let (written, skipped) = (count(summary.written.len(), "run"), summary.n_skipped);
+    let folder = folder.display();
+    console.data(&format!(
+        "{folder}: {written} written, {skipped} there already\n{table}"
+    ))?;
+    console.hint(format_args!(
+        "frfid estimate {folder} -o frf.json --report frf.html"
+    ));
+    Ok(())
 }
 
 /// Limits that were reached and runs that were stopped, now or before.
@@ -139,22 +144,20 @@ fn flaws(summary: &RunSummary, load: Option<&Load>, limits: &Limits) -> Vec<Stri
     let mut flaws = Vec::new();
     for run in &summary.written {
         let path = run.path.display();
-        flaws.extend(
-            run.events
-                .iter()
-                .map(|event| format!("{path}: {}", told(event))),
-        );
+        let events = run.events.iter();
+        flaws.extend(events.map(|event| format!("{path}: {}", told(event))));
     }
     if let Some(load) = load {
         flaws.extend(limits.exceeded(&load.peaks).iter().map(excess_in_words));
     }
-    flaws.extend(summary.stopped_before.iter().map(|path| {
-        format!(
-            "{}: was stopped before its end when it was done; --force does it again",
-            path.display()
-        )
-    }));
+    flaws.extend(summary.stopped_before.iter().map(|path| stopped(path)));
     flaws
+}
+
+/// What is said of a run that an earlier command stopped.
+fn stopped(path: &Path) -> String {
+    let path = path.display();
+    format!("{path}: was stopped before its end when it was done; --force does it again")
 }
 
 /// Table of what was reached beside the limits.
@@ -166,24 +169,14 @@ fn reached(summary: &RunSummary, load: &Load, limits: &Limits) -> String {
 
 /// Share of the time in which friction held the joint, the largest of all runs, one for each axis.
 fn standing_still(summary: &RunSummary) -> Vec<String> {
-    let axes = summary
-        .written
-        .first()
-        .map_or(0, |run| run.standing_share.len());
-    let of_axis = |axis: usize| {
-        summary
-            .written
-            .iter()
-            .filter_map(move |run| run.standing_share.get(axis))
+    let runs = &summary.written;
+    let n_axes = runs.first().map_or(0, |run| run.standing_share.len());
+    let share = |axis: usize| {
+        let shares = runs.iter().filter_map(|run| run.standing_share.get(axis));
+        100.0 * shares.fold(0.0, |a: f64, b| a.max(*b))
     };
-    (0..axes)
-        .map(|axis| {
-            format!(
-                "{:.1} %",
-                100.0 * of_axis(axis).fold(0.0, |a: f64, b| a.max(*b))
-            )
-        })
-        .collect()
+    let shares = (0..n_axes).map(|axis| format!("{:.1} %", share(axis)));
+    shares.collect()
 }
 
 /// An event in words.

@@ -16,7 +16,7 @@ use crate::exit::{Exit, Failure};
 use crate::options::Options;
 use crate::progress::watched;
 use crate::text::checks::{checks_as_text, warn_of_failed};
-use crate::text::table::table;
+use crate::text::table::{or_dash, row, side_by_side, table};
 
 /// Shape the reference of a chirp in closed loop until the motor torque is as desired, with an
 /// audit trail
@@ -65,29 +65,27 @@ fn tell(
     options: &Options,
     console: &mut Console,
 ) -> Result<(), Failure> {
-    for sticking in &report.sticking {
-        console.warning(sticking);
-    }
+    console.warnings(&report.sticking);
     warn_of_failed(&report.checks, console);
     let folder = arguments.output.display();
     if options.json {
         return console.json(&json!({ "output": arguments.output, "shape": report }));
     }
-    let end = match (report.best, &report.stop_reason) {
-        (Some(best), Some(reason)) => format!("  the best is iteration {best}; {reason}\n"),
-        _ => String::new(),
-    };
-    let text = format!(
-        "{folder}\n{}{}{end}{}",
-        iterations(report),
-        notes(report),
-        checks_as_text(&report.checks)
-    );
-    console.data(&text)?;
+    console.data(&format!("{folder}\n{}", as_text(report)))?;
     console.hint(format_args!(
         "frfid export {folder}/frf.json --to csv -o frf.csv, or frfid compare {folder}/frf.json OTHER.json"
     ));
     Ok(())
+}
+
+/// The iterations, how they ended, and what was checked.
+fn as_text(report: &ShapeReport) -> String {
+    let end = match (report.best, &report.stop_reason) {
+        (Some(best), Some(reason)) => format!("  the best is iteration {best}; {reason}\n"),
+        _ => String::new(),
+    };
+    let checks = checks_as_text(&report.checks);
+    iterations(report) + &notes(report) + &end + &checks
 }
 
 /// A row for each iteration; where there are several axes, their values stand beside each other.
@@ -99,39 +97,36 @@ fn iterations(report: &ShapeReport) -> String {
         "peak torque in N m",
         "damping",
     ];
-    let mut rows = vec![title.map(str::to_owned).to_vec()];
-    rows.extend(report.iterations.iter().map(row));
+    let mut rows = vec![row(title)];
+    rows.extend(report.iterations.iter().map(row_of));
     table(&rows)
 }
 
-fn row(iteration: &IterationReport) -> Vec<String> {
+fn row_of(iteration: &IterationReport) -> Vec<String> {
     let percent = |shares: &[f64]| per_axis(shares.iter().map(|share| 100.0 * share), 2);
     let error = iteration.axis_error.as_deref();
-    let damping = iteration.damping.map(|damping| significant(damping, 3));
     vec![
         iteration.number.to_string(),
         error.map_or_else(|| "stopped".into(), percent),
         percent(&iteration.stuck_share),
         per_axis(iteration.peaks.torque_nm.iter().copied(), 3),
-        damping.unwrap_or_else(|| "-".into()),
+        or_dash(iteration.damping, |damping| significant(damping, 3)),
     ]
 }
 
 fn per_axis(values: impl Iterator<Item = f64>, digits: usize) -> String {
-    values
-        .map(|value| significant(value, digits))
-        .collect::<Vec<_>>()
-        .join(" | ")
+    let values = values.map(|value| significant(value, digits));
+    side_by_side(&values.collect::<Vec<_>>())
 }
 
 fn notes(report: &ShapeReport) -> String {
-    let of_iteration = |iteration: &IterationReport| {
-        let number = iteration.number;
-        iteration
-            .notes
-            .iter()
-            .map(move |note| format!("  iteration {number}: {note}\n"))
-            .collect::<String>()
-    };
-    report.iterations.iter().map(of_iteration).collect()
+    let mut text = String::new();
+    for IterationReport { number, notes, .. } in &report.iterations {
+        text.extend(
+            notes
+                .iter()
+                .map(|note| format!("  iteration {number}: {note}\n")),
+        );
+    }
+    text
 }

@@ -3,18 +3,15 @@
 use frfid_files::Check;
 
 use crate::console::Console;
-use crate::text::table::table;
+use crate::text::table::{row, table};
 
 /// What was checked and whether it holds, a row for each check.
 pub(crate) fn checks_as_text(checks: &[Check]) -> String {
-    let verdict = |passed: bool| if passed { "passed" } else { "FAILED" };
-    let row = |check: &Check| {
-        vec![
-            format!("{}: {}", check.name, check.found),
-            verdict(check.passed).to_owned(),
-        ]
-    };
-    table(&checks.iter().map(row).collect::<Vec<_>>())
+    let rows = checks.iter().map(|check| {
+        let verdict = if check.passed { "passed" } else { "FAILED" };
+        row([&format!("{}: {}", check.name, check.found), verdict])
+    });
+    table(&rows.collect::<Vec<_>>())
 }
 
 /// Warns of every check that failed, with what to do.

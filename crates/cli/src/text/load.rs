@@ -4,7 +4,7 @@ use frfid_experiment::Load;
 use frfid_signals::format::significant;
 use frfid_signals::{Excess, Limit, Limits};
 
-use crate::text::table::table;
+use crate::text::table::{or_dash, row, table};
 
 /// Further rows of each axis: a name, and the value of every axis.
 pub(crate) type Others = [(&'static str, Vec<String>)];
@@ -15,18 +15,21 @@ pub(crate) fn load_as_text(title: &str, load: &Load, limits: &Limits, others: &O
     for (axis, rms_nm) in load.torque_rms_nm.iter().enumerate() {
         let quantities = Limit::ALL.iter();
         rows.extend(quantities.filter_map(|&limit| limited(load, limits, limit, axis)));
-        let name = format!("axis {} torque, rms", axis + 1);
-        rows.push(row([&name, &with_unit(*rms_nm, Limit::Torque), "-", ""]));
-        for (name, values) in others {
-            let name = format!("axis {} {name}", axis + 1);
-            rows.extend(
-                values
-                    .get(axis)
-                    .map(|value| vec![name, value.clone(), "-".into()]),
-            );
-        }
+        let rms = with_unit(*rms_nm, Limit::Torque);
+        rows.push(row([&of_axis(axis, "torque, rms"), &rms, "-", ""]));
+        rows.extend(others.iter().filter_map(|other| unlimited(other, axis)));
     }
     table(&rows)
+}
+
+/// The row of a quantity without a limit, if this axis has a value.
+fn unlimited((name, values): &(&str, Vec<String>), axis: usize) -> Option<Vec<String>> {
+    let value = values.get(axis)?;
+    Some(row([&of_axis(axis, name), value, "-"]))
+}
+
+fn of_axis(axis: usize, quantity: &str) -> String {
+    format!("axis {} {quantity}", axis + 1)
 }
 
 /// The row of a quantity: some have one only where they have a limit.
@@ -38,9 +41,9 @@ fn limited(load: &Load, limits: &Limits, limit: Limit, axis: usize) -> Option<Ve
     }
     let used = |allowed: f64| format!("{:.0} %", 100.0 * value / allowed);
     Some(vec![
-        format!("axis {} {}", axis + 1, name(limit)),
+        of_axis(axis, &name(limit)),
         with_unit(value, limit),
-        allowed.map_or_else(|| "-".into(), |allowed| with_unit(allowed, limit)),
+        or_dash(allowed, |allowed| with_unit(allowed, limit)),
         allowed
             .filter(|_| limit.is_size())
             .map_or_else(String::new, used),
@@ -65,22 +68,10 @@ fn with_unit(value: f64, limit: Limit) -> String {
     format!("{} {}", significant(value, 4), limit.unit())
 }
 
-fn row(cells: [&str; 4]) -> Vec<String> {
-    cells.map(str::to_owned).to_vec()
-}
-
 /// A limit that was exceeded, in words.
 pub(crate) fn excess_in_words(excess: &Excess) -> String {
-    let &Excess {
-        axis,
-        limit,
-        allowed,
-        found,
-    } = excess;
-    let [found, allowed] = [found, allowed].map(|value| with_unit(value, limit));
-    format!(
-        "axis {} {} reached {found}, the limit is {allowed}",
-        axis + 1,
-        name(limit)
-    )
+    let [found, allowed] =
+        [excess.found, excess.allowed].map(|value| with_unit(value, excess.limit));
+    let quantity = of_axis(excess.axis, &name(excess.limit));
+    format!("{quantity} reached {found}, the limit is {allowed}")
 }

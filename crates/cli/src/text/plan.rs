@@ -11,15 +11,9 @@ use crate::text::table::{bytes, duration, list};
 pub(crate) fn plan_as_text(plan: &Plan) -> Result<String, SignalError> {
     let cost = Cost::of(plan)?;
     let mut entries = plan.excitation.waveform().described(plan.sample_time_s);
-    let lead_in_s = plan.lead_in_samples as f64 * plan.sample_time_s;
-    entries.push((
-        "each run",
-        format!(
-            "lead-in {} s, {}",
-            significant(lead_in_s, 6),
-            count(plan.n_periods, "period")
-        ),
-    ));
+    let lead_in_s = significant(lead_in_s(plan), 6);
+    let periods = count(plan.n_periods, "period");
+    entries.push(("each run", format!("lead-in {lead_in_s} s, {periods}")));
     entries.push(("runs", format!("{}: {}", cost.n_runs, runs(plan))));
     entries.push(("time on the robot", duration(cost.robot_time_s)));
     entries.push(("memory for each job", bytes(cost.memory_bytes)));
@@ -45,7 +39,7 @@ pub(crate) fn plan_as_json(plan: &Plan) -> Result<Value, SignalError> {
         "n_repetitions": plan.n_repetitions,
         "n_periods": plan.n_periods,
         "n_glides": plan.n_glides,
-        "lead_in_s": plan.lead_in_samples as f64 * plan.sample_time_s,
+        "lead_in_s": lead_in_s(plan),
         "n_runs": cost.n_runs,
         "run_samples": cost.run_samples,
         "robot_time_s": cost.robot_time_s,
@@ -57,6 +51,10 @@ pub(crate) fn plan_as_json(plan: &Plan) -> Result<Value, SignalError> {
         value[key] = json!(fact);
     }
     Ok(value)
+}
+
+fn lead_in_s(plan: &Plan) -> f64 {
+    plan.lead_in_samples as f64 * plan.sample_time_s
 }
 
 fn runs(plan: &Plan) -> String {

@@ -4,7 +4,7 @@ use frfid_estimate::AxisStrength;
 use frfid_experiment::Strength;
 use frfid_signals::format::significant;
 
-use crate::text::table::list;
+use crate::text::table::{list, side_by_side};
 
 /// How the axes were driven and moved: name and value per axis.
 pub(crate) fn strength_rows(strength: Option<&Strength>) -> Vec<(&'static str, Vec<String>)> {
@@ -48,8 +48,7 @@ fn changes_sign(axis: &AxisStrength) -> Option<String> {
 
 /// The same with the values of all axes beside each other.
 pub(crate) fn strength_as_text(strength: Option<&Strength>) -> String {
-    let rows = strength_rows(strength)
-        .into_iter()
-        .map(|(name, values)| (name, values.join(" | ")));
+    let rows = strength_rows(strength).into_iter();
+    let rows = rows.map(|(name, values)| (name, side_by_side(&values)));
     list(&rows.collect::<Vec<_>>())
 }

@@ -5,14 +5,9 @@ use frfid_signals::format::significant;
 /// Rows of cells, columns two spaces apart: the first one flush left, the others flush right.
 pub(crate) fn table(rows: &[Vec<String>]) -> String {
     let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-    let width = |column: usize| {
-        rows.iter()
-            .map(|row| row.get(column).map_or(0, |cell| cell.chars().count()))
-            .max()
-    };
-    let widths: Vec<usize> = (0..columns)
-        .map(|column| width(column).unwrap_or(0))
-        .collect();
+    let cells_of = |column: usize| rows.iter().filter_map(move |row| row.get(column));
+    let widths = (0..columns).map(|column| width(cells_of(column)));
+    let widths: Vec<usize> = widths.collect();
     let mut text = String::new();
     for row in rows {
         for (column, (cell, width)) in row.iter().zip(&widths).enumerate() {
@@ -30,15 +25,32 @@ pub(crate) fn table(rows: &[Vec<String>]) -> String {
 
 /// Names and values, both flush left.
 pub(crate) fn list(entries: &[(&str, String)]) -> String {
-    let width = entries
-        .iter()
-        .map(|(name, _)| name.chars().count())
-        .max()
-        .unwrap_or(0);
+    let width = width(entries.iter().map(|(name, _)| name));
     entries
         .iter()
         .map(|(name, value)| format!("  {name:width$}  {value}\n"))
         .collect()
+}
+
+/// Characters of the widest of these texts.
+fn width(texts: impl Iterator<Item: AsRef<str>>) -> usize {
+    let widths = texts.map(|text| text.as_ref().chars().count());
+    widths.max().unwrap_or(0)
+}
+
+/// A row of texts that are known beforehand.
+pub(crate) fn row<const N: usize>(cells: [&str; N]) -> Vec<String> {
+    cells.map(str::to_owned).to_vec()
+}
+
+/// A value in words, or a dash.
+pub(crate) fn or_dash<T>(value: Option<T>, in_words: impl FnOnce(T) -> String) -> String {
+    value.map_or_else(|| "-".to_owned(), in_words)
+}
+
+/// The values of the axes beside each other.
+pub(crate) fn side_by_side(values: &[String]) -> String {
+    values.join(" | ")
 }
 
 /// A time for people: `12.3 s`, `12 min 17 s`, `3 h 5 min`.
@@ -67,7 +79,6 @@ mod tests {
 
     #[test]
     fn columns_line_up() {
-        let row = |cells: [&str; 3]| cells.map(str::to_owned).to_vec();
         let text = table(&[
             row(["", "peak", "limit"]),
             row(["torque", "150 N m", ""]),

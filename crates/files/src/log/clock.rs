@@ -18,6 +18,13 @@ pub(crate) struct Clock {
     pub(crate) origin_ns: f64,
 }
 
+/// What is wrong with the stamps: found, needed.
+pub(crate) type Flaw = (String, String);
+
+pub(crate) fn flaw<T>(found: impl Into<String>, needed: impl Into<String>) -> Result<T, Flaw> {
+    Err((found.into(), needed.into()))
+}
+
 /// Above this share of the sample time, jitter is worth a warning.
 pub(crate) const NOTABLE_JITTER: f64 = 0.01;
 /// Above this share, samples cannot be taken as evenly spaced.
@@ -25,38 +32,38 @@ pub(crate) const MOST_JITTER: f64 = 0.2;
 
 impl Clock {
     /// Fits an even grid to rising stamps in ns, or says what is wrong: found, needed.
-    pub(crate) fn fit(stamps_ns: &[i64]) -> Result<Self, (String, String)> {
+    pub(crate) fn fit(stamps_ns: &[i64]) -> Result<Self, Flaw> {
         if stamps_ns.len() < 2 {
-            return Err((format!("{} samples", stamps_ns.len()), "at least 2".into()));
+            return flaw(format!("{} samples", stamps_ns.len()), "at least 2");
         }
         let slots = slots(stamps_ns);
         let last = slots.last().copied().unwrap_or(0);
         if last > MOST_VALUES {
-            let found = format!("stamps over {last} samples");
-            return Err((found, format!("at most {MOST_VALUES}")));
+            let needed = format!("at most {MOST_VALUES}");
+            return flaw(format!("stamps over {last} samples"), needed);
         }
-        let (step, deviations) = straight_line(stamps_ns, &slots);
-        let count = deviations.len() as f64;
-        let mean = deviations.iter().sum::<f64>() / count;
-        let squares = deviations
-            .iter()
-            .map(|deviation| (deviation - mean).powi(2));
-        let largest = deviations
-            .iter()
-            .map(|deviation| (deviation - mean).abs())
-            .fold(0.0, f64::max);
-        let clock = Self {
-            sample_time_s: step / 1e9,
-            jitter: (squares.sum::<f64>() / count).sqrt(),
-            largest_jitter: largest,
-            origin_ns: mean * step,
-            slots,
-        };
+        let clock = Self::of(stamps_ns, slots);
         clock.check_even()?;
         Ok(clock)
     }
 
-    fn check_even(&self) -> Result<(), (String, String)> {
+    /// The clock that fits best, even or not.
+    fn of(stamps_ns: &[i64], slots: Vec<usize>) -> Self {
+        let (step, deviations) = straight_line(stamps_ns, &slots);
+        let count = deviations.len() as f64;
+        let mean = deviations.iter().sum::<f64>() / count;
+        let from_mean = || deviations.iter().map(|deviation| deviation - mean);
+        let squares = from_mean().map(|deviation| deviation.powi(2));
+        Self {
+            sample_time_s: step / 1e9,
+            jitter: (squares.sum::<f64>() / count).sqrt(),
+            largest_jitter: from_mean().map(f64::abs).fold(0.0, f64::max),
+            origin_ns: mean * step,
+            slots,
+        }
+    }
+
+    fn check_even(&self) -> Result<(), Flaw> {
         let pairs = self.slots.windows(2);
         let crowded = pairs.filter(|pair| pair[0] == pair[1]).count();
         if self.jitter <= MOST_JITTER && crowded == 0 {
@@ -72,7 +79,7 @@ impl Clock {
             "an even clock, jitter below {} %; frfid does not resample",
             100.0 * MOST_JITTER
         );
-        Err((found, needed))
+        flaw(found, needed)
     }
 
     /// Number of samples of the grid, missing ones included.
@@ -116,16 +123,9 @@ fn typical_step(steps: &[f64]) -> f64 {
 /// already, and its correction is exactly zero.
 fn straight_line(stamps_ns: &[i64], slots: &[usize]) -> (f64, Vec<f64>) {
     let last = slots.len() - 1;
-    let from_first = |stamp: &i64| stamp.abs_diff(stamps_ns[0]) as f64;
-    let through_ends = from_first(&stamps_ns[last]) / slots[last].max(1) as f64;
-    let deviations = |step: f64| -> Vec<f64> {
-        stamps_ns
-            .iter()
-            .zip(slots)
-            .map(|(stamp, &slot)| from_first(stamp) / step - slot as f64)
-            .collect()
-    };
-    let ends = deviations(through_ends);
+    let length_ns = stamps_ns[last].abs_diff(stamps_ns[0]) as f64;
+    let through_ends = length_ns / slots[last].max(1) as f64;
+    let ends = deviations(stamps_ns, slots, through_ends);
     let middle = slots.iter().map(|&slot| slot as f64).sum::<f64>() / slots.len() as f64;
     let (mut lean, mut weight) = (0.0, 0.0);
     for (deviation, &slot) in ends.iter().zip(slots) {
@@ -133,7 +133,16 @@ fn straight_line(stamps_ns: &[i64], slots: &[usize]) -> (f64, Vec<f64>) {
         weight += (slot as f64 - middle).powi(2);
     }
     let step = through_ends * (1.0 + lean / weight.max(1.0));
-    (step, deviations(step))
+    (step, deviations(stamps_ns, slots, step))
+}
+
+/// How many steps the stamps lie behind an even grid from the first of them.
+fn deviations(stamps_ns: &[i64], slots: &[usize], step: f64) -> Vec<f64> {
+    let from_first = |stamp: &i64| stamp.abs_diff(stamps_ns[0]) as f64;
+    let pairs = stamps_ns.iter().zip(slots);
+    pairs
+        .map(|(stamp, &slot)| from_first(stamp) / step - slot as f64)
+        .collect()
 }
 
 #[cfg(test)]

@@ -27,15 +27,8 @@ pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Rec
         .iter()
         .map(|signal| column(path, &names, &signal.source))
         .collect::<Result<Vec<_>, _>>()?;
-    let mut series = Series {
-        topic: "rows".into(),
-        signals: (0..signals.len()).collect(),
-        ..Default::default()
-    };
-    while let Some(line) = lines.next_line()? {
-        if line.is_empty() || line.starts_with('#') {
-            continue;
-        }
+    let mut series = Series::of("rows", (0..signals.len()).collect());
+    while let Some(line) = lines.next_row()? {
         let fields: Vec<_> = line.split(separator).collect();
         if fields.len() != names.len() && lines.broke_off {
             lines.failed = Some(format!("the file breaks off in line {}", lines.number));
@@ -47,9 +40,9 @@ pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Rec
             path,
             line: lines.number,
         };
+        row.check_width()?;
         let stamp_ns = clock.stamp_ns(series.rows.len(), |column| row.number(column))?;
-        series.rows.push(row.numbers(&columns)?);
-        series.stamps_ns.push(stamp_ns);
+        series.push(stamp_ns, row.numbers(&columns)?);
     }
     Ok(recording(series, lines, clock.sample_time_s(map)))
 }
@@ -88,29 +81,34 @@ struct Row<'r> {
 }
 
 impl Row<'_> {
+    fn check_width(&self) -> Result<(), FileError> {
+        let (found, needed) = (self.fields.len(), self.needed);
+        if found == needed {
+            return Ok(());
+        }
+        Err(self.bad(
+            format!("{found} fields"),
+            format!("{needed}, as in the header"),
+        ))
+    }
+
     fn numbers(&self, columns: &[usize]) -> Result<Vec<f64>, FileError> {
         columns.iter().map(|&column| self.number(column)).collect()
     }
 
     /// The number in a column; an empty field is a missing value.
     fn number(&self, column: usize) -> Result<f64, FileError> {
-        let bad = |found: String, needed: String| FileError::Content {
-            path: self.path.into(),
-            what: format!("line {}", self.line),
-            found,
-            needed,
-        };
-        if self.fields.len() != self.needed {
-            let needed = format!("{}, as in the header", self.needed);
-            return Err(bad(format!("{} fields", self.fields.len()), needed));
-        }
         let field = unquoted(self.fields[column]);
         if field.is_empty() {
             return Ok(f64::NAN);
         }
         field
             .parse()
-            .map_err(|_| bad(format!("`{field}`"), "a number".into()))
+            .map_err(|_| self.bad(format!("`{field}`"), "a number"))
+    }
+
+    fn bad(&self, found: String, needed: impl Into<String>) -> FileError {
+        FileError::content(self.path, format!("line {}", self.line), found, needed)
     }
 }
 
@@ -122,17 +120,16 @@ fn column(path: &Path, names: &[&str], name: &str) -> Result<usize, FileError> {
     let mut places = (0..names.len()).filter(|&k| names[k] == name);
     match (places.next(), places.next()) {
         (Some(place), None) => Ok(place),
-        (first, _) => Err(FileError::Content {
-            path: path.into(),
-            what: format!("column `{name}`"),
-            found: if first.is_some() {
-                "two of that name"
-            } else {
-                "no such column"
-            }
-            .into(),
-            needed: format!("one of {}", names.join(", ")),
-        }),
+        (first, _) => {
+            let found = first.map_or("no such column", |_| "two of that name");
+            let needed = format!("one of {}", names.join(", "));
+            Err(FileError::content(
+                path,
+                format!("column `{name}`"),
+                found,
+                needed,
+            ))
+        }
     }
 }
 
@@ -149,11 +146,7 @@ struct Lines {
 
 impl Lines {
     fn open(path: &Path) -> Result<Self, FileError> {
-        let failed = |error: std::io::Error| FileError::Io {
-            path: path.into(),
-            action: "open",
-            reason: error.to_string(),
-        };
+        let failed = FileError::cannot("open", path);
         let mut file = BufReader::with_capacity(1 << 16, File::open(path).map_err(failed)?);
         let is_gzipped = file.fill_buf().map_err(failed)?.starts_with(&[0x1f, 0x8b]);
         let reader: Box<dyn BufRead> = if is_gzipped {
@@ -170,6 +163,17 @@ impl Lines {
         })
     }
 
+    /// The next line of numbers; empty ones and comments are left out.
+    fn next_row(&mut self) -> Result<Option<String>, FileError> {
+        loop {
+            let line = self.next_line()?;
+            let is_row = |line: &String| !line.is_empty() && !line.starts_with('#');
+            if line.as_ref().is_none_or(is_row) {
+                return Ok(line);
+            }
+        }
+    }
+
     /// The next line without its end; `None` at the end of what can be read.
     fn next_line(&mut self) -> Result<Option<String>, FileError> {
         if self.failed.is_some() {
@@ -177,25 +181,23 @@ impl Lines {
         }
         let mut line = Vec::new();
         self.number += 1;
-        if let Err(error) = (&mut self.reader)
-            .take(LINE_LIMIT)
-            .read_until(b'\n', &mut line)
-        {
-            self.failed = Some(format!(
-                "cannot read on behind line {}: {error}",
-                self.number - 1
-            ));
+        let mut limited = (&mut self.reader).take(LINE_LIMIT);
+        if let Err(error) = limited.read_until(b'\n', &mut line) {
+            let last = self.number - 1;
+            self.failed = Some(format!("cannot read on behind line {last}: {error}"));
         }
         if !line.is_empty() {
             self.broke_off = !line.ends_with(b"\n");
         }
         if line.len() as u64 == LINE_LIMIT {
-            return Err(FileError::Format {
-                path: self.path.clone(),
-                found: format!("a line of more than {LINE_LIMIT} bytes"),
-                needed: "a CSV with a header and one row per sample",
-                advice: "export it as text".into(),
-            });
+            let found = format!("a line of more than {LINE_LIMIT} bytes");
+            let needed = "a CSV with a header and one row per sample";
+            return Err(FileError::format(
+                &self.path,
+                found,
+                needed,
+                "export it as text",
+            ));
         }
         // a line that broke off because reading failed may have lost digits
         if line.is_empty() || self.failed.is_some() {

@@ -65,32 +65,29 @@ impl Format {
     /// [`FileError::Io`]; [`FileError::Format`] that says what the file is instead.
     pub(crate) fn of(path: &Path) -> Result<&'static Self, FileError> {
         let opened = File::open(path).and_then(|mut file| first_bytes(&mut file));
-        let start = opened.map_err(|error| FileError::Io {
-            path: path.into(),
-            action: "open",
-            reason: error.to_string(),
-        })?;
-        let by_content =
-            |format: &&Self| !format.magic.is_empty() && start.starts_with(format.magic);
-        let by_name = || FORMATS.iter().find(|format| format.has(path));
-        let format = FORMATS.iter().find(by_content).or_else(by_name);
+        let start = opened.map_err(FileError::cannot("open", path))?;
+        let by_content = FORMATS.iter().find(|format| format.begins(&start));
+        let format = by_content.or_else(|| FORMATS.iter().find(|format| format.has(path)));
         format.ok_or_else(|| {
-            let (found, advice) = kind_of(&start).map_or_else(
-                || {
-                    (
-                        "an unknown kind of file",
-                        format!("frfid reads {}", described()),
-                    )
-                },
-                |(found, advice)| (found, advice.to_owned()),
-            );
-            FileError::Format {
-                path: path.into(),
-                found: found.into(),
-                needed: "a recording",
-                advice,
-            }
+            let (found, advice) = other_kind(&start);
+            FileError::format(path, found, "a recording", advice)
         })
+    }
+
+    /// Whether a file that starts like this is of the format.
+    fn begins(&self, start: &[u8]) -> bool {
+        !self.magic.is_empty() && start.starts_with(self.magic)
+    }
+}
+
+/// What a file of none of the formats is, and what to do with it.
+fn other_kind(start: &[u8]) -> (&'static str, String) {
+    match kind_of(start) {
+        Some((found, advice)) => (found, advice.to_owned()),
+        None => (
+            "an unknown kind of file",
+            format!("frfid reads {}", described()),
+        ),
     }
 }
 

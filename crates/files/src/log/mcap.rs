@@ -7,8 +7,7 @@ use crate::error::FileError;
 use crate::log::map::{LogMap, Signal};
 use crate::log::recording::{Recording, Series};
 use crate::mcap::chunk::Entry;
-use crate::mcap::open::open_mcap;
-use crate::mcap::read::{Part, scan};
+use crate::mcap::read::{Part, scan_file};
 use crate::mcap::record::{Channel, Message, Schema};
 use crate::ros::definition::{self, Definition};
 use crate::ros::selector::Selector;
@@ -30,7 +29,7 @@ pub(crate) fn read(
 ) -> Result<Recording, FileError> {
     let mut topics = topics_of(path, signals)?;
     let mut seen = BTreeSet::new();
-    let damages = scan(open_mcap(path)?, path, Part::All, &mut |entry| {
+    let damages = scan_file(path, Part::All, &mut |entry| {
         let Entry::Message {
             channel,
             schema,
@@ -42,64 +41,49 @@ pub(crate) fn read(
         if !seen.contains(&channel.topic) {
             seen.insert(channel.topic.clone());
         }
-        let mapped = |topic: &&mut Topic| topic.series.topic == channel.topic;
-        let topic = topics.iter_mut().find(mapped);
-        topic.map_or(Ok(()), |topic| topic.take(path, channel, schema, &message))
+        let mapped = topics
+            .iter_mut()
+            .find(|topic| topic.series.topic == channel.topic);
+        mapped.map_or(Ok(()), |topic| topic.take(path, channel, schema, &message))
     })?;
-    if let Some(empty) = topics.iter().find(|topic| topic.series.rows.is_empty()) {
-        let known: Vec<_> = seen.iter().map(String::as_str).collect();
-        let needed = format!("one of {}", known.join(", "));
-        let found = "no messages".into();
-        return Err(content(path, &empty.series.topic, found, needed));
-    }
+    check_there(path, &topics, &seen)?;
     let at = |times: Option<(u64, u64)>| times.and_then(|(from, _)| i64::try_from(from).ok());
+    let damages = damages.into_iter();
     Ok(Recording {
         warnings: topics.iter().filter_map(Topic::unstamped_warning).collect(),
         series: topics.into_iter().map(|topic| topic.series).collect(),
         damages: damages
-            .into_iter()
             .map(|damage| (at(damage.times_ns), damage.reason))
             .collect(),
         sample_time_s: None,
     })
 }
 
-fn content(path: &Path, what: &str, found: String, needed: String) -> FileError {
-    FileError::Content {
-        path: path.into(),
-        what: what.into(),
-        found,
-        needed,
-    }
+/// Refuses a mapped topic without messages; `seen` are those that have some.
+fn check_there(path: &Path, topics: &[Topic], seen: &BTreeSet<String>) -> Result<(), FileError> {
+    let empty = topics.iter().find(|topic| topic.series.rows.is_empty());
+    empty.map_or(Ok(()), |empty| {
+        let known: Vec<_> = seen.iter().map(String::as_str).collect();
+        let needed = format!("one of {}", known.join(", "));
+        Err(FileError::content(
+            path,
+            &empty.series.topic,
+            "no messages",
+            needed,
+        ))
+    })
 }
 
 /// The mapped topics, each with the signals taken from it.
 fn topics_of(path: &Path, signals: &[&Signal]) -> Result<Vec<Topic>, FileError> {
     let mut topics: Vec<Topic> = Vec::new();
     for (place, signal) in signals.iter().enumerate() {
-        let selector = Selector::parse(&signal.source).ok_or_else(|| {
-            let needed = "topic:field, for example /joint_states:velocity[elbow]".into();
-            content(
-                path,
-                "source in the log map",
-                format!("`{}`", signal.source),
-                needed,
-            )
-        })?;
+        let selector = selector_of(path, signal)?;
         let known = topics
             .iter()
             .position(|topic| topic.series.topic == selector.topic);
         let known = known.unwrap_or_else(|| {
-            let series = Series {
-                topic: selector.topic.clone(),
-                ..Default::default()
-            };
-            topics.push(Topic {
-                selectors: vec![],
-                definition: None,
-                unstamped: 0,
-                series,
-            });
+            topics.push(Topic::of(&selector.topic));
             topics.len() - 1
         });
         topics[known].selectors.push(selector);
@@ -108,7 +92,24 @@ fn topics_of(path: &Path, signals: &[&Signal]) -> Result<Vec<Topic>, FileError> 
     Ok(topics)
 }
 
+fn selector_of(path: &Path, signal: &Signal) -> Result<Selector, FileError> {
+    Selector::parse(&signal.source).ok_or_else(|| {
+        let found = format!("`{}`", signal.source);
+        let needed = "topic:field, for example /joint_states:velocity[elbow]";
+        FileError::content(path, "source in the log map", found, needed)
+    })
+}
+
 impl Topic {
+    fn of(name: &str) -> Self {
+        Self {
+            selectors: Vec::new(),
+            definition: None,
+            unstamped: 0,
+            series: Series::of(name, Vec::new()),
+        }
+    }
+
     fn unstamped_warning(&self) -> Option<String> {
         let (name, count) = (&self.series.topic, self.unstamped);
         (count > 0).then(|| {
@@ -125,38 +126,32 @@ impl Topic {
         schema: Option<&Schema>,
         message: &Message,
     ) -> Result<(), FileError> {
-        let bad = |found| {
-            let what = format!("{} message {}", channel.topic, self.series.rows.len());
-            content(
-                path,
-                &what,
-                found,
-                "a message of the type that the file states, with the fields of the log map".into(),
-            )
-        };
+        let bad = |found| bad_message(path, &channel.topic, self.series.rows.len(), found);
         let definition = match &mut self.definition {
             Some(definition) => definition,
             none => none.insert(definition_of(path, channel, schema)?),
         };
         let value = decode(definition, message.data).map_err(|error| bad(error.to_string()))?;
-        let row = self
-            .selectors
-            .iter()
-            .map(|selector| selector.pick(&value))
-            .collect::<Result<Vec<_>, _>>();
-        let row = row.map_err(bad)?;
+        let row = row_of(&self.selectors, &value).map_err(bad)?;
         let stamp_ns = stamp_ns(&value).unwrap_or_else(|| {
             self.unstamped += 1;
             i64::try_from(message.log_time_ns).unwrap_or(i64::MAX)
         });
-        self.series.stamps_ns.push(stamp_ns);
-        self.series.rows.push(
-            row.into_iter()
-                .map(|value| value.unwrap_or(f64::NAN))
-                .collect(),
-        );
+        self.series.push(stamp_ns, row);
         Ok(())
     }
+}
+
+fn bad_message(path: &Path, topic: &str, number: usize, found: String) -> FileError {
+    let what = format!("{topic} message {number}");
+    let needed = "a message of the type that the file states, with the fields of the log map";
+    FileError::content(path, what, found, needed)
+}
+
+/// The selected numbers of a message, NaN where it does not have the joint.
+fn row_of(selectors: &[Selector], message: &Value) -> Result<Vec<f64>, String> {
+    let picked = |selector: &Selector| Ok(selector.pick(message)?.unwrap_or(f64::NAN));
+    selectors.iter().map(picked).collect()
 }
 
 /// The definition of a topic's messages, if they are encoded as ROS 2 does.
@@ -167,41 +162,35 @@ fn definition_of(
 ) -> Result<Definition, FileError> {
     let encoding = schema.map_or("no schema", |schema| schema.encoding.as_str());
     if channel.encoding != "cdr" || encoding != "ros2msg" {
-        let advice = match (channel.encoding.as_str(), encoding) {
-            ("ros1", _) => "convert it: mcap convert, or rosbags-convert --dst-storage mcap",
-            (_, "ros2idl") => {
-                "record it on ROS 2 with .msg definitions, or convert it by rosbags-convert"
-            }
-            _ => "export the signals to CSV and map its columns",
-        };
-        return Err(FileError::Format {
-            path: path.into(),
-            found: format!(
-                "{} encoded as {} with {encoding}",
-                channel.topic, channel.encoding
-            ),
-            needed: "cdr with a ros2msg schema",
-            advice: advice.into(),
-        });
+        return Err(other_encoding(path, channel, encoding));
     }
     let text = String::from_utf8_lossy(schema.map_or(&[], |schema| &schema.text));
     definition::parse(&text).map_err(|error| {
-        content(
-            path,
-            &channel.topic,
-            error.to_string(),
-            "a definition in the language of ROS 2 messages".into(),
-        )
+        let needed = "a definition in the language of ROS 2 messages";
+        FileError::content(path, &channel.topic, error.to_string(), needed)
     })
+}
+
+fn other_encoding(path: &Path, channel: &Channel, schema: &str) -> FileError {
+    let advice = match (channel.encoding.as_str(), schema) {
+        ("ros1", _) => "convert it: mcap convert, or rosbags-convert --dst-storage mcap",
+        (_, "ros2idl") => {
+            "record it on ROS 2 with .msg definitions, or convert it by rosbags-convert"
+        }
+        _ => "export the signals to CSV and map its columns",
+    };
+    let Channel {
+        topic, encoding, ..
+    } = channel;
+    let found = format!("{topic} encoded as {encoding} with {schema}");
+    FileError::format(path, found, "cdr with a ros2msg schema", advice)
 }
 
 /// The header's stamp; none where the message has no header or its stamp was never set.
 fn stamp_ns(message: &Value) -> Option<i64> {
     let stamp = message.field("header").unwrap_or(message).field("stamp")?;
-    let (sec, nanosec) = (
-        stamp.field("sec")?.number()?,
-        stamp.field("nanosec")?.number()?,
-    );
+    let part = |name: &str| stamp.field(name)?.number();
+    let (sec, nanosec) = (part("sec")?, part("nanosec")?);
     let stamp_ns = sec as i64 * 1_000_000_000 + nanosec as i64;
     (stamp_ns != 0).then_some(stamp_ns)
 }

@@ -17,7 +17,7 @@ pub(crate) mod units;
 use std::path::Path;
 
 use frfid_signals::Record;
-use ndarray::{Array2, ArrayView1};
+use ndarray::Array2;
 
 use crate::error::FileError;
 use crate::log::alignment::{Grid, drop_duplicates};
@@ -67,26 +67,20 @@ pub fn read_log(path: &Path, map: &LogMap) -> Result<Log, FileError> {
 fn check(map: &LogMap) -> Result<(), FileError> {
     if map.u.is_empty() || map.y.is_empty() {
         let found = format!("{} inputs, {} outputs", map.u.len(), map.y.len());
-        return Err(FileError::Shape {
-            what: "log map",
-            found,
-            needed: "at least one signal for u and for y".into(),
-        });
+        let needed = "at least one signal for u and for y";
+        return Err(FileError::shape("log map", found, needed));
     }
-    for (what, role, size) in [
-        ("r", &map.r, map.u.len()),
-        ("position", &map.position, map.y.len()),
-    ] {
-        if !role.is_empty() && role.len() != size {
-            let needed = format!("{size}, or none");
-            return Err(FileError::Shape {
-                what,
-                found: format!("{} signals", role.len()),
-                needed,
-            });
-        }
+    check_size("r", &map.r, map.u.len())?;
+    check_size("position", &map.position, map.y.len())
+}
+
+/// Refuses a role with another number of signals; it may have none.
+fn check_size(what: &'static str, role: &[Signal], size: usize) -> Result<(), FileError> {
+    if role.is_empty() || role.len() == size {
+        return Ok(());
     }
-    Ok(())
+    let found = format!("{} signals", role.len());
+    Err(FileError::shape(what, found, format!("{size}, or none")))
 }
 
 /// Puts the signals of all topics on one clock.
@@ -99,12 +93,8 @@ fn assemble(
     let mut warnings = recording.warnings;
     let clocks = clocks(path, &mut recording.series, &mut warnings)?;
     let grid = Grid::of(&recording.series, &clocks, &mut warnings)
-        .map_err(|(found, needed)| content(path, "topics", found, needed))?;
-    if grid.n_samples.saturating_mul(signals.len()) > header::MOST_VALUES {
-        let found = format!("{} samples", grid.n_samples);
-        let needed = format!("at most {} values", header::MOST_VALUES);
-        return Err(content(path, "stamps", found, needed));
-    }
+        .map_err(|(found, needed)| FileError::content(path, "topics", found, needed))?;
+    check_amount(path, grid.n_samples, signals.len())?;
     let mut values = Array2::from_elem((signals.len(), grid.n_samples), f64::NAN);
     let mut losses = grid.fill(&recording.series, &clocks, signals, &mut values);
     let damages = recording.damages.into_iter();
@@ -112,13 +102,21 @@ fn assemble(
     check_measured(path, signals, &values)?;
     convert(path, signals, &mut values)?;
     let sample_time_s = recording.sample_time_s.unwrap_or(grid.sample_time_s);
-    Ok(sort_into_roles(
-        map,
-        &values,
-        sample_time_s,
+    Ok(Log {
         losses,
         warnings,
-    ))
+        ..sort_into_roles(map, &values, sample_time_s)
+    })
+}
+
+/// Refuses more values than a file may hold.
+fn check_amount(path: &Path, n_samples: usize, n_signals: usize) -> Result<(), FileError> {
+    if n_samples.saturating_mul(n_signals) <= header::MOST_VALUES {
+        return Ok(());
+    }
+    let found = format!("{n_samples} samples");
+    let needed = format!("at most {} values", header::MOST_VALUES);
+    Err(FileError::content(path, "stamps", found, needed))
 }
 
 /// The clock of each series.
@@ -130,35 +128,22 @@ fn clocks(
     let clock = |series: &mut Series| {
         drop_duplicates(series, warnings)
             .and_then(|()| Clock::fit(&series.stamps_ns))
-            .map_err(|(found, needed)| content(path, &series.topic, found, needed))
+            .map_err(|(found, needed)| FileError::content(path, &series.topic, found, needed))
     };
     series.iter_mut().map(clock).collect()
 }
 
 /// Refuses signals without a single number.
 fn check_measured(path: &Path, signals: &[&Signal], values: &Array2<f64>) -> Result<(), FileError> {
-    let is_measured = |row: ArrayView1<f64>| row.iter().any(|value| value.is_finite());
-    let dead = signals
-        .iter()
-        .zip(values.rows())
-        .find(|(_, row)| !is_measured(*row));
-    dead.map_or(Ok(()), |(signal, _)| {
-        let found = "no number in the whole recording".into();
-        Err(content(
+    let mut rows = signals.iter().zip(values.rows());
+    match rows.find(|(_, row)| !row.iter().any(|value| value.is_finite())) {
+        None => Ok(()),
+        Some((signal, _)) => Err(FileError::content(
             path,
             &signal.source,
-            found,
-            "a measured signal".into(),
-        ))
-    })
-}
-
-fn content(path: &Path, what: &str, found: String, needed: String) -> FileError {
-    FileError::Content {
-        path: path.into(),
-        what: what.into(),
-        found,
-        needed,
+            "no number in the whole recording",
+            "a measured signal",
+        )),
     }
 }
 
@@ -171,28 +156,15 @@ fn convert(path: &Path, signals: &[&Signal], values: &mut Array2<f64>) -> Result
     Ok(())
 }
 
-fn sort_into_roles(
-    map: &LogMap,
-    values: &Array2<f64>,
-    sample_time_s: f64,
-    losses: Vec<Loss>,
-    warnings: Vec<String>,
-) -> Log {
+/// The log of these values, row by row in the order of the map's roles.
+fn sort_into_roles(map: &LogMap, values: &Array2<f64>, sample_time_s: f64) -> Log {
     let mut taken = 0;
     let [u, y, r, position] = map.roles().map(|role| {
-        let rows = values
-            .slice(ndarray::s![taken..taken + role.len(), ..])
-            .to_owned();
-        taken += role.len();
-        rows
+        let rows = taken..taken + role.len();
+        taken = rows.end;
+        values.slice(ndarray::s![rows, ..]).to_owned()
     });
     let there = |signal: Array2<f64>| (signal.nrows() > 0).then_some(signal);
-    let names = |role: &[Signal]| role.iter().map(|signal| signal.source.clone()).collect();
-    let units = |role: &[Signal]| {
-        role.iter()
-            .map(|signal| to_si(&signal.unit).map_or(signal.unit.clone(), |(_, si)| si.into()))
-            .collect()
-    };
     Log {
         input_names: names(&map.u),
         output_names: names(&map.y),
@@ -207,7 +179,20 @@ fn sort_into_roles(
             input_kind: map.input_kind,
             events: Vec::new(),
         },
-        losses,
-        warnings,
+        losses: Vec::new(),
+        warnings: Vec::new(),
     }
+}
+
+fn names(role: &[Signal]) -> Vec<String> {
+    role.iter().map(|signal| signal.source.clone()).collect()
+}
+
+/// SI units; a unit that is not known stays as it is.
+fn units(role: &[Signal]) -> Vec<String> {
+    let unit = |signal: &Signal| match to_si(&signal.unit) {
+        Ok((_, si)) => si.to_owned(),
+        Err(_) => signal.unit.clone(),
+    };
+    role.iter().map(unit).collect()
 }

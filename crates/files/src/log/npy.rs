@@ -19,24 +19,10 @@ pub(crate) fn parse_npy(file: &[u8]) -> Option<ArrayD<f64>> {
     };
     let header = std::str::from_utf8(bytes.take(length).ok()?).ok()?;
     let kind = value_of(header, "descr")?
-        .trim_start()
         .strip_prefix(['\'', '"'])?
         .get(..3)?;
-    let is_fortran = value_of(header, "fortran_order")?
-        .trim_start()
-        .starts_with("True");
-    let shape = value_of(header, "shape")?
-        .trim_start()
-        .strip_prefix('(')?
-        .split_once(')')?
-        .0;
-    let shape = shape
-        .split(',')
-        .map(str::trim)
-        .filter(|length| !length.is_empty());
-    let shape: Vec<usize> = shape
-        .map(|length| length.trim_end_matches('L').parse().ok())
-        .collect::<Option<_>>()?;
+    let is_fortran = value_of(header, "fortran_order")?.starts_with("True");
+    let shape = shape_of(header)?;
     let count = shape
         .iter()
         .try_fold(1_usize, |product, &length| product.checked_mul(length))?;
@@ -45,10 +31,22 @@ pub(crate) fn parse_npy(file: &[u8]) -> Option<ArrayD<f64>> {
     Some(array.as_standard_layout().into_owned())
 }
 
+/// The lengths of the axes.
+fn shape_of(header: &str) -> Option<Vec<usize>> {
+    let (shape, _) = value_of(header, "shape")?
+        .strip_prefix('(')?
+        .split_once(')')?;
+    let lengths = shape.split(',').map(str::trim);
+    lengths
+        .filter(|length| !length.is_empty())
+        .map(|length| length.trim_end_matches('L').parse().ok())
+        .collect()
+}
+
 /// What stands behind a key of the header's dictionary.
 fn value_of<'h>(header: &'h str, key: &str) -> Option<&'h str> {
     let behind = &header[header.find(&format!("'{key}'"))? + key.len() + 2..];
-    behind.trim_start().strip_prefix(':')
+    behind.trim_start().strip_prefix(':').map(str::trim_start)
 }
 
 /// Numbers of the kind `<f8`, `>i2`, `|u1`, ...
@@ -59,22 +57,29 @@ fn numbers(kind: &str, bytes: &[u8], count: usize) -> Option<Vec<f64>> {
     }
     let is_big = kind.starts_with('>');
     let class = kind.as_bytes()[1];
-    let number = |bytes: &[u8]| {
-        let mut wide = [0; 8];
-        for (k, byte) in bytes.iter().enumerate() {
-            wide[if is_big { size - 1 - k } else { k }] = *byte;
-        }
-        let bits = u64::from_le_bytes(wide);
-        let unused = 64 - 8 * size as u32;
-        match (class, size) {
-            (b'f', 8) => Some(f64::from_bits(bits)),
-            (b'f', 4) => Some(f64::from(f32::from_bits(bits as u32))),
-            (b'i', _) => Some((((bits << unused) as i64) >> unused) as f64),
-            (b'u', _) | (b'b', 1) => Some(bits as f64),
-            _ => None,
-        }
-    };
+    let number = |bytes: &[u8]| number(class, size, bits(bytes, is_big));
     bytes.chunks_exact(size).map(number).collect()
+}
+
+/// The bits of a number, the lowest first.
+fn bits(bytes: &[u8], is_big: bool) -> u64 {
+    let mut wide = [0; 8];
+    for (k, byte) in bytes.iter().enumerate() {
+        wide[if is_big { bytes.len() - 1 - k } else { k }] = *byte;
+    }
+    u64::from_le_bytes(wide)
+}
+
+/// The number of a class (`f`, `i`, `u`, `b`) and size in bytes.
+fn number(class: u8, size: usize, bits: u64) -> Option<f64> {
+    let unused = 64 - 8 * size as u32;
+    match (class, size) {
+        (b'f', 8) => Some(f64::from_bits(bits)),
+        (b'f', 4) => Some(f64::from(f32::from_bits(bits as u32))),
+        (b'i', _) => Some((((bits << unused) as i64) >> unused) as f64),
+        (b'u', _) | (b'b', 1) => Some(bits as f64),
+        _ => None,
+    }
 }
 
 #[cfg(test)]

@@ -20,12 +20,21 @@ use crate::run::header;
 /// [`FileError::Io`], [`FileError::Format`] if the file is no NPZ, [`FileError::Content`] if the
 /// array is not there (the error lists those that are), is not of real numbers, or is damaged.
 pub fn read_npz_array(path: &Path, name: &str) -> Result<ArrayD<f64>, FileError> {
-    let content = |found: String, needed: String| FileError::Content {
-        path: path.into(),
-        what: format!("array {name}"),
-        found,
-        needed,
-    };
+    let bytes = entry_bytes(path, name)?;
+    parse_npy(&bytes).ok_or_else(|| {
+        let header = String::from_utf8_lossy(bytes.get(..128).unwrap_or(&bytes));
+        let found = format!("{:?}", header.trim_end());
+        let needed = "an array of real numbers, as long as its shape says";
+        bad_array(path, name, found, needed)
+    })
+}
+
+fn bad_array(path: &Path, name: &str, found: String, needed: impl Into<String>) -> FileError {
+    FileError::content(path, format!("array {name}"), found, needed)
+}
+
+/// The NPY file of an array.
+fn entry_bytes(path: &Path, name: &str) -> Result<Vec<u8>, FileError> {
     let mut archive = open(path)?;
     let mut known: Vec<_> = archive.array_names().map(String::from).collect();
     known.sort();
@@ -34,34 +43,22 @@ pub fn read_npz_array(path: &Path, name: &str) -> Result<ArrayD<f64>, FileError>
     // its integers
     let entry = archive.zip_archive().by_name(&file_name).map_err(|_| {
         let needed = format!("one of {}", known.join(", "));
-        content("no such array".into(), needed)
+        bad_array(path, name, "no such array".into(), needed)
     })?;
     let mut bytes = Vec::new();
     let read = entry.take(LARGEST_ARRAY_BYTES).read_to_end(&mut bytes);
-    read.map_err(|error| content(error.to_string(), "an undamaged array".into()))?;
-    parse_npy(&bytes).ok_or_else(|| {
-        let header = String::from_utf8_lossy(bytes.get(..128).unwrap_or(&bytes)).into_owned();
-        content(
-            format!("{:?}", header.trim_end()),
-            "an array of real numbers, as long as its shape says".into(),
-        )
-    })
+    read.map_err(|error| bad_array(path, name, error.to_string(), "an undamaged array"))?;
+    Ok(bytes)
 }
 
 /// No array needs more bytes than this.
 const LARGEST_ARRAY_BYTES: u64 = 8 * header::MOST_VALUES as u64;
 
 fn open(path: &Path) -> Result<NpzArchive<BufReader<File>>, FileError> {
-    let file = File::open(path).map_err(|error| FileError::Io {
-        path: path.into(),
-        action: "open",
-        reason: error.to_string(),
-    })?;
-    NpzArchive::new(BufReader::new(file)).map_err(|error| FileError::Format {
-        path: path.into(),
-        found: error.to_string(),
-        needed: "an NPZ archive",
-        advice: "write it by numpy.savez".into(),
+    let file = File::open(path).map_err(FileError::cannot("open", path))?;
+    NpzArchive::new(BufReader::new(file)).map_err(|error| {
+        let found = error.to_string();
+        FileError::format(path, found, "an NPZ archive", "write it by numpy.savez")
     })
 }
 
@@ -77,28 +74,17 @@ pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Rec
         .as_ref()
         .map(|time| row(path, &time.source))
         .transpose()?;
-    let n = rows[0].len();
+    let first = (signals[0], rows[0].len());
     let all = signals.iter().copied().chain(&map.time);
     for (signal, row) in all.zip(rows.iter().chain(&times)) {
-        if row.len() != n {
-            return Err(FileError::Content {
-                path: path.into(),
-                what: format!("array {}", signal.source),
-                found: format!("{} samples", row.len()),
-                needed: format!("{n}, as in {}", signals[0].source),
-            });
-        }
+        check_length(path, (signal, row.len()), first)?;
     }
     let clock = SampleTimes::of(path, map, |_| Ok(0))?;
     let time = |k: usize| Ok(times.as_ref().map_or(0.0, |times| times[k]));
-    let mut series = Series {
-        topic: "samples".into(),
-        signals: (0..signals.len()).collect(),
-        ..Default::default()
-    };
-    for k in 0..n {
-        series.stamps_ns.push(clock.stamp_ns(k, |_| time(k))?);
-        series.rows.push(rows.iter().map(|row| row[k]).collect());
+    let mut series = Series::of("samples", (0..signals.len()).collect());
+    for k in 0..rows[0].len() {
+        let row = rows.iter().map(|row| row[k]).collect();
+        series.push(clock.stamp_ns(k, |_| time(k))?, row);
     }
     Ok(Recording {
         series: vec![series],
@@ -107,14 +93,22 @@ pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Rec
     })
 }
 
+/// Refuses a signal that is not as long as the first one.
+fn check_length(
+    path: &Path,
+    (signal, length): (&Signal, usize),
+    (first, needed): (&Signal, usize),
+) -> Result<(), FileError> {
+    if length == needed {
+        return Ok(());
+    }
+    let found = format!("{length} samples");
+    let needed = format!("{needed}, as in {}", first.source);
+    Err(bad_array(path, &signal.source, found, needed))
+}
+
 fn row(path: &Path, source: &str) -> Result<Vec<f64>, FileError> {
-    let (name, place) = match source
-        .strip_suffix(']')
-        .and_then(|source| source.split_once('['))
-    {
-        Some((name, place)) => (name, place.parse::<usize>().ok()),
-        None => (source, None),
-    };
+    let (name, place) = name_and_place(source);
     let array = read_npz_array(path, name)?;
     let row = match (array.ndim(), place) {
         (1, None) => Some(array.iter().copied().collect()),
@@ -124,20 +118,29 @@ fn row(path: &Path, source: &str) -> Result<Vec<f64>, FileError> {
             .map(|row| row.iter().copied().collect()),
         _ => None,
     };
-    row.ok_or_else(|| FileError::Content {
-        path: path.into(),
-        what: format!("source {source} in the log map"),
-        found: format!("an array of shape {:?}", array.shape()),
-        needed: "name for an array (sample), name[row] for one (channel, sample)".into(),
+    row.ok_or_else(|| {
+        let what = format!("source {source} in the log map");
+        let found = format!("an array of shape {:?}", array.shape());
+        let needed = "name for an array (sample), name[row] for one (channel, sample)";
+        FileError::content(path, what, found, needed)
     })
+}
+
+/// `name` and `row` of `name[row]`; no row without brackets, or where it is no number.
+fn name_and_place(source: &str) -> (&str, Option<usize>) {
+    let inside = source.strip_suffix(']');
+    match inside.and_then(|source| source.split_once('[')) {
+        Some((name, place)) => (name, place.parse().ok()),
+        None => (source, None),
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::atomic_write::Overwrite;
-    use crate::result::json::tests::result;
     use crate::result::npz::write_frf_npz;
+    use crate::result::testing::result;
 
     #[test]
     fn what_we_write_comes_back_and_nothing_that_was_not_measured() {

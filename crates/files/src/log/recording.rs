@@ -14,6 +14,28 @@ pub(crate) struct Series {
     pub(crate) rows: Vec<Vec<f64>>,
 }
 
+impl Series {
+    /// Series without samples yet.
+    pub(crate) fn of(topic: &str, signals: Vec<usize>) -> Self {
+        Self {
+            topic: topic.into(),
+            signals,
+            ..Default::default()
+        }
+    }
+
+    /// Takes in a sample.
+    pub(crate) fn push(&mut self, stamp_ns: i64, row: Vec<f64>) {
+        self.stamps_ns.push(stamp_ns);
+        self.rows.push(row);
+    }
+
+    /// Whether the sample before this one has the same stamp.
+    pub(crate) fn is_twin(&self, sample: usize) -> bool {
+        sample > 0 && self.stamps_ns[sample] == self.stamps_ns[sample - 1]
+    }
+}
+
 /// What a reader of one format delivers.
 #[derive(Debug, Default)]
 pub(crate) struct Recording {

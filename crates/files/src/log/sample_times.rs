@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::error::FileError;
-use crate::log::map::LogMap;
+use crate::log::map::{LogMap, Signal};
 use crate::log::units::si_of;
 use crate::run::header::check_sample_time;
 
@@ -24,29 +24,19 @@ impl SampleTimes {
     ) -> Result<Self, FileError> {
         match (&map.time, map.sample_time_s) {
             (Some(time), _) => {
-                let (factor, unit) = si_of(path, time)?;
-                if unit != "s" {
-                    let found = format!("unit {unit}");
-                    return Err(FileError::Shape {
-                        what: "time in the log map",
-                        found,
-                        needed: "s, ms, us or ns".into(),
-                    });
-                }
-                Ok(Self::Column(
-                    place(&time.source)?,
-                    factor * time.scale * 1e9,
-                ))
+                let factor = seconds(path, time)?;
+                let column = place(&time.source)?;
+                Ok(Self::Column(column, factor * time.scale * 1e9))
             }
             (None, Some(sample_time_s)) => {
                 check_sample_time(sample_time_s)?;
                 Ok(Self::Counted(sample_time_s * 1e9))
             }
-            (None, None) => Err(FileError::Shape {
-                what: "clock of the recording in the log map",
-                found: "neither time nor sample_time_s".into(),
-                needed: "where its sample times are, or its sample time".into(),
-            }),
+            (None, None) => Err(FileError::shape(
+                "clock of the recording in the log map",
+                "neither time nor sample_time_s",
+                "where its sample times are, or its sample time",
+            )),
         }
     }
 
@@ -63,9 +53,22 @@ impl SampleTimes {
         row: usize,
         number: impl Fn(usize) -> Result<f64, FileError>,
     ) -> Result<i64, FileError> {
-        Ok(match *self {
-            Self::Column(column, factor) => (number(column)? * factor).round() as i64,
-            Self::Counted(step_ns) => (row as f64 * step_ns).round() as i64,
-        })
+        let stamp_ns = match *self {
+            Self::Column(column, factor) => number(column)? * factor,
+            Self::Counted(step_ns) => row as f64 * step_ns,
+        };
+        Ok(stamp_ns.round() as i64)
+    }
+}
+
+/// Factor to s of a signal that must be a time.
+fn seconds(path: &Path, time: &Signal) -> Result<f64, FileError> {
+    match si_of(path, time)? {
+        (factor, "s") => Ok(factor),
+        (_, unit) => Err(FileError::shape(
+            "time in the log map",
+            format!("unit {unit}"),
+            "s, ms, us or ns",
+        )),
     }
 }

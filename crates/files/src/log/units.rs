@@ -41,20 +41,21 @@ const UNITS: [(&str, f64, &str); 30] = [
 
 /// Factor to SI and the SI unit, or the units there are.
 pub(crate) fn to_si(unit: &str) -> Result<(f64, &'static str), String> {
-    let known = UNITS
-        .iter()
-        .find(|(name, ..)| *name == unit)
-        .map(|&(_, factor, si)| (factor, si));
-    known.ok_or_else(|| format!("one of {}", UNITS.map(|(name, ..)| name).join(", ")))
+    match UNITS.iter().find(|(name, ..)| *name == unit) {
+        Some(&(_, factor, si)) => Ok((factor, si)),
+        None => Err(format!(
+            "one of {}",
+            UNITS.map(|(name, ..)| name).join(", ")
+        )),
+    }
 }
 
 /// The same for a signal of a log map; an unknown unit is an error that names the signal.
 pub(crate) fn si_of(path: &Path, signal: &Signal) -> Result<(f64, &'static str), FileError> {
-    to_si(&signal.unit).map_err(|needed| FileError::Content {
-        path: path.into(),
-        what: format!("unit of {} in the log map", signal.source),
-        found: format!("`{}`", signal.unit),
-        needed,
+    let Signal { source, unit, .. } = signal;
+    to_si(unit).map_err(|needed| {
+        let what = format!("unit of {source} in the log map");
+        FileError::content(path, what, format!("`{unit}`"), needed)
     })
 }
 

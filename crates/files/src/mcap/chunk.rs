@@ -27,15 +27,25 @@ pub(crate) enum Entry<'a> {
 /// Takes the entries; an error stops the reading.
 pub(crate) type Visit<'v> = dyn FnMut(Entry<'_>) -> Result<(), FileError> + 'v;
 
+/// What became of a record: the outer error stops the reading, the inner one is damage.
+pub(crate) type Taken<D> = Result<Result<(), D>, FileError>;
+
 /// The topics defined so far, and how many messages had none.
 #[derive(Debug, Default)]
 pub(crate) struct Topics {
     schemas: HashMap<u16, Schema>,
     channels: HashMap<u16, Channel>,
-    pub(crate) orphans: usize,
+    orphans: usize,
 }
 
 impl Topics {
+    /// What was lost with the definitions of topics.
+    pub(crate) fn orphaned(&self) -> Option<String> {
+        let count = self.orphans;
+        let reason = format!("{count} messages belong to topics whose definition is lost");
+        (count > 0).then_some(reason)
+    }
+
     /// Takes in a schema or channel record. Definitions are repeated in a file; the first one
     /// holds.
     pub(crate) fn define(&mut self, opcode: u8, body: &[u8]) -> Result<(), Short> {
@@ -49,14 +59,8 @@ impl Topics {
         Ok(())
     }
 
-    /// Hands one record to `visit` if it is of interest. The outer error stops the reading, the
-    /// inner one is damage.
-    pub(crate) fn take(
-        &mut self,
-        opcode: u8,
-        body: &[u8],
-        visit: &mut Visit,
-    ) -> Result<Result<(), Short>, FileError> {
+    /// Hands one record to `visit` if it is of interest.
+    pub(crate) fn take(&mut self, opcode: u8, body: &[u8], visit: &mut Visit) -> Taken<Short> {
         if matches!(opcode, op::SCHEMA | op::CHANNEL) {
             return Ok(self.define(opcode, body));
         }
@@ -94,29 +98,17 @@ impl Topics {
     }
 }
 
-/// Takes a record of a chunk by opcode and body. The outer error stops the reading, the inner one
-/// is damage.
-pub(crate) type Take<'t> = dyn FnMut(u8, &[u8]) -> Result<Result<(), Short>, FileError> + 't;
+/// Takes a record of a chunk by opcode and body.
+pub(crate) type Take<'t> = dyn FnMut(u8, &[u8]) -> Taken<Short> + 't;
 
 /// Unpacks a chunk into `take`, after its checksum was verified. Of a chunk whose end is cut off,
-/// which no checksum covers, it delivers what comes before the cut. The outer error stops the
-/// reading, the inner one is damage, in words.
-pub(crate) fn unpack(chunk: &RawRecord, take: &mut Take) -> Result<Result<(), String>, FileError> {
-    let options = LinearReaderOptions::default()
-        .with_skip_start_magic(true)
-        .with_skip_end_magic(true)
-        .with_prevalidate_chunk_crcs(!chunk.is_cut)
-        .with_record_length_limit(LENGTH_LIMIT as usize);
-    let mut reader = LinearReader::new_with_options(options);
+/// which no checksum covers, it delivers what comes before the cut. Damage is told in words.
+pub(crate) fn unpack(chunk: &RawRecord, take: &mut Take) -> Taken<String> {
+    let mut reader = reader_of(chunk);
     let mut left = &chunk.bytes[..];
     while let Some(event) = reader.next_event() {
         match event {
-            Ok(LinearReadEvent::ReadRequest(count)) => {
-                let (now, later) = left.split_at(count.min(left.len()));
-                reader.insert(now.len()).copy_from_slice(now);
-                reader.notify_read(now.len());
-                left = later;
-            }
+            Ok(LinearReadEvent::ReadRequest(count)) => left = feed(&mut reader, count, left),
             Ok(LinearReadEvent::Record { data, opcode }) => {
                 if let Err(short) = take(opcode, data)? {
                     return Ok(Err(short.to_string()));
@@ -126,6 +118,24 @@ pub(crate) fn unpack(chunk: &RawRecord, take: &mut Take) -> Result<Result<(), St
         }
     }
     Ok(Ok(()))
+}
+
+/// A reader of a chunk's records, which verifies the checksum first unless the end is cut off.
+fn reader_of(chunk: &RawRecord) -> LinearReader {
+    let options = LinearReaderOptions::default()
+        .with_skip_start_magic(true)
+        .with_skip_end_magic(true)
+        .with_prevalidate_chunk_crcs(!chunk.is_cut)
+        .with_record_length_limit(LENGTH_LIMIT as usize);
+    LinearReader::new_with_options(options)
+}
+
+/// Gives the reader up to `count` of the bytes; returns those behind them.
+fn feed<'b>(reader: &mut LinearReader, count: usize, left: &'b [u8]) -> &'b [u8] {
+    let (now, later) = left.split_at(count.min(left.len()));
+    reader.insert(now.len()).copy_from_slice(now);
+    reader.notify_read(now.len());
+    later
 }
 
 /// The reader's error with the numbers that a user can act upon.

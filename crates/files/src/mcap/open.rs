@@ -1,7 +1,7 @@
 //! Opening of a file that should be an MCAP; anything else is named, with the tool that converts it.
 
 use std::fs::File;
-use std::io::{BufReader, Seek, SeekFrom};
+use std::io::{BufReader, Seek};
 use std::path::Path;
 
 use crate::error::FileError;
@@ -12,30 +12,23 @@ use crate::file_kind::{first_bytes, kind_of};
 /// # Errors
 /// [`FileError::Io`], or [`FileError::Format`] naming what the file is instead.
 pub(crate) fn open_mcap(path: &Path) -> Result<BufReader<File>, FileError> {
-    let failed = |error: std::io::Error| FileError::Io {
-        path: path.into(),
-        action: "open",
-        reason: error.to_string(),
-    };
+    let failed = FileError::cannot("open", path);
     let mut file = BufReader::with_capacity(1 << 16, File::open(path).map_err(failed)?);
     let start = first_bytes(&mut file).map_err(failed)?;
-    file.seek(SeekFrom::Start(0)).map_err(failed)?;
+    file.rewind().map_err(failed)?;
     if start.starts_with(mcap::MAGIC) {
         return Ok(file);
     }
-    let (found, advice) = match kind_of(&start) {
-        _ if !start.is_empty() && mcap::MAGIC.starts_with(&start) => {
-            ("the first bytes of an MCAP", "the rest is lost")
-        }
-        Some(kind) => kind,
-        None => ("an unknown kind of file", "give an .mcap file"),
-    };
-    Err(FileError::Format {
-        path: path.into(),
-        found: found.into(),
-        needed: "an MCAP file",
-        advice: advice.into(),
-    })
+    let (found, advice) = other_kind(&start);
+    Err(FileError::format(path, found, "an MCAP file", advice))
+}
+
+/// What a file is that does not begin as an MCAP does, and what to do with it.
+fn other_kind(start: &[u8]) -> (&'static str, &'static str) {
+    if !start.is_empty() && mcap::MAGIC.starts_with(start) {
+        return ("the first bytes of an MCAP", "the rest is lost");
+    }
+    kind_of(start).unwrap_or(("an unknown kind of file", "give an .mcap file"))
 }
 
 #[cfg(test)]

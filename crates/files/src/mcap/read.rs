@@ -2,7 +2,7 @@
 //! unpacked on its own and only after its checksum was verified; what cannot be read is reported as
 //! [`Damage`], the rest is delivered.
 
-use std::io::{self, Read, Seek};
+use std::io::{Read, Seek};
 use std::path::Path;
 
 use mcap::records::op;
@@ -10,6 +10,7 @@ use mcap::records::op;
 use crate::error::FileError;
 use crate::loss::Damage;
 use crate::mcap::chunk::{Topics, Visit, unpack};
+use crate::mcap::open::open_mcap;
 use crate::mcap::record::RawRecord;
 use crate::mcap::walk::Walk;
 
@@ -25,6 +26,26 @@ pub(crate) enum Part {
     Window(u64, u64),
 }
 
+impl Part {
+    /// Whether a chunk with these log times is read.
+    pub(crate) fn holds(self, (from_ns, to_ns): (u64, u64)) -> bool {
+        match self {
+            Self::All => true,
+            Self::Description => false,
+            Self::Window(first_ns, last_ns) => from_ns <= last_ns && to_ns >= first_ns,
+        }
+    }
+}
+
+/// Reads the file at `path` by [`scan`].
+pub(crate) fn scan_file(
+    path: &Path,
+    part: Part,
+    visit: &mut Visit,
+) -> Result<Vec<Damage>, FileError> {
+    scan(open_mcap(path)?, path, part, visit)
+}
+
 /// Reads a file from start to end and hands everything sound to `visit`.
 pub(crate) fn scan<R: Read + Seek>(
     file: R,
@@ -32,20 +53,12 @@ pub(crate) fn scan<R: Read + Seek>(
     part: Part,
     visit: &mut Visit,
 ) -> Result<Vec<Damage>, FileError> {
-    let failed = |error: io::Error| FileError::Io {
-        path: path.into(),
-        action: "read",
-        reason: error.to_string(),
-    };
+    let failed = FileError::cannot("read", path);
     let (mut walk, mut topics) = Walk::begin(file, part).map_err(failed)?;
     while let Some(record) = walk.next_record(part).map_err(failed)? {
         deliver(&record, &mut walk, &mut topics, visit)?;
     }
-    if topics.orphans > 0 {
-        let reason = format!(
-            "{} messages belong to topics whose definition is lost",
-            topics.orphans
-        );
+    if let Some(reason) = topics.orphaned() {
         walk.damaged(None, reason);
     }
     Ok(walk.damages)

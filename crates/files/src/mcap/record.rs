@@ -75,9 +75,15 @@ pub(crate) struct ChunkIndex {
     pub(crate) length: u64,
 }
 
+impl ChunkIndex {
+    /// The first and the last log time.
+    pub(crate) fn times_ns(&self) -> (u64, u64) {
+        (self.from_ns, self.to_ns)
+    }
+}
+
 fn text_map(bytes: &mut Bytes) -> Result<BTreeMap<String, String>, Short> {
-    let length = bytes.u32()?;
-    let mut pairs = Bytes::new(bytes.take(u64::from(length))?);
+    let mut pairs = Bytes::new(bytes.block()?);
     let mut map = BTreeMap::new();
     while pairs.left() > 0 {
         map.insert(pairs.text()?, pairs.text()?);
@@ -87,41 +93,34 @@ fn text_map(bytes: &mut Bytes) -> Result<BTreeMap<String, String>, Short> {
 
 pub(crate) fn schema(body: &[u8]) -> Result<(u16, Schema), Short> {
     let mut bytes = Bytes::new(body);
-    let (id, name, encoding, length) = (bytes.u16()?, bytes.text()?, bytes.text()?, bytes.u32()?);
-    Ok((
-        id,
-        Schema {
-            name,
-            encoding,
-            text: bytes.take(u64::from(length))?.to_vec(),
-        },
-    ))
+    let id = bytes.u16()?;
+    let schema = Schema {
+        name: bytes.text()?,
+        encoding: bytes.text()?,
+        text: bytes.block()?.to_vec(),
+    };
+    Ok((id, schema))
 }
 
 pub(crate) fn channel(body: &[u8]) -> Result<(u16, Channel), Short> {
     let mut bytes = Bytes::new(body);
-    let (id, schema_id, topic, encoding) =
-        (bytes.u16()?, bytes.u16()?, bytes.text()?, bytes.text()?);
-    Ok((
-        id,
-        Channel {
-            schema_id,
-            topic,
-            encoding,
-            metadata: text_map(&mut bytes)?,
-        },
-    ))
+    let id = bytes.u16()?;
+    let channel = Channel {
+        schema_id: bytes.u16()?,
+        topic: bytes.text()?,
+        encoding: bytes.text()?,
+        metadata: text_map(&mut bytes)?,
+    };
+    Ok((id, channel))
 }
 
 pub(crate) fn message(body: &[u8]) -> Result<Message<'_>, Short> {
     let mut bytes = Bytes::new(body);
-    let (channel_id, sequence) = (bytes.u16()?, bytes.u32()?);
-    let (log_time_ns, publish_time_ns) = (bytes.u64()?, bytes.u64()?);
     Ok(Message {
-        channel_id,
-        sequence,
-        log_time_ns,
-        publish_time_ns,
+        channel_id: bytes.u16()?,
+        sequence: bytes.u32()?,
+        log_time_ns: bytes.u64()?,
+        publish_time_ns: bytes.u64()?,
         data: bytes.rest(),
     })
 }
@@ -133,20 +132,19 @@ pub(crate) fn metadata(body: &[u8]) -> Result<(String, BTreeMap<String, String>)
 
 pub(crate) fn attachment(body: &[u8]) -> Result<Attachment<'_>, Short> {
     let mut bytes = Bytes::new(body);
-    let (log_time_ns, create_time_ns) = (bytes.u64()?, bytes.u64()?);
-    let (name, media_type, length) = (bytes.text()?, bytes.text()?, bytes.u64()?);
-    let data = bytes.take(length)?;
-    let checked = &body[..bytes.at()];
-    let crc = bytes.u32()?;
-    let is_sound = crc == 0 || crc == crc32fast::hash(checked);
     Ok(Attachment {
-        log_time_ns,
-        create_time_ns,
-        name,
-        media_type,
-        data,
-        is_sound,
+        log_time_ns: bytes.u64()?,
+        create_time_ns: bytes.u64()?,
+        name: bytes.text()?,
+        media_type: bytes.text()?,
+        data: bytes.long_block()?,
+        is_sound: holds(crc32fast::hash(&body[..bytes.at()]), bytes.u32()?),
     })
+}
+
+/// Whether a checksum is the one that was saved; 0 says that the writer made none.
+pub(crate) fn holds(found: u32, saved: u32) -> bool {
+    saved == 0 || saved == found
 }
 
 pub(crate) fn chunk_index(body: &[u8]) -> Result<ChunkIndex, Short> {

@@ -4,9 +4,9 @@
 use std::io::{BufReader, Write};
 use std::path::Path;
 
+use mcap::McapResult;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
-use mcap::{McapResult, Writer};
 
 use crate::atomic_write::{Overwrite, part_path, write_file};
 use crate::error::{FileError, chain};
@@ -15,7 +15,7 @@ use crate::mcap::chunk::Entry;
 use crate::mcap::open::open_mcap;
 use crate::mcap::read::{Part, scan};
 use crate::mcap::record::{Attachment, Channel, Message, Schema};
-use crate::mcap::write::options;
+use crate::mcap::write::{McapWriter, options};
 
 /// What was salvaged.
 #[derive(Debug, Clone, PartialEq, Default)]
@@ -38,17 +38,7 @@ pub struct Recovered {
 /// Those of reading and writing; [`FileError::Shape`] if `output` would be written over the input
 /// on the way.
 pub fn recover(input: &Path, output: &Path, overwrite: Overwrite) -> Result<Recovered, FileError> {
-    if is_same_file(output, input) || is_same_file(&part_path(output), input) {
-        return Err(FileError::Shape {
-            what: "output",
-            found: format!(
-                "{}, which is written by way of {}",
-                output.display(),
-                part_path(output).display()
-            ),
-            needed: "a name that does not touch the input".into(),
-        });
-    }
+    check_apart(input, output)?;
     let file = open_mcap(input)?;
     let mut recovered = Recovered::default();
     write_file(output, overwrite, |out| {
@@ -56,6 +46,18 @@ pub fn recover(input: &Path, output: &Path, overwrite: Overwrite) -> Result<Reco
         Ok(())
     })?;
     Ok(recovered)
+}
+
+/// Refuses an output that would be written over the input on the way.
+fn check_apart(input: &Path, output: &Path) -> Result<(), FileError> {
+    let part = part_path(output);
+    if !is_same_file(output, input) && !is_same_file(&part, input) {
+        return Ok(());
+    }
+    let (output, part) = (output.display(), part.display());
+    let found = format!("{output}, which is written by way of {part}");
+    let needed = "a name that does not touch the input";
+    Err(FileError::shape("output", found, needed))
 }
 
 /// Whether two names are of one file.
@@ -71,11 +73,7 @@ fn copy<W: Write>(
     path: &Path,
     out: W,
 ) -> Result<Recovered, FileError> {
-    let failed = |error: mcap::McapError| FileError::Io {
-        path: path.into(),
-        action: "copy",
-        reason: chain(&error),
-    };
+    let failed = |error: mcap::McapError| FileError::cannot("copy", path)(chain(&error));
     let mut writer = options().create(NoSeek::new(out)).map_err(failed)?;
     let mut recovered = Recovered::default();
     let mut start_ns = None;
@@ -86,25 +84,23 @@ fn copy<W: Write>(
         put(&mut writer, entry, &mut recovered).map_err(failed)
     })?;
     writer.finish().map_err(failed)?;
-    let start_ns = start_ns.unwrap_or_default();
-    recovered.losses = damages
-        .into_iter()
-        .map(|damage| loss::of_file(damage, start_ns))
-        .collect();
+    recovered.losses = loss::of_file(damages, start_ns.unwrap_or_default());
     Ok(recovered)
 }
 
 /// Writes an entry and counts it. A damaged attachment is left out.
 fn put<W: Write>(
-    writer: &mut Writer<NoSeek<W>>,
+    writer: &mut McapWriter<W>,
     entry: Entry,
     recovered: &mut Recovered,
 ) -> McapResult<()> {
     match entry {
         Entry::Metadata { name, values } => {
             recovered.n_metadata += 1;
-            let metadata = values;
-            writer.write_metadata(&Metadata { name, metadata })
+            writer.write_metadata(&Metadata {
+                name,
+                metadata: values,
+            })
         }
         Entry::Attachment(attachment) if !attachment.is_sound => Ok(()),
         Entry::Attachment(attachment) => {
@@ -123,10 +119,7 @@ fn put<W: Write>(
     }
 }
 
-fn put_attachment<W: Write>(
-    writer: &mut Writer<NoSeek<W>>,
-    attachment: Attachment,
-) -> McapResult<()> {
+fn put_attachment<W: Write>(writer: &mut McapWriter<W>, attachment: Attachment) -> McapResult<()> {
     writer.attach(&mcap::Attachment {
         log_time: attachment.log_time_ns,
         create_time: attachment.create_time_ns,
@@ -139,7 +132,7 @@ fn put_attachment<W: Write>(
 /// The topic's number in the new file. Schemas and channels are recognised by their content and
 /// written once each.
 fn channel_id<W: Write>(
-    writer: &mut Writer<NoSeek<W>>,
+    writer: &mut McapWriter<W>,
     channel: &Channel,
     schema: Option<&Schema>,
 ) -> McapResult<u16> {
@@ -156,17 +149,19 @@ fn channel_id<W: Write>(
 }
 
 fn put_message<W: Write>(
-    writer: &mut Writer<NoSeek<W>>,
+    writer: &mut McapWriter<W>,
     channel_id: u16,
     message: &Message,
 ) -> McapResult<()> {
-    let header = MessageHeader {
-        channel_id,
-        sequence: message.sequence,
-        log_time: message.log_time_ns,
-        publish_time: message.publish_time_ns,
-    };
-    writer.write_to_known_channel(&header, message.data)
+    writer.write_to_known_channel(
+        &MessageHeader {
+            channel_id,
+            sequence: message.sequence,
+            log_time: message.log_time_ns,
+            publish_time: message.publish_time_ns,
+        },
+        message.data,
+    )
 }
 
 #[cfg(test)]

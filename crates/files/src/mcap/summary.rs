@@ -24,6 +24,17 @@ pub(crate) struct Summary {
     pub(crate) chunks: Vec<ChunkIndex>,
 }
 
+impl Summary {
+    fn take(&mut self, opcode: u8, body: &[u8]) -> Result<(), Short> {
+        match opcode {
+            op::SCHEMA | op::CHANNEL => self.topics.define(opcode, body)?,
+            op::CHUNK_INDEX => self.chunks.push(record::chunk_index(body)?),
+            _ => {}
+        }
+        Ok(())
+    }
+}
+
 /// Reads the summary; an empty one where the writer left it out, or why the end of the file cannot
 /// be used.
 pub(crate) fn read<R: Read + Seek>(
@@ -33,21 +44,24 @@ pub(crate) fn read<R: Read + Seek>(
     let Some(footer_at) = length.checked_sub(FOOTER + MAGIC).filter(|&at| at >= MAGIC) else {
         return Ok(Err("the file is cut".into()));
     };
-    file.seek(SeekFrom::Start(footer_at))?;
     let mut end: End = [0; (FOOTER + MAGIC) as usize];
-    file.read_exact(&mut end)?;
+    read_at(file, footer_at, &mut end)?;
     let (start, size) = match place(&end, footer_at) {
         Ok(Some(place)) => place,
         Ok(None) => return Ok(Ok(Summary::default())),
         Err(reason) => return Ok(Err(reason)),
     };
-    file.seek(SeekFrom::Start(start))?;
     let mut section = vec![0; size as usize];
-    file.read_exact(&mut section)?;
+    read_at(file, start, &mut section)?;
     if !is_sound(&section, &end) {
         return Ok(Err("the checksum of the summary fails".into()));
     }
     Ok(parse(&section).map_err(|short| format!("the summary is broken: {short}")))
+}
+
+fn read_at<R: Read + Seek>(file: &mut R, offset: u64, bytes: &mut [u8]) -> io::Result<()> {
+    file.seek(SeekFrom::Start(offset))?;
+    file.read_exact(bytes)
 }
 
 /// Where the summary begins and how long it is; `None` where the writer left it out.
@@ -73,7 +87,7 @@ fn is_sound(section: &[u8], end: &End) -> bool {
     let mut found = crc32fast::Hasher::new_with_initial_len(0, 0);
     found.update(section);
     found.update(&end[..25]);
-    crc == 0 || crc == found.finalize()
+    record::holds(found.finalize(), crc)
 }
 
 fn parse(section: &[u8]) -> Result<Summary, Short> {
@@ -81,13 +95,8 @@ fn parse(section: &[u8]) -> Result<Summary, Short> {
     let mut summary = Summary::default();
     while bytes.left() > 0 {
         let [opcode] = bytes.array()?;
-        let length = bytes.u64()?;
-        let body = bytes.take(length)?;
-        match opcode {
-            op::SCHEMA | op::CHANNEL => summary.topics.define(opcode, body)?,
-            op::CHUNK_INDEX => summary.chunks.push(record::chunk_index(body)?),
-            _ => {}
-        }
+        let body = bytes.long_block()?;
+        summary.take(opcode, body)?;
     }
     summary.chunks.sort_by_key(|chunk| chunk.offset);
     Ok(summary)

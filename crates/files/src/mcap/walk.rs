@@ -8,8 +8,11 @@ use mcap::records::op;
 use crate::loss::Damage;
 use crate::mcap::chunk::Topics;
 use crate::mcap::read::Part;
-use crate::mcap::record::{ChunkIndex, HEAD, LENGTH_LIMIT, RawRecord};
+use crate::mcap::record::{self, ChunkIndex, HEAD, LENGTH_LIMIT, RawRecord};
 use crate::mcap::summary::{self, Summary};
+
+/// Opcode and length in front of a record.
+type Head = [u8; HEAD as usize];
 
 /// Where the walk is, and what it found broken.
 pub(crate) struct Walk<R> {
@@ -29,22 +32,26 @@ impl<R> Walk<R> {
         self.damages.push(Damage { times_ns, reason });
     }
 
-    /// The first indexed chunk that is not before this offset.
+    /// The indexed chunks that are not before this offset.
+    fn chunks_from(&self, offset: u64) -> &[ChunkIndex] {
+        let before = self.chunks.partition_point(|chunk| chunk.offset < offset);
+        &self.chunks[before..]
+    }
+
+    /// The first of them.
     fn chunk_from(&self, offset: u64) -> Option<ChunkIndex> {
-        self.chunks
-            .get(self.chunks.partition_point(|chunk| chunk.offset < offset))
-            .copied()
+        self.chunks_from(offset).first().copied()
     }
 
     /// The log times of the chunk that was just read: the index's, protected by a checksum, before
     /// the chunk's own.
     pub(crate) fn times_of(&self, chunk: &RawRecord) -> Option<(u64, u64)> {
         let offset = self.at - chunk.bytes.len() as u64;
-        let indexed = self
-            .chunk_from(offset)
-            .filter(|index| index.offset == offset);
-        let indexed = indexed.map(|index| (index.from_ns, index.to_ns));
-        indexed.or_else(|| chunk.body().first_chunk().map(|times| times_ns(*times)))
+        let index = self.chunk_from(offset);
+        match index.filter(|index| index.offset == offset) {
+            Some(index) => Some(index.times_ns()),
+            None => chunk.body().first_chunk().copied().map(times_ns),
+        }
     }
 }
 
@@ -89,10 +96,8 @@ impl<R: Read + Seek> Walk<R> {
     fn step(&mut self, part: Part) -> io::Result<Step> {
         let left = self.length.saturating_sub(self.at);
         if left < HEAD {
-            let reason = format!(
-                "the file ends in the middle of a record, at byte {}",
-                self.length
-            );
+            let end = self.length;
+            let reason = format!("the file ends in the middle of a record, at byte {end}");
             self.damaged(None, reason);
             return Ok(Step::End);
         }
@@ -139,7 +144,7 @@ impl<R: Read + Seek> Walk<R> {
     /// The next head, and the room there is for the record: up to the next indexed chunk. Where the
     /// index says that a chunk begins, its word counts: it is protected by a checksum, the head is
     /// not.
-    fn read_head(&mut self) -> io::Result<([u8; 9], u64)> {
+    fn read_head(&mut self) -> io::Result<(Head, u64)> {
         let mut head = [0; HEAD as usize];
         self.file.read_exact(&mut head)?;
         let mut end = self.length;
@@ -155,29 +160,34 @@ impl<R: Read + Seek> Walk<R> {
     }
 
     /// Goes on behind a record that is longer than the room for it: at the next indexed chunk, or
-    /// with what there is of a chunk at the end of the file, or not at all.
-    fn step_over_broken(&mut self, head: [u8; 9], left: u64) -> io::Result<Step> {
+    /// with what there is of the file.
+    fn step_over_broken(&mut self, head: Head, left: u64) -> io::Result<Step> {
         let next = self.chunk_from(self.at + 1);
-        if let Some(chunk) = next.filter(|chunk| chunk.offset < self.length) {
-            let reason = format!(
-                "the records between bytes {} and {} are broken",
-                self.at, chunk.offset
-            );
-            self.damaged(None, reason);
-            self.crc = None;
-            self.seek(chunk.offset)?;
-            return Ok(Step::Over);
+        match next.filter(|chunk| chunk.offset < self.length) {
+            Some(chunk) => self.step_to(chunk.offset),
+            None => self.step_over_cut(head, left),
         }
+    }
+
+    /// Leaves out the broken records before the chunk at this offset.
+    fn step_to(&mut self, offset: u64) -> io::Result<Step> {
+        let from = self.at;
+        let reason = format!("the records between bytes {from} and {offset} are broken");
+        self.damaged(None, reason);
+        self.crc = None;
+        self.seek(offset)?;
+        Ok(Step::Over)
+    }
+
+    /// Takes what there is of a chunk at the end of a cut file, and nothing of any other record.
+    fn step_over_cut(&mut self, head: Head, left: u64) -> io::Result<Step> {
+        let (at, claimed, size) = (self.at, length_of(head), left - HEAD);
         let reason = format!(
-            "the record at byte {} claims {} bytes, {} are left: the file is cut",
-            self.at,
-            length_of(head),
-            left - HEAD
+            "the record at byte {at} claims {claimed} bytes, {size} are left: the file is cut"
         );
         self.damaged(None, reason);
         if head[0] == op::CHUNK && left < LENGTH_LIMIT {
-            let cut = self.read_record(head, left - HEAD, true)?;
-            return Ok(Step::Record(cut));
+            return self.read_record(head, size, true).map(Step::Record);
         }
         Ok(Step::End)
     }
@@ -189,37 +199,30 @@ impl<R: Read + Seek> Walk<R> {
 
     /// Whether the chunk whose head was just read is in the part to be read.
     fn is_in(&mut self, part: Part) -> io::Result<bool> {
-        match part {
-            Part::All => Ok(true),
-            Part::Description => Ok(false),
-            Part::Window(..) if self.length - self.at < HEAD + 16 => Ok(true),
-            Part::Window(from, to) => {
-                let mut times = [0; 16];
-                self.file.read_exact(&mut times)?;
-                self.file.seek(SeekFrom::Start(self.at + HEAD))?;
-                let (start, end) = times_ns(times);
-                Ok(start <= to && end >= from)
-            }
+        if !matches!(part, Part::Window(..)) {
+            return Ok(part == Part::All);
         }
+        if self.length - self.at < HEAD + 16 {
+            return Ok(true);
+        }
+        let mut times = [0; 16];
+        self.file.read_exact(&mut times)?;
+        self.file.seek(SeekFrom::Start(self.at + HEAD))?;
+        Ok(part.holds(times_ns(times)))
     }
 
     /// Where to go on behind a chunk that is not in the part: with an index straight to the next
     /// one that is, or nowhere.
     fn behind(&self, offset: u64, part: Part) -> Option<u64> {
-        match part {
-            Part::Window(from, to) if !self.chunks.is_empty() => {
-                let later =
-                    &self.chunks[self.chunks.partition_point(|chunk| chunk.offset < offset)..];
-                let next = later
-                    .iter()
-                    .find(|chunk| chunk.from_ns <= to && chunk.to_ns >= from)?;
-                Some(next.offset).filter(|&offset| offset < self.length)
-            }
-            _ => Some(offset),
+        if !matches!(part, Part::Window(..)) || self.chunks.is_empty() {
+            return Some(offset);
         }
+        let mut later = self.chunks_from(offset).iter();
+        let next = later.find(|chunk| part.holds(chunk.times_ns()))?.offset;
+        (next < self.length).then_some(next)
     }
 
-    fn read_record(&mut self, head: [u8; 9], size: u64, is_cut: bool) -> io::Result<RawRecord> {
+    fn read_record(&mut self, head: Head, size: u64, is_cut: bool) -> io::Result<RawRecord> {
         let mut bytes = vec![0; (HEAD + size) as usize];
         bytes[..HEAD as usize].copy_from_slice(&head);
         self.file.read_exact(&mut bytes[HEAD as usize..])?;
@@ -232,18 +235,15 @@ impl<R: Read + Seek> Walk<R> {
 
     /// At the end of the data, the checksum over everything before it: the only one that covers
     /// metadata.
-    fn check_data_crc(&mut self, head: [u8; 9]) -> io::Result<()> {
-        let Some(crc) = self
-            .crc
-            .take()
-            .filter(|_| head[0] == op::DATA_END && length_of(head) >= 4)
-        else {
+    fn check_data_crc(&mut self, head: Head) -> io::Result<()> {
+        let has_crc = head[0] == op::DATA_END && length_of(head) >= 4;
+        let Some(crc) = self.crc.take().filter(|_| has_crc) else {
             return Ok(());
         };
         let mut saved = [0; 4];
         self.file.read_exact(&mut saved)?;
-        let saved = u32::from_le_bytes(saved);
-        if saved != 0 && saved != crc.finalize() && self.damages.is_empty() {
+        let holds = record::holds(crc.finalize(), u32::from_le_bytes(saved));
+        if !holds && self.damages.is_empty() {
             let reason = "the checksum over the whole file fails while those of the chunks hold: metadata, attachments, the \
                           index or messages outside of chunks are damaged";
             self.damaged(None, reason.into());
@@ -262,7 +262,7 @@ enum Step {
     End,
 }
 
-fn length_of(head: [u8; 9]) -> u64 {
+fn length_of(head: Head) -> u64 {
     let [_, length @ ..] = head;
     u64::from_le_bytes(length)
 }

@@ -35,6 +35,9 @@ pub(crate) fn options() -> WriteOptions {
         .disable_seeking(true)
 }
 
+/// Appends to a file, never going back in it.
+pub(crate) type McapWriter<W> = mcap::Writer<NoSeek<W>>;
+
 /// A topic being written.
 #[derive(Debug)]
 pub(crate) struct Topic {
@@ -42,10 +45,24 @@ pub(crate) struct Topic {
     sequence: u32,
 }
 
+impl Topic {
+    /// The header of the next message; counts it.
+    fn next_header(&mut self, time_ns: u64) -> MessageHeader {
+        let sequence = self.sequence;
+        self.sequence = sequence.wrapping_add(1);
+        MessageHeader {
+            channel_id: self.id,
+            sequence,
+            log_time: time_ns,
+            publish_time: time_ns,
+        }
+    }
+}
+
 /// Writes ROS 2 messages. Bytes only ever get appended, so whatever is on the disk when the process
 /// dies can be read.
 pub(crate) struct RosWriter<W: Write> {
-    mcap: mcap::Writer<NoSeek<W>>,
+    mcap: McapWriter<W>,
     cdr: CdrWriter,
 }
 
@@ -89,23 +106,14 @@ impl<W: Write> RosWriter<W> {
         self.topic(name, &TEXT)
     }
 
-    /// Channel metadata as rosbag2 writes it; an empty list of quality-of-service profiles means
-    /// the defaults.
+    /// Announces a topic of messages of this kind.
     fn topic(&mut self, name: &str, kind: &MessageType) -> McapResult<Topic> {
         let schema = self
             .mcap
             .add_schema(kind.name, "ros2msg", kind.definition.as_bytes())?;
-        let metadata = [
-            ("offered_qos_profiles", "[]"),
-            ("topic_type_hash", kind.hash),
-        ];
-        let metadata = metadata
-            .map(|(key, value)| (key.to_string(), value.to_string()))
-            .into();
-        Ok(Topic {
-            id: self.mcap.add_channel(schema, name, "cdr", &metadata)?,
-            sequence: 0,
-        })
+        let metadata = channel_metadata(kind);
+        let id = self.mcap.add_channel(schema, name, "cdr", &metadata)?;
+        Ok(Topic { id, sequence: 0 })
     }
 
     pub(crate) fn joint_state(
@@ -125,13 +133,7 @@ impl<W: Write> RosWriter<W> {
     }
 
     fn message(&mut self, topic: &mut Topic, time_ns: u64) -> McapResult<()> {
-        let header = MessageHeader {
-            channel_id: topic.id,
-            sequence: topic.sequence,
-            log_time: time_ns,
-            publish_time: time_ns,
-        };
-        topic.sequence = topic.sequence.wrapping_add(1);
+        let header = topic.next_header(time_ns);
         self.mcap.write_to_known_channel(&header, self.cdr.bytes())
     }
 
@@ -149,7 +151,24 @@ impl<W: Write> RosWriter<W> {
     }
 }
 
+/// Channel metadata as rosbag2 writes it; an empty list of quality-of-service profiles means the
+/// defaults.
+fn channel_metadata(kind: &MessageType) -> BTreeMap<String, String> {
+    let texts = [
+        ("offered_qos_profiles", "[]"),
+        ("topic_type_hash", kind.hash),
+    ];
+    texts
+        .map(|(key, value)| (key.to_string(), value.to_string()))
+        .into()
+}
+
 /// The stamp of sample k in ns.
 pub(crate) fn stamp_ns(sample: usize, sample_time_s: f64) -> u64 {
-    START_NS.saturating_add((sample as f64 * sample_time_s * 1e9).round() as u64)
+    time_ns(sample as f64 * sample_time_s)
+}
+
+/// The stamp in ns of a time in s after the first sample.
+pub(crate) fn time_ns(time_s: f64) -> u64 {
+    START_NS.saturating_add((time_s * 1e9).round() as u64)
 }

@@ -1,6 +1,7 @@
 //! Reader of plan files, run by run.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::Path;
 
 use frfid_signals::{Injection, Run, RunId};
@@ -8,13 +9,13 @@ use ndarray::{Array2, ArrayView1};
 
 use crate::error::FileError;
 use crate::mcap::chunk::Entry;
-use crate::mcap::open::open_mcap;
-use crate::mcap::read::{Part, scan};
+use crate::mcap::read::{Part, scan_file};
 use crate::mcap::record::Message;
 use crate::mcap::write::stamp_ns;
 use crate::plan::{INDEX, PlanEntry, PlanFile, PlanHead, PlanIndex, PlanStructure, VERSION};
 use crate::ros::joint_state::JointState;
-use crate::run::{header, topics};
+use crate::run::header::{self, Origin};
+use crate::run::topics;
 
 impl PlanFile {
     /// Reads what a plan holds, not yet its references.
@@ -23,30 +24,11 @@ impl PlanFile {
     /// [`FileError::Io`]; [`FileError::Format`]; [`FileError::Content`] if it is no plan of ours,
     /// cut or damaged: a plan moves a robot, so a damaged one is refused as a whole.
     pub fn open(path: &Path) -> Result<Self, FileError> {
-        let texts = PlanTexts::read(path)?;
-        let refused = |found: String| not_a_plan(path, found);
-        let (Some(plan), Some(index), Some(experiment_toml)) =
-            (texts.plan, texts.index, texts.experiment_toml)
-        else {
-            return Err(refused("an MCAP without the records of a plan".into()));
-        };
-        let plan: PlanStructure<PlanHead> = header::from_texts(&plan).map_err(refused)?;
-        let index: PlanIndex = header::from_texts(&index).map_err(refused)?;
-        if plan.version != VERSION {
-            return Err(refused(format!(
-                "version {}, this frfid reads version {VERSION}",
-                plan.version
-            )));
-        }
-        header::check_sample_time(plan.head.sample_time_s)
-            .map_err(|error| refused(error.to_string()))?;
+        let understood = PlanTexts::read(path)?.understood();
+        let (head, runs) = understood.map_err(|found| not_a_plan(path, found))?;
         Ok(Self {
-            head: PlanHead {
-                metadata: texts.metadata,
-                experiment_toml,
-                ..plan.head
-            },
-            runs: index.runs,
+            head,
+            runs,
             path: path.into(),
         })
     }
@@ -54,8 +36,7 @@ impl PlanFile {
     /// Every run, repetition by repetition, in the order in which they are done.
     pub fn run_ids(&self) -> impl Iterator<Item = RunId> + '_ {
         self.runs.iter().flat_map(|entry| {
-            let first = entry.id.repetition;
-            (first..first.saturating_add(entry.n_repetitions)).map(|repetition| RunId {
+            entry.repetitions().map(|repetition| RunId {
                 repetition,
                 ..entry.id
             })
@@ -79,46 +60,52 @@ impl PlanFile {
     }
 
     fn no_run(&self, id: RunId) -> FileError {
-        FileError::Content {
-            path: self.path.clone(),
-            what: "runs of the plan".into(),
-            found: format!("no {id}"),
-            needed: match (self.runs.first(), self.runs.last()) {
-                (Some(first), Some(last)) => {
-                    format!("{} to {}, with their repetitions", first.id, last.id)
-                }
-                _ => "a plan with runs".into(),
-            },
-        }
+        let needed = match (self.runs.first(), self.runs.last()) {
+            (Some(first), Some(last)) => {
+                format!("{} to {}, with their repetitions", first.id, last.id)
+            }
+            _ => "a plan with runs".into(),
+        };
+        FileError::content(&self.path, "runs of the plan", format!("no {id}"), needed)
     }
 
     /// The reference of a run, every sample of it sound.
     fn reference(&self, entry: &PlanEntry) -> Result<Array2<f64>, FileError> {
         let (joints, n) = (self.head.joint_names.len(), entry.n_samples);
-        let refused = |found: String| not_a_plan(&self.path, format!("run {}: {found}", entry.id));
         if n == 0 || n.saturating_mul(joints) > header::MOST_VALUES {
-            return Err(refused(format!("{n} samples")));
+            return Err(self.refused(entry, &format!("{n} samples")));
         }
         let mut reference = Array2::from_elem((joints, n), f64::NAN);
-        let window = Part::Window(self.stamp_ns(entry, 0), self.stamp_ns(entry, n - 1));
-        scan(
-            open_mcap(&self.path)?,
-            &self.path,
-            window,
-            &mut |item| match item {
-                Entry::Message {
-                    channel, message, ..
-                } if channel.topic == topics::COMMANDS => self
-                    .take_command(entry, &message, &mut reference)
-                    .map_err(refused),
-                _ => Ok(()),
-            },
-        )?;
+        self.read_commands(entry, &mut reference)?;
         let missing = reference.iter().filter(|value| !value.is_finite()).count();
         if missing > 0 {
-            return Err(refused(format!("{missing} samples are damaged")));
+            return Err(self.refused(entry, &format!("{missing} samples are damaged")));
         }
         Ok(reference)
+    }
+
+    fn refused(&self, entry: &PlanEntry, found: &str) -> FileError {
+        not_a_plan(&self.path, format!("run {}: {found}", entry.id))
+    }
+
+    /// Fills the reference with the commands that are there.
+    fn read_commands(
+        &self,
+        entry: &PlanEntry,
+        reference: &mut Array2<f64>,
+    ) -> Result<(), FileError> {
+        let last = entry.n_samples - 1;
+        let window = Part::Window(self.stamp_ns(entry, 0), self.stamp_ns(entry, last));
+        let visit = &mut |item: Entry| match item {
+            Entry::Message {
+                channel, message, ..
+            } if channel.topic == topics::COMMANDS => {
+                let taken = self.take_command(entry, &message, reference);
+                taken.map_err(|found| self.refused(entry, &found))
+            }
+            _ => Ok(()),
+        };
+        scan_file(&self.path, window, visit).map(drop)
     }
 
     /// Stores the command of one sample; the commands of other runs are left out.
@@ -128,12 +115,10 @@ impl PlanFile {
         message: &Message,
         reference: &mut Array2<f64>,
     ) -> Result<(), String> {
-        let (start_ns, step_ns) = (self.stamp_ns(entry, 0), self.head.sample_time_s * 1e9);
-        let since_start_ns = message.log_time_ns.wrapping_sub(start_ns);
-        let sample = (since_start_ns as f64 / step_ns).round() as usize;
-        if message.log_time_ns < start_ns || sample >= reference.ncols() {
+        let sample = self.sample_at(entry, message.log_time_ns);
+        let Some(sample) = sample.filter(|&sample| sample < reference.ncols()) else {
             return Ok(());
-        }
+        };
         let (state, _) = JointState::decode(message.data).map_err(|error| error.to_string())?;
         let values = match self.head.injection {
             Injection::Torque => state.effort,
@@ -146,6 +131,13 @@ impl PlanFile {
             .column_mut(sample)
             .assign(&ArrayView1::from(&values));
         Ok(())
+    }
+
+    /// The sample at this time, counted from the start of a run; `None` before it.
+    fn sample_at(&self, entry: &PlanEntry, time_ns: u64) -> Option<usize> {
+        let since_start_ns = time_ns.checked_sub(self.stamp_ns(entry, 0))?;
+        let step_ns = self.head.sample_time_s * 1e9;
+        Some((since_start_ns as f64 / step_ns).round() as usize)
     }
 
     /// The stamp in ns of a sample of a run.
@@ -161,25 +153,28 @@ impl PlanEntry {
     /// Whether this is one of the repetitions.
     fn holds(&self, id: RunId) -> bool {
         let repetition = self.id.repetition;
-        let repetitions = repetition..repetition.saturating_add(self.n_repetitions);
-        RunId { repetition, ..id } == self.id && repetitions.contains(&id.repetition)
+        RunId { repetition, ..id } == self.id && self.repetitions().contains(&id.repetition)
+    }
+
+    fn repetitions(&self) -> Range<usize> {
+        let first = self.id.repetition;
+        first..first.saturating_add(self.n_repetitions)
     }
 }
 
 /// What a plan says of itself, not yet understood.
 #[derive(Default)]
 struct PlanTexts {
-    metadata: BTreeMap<String, String>,
+    origin: Origin,
     plan: Option<BTreeMap<String, String>>,
     index: Option<BTreeMap<String, String>>,
-    experiment_toml: Option<String>,
 }
 
 impl PlanTexts {
     /// Reads everything but the references; any damage is refused.
     fn read(path: &Path) -> Result<Self, FileError> {
         let mut texts = Self::default();
-        let damages = scan(open_mcap(path)?, path, Part::Description, &mut |entry| {
+        let damages = scan_file(path, Part::Description, &mut |entry| {
             texts.take(entry);
             Ok(())
         })?;
@@ -190,29 +185,37 @@ impl PlanTexts {
     }
 
     fn take(&mut self, entry: Entry) {
-        match entry {
-            Entry::Metadata { name, values } => match name.as_str() {
-                header::PROVENANCE => self.metadata = values,
+        if let Some(Entry::Metadata { name, values }) = self.origin.take(entry) {
+            match name.as_str() {
                 header::PLAN => self.plan = Some(values),
                 INDEX => self.index = Some(values),
                 _ => {}
-            },
-            Entry::Attachment(attachment) if header::is_experiment(&attachment) => {
-                self.experiment_toml = header::text_of(&attachment);
             }
-            _ => {}
         }
+    }
+
+    /// What they say, or why it is no plan.
+    fn understood(self) -> Result<(PlanHead, Vec<PlanEntry>), String> {
+        let (Some(plan), Some(index), Some(experiment_toml)) =
+            (self.plan, self.index, self.origin.experiment_toml)
+        else {
+            return Err("an MCAP without the records of a plan".into());
+        };
+        let plan: PlanStructure<PlanHead> = header::from_texts(&plan)?;
+        let PlanIndex { runs } = header::from_texts(&index)?;
+        header::check_version(plan.version, VERSION)?;
+        header::check_sample_time(plan.head.sample_time_s).map_err(|error| error.to_string())?;
+        let head = PlanHead {
+            metadata: self.origin.metadata,
+            experiment_toml,
+            ..plan.head
+        };
+        Ok((head, runs))
     }
 }
 
 fn not_a_plan(path: &Path, found: String) -> FileError {
     let needed =
-        "a complete plan written by frfid; a damaged plan must not move a robot: design it again"
-            .into();
-    FileError::Content {
-        path: path.into(),
-        what: "plan".into(),
-        found,
-        needed,
-    }
+        "a complete plan written by frfid; a damaged plan must not move a robot: design it again";
+    FileError::content(path, "plan", found, needed)
 }

@@ -46,7 +46,17 @@ pub(crate) fn write_to<W: Write, E: Into<BoxError>>(
     runs: impl IntoIterator<Item = Result<PlannedRun, E>>,
 ) -> Result<(), BoxError> {
     let mut writer = RosWriter::new(file)?;
-    write_head(&mut writer, head)?;
+    let structure = PlanStructure {
+        version: VERSION,
+        head,
+    };
+    let structure = (header::PLAN, &structure);
+    header::write(
+        &mut writer,
+        &head.metadata,
+        structure,
+        &head.experiment_toml,
+    )?;
     let mut commands = writer.joint_topic(topics::COMMANDS)?;
     let mut events = writer.text_topic(topics::EVENTS)?;
     let rest = (REST_S / head.sample_time_s).ceil() as usize;
@@ -65,21 +75,6 @@ pub(crate) fn write_to<W: Write, E: Into<BoxError>>(
     }
     writer.metadata(INDEX, &header::to_texts(&index))?;
     Ok(writer.finish()?)
-}
-
-/// Writes what describes the plan: provenance, header and description.
-fn write_head<W: Write>(writer: &mut RosWriter<W>, head: &PlanHead) -> mcap::McapResult<()> {
-    writer.metadata(header::PROVENANCE, &head.metadata)?;
-    let structure = PlanStructure {
-        version: VERSION,
-        head,
-    };
-    writer.metadata(header::PLAN, &header::to_texts(&structure))?;
-    writer.attach(
-        header::EXPERIMENT,
-        "application/toml",
-        head.experiment_toml.as_bytes(),
-    )
 }
 
 /// The run's place in the file.
@@ -102,10 +97,12 @@ fn entry_of(
 
 /// Refuses a run that does not fit the plan, or with a number that may not be sent to a robot.
 fn check(run: &Run, head: &PlanHead) -> Result<(), FileError> {
-    let refused = |found: String, needed: String| FileError::Shape {
-        what: "planned run",
-        found: format!("run {} with {found}", run.id),
-        needed,
+    let refused = |found: String, needed: String| {
+        FileError::shape(
+            "planned run",
+            format!("run {} with {found}", run.id),
+            needed,
+        )
     };
     let (channels, n_samples) = run.reference.dim();
     let (joints, velocities) = (head.joint_names.len(), run.velocity_rad_s.len());
@@ -134,15 +131,21 @@ fn write_reference<W: Write>(
     start_sample: usize,
 ) -> mcap::McapResult<()> {
     for (k, values) in run.reference.columns().into_iter().enumerate() {
-        let mut command = JointState {
-            stamp_ns: stamp_ns(start_sample + k, head.sample_time_s),
-            ..Default::default()
-        };
-        match head.injection {
-            Injection::Torque => command.effort = values.to_vec(),
-            Injection::Velocity => command.velocity = values.to_vec(),
-        }
+        let command = command(head, start_sample + k, values.to_vec());
         writer.joint_state(commands, &head.joint_names, &command)?;
     }
     Ok(())
+}
+
+/// The message of one sample on the file's time axis.
+fn command(head: &PlanHead, sample: usize, values: Vec<f64>) -> JointState {
+    let mut command = JointState {
+        stamp_ns: stamp_ns(sample, head.sample_time_s),
+        ..Default::default()
+    };
+    match head.injection {
+        Injection::Torque => command.effort = values,
+        Injection::Velocity => command.velocity = values,
+    }
+    command
 }

@@ -27,14 +27,16 @@ pub(crate) fn write_frf_csv(
         let header: Vec<_> = columns.iter().map(|(name, _)| quoted(name)).collect();
         writeln!(file, "{}", header.join(","))?;
         for k in 0..result.frf.n_frequencies() {
-            let row: Vec<_> = columns
-                .iter()
-                .map(|(_, values)| format!("{:?}", values[k]))
-                .collect();
-            writeln!(file, "{}", row.join(","))?;
+            writeln!(file, "{}", numbers(&columns, k))?;
         }
         Ok(())
     })
+}
+
+/// The values of all columns at a frequency.
+fn numbers(columns: &[Column], k: usize) -> String {
+    let numbers = columns.iter().map(|(_, values)| format!("{:?}", values[k]));
+    numbers.collect::<Vec<_>>().join(",")
 }
 
 fn columns(result: &ResultFile) -> Vec<Column> {
@@ -61,37 +63,49 @@ fn columns_of_entry(
     input: usize,
     variances: &[(&str, Option<Array3<f64>>)],
 ) -> Vec<Column> {
-    let (frf, output_name, input_name) = (
-        &result.frf,
-        &result.output_names[output],
-        &result.input_names[input],
+    let (frf, entry) = (&result.frf, s![.., output, input]);
+    let (name, unit) = (
+        name_of_entry(result, output, input),
+        unit_of_entry(result, output, input),
     );
-    let entry = format!("{output_name} / {input_name}");
-    let (output_unit, input_unit) = (&result.output_units[output], &result.input_units[input]);
-    let unit = format!("{output_unit} per {input_unit}");
-    let response = frf.response.slice(s![.., output, input]);
+    let response = frf.response.slice(entry);
+    let (re, im) = (
+        response.mapv(|value| value.re),
+        response.mapv(|value| value.im),
+    );
+    let (db, deg) = (
+        frf.magnitude_db(output, input),
+        frf.phase_deg(output, input),
+    );
     let mut columns = vec![
-        (
-            format!("re {entry} [{unit}]"),
-            response.iter().map(|value| value.re).collect(),
-        ),
-        (
-            format!("im {entry} [{unit}]"),
-            response.iter().map(|value| value.im).collect(),
-        ),
-        (
-            format!("magnitude {entry} [dB re 1 {unit}]"),
-            frf.magnitude_db(output, input),
-        ),
-        (format!("phase {entry} [deg]"), frf.phase_deg(output, input)),
+        (format!("re {name} [{unit}]"), re.to_vec()),
+        (format!("im {name} [{unit}]"), im.to_vec()),
+        (format!("magnitude {name} [dB re 1 {unit}]"), db),
+        (format!("phase {name} [deg]"), deg),
     ];
-    for (name, variance) in variances {
+    for (kind, variance) in variances {
         let Some(variance) = variance else { continue };
-        let variance = variance.slice(s![.., output, input]);
-        let name = format!("{name} standard deviation {entry} [{unit}]");
-        columns.push((name, variance.iter().map(|value| value.sqrt()).collect()));
+        let deviation = variance.slice(entry).mapv(f64::sqrt).to_vec();
+        columns.push((
+            format!("{kind} standard deviation {name} [{unit}]"),
+            deviation,
+        ));
     }
     columns
+}
+
+fn name_of_entry(result: &ResultFile, output: usize, input: usize) -> String {
+    format!(
+        "{} / {}",
+        result.output_names[output], result.input_names[input]
+    )
+}
+
+fn unit_of_entry(result: &ResultFile, output: usize, input: usize) -> String {
+    format!(
+        "{} per {}",
+        result.output_units[output], result.input_units[input]
+    )
 }
 
 /// In quotes where a name holds what separates fields.
@@ -106,7 +120,7 @@ fn quoted(name: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::result::json::tests::result;
+    use crate::result::testing::result;
 
     #[test]
     fn every_column_has_a_unit_and_every_number_all_its_digits() {

@@ -83,33 +83,51 @@ pub fn write_result(
     overwrite: Overwrite,
     result: &ResultFile,
 ) -> Result<(), FileError> {
-    check(result).map_err(|(what, found, needed)| FileError::Shape {
-        what,
-        found,
-        needed,
-    })?;
-    let frf = &result.frf;
-    let json = Json {
-        format: FORMAT.into(),
-        version: VERSION,
-        input_names: result.input_names.clone(),
-        output_names: result.output_names.clone(),
-        input_units: result.input_units.clone(),
-        output_units: result.output_units.clone(),
-        frequency_hz: Reals::of(&frf.frequency_hz),
-        response: Complexes::of(&frf.response),
-        noise: frf.noise.as_ref().map(uncertainty),
-        total: frf.total.as_ref().map(uncertainty),
-        condition: frf.condition.as_deref().map(Reals::of),
-        relative_resolution: frf.relative_resolution,
-        torque_rms_nm: result.torque_rms_nm.as_deref().map(Reals::of),
-        flagged: result.flagged.clone(),
-        checks: result.checks.clone(),
-        provenance: result.provenance.clone(),
-    };
+    check(result).map_err(|(what, found, needed)| FileError::shape(what, found, needed))?;
+    let json = Json::of(result);
     write_file(path, overwrite, |file| {
         Ok(serde_json::to_writer(file, &json)?)
     })
+}
+
+impl Json {
+    fn of(result: &ResultFile) -> Self {
+        let frf = &result.frf;
+        Self {
+            format: FORMAT.into(),
+            version: VERSION,
+            input_names: result.input_names.clone(),
+            output_names: result.output_names.clone(),
+            input_units: result.input_units.clone(),
+            output_units: result.output_units.clone(),
+            frequency_hz: Reals::of(&frf.frequency_hz),
+            response: Complexes::of(&frf.response),
+            noise: frf.noise.as_ref().map(UncertaintyJson::of),
+            total: frf.total.as_ref().map(UncertaintyJson::of),
+            condition: frf.condition.as_deref().map(Reals::of),
+            relative_resolution: frf.relative_resolution,
+            torque_rms_nm: result.torque_rms_nm.as_deref().map(Reals::of),
+            flagged: result.flagged.clone(),
+            checks: result.checks.clone(),
+            provenance: result.provenance.clone(),
+        }
+    }
+}
+
+impl UncertaintyJson {
+    fn of(known: &Uncertainty) -> Self {
+        Self {
+            degrees_of_freedom: known.degrees_of_freedom,
+            covariance: Complexes::of(&known.covariance),
+        }
+    }
+
+    fn read(self, what: &'static str) -> Result<Uncertainty, Flaw> {
+        Ok(Uncertainty {
+            covariance: self.covariance.into_array(what)?,
+            degrees_of_freedom: self.degrees_of_freedom,
+        })
+    }
 }
 
 /// Reads a result.
@@ -118,64 +136,50 @@ pub fn write_result(
 /// [`FileError::Io`]; [`FileError::Format`] if it is no result of ours; [`FileError::Content`] if
 /// arrays contradict their shapes or each other.
 pub fn read_result(path: &Path) -> Result<ResultFile, FileError> {
-    let failed = |error: std::io::Error| FileError::Io {
-        path: path.into(),
-        action: "open",
-        reason: error.to_string(),
-    };
-    let format = |found: String| FileError::Format {
-        path: path.into(),
-        found,
-        needed: "a result written by frfid (JSON, frfid-result version 1)",
-        advice: "estimate it again, or give another file".into(),
-    };
-    let file = BufReader::new(File::open(path).map_err(failed)?);
-    let json: Json = serde_json::from_reader(file).map_err(|error| format(error.to_string()))?;
-    if (json.format.as_str(), json.version) != (FORMAT, VERSION) {
-        return Err(format(format!("{} version {}", json.format, json.version)));
-    }
-    let content = |(what, found, needed): (&str, String, String)| FileError::Content {
-        path: path.into(),
-        what: what.into(),
-        found,
-        needed,
-    };
-    let result = from_json(json).map_err(content)?;
+    let content = |(what, found, needed): Flaw| FileError::content(path, what, found, needed);
+    let result = from_json(read_json(path)?).map_err(content)?;
     check(&result).map_err(content)?;
     Ok(result)
 }
 
-fn from_json(json: Json) -> Result<ResultFile, Flaw> {
-    let uncertainty = |what, json: Option<UncertaintyJson>| {
-        json.map(|json| {
-            let covariance = json.covariance.into_array(what)?;
-            Ok(Uncertainty {
-                covariance,
-                degrees_of_freedom: json.degrees_of_freedom,
-            })
-        })
-        .transpose()
+/// The JSON as it stands in the file, if it is a result in the version that is read.
+fn read_json(path: &Path) -> Result<Json, FileError> {
+    let format = |found: String| {
+        let needed = "a result written by frfid (JSON, frfid-result version 1)";
+        FileError::format(
+            path,
+            found,
+            needed,
+            "estimate it again, or give another file",
+        )
     };
+    let file = File::open(path).map_err(FileError::cannot("open", path))?;
+    let json: Json =
+        serde_json::from_reader(BufReader::new(file)).map_err(|error| format(error.to_string()))?;
+    if (json.format.as_str(), json.version) != (FORMAT, VERSION) {
+        return Err(format(format!("{} version {}", json.format, json.version)));
+    }
+    Ok(json)
+}
+
+fn from_json(json: Json) -> Result<ResultFile, Flaw> {
+    let uncertainty =
+        |what, json: Option<UncertaintyJson>| json.map(|json| json.read(what)).transpose();
+    let list = |what, json: Option<Reals>| json.map(|json| json.into_list(what)).transpose();
     Ok(ResultFile {
         frf: Frf {
             frequency_hz: json.frequency_hz.into_list("frequency_hz")?,
             response: json.response.into_array("response")?,
             noise: uncertainty("noise.covariance", json.noise)?,
             total: uncertainty("total.covariance", json.total)?,
-            condition: json
-                .condition
-                .map(|condition| condition.into_list("condition"))
-                .transpose()?,
+            condition: list("condition", json.condition)?,
             relative_resolution: json.relative_resolution,
         },
         input_names: json.input_names,
         output_names: json.output_names,
         input_units: json.input_units,
         output_units: json.output_units,
-        torque_rms_nm: json
-            .torque_rms_nm
-            .map(|torque| torque.into_list("torque_rms_nm"))
-            .transpose()?
+        torque_rms_nm: list("torque_rms_nm", json.torque_rms_nm)?
             .or_else(|| torque_of_old(&json.provenance)),
         flagged: json.flagged,
         checks: json.checks,
@@ -188,54 +192,10 @@ fn torque_of_old(provenance: &BTreeMap<String, String>) -> Option<Vec<f64>> {
     serde_json::from_str(provenance.get("effort_rms_nm")?).ok()
 }
 
-fn uncertainty(known: &Uncertainty) -> UncertaintyJson {
-    UncertaintyJson {
-        degrees_of_freedom: known.degrees_of_freedom,
-        covariance: Complexes::of(&known.covariance),
-    }
-}
-
 #[cfg(test)]
-pub(crate) mod tests {
+mod tests {
     use super::*;
-    use ndarray::Array3;
-    use num_complex::Complex64;
-
-    pub(crate) fn result() -> ResultFile {
-        let entry = |(k, i, j): (usize, usize, usize)| {
-            Complex64::new((k + i) as f64 / 3.0, -1.0 / (1 + k + j) as f64)
-        };
-        let mut response = Array3::from_shape_fn((4, 2, 1), entry);
-        response[[2, 0, 0]] = Complex64::new(f64::NAN, f64::NAN);
-        let covariance = Array3::from_shape_fn((4, 2, 2), entry);
-        ResultFile {
-            frf: Frf {
-                frequency_hz: vec![0.1, 0.2, 0.1 + 0.2, 1.0 / 3.0],
-                response,
-                noise: Some(Uncertainty {
-                    covariance,
-                    degrees_of_freedom: 40,
-                }),
-                total: None,
-                condition: Some(vec![1.0, 2.0, f64::INFINITY, 1.5]),
-                relative_resolution: Some(0.125),
-            },
-            input_names: vec!["torque".into()],
-            output_names: vec!["axis 1".into(), "axis \"2\"".into()],
-            input_units: vec!["N m".into()],
-            output_units: vec!["rad/s".into(), "rad/s".into()],
-            checks: vec![Check {
-                name: "periods".into(),
-                passed: false,
-                found: "1".into(),
-                needed: "2".into(),
-                advice: "measure longer".into(),
-            }],
-            torque_rms_nm: Some(vec![1.0 / 3.0]),
-            flagged: Some(vec![false, true, false, false]),
-            provenance: [("seed".to_string(), "1".to_string())].into(),
-        }
-    }
+    use crate::result::testing::result;
 
     fn rewritten(edit: impl FnOnce(String) -> String) -> Result<ResultFile, FileError> {
         let folder = tempfile::tempdir().expect("a temporary folder");

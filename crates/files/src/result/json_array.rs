@@ -50,21 +50,14 @@ impl Complexes {
         self,
         what: &'static str,
     ) -> Result<Array<Complex64, D>, Flaw> {
-        if self.re.len() != self.im.len() {
-            let found = format!(
-                "{} real and {} imaginary parts",
-                self.re.len(),
-                self.im.len()
-            );
+        let (n_re, n_im) = (self.re.len(), self.im.len());
+        if n_re != n_im {
+            let found = format!("{n_re} real and {n_im} imaginary parts");
             return Err((what, found, "as many of each".into()));
         }
-        let data = self
-            .re
-            .into_iter()
-            .zip(self.im)
-            .map(|(re, im)| Complex64::new(re.0, im.0))
-            .collect();
-        shaped(what, &self.shape, data)
+        let parts = self.re.into_iter().zip(self.im);
+        let data = parts.map(|(re, im)| Complex64::new(re.0, im.0));
+        shaped(what, &self.shape, data.collect())
     }
 }
 
@@ -74,14 +67,8 @@ fn shaped<T, D: Dimension>(
     shape: &[usize],
     data: Vec<T>,
 ) -> Result<Array<T, D>, Flaw> {
-    let flaw = |count: usize| {
-        (
-            what,
-            format!("shape {shape:?} for {count} numbers"),
-            "a shape that fits".into(),
-        )
-    };
-    let count = data.len();
-    let array = Array::from_shape_vec(shape.into_dimension(), data).map_err(|_| flaw(count))?;
-    array.into_dimensionality().map_err(|_| flaw(count))
+    let found = format!("shape {shape:?} for {} numbers", data.len());
+    let array = Array::from_shape_vec(shape.into_dimension(), data);
+    let array = array.and_then(Array::into_dimensionality);
+    array.map_err(|_| (what, found, "a shape that fits".into()))
 }

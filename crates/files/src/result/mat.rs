@@ -89,8 +89,9 @@ fn matrix(name: &str, array: &NamedArray) -> io::Result<Vec<u8>> {
             variable(MX_UINT8 | LOGICAL, name, &[flags.len()], &[values])
         }
         NamedArray::Texts(texts) => {
-            let cells: io::Result<Vec<Vec<u8>>> = texts.iter().map(|text| row_of(text)).collect();
-            variable(MX_CELL, name, &[texts.len()], &cells?)
+            let cells = texts.iter().map(|text| row_of(text));
+            let cells = cells.collect::<io::Result<Vec<_>>>()?;
+            variable(MX_CELL, name, &[texts.len()], &cells)
         }
     }
 }
@@ -119,11 +120,8 @@ fn variable(class: u32, name: &str, shape: &[usize], values: &[Vec<u8>]) -> io::
 /// Values column by column: the first axis is the first to change.
 fn doubles<T>(array: &ArrayD<T>, part: impl Fn(&T) -> f64) -> io::Result<Vec<u8>> {
     let columns = array.t();
-    let bytes: Vec<u8> = columns
-        .iter()
-        .flat_map(|value| part(value).to_le_bytes())
-        .collect();
-    element(MI_DOUBLE, &bytes)
+    let bytes = columns.iter().flat_map(|value| part(value).to_le_bytes());
+    element(MI_DOUBLE, &bytes.collect::<Vec<_>>())
 }
 
 /// A data element: its tag, its data, zeros up to 8 bytes.
@@ -136,9 +134,8 @@ fn element(kind: u32, data: &[u8]) -> io::Result<Vec<u8>> {
 
 /// A length as the format has it.
 fn int32(length: usize) -> io::Result<[u8; 4]> {
-    let length = i32::try_from(length).map_err(|_| {
+    i32::try_from(length).map(i32::to_le_bytes).map_err(|_| {
         let too_long = format!("an array of {length}: MAT files hold less than 2 GiB of each");
         io::Error::new(io::ErrorKind::InvalidInput, too_long)
-    })?;
-    Ok(length.to_le_bytes())
+    })
 }

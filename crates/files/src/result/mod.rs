@@ -9,3 +9,5 @@ pub(crate) mod json_array;
 pub(crate) mod mat;
 pub(crate) mod npz;
 pub(crate) mod result_file;
+#[cfg(test)]
+pub(crate) mod testing;

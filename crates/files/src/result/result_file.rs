@@ -51,9 +51,9 @@ impl ResultFile {
     /// An FRF from the motor torques to the motor velocities of these joints.
     #[must_use]
     pub fn torque_to_velocity(frf: Frf, joints: &[String]) -> Self {
-        let named = |quantity: &str| -> Vec<String> {
-            let name = |joint: &String| format!("{joint} {quantity}");
-            joints.iter().map(name).collect()
+        let named = |quantity: &str| {
+            let names = joints.iter().map(|joint| format!("{joint} {quantity}"));
+            names.collect()
         };
         Self {
             frf,
@@ -79,32 +79,21 @@ pub(crate) fn check(result: &ResultFile) -> Result<(), Flaw> {
             "arrays that fit each other".into(),
         )
     })?;
-    let lengths = [
-        (
-            "torque_rms_nm",
-            result.torque_rms_nm.as_ref().map(Vec::len),
-            frf.n_inputs(),
-        ),
-        (
-            "flagged",
-            result.flagged.as_ref().map(Vec::len),
-            frf.n_frequencies(),
-        ),
-    ];
-    for (what, found, needed) in lengths {
-        if let Some(found) = found.filter(|found| *found != needed) {
-            return Err((what, found.to_string(), needed.to_string()));
-        }
+    if let Some(torque) = &result.torque_rms_nm {
+        check_length("torque_rms_nm", torque, frf.n_inputs())?;
     }
-    for (what, list, needed) in [
-        ("input_names", &result.input_names, frf.n_inputs()),
-        ("output_names", &result.output_names, frf.n_outputs()),
-        ("input_units", &result.input_units, frf.n_inputs()),
-        ("output_units", &result.output_units, frf.n_outputs()),
-    ] {
-        if list.len() != needed {
-            return Err((what, list.len().to_string(), needed.to_string()));
-        }
+    if let Some(flagged) = &result.flagged {
+        check_length("flagged", flagged, frf.n_frequencies())?;
     }
-    Ok(())
+    check_length("input_names", &result.input_names, frf.n_inputs())?;
+    check_length("output_names", &result.output_names, frf.n_outputs())?;
+    check_length("input_units", &result.input_units, frf.n_inputs())?;
+    check_length("output_units", &result.output_units, frf.n_outputs())
+}
+
+fn check_length<T>(what: &'static str, list: &[T], needed: usize) -> Result<(), Flaw> {
+    if list.len() == needed {
+        return Ok(());
+    }
+    Err((what, list.len().to_string(), needed.to_string()))
 }

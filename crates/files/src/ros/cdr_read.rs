@@ -82,24 +82,17 @@ impl<'a> CdrReader<'a> {
     /// # Errors
     /// [`CdrError::Encoding`] for anything but plain CDR, [`CdrError::Short`].
     pub(crate) fn new(message: &'a [u8]) -> Result<Self, CdrError> {
-        let mut header = Bytes::new(message);
-        let mut reader = Self {
-            body: Bytes::new(&[]),
-            big_endian: false,
-            field: "header".into(),
+        let mut bytes = Bytes::new(message);
+        let field = String::from("header");
+        let header = match bytes.array() {
+            Ok(header) => header,
+            Err(short) => return Err(CdrError::Short { field, short }),
         };
-        let found: [u8; 4] = header.array().map_err(|short| reader.short(short))?;
-        reader.big_endian = match found {
-            [0, 0, ..] => true,
-            [0, 1, ..] => false,
-            [first, second, ..] => {
-                return Err(CdrError::Encoding {
-                    found: [first, second],
-                });
-            }
-        };
-        reader.body = Bytes::new(header.rest());
-        Ok(reader)
+        Ok(Self {
+            body: Bytes::new(bytes.rest()),
+            big_endian: is_big_endian(header)?,
+            field,
+        })
     }
 
     /// Names the field that is read next, for the errors.
@@ -114,12 +107,15 @@ impl<'a> CdrReader<'a> {
         }
     }
 
+    /// The next bytes, whatever they are.
+    fn take(&mut self, count: usize) -> Result<&'a [u8], CdrError> {
+        let taken = self.body.take(count as u64);
+        taken.map_err(|short| self.short(short))
+    }
+
     fn align(&mut self, size: usize) -> Result<(), CdrError> {
         let padding = self.body.at().wrapping_neg() & (size - 1);
-        self.body
-            .take(padding as u64)
-            .map(drop)
-            .map_err(|short| self.short(short))
+        self.take(padding).map(drop)
     }
 
     number! {
@@ -147,11 +143,7 @@ impl<'a> CdrReader<'a> {
     pub(crate) fn fits(&self, count: usize, least_size: usize) -> Result<usize, CdrError> {
         let needed = (count as u64).saturating_mul(least_size as u64);
         if needed > self.body.left() as u64 {
-            return Err(self.short(Short {
-                at: self.body.at(),
-                needed,
-                left: self.body.left(),
-            }));
+            return Err(self.short(self.body.short_of(needed)));
         }
         Ok(count)
     }
@@ -170,15 +162,7 @@ impl<'a> CdrReader<'a> {
     /// [`CdrError::Short`], [`CdrError::Text`].
     pub(crate) fn text(&mut self) -> Result<&'a str, CdrError> {
         let length = self.count(1)?;
-        let bytes = self
-            .body
-            .take(length as u64)
-            .map_err(|short| self.short(short))?;
-        let text = match bytes.split_last() {
-            None => Some(""), // some writers leave out the NUL of an empty text
-            Some((0, text)) => std::str::from_utf8(text).ok(),
-            Some(_) => None,
-        };
+        let text = closed_text(self.take(length)?);
         text.ok_or_else(|| CdrError::Text {
             field: self.field.clone(),
         })
@@ -213,6 +197,24 @@ impl<'a> CdrReader<'a> {
         } else {
             Err(CdrError::Trailing { left })
         }
+    }
+}
+
+/// The byte order that a header names.
+fn is_big_endian([first, second, ..]: [u8; 4]) -> Result<bool, CdrError> {
+    match [first, second] {
+        [0, 0] => Ok(true),
+        [0, 1] => Ok(false),
+        found => Err(CdrError::Encoding { found }),
+    }
+}
+
+/// The text before the closing NUL, which some writers leave out of an empty one.
+fn closed_text(bytes: &[u8]) -> Option<&str> {
+    match bytes.split_last() {
+        None => Some(""),
+        Some((0, text)) => std::str::from_utf8(text).ok(),
+        Some(_) => None,
     }
 }
 

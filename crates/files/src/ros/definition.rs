@@ -6,53 +6,7 @@ use std::collections::HashMap;
 
 use thiserror::Error;
 
-/// A type built into ROS 2.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Primitive {
-    /// One octet, 0 or 1.
-    Bool,
-    /// Signed integer of 1, 2, 4 or 8 bytes.
-    Int(u8),
-    /// Unsigned integer of 1, 2, 4 or 8 bytes; `byte` and `char` are those of 1 byte.
-    Uint(u8),
-    /// Number of 4 or 8 bytes.
-    Float(u8),
-    /// UTF-8 text.
-    Text,
-    /// Text of wide characters.
-    WideText,
-}
-
-/// What one element of a field is.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Element {
-    /// A built-in type.
-    Primitive(Primitive),
-    /// Another message: its place in [`Definition::messages`].
-    Message(usize),
-}
-
-/// How many elements a field has.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) enum Arity {
-    /// One.
-    One,
-    /// `[N]`: always N, without a count in front.
-    Exactly(usize),
-    /// `[]` or `[<=N]`: any number, with a count in front.
-    Many,
-}
-
-/// A field of a message.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub(crate) struct Field {
-    /// Its name.
-    pub name: String,
-    /// What it holds.
-    pub element: Element,
-    /// How many of these.
-    pub arity: Arity,
-}
+use crate::ros::field::{Arity, Element, Field, Primitive};
 
 /// A message type and every type it is made of.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -132,21 +86,30 @@ fn types(text: &str) -> Result<Types<'_>, DefinitionError> {
     let (mut names, mut fields) = (vec![String::new()], vec![Vec::new()]);
     for (number, line) in text.lines().enumerate() {
         let line = uncommented(line);
-        if line.is_empty() || line.len() >= 3 && line.chars().all(|c| c == '=') {
+        if line.is_empty() || is_rule(line) {
             continue;
         }
         if let Some(name) = line.strip_prefix("MSG:") {
             names.push(short_name(name.trim()));
             fields.push(Vec::new());
         } else if let Some(fields) = fields.last_mut() {
-            let bad = || DefinitionError::Line {
-                line: number + 1,
-                text: line.into(),
-            };
-            fields.extend(field(line).ok_or_else(bad)?);
+            fields.extend(field(line).ok_or_else(|| bad_line(number, line))?);
         }
     }
     Ok(Types { names, fields })
+}
+
+/// Whether a line stands between two messages.
+fn is_rule(line: &str) -> bool {
+    line.len() >= 3 && line.chars().all(|c| c == '=')
+}
+
+/// The line of this number, from 0, is nothing.
+fn bad_line(number: usize, line: &str) -> DefinitionError {
+    DefinitionError::Line {
+        line: number + 1,
+        text: line.into(),
+    }
 }
 
 /// A line without its comment; a `#` inside the quotes of a default is none.
@@ -171,14 +134,7 @@ fn short_name(name: &str) -> String {
 /// One field of a line; nothing for a constant; `None` for neither.
 fn field(line: &str) -> Option<Option<Written<'_>>> {
     let (kind, rest) = line.split_once(char::is_whitespace)?;
-    let rest = rest.trim_start();
-    let end = rest
-        .find(|c: char| !c.is_ascii_alphanumeric() && c != '_')
-        .unwrap_or(rest.len());
-    let (name, rest) = rest.split_at(end);
-    if !name.starts_with(|c: char| c.is_ascii_alphabetic()) {
-        return None;
-    }
+    let (name, rest) = name_and_rest(rest.trim_start())?;
     if rest.trim_start().starts_with('=') {
         return Some(None);
     }
@@ -189,6 +145,14 @@ fn field(line: &str) -> Option<Option<Written<'_>>> {
     Some(Some(Written { kind, arity, name }))
 }
 
+/// The name that a text begins with, and what follows it.
+fn name_and_rest(text: &str) -> Option<(&str, &str)> {
+    let end = text.find(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+    let (name, rest) = text.split_at(end.unwrap_or(text.len()));
+    let is_name = name.starts_with(|c: char| c.is_ascii_alphabetic());
+    is_name.then_some((name, rest))
+}
+
 /// The element's type and how many there are, of a type as written; `None` for brackets that make
 /// no sense.
 fn element_and_arity(kind: &str) -> Option<(&str, Arity)> {
@@ -196,14 +160,19 @@ fn element_and_arity(kind: &str) -> Option<(&str, Arity)> {
         return Some((kind, Arity::One));
     };
     let (kind, size) = open.split_once('[')?;
+    Some((kind, arity(size)?))
+}
+
+/// How many elements there are by what stands between the brackets.
+fn arity(size: &str) -> Option<Arity> {
     if size.is_empty() {
-        return Some((kind, Arity::Many));
+        return Some(Arity::Many);
     }
     if let Some(most) = size.strip_prefix("<=") {
-        return most.parse::<usize>().ok().map(|_| (kind, Arity::Many));
+        return most.parse::<usize>().ok().map(|_| Arity::Many);
     }
     let size = size.parse().ok().filter(|&size| size > 0)?;
-    Some((kind, Arity::Exactly(size)))
+    Some(Arity::Exactly(size))
 }
 
 fn resolve(
@@ -250,22 +219,25 @@ fn place(
     places: &HashMap<&str, usize>,
 ) -> Result<usize, DefinitionError> {
     let name = short_name(kind);
-    let sibling = parent
-        .split_once('/')
-        .map(|(package, _)| format!("{package}/{name}"));
-    let by_last_name = || {
-        let mut ends = places
-            .iter()
-            .filter(|(full, _)| full.rsplit('/').next() == Some(name.as_str()));
-        ends.next()
-            .filter(|_| ends.next().is_none())
-            .map(|(_, &place)| place)
+    let by_name = |name: &str| places.get(name).copied();
+    let by_sibling = || {
+        let (package, _) = parent.split_once('/')?;
+        by_name(&format!("{package}/{name}"))
     };
-    let known = places.get(name.as_str()).copied();
-    let known = known.or_else(|| sibling.and_then(|sibling| places.get(sibling.as_str()).copied()));
-    known
-        .or_else(by_last_name)
+    by_name(&name)
+        .or_else(by_sibling)
+        .or_else(|| by_last_name(&name, places))
         .ok_or(DefinitionError::Unknown { name })
+}
+
+fn by_last_name(name: &str, places: &HashMap<&str, usize>) -> Option<usize> {
+    let mut ends = places
+        .iter()
+        .filter(|(full, _)| full.rsplit('/').next() == Some(name));
+    match (ends.next(), ends.next()) {
+        (Some((_, &place)), None) => Some(place),
+        _ => None,
+    }
 }
 
 /// Every type is looked into once, however often it is used; a cycle runs into the limit.

@@ -67,8 +67,7 @@ impl JointState {
     pub(crate) fn decode(message: &[u8]) -> Result<(Self, Vec<&str>), CdrError> {
         let mut cdr = CdrReader::new(message)?;
         cdr.enter("header");
-        let (sec, nanosec) = (cdr.i32()?, cdr.u32()?);
-        let stamp_ns = i64::from(sec) * 1_000_000_000 + i64::from(nanosec);
+        let stamp_ns = read_stamp_ns(&mut cdr)?;
         cdr.text()?;
         cdr.enter("name");
         let names = cdr.texts()?;
@@ -77,7 +76,7 @@ impl JointState {
             cdr.f64s()
         };
         let state = Self {
-            stamp_ns: stamp_ns.max(0) as u64,
+            stamp_ns,
             position: array("position")?,
             velocity: array("velocity")?,
             effort: array("effort")?,
@@ -85,6 +84,13 @@ impl JointState {
         cdr.finish()?;
         Ok((state, names))
     }
+}
+
+/// A time of ROS; one before the epoch counts as the epoch.
+fn read_stamp_ns(cdr: &mut CdrReader) -> Result<u64, CdrError> {
+    let (sec, nanosec) = (cdr.i32()?, cdr.u32()?);
+    let stamp_ns = i64::from(sec) * 1_000_000_000 + i64::from(nanosec);
+    Ok(stamp_ns.max(0) as u64)
 }
 
 #[cfg(test)]

@@ -79,19 +79,27 @@ fn steps(way: &str) -> Option<Vec<Step>> {
     let mut steps = Vec::new();
     let mut rest = way;
     while !rest.is_empty() {
-        if let Some(inside) = rest.strip_prefix('[') {
-            let (name, after) = inside.split_once(']')?;
-            let named = |_| Step::Named(name.into());
-            steps.push(name.parse().map_or_else(named, Step::Place));
-            rest = after;
-        } else {
-            let end = rest.find(['.', '[']).unwrap_or(rest.len());
-            steps.push(Step::Field(rest[..end].into()));
-            rest = &rest[end..];
-        }
-        rest = rest.strip_prefix('.').unwrap_or(rest);
+        let (step, after) = match rest.strip_prefix('[') {
+            Some(inside) => entry_step(inside)?,
+            None => field_step(rest),
+        };
+        steps.push(step);
+        rest = after.strip_prefix('.').unwrap_or(after);
     }
     Some(steps)
+}
+
+/// The step to a place or a name in brackets, of which the first is gone, and what follows it.
+fn entry_step(inside: &str) -> Option<(Step, &str)> {
+    let (name, after) = inside.split_once(']')?;
+    let named = |_| Step::Named(name.into());
+    Some((name.parse().map_or_else(named, Step::Place), after))
+}
+
+/// The step to a field, and what follows it.
+fn field_step(way: &str) -> (Step, &str) {
+    let (name, after) = way.split_at(way.find(['.', '[']).unwrap_or(way.len()));
+    (Step::Field(name.into()), after)
 }
 
 fn no_field(name: &str, at: &Value) -> String {
@@ -106,20 +114,15 @@ fn no_field(name: &str, at: &Value) -> String {
 
 /// The place of a joint in the nearest list of names that has it.
 fn place_of(joint: &str, around: &[&Value]) -> Result<Option<usize>, String> {
-    for list in around
-        .iter()
-        .rev()
-        .flat_map(|value| NAMES.iter().filter_map(|names| value.field(names)))
-    {
+    let lists = around.iter().rev();
+    for list in lists.flat_map(|value| NAMES.iter().filter_map(|names| value.field(names))) {
         let Value::List(list) = list else { continue };
-        let mut places =
-            (0..list.len()).filter(|&k| matches!(&list[k], Value::Text(name) if name == joint));
-        if let Some(place) = places.next() {
-            return if places.next().is_some() {
-                Err(format!("the joint {joint} twice"))
-            } else {
-                Ok(Some(place))
-            };
+        let is_joint = |k: &usize| matches!(&list[*k], Value::Text(name) if name == joint);
+        let mut places = (0..list.len()).filter(is_joint);
+        match (places.next(), places.next()) {
+            (None, _) => {}
+            (place, None) => return Ok(place),
+            _ => return Err(format!("the joint {joint} twice")),
         }
     }
     Ok(None)

@@ -2,7 +2,8 @@
 //! file.
 
 use crate::ros::cdr_read::{CdrError, CdrReader};
-use crate::ros::definition::{Arity, Definition, Element, Field, Primitive};
+use crate::ros::definition::Definition;
+use crate::ros::field::{Arity, Element, Field, Primitive};
 
 /// A decoded field. Integers of 64 bits beyond 2^53 are rounded to the nearest `f64`.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,8 +27,7 @@ impl Value {
         match self {
             Value::Message(fields) => fields
                 .iter()
-                .find(|(field, _)| field == name)
-                .map(|(_, value)| value),
+                .find_map(|(field, value)| (field == name).then_some(value)),
             _ => None,
         }
     }
@@ -79,13 +79,13 @@ fn read_field(
         Arity::Exactly(count) => cdr.fits(count, least_size(field.element))?,
         Arity::Many => cdr.count(least_size(field.element))?,
     };
+    let places = 0..count;
     match field.element {
-        Element::Primitive(kind) if !matches!(kind, Primitive::Text | Primitive::WideText) => (0
-            ..count)
+        Element::Primitive(kind) if kind.is_number() => places
             .map(|_| read_number(kind, cdr))
             .collect::<Result<_, _>>()
             .map(Value::Numbers),
-        element => (0..count)
+        element => places
             .map(|_| read_element(definition, element, cdr))
             .collect::<Result<_, _>>()
             .map(Value::List),

@@ -2,31 +2,67 @@
 //! every value in JSON.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::io::Write;
 
+use mcap::McapResult;
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::Value;
 
 use crate::error::FileError;
-use crate::mcap::record::Attachment;
+use crate::loss::{self, Loss};
+use crate::mcap::chunk::Entry;
+use crate::mcap::write::RosWriter;
 
 /// Metadata record of a run.
 pub(crate) const RUN: &str = "frfid.run";
 /// Metadata record of a plan.
 pub(crate) const PLAN: &str = "frfid.plan";
 /// Provenance, as the user's program gave it.
-pub(crate) const PROVENANCE: &str = "frfid";
+const PROVENANCE: &str = "frfid";
 /// Attachment that describes the experiment. Names of attachments are compared, never used as
 /// paths.
-pub(crate) const EXPERIMENT: &str = "experiment.toml";
+const EXPERIMENT: &str = "experiment.toml";
 
-/// Whether an attachment is the experiment's description, and undamaged.
-pub(crate) fn is_experiment(attachment: &Attachment) -> bool {
-    attachment.name == EXPERIMENT && attachment.is_sound
+/// Where a run or a plan comes from.
+#[derive(Debug, Default)]
+pub(crate) struct Origin {
+    /// Provenance; empty where the file has none.
+    pub(crate) metadata: BTreeMap<String, String>,
+    /// The experiment's description; `None` where it is missing, damaged or not UTF-8.
+    pub(crate) experiment_toml: Option<String>,
 }
 
-/// The text of an attachment; `None` where it is not UTF-8.
-pub(crate) fn text_of(attachment: &Attachment) -> Option<String> {
-    String::from_utf8(attachment.data.to_vec()).ok()
+impl Origin {
+    /// Takes in what it is made of; gives back any other entry.
+    pub(crate) fn take<'e>(&mut self, entry: Entry<'e>) -> Option<Entry<'e>> {
+        match entry {
+            Entry::Metadata { name, values } if name == PROVENANCE => self.metadata = values,
+            Entry::Attachment(attached) if attached.name == EXPERIMENT && attached.is_sound => {
+                self.experiment_toml = String::from_utf8(attached.data.to_vec()).ok();
+            }
+            other => return Some(other),
+        }
+        None
+    }
+
+    /// The description, if it is lost.
+    pub(crate) fn loss(&self) -> Option<Loss> {
+        let reason = "the attachment is missing or damaged";
+        let is_lost = self.experiment_toml.is_none();
+        is_lost.then(|| loss::of_no_sample(EXPERIMENT, 0.0, reason))
+    }
+}
+
+/// Writes how a file describes itself: provenance, structure (the record `name`), experiment.
+pub(crate) fn write<W: Write>(
+    writer: &mut RosWriter<W>,
+    metadata: &BTreeMap<String, String>,
+    (name, structure): (&str, &impl Serialize),
+    experiment_toml: &str,
+) -> McapResult<()> {
+    writer.metadata(PROVENANCE, metadata)?;
+    writer.metadata(name, &to_texts(structure))?;
+    writer.attach(EXPERIMENT, "application/toml", experiment_toml.as_bytes())
 }
 
 /// No signal of a file may hold more values: 2 GiB of them.
@@ -72,15 +108,24 @@ pub(crate) fn from_texts<T: DeserializeOwned>(
     serde_json::from_value(Value::Object(fields)).map_err(|error| error.to_string())
 }
 
+/// Refuses a file of another version than the one that is read.
+pub(crate) fn check_version(found: u32, read: u32) -> Result<(), String> {
+    if found == read {
+        return Ok(());
+    }
+    Err(format!("version {found}, this frfid reads version {read}"))
+}
+
 /// Joint names must be there and differ, or nobody can tell the joints apart.
 pub(crate) fn check_joints(names: &[String]) -> Result<(), FileError> {
     let distinct: BTreeSet<_> = names.iter().filter(|name| !name.is_empty()).collect();
     if names.is_empty() || distinct.len() < names.len() {
-        return Err(FileError::Shape {
-            what: "joint_names",
-            found: format!("{names:?}"),
-            needed: "at least one name, all different, none empty".into(),
-        });
+        let needed = "at least one name, all different, none empty";
+        return Err(FileError::shape(
+            "joint_names",
+            format!("{names:?}"),
+            needed,
+        ));
     }
     Ok(())
 }
@@ -90,10 +135,7 @@ pub(crate) fn check_sample_time(sample_time_s: f64) -> Result<(), FileError> {
     if (1e-6..=1e6).contains(&sample_time_s) {
         return Ok(());
     }
-    let needed = "between 1e-6 s and 1e6 s, for stamps in ns".into();
-    Err(FileError::Shape {
-        what: "sample_time_s",
-        found: sample_time_s.to_string(),
-        needed,
-    })
+    let needed = "between 1e-6 s and 1e6 s, for stamps in ns";
+    let found = sample_time_s.to_string();
+    Err(FileError::shape("sample_time_s", found, needed))
 }

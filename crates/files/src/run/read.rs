@@ -11,10 +11,10 @@ use crate::error::FileError;
 use crate::loss::{self, Damage, Loss};
 use crate::mcap::chunk::Entry;
 use crate::mcap::open::open_mcap;
-use crate::mcap::read::{Part, scan};
+use crate::mcap::read::{Part, scan, scan_file};
 use crate::mcap::record::{Channel, Message};
 use crate::mcap::write::START_NS;
-use crate::run::header;
+use crate::run::header::{self, Origin};
 use crate::run::samples::Samples;
 use crate::run::write::{RunFile, RunStructure};
 
@@ -46,25 +46,20 @@ pub struct RunLabel {
 /// # Errors
 /// As [`read_run`].
 pub fn read_run_label(path: &Path) -> Result<RunLabel, FileError> {
-    let (mut run, mut metadata, mut experiment_toml) = (None, BTreeMap::new(), None);
-    scan(open_mcap(path)?, path, Part::Description, &mut |entry| {
-        match entry {
-            Entry::Metadata { name, values } if name == header::PROVENANCE => metadata = values,
-            Entry::Metadata { name, values } if name == header::RUN => {
+    let (mut run, mut origin) = (None, Origin::default());
+    scan_file(path, Part::Description, &mut |entry| {
+        match origin.take(entry) {
+            Some(Entry::Metadata { name, values }) if name == header::RUN => {
                 run = Some(structure(&values, path)?.run);
-            }
-            Entry::Attachment(attachment) if header::is_experiment(&attachment) => {
-                experiment_toml = header::text_of(&attachment);
             }
             _ => {}
         }
         Ok(())
     })?;
-    let run = run.ok_or_else(|| not_a_run(path, "an MCAP without it".into()))?;
     Ok(RunLabel {
-        run,
-        metadata,
-        experiment_toml,
+        run: run.ok_or_else(|| not_a_run(path, WITHOUT_IT))?,
+        metadata: origin.metadata,
+        experiment_toml: origin.experiment_toml,
     })
 }
 
@@ -81,46 +76,43 @@ pub(crate) fn read_from<R: Read + Seek>(
 }
 
 fn structure(values: &BTreeMap<String, String>, path: &Path) -> Result<RunStructure, FileError> {
-    header::from_texts(values).map_err(|error| not_a_run(path, error))
+    header::from_texts(values).map_err(|error: String| not_a_run(path, error))
 }
 
-fn not_a_run(path: &Path, found: String) -> FileError {
-    FileError::Content {
-        path: path.into(),
-        what: "metadata record frfid.run".into(),
+/// What is found in place of the metadata record.
+const WITHOUT_IT: &str = "an MCAP without it";
+
+fn not_a_run(path: &Path, found: impl Into<String>) -> FileError {
+    FileError::content(
+        path,
+        "metadata record frfid.run",
         found,
-        needed: "a run written by frfid; for any other recording say which topic is which (--map)"
-            .into(),
-    }
+        "a run written by frfid; for any other recording say which topic is which (--map)",
+    )
 }
 
 /// What was read of a run so far.
 #[derive(Default)]
 struct Reading {
     samples: Option<Samples>,
-    metadata: BTreeMap<String, String>,
-    experiment_toml: Option<String>,
+    origin: Origin,
 }
 
 impl Reading {
     fn take(&mut self, entry: Entry, path: &Path) -> Result<(), FileError> {
-        match entry {
-            Entry::Metadata { name, values } if name == header::PROVENANCE => {
-                self.metadata = values;
-            }
-            Entry::Metadata { name, values } if name == header::RUN && self.samples.is_none() => {
+        match self.origin.take(entry) {
+            Some(Entry::Metadata { name, values })
+                if name == header::RUN && self.samples.is_none() =>
+            {
                 let samples = Samples::new(structure(&values, path)?);
                 self.samples = Some(samples.map_err(|found| not_a_run(path, found))?);
+                Ok(())
             }
-            Entry::Attachment(attachment) if header::is_experiment(&attachment) => {
-                self.experiment_toml = header::text_of(&attachment);
-            }
-            Entry::Message {
+            Some(Entry::Message {
                 channel, message, ..
-            } => self.take_message(channel, &message, path)?,
-            _ => {}
+            }) => self.take_message(channel, &message, path),
+            _ => Ok(()),
         }
-        Ok(())
     }
 
     fn take_message(
@@ -130,43 +122,32 @@ impl Reading {
         path: &Path,
     ) -> Result<(), FileError> {
         let Some(samples) = &mut self.samples else {
-            return Err(not_a_run(path, "messages before the metadata".into()));
+            return Err(not_a_run(path, "messages before the metadata"));
         };
         let taken = samples.take(&channel.topic, message);
-        taken.map_err(|found| FileError::Content {
-            path: path.into(),
-            what: format!("{} message {}", channel.topic, message.sequence),
-            found,
-            needed: "the sample that the run's metadata announces".into(),
+        taken.map_err(|found| {
+            let what = format!("{} message {}", channel.topic, message.sequence);
+            let needed = "the sample that the run's metadata announces";
+            FileError::content(path, what, found, needed)
         })
     }
 
     /// The run, and what was lost of it.
     fn finish(self, damages: Vec<Damage>, path: &Path) -> Result<(RunFile, Vec<Loss>), FileError> {
         let Some(samples) = self.samples else {
-            let found = damages
-                .first()
-                .map_or("an MCAP without it".into(), |damage| damage.reason.clone());
+            let found = damages.first().map_or(WITHOUT_IT, |damage| &damage.reason);
             return Err(not_a_run(path, found));
         };
-        let mut losses: Vec<_> = damages
-            .into_iter()
-            .map(|damage| loss::of_file(damage, START_NS))
-            .collect();
+        let mut losses = loss::of_file(damages, START_NS);
         losses.extend(samples.losses());
-        if self.experiment_toml.is_none() {
-            losses.push(loss::of_nothing(
-                "experiment.toml",
-                "the attachment is missing or damaged",
-            ));
-        }
+        losses.extend(self.origin.loss());
         let run = RunFile {
             joint_names: samples.structure.joint_names.clone(),
             run: samples.structure.run,
             injection: samples.structure.injection,
             record: samples.into_record(),
-            metadata: self.metadata,
-            experiment_toml: self.experiment_toml.unwrap_or_default(),
+            metadata: self.origin.metadata,
+            experiment_toml: self.origin.experiment_toml.unwrap_or_default(),
         };
         Ok((run, losses))
     }

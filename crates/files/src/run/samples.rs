@@ -67,33 +67,29 @@ impl Samples {
 
     /// Puts the fields of a message where they belong.
     fn store(&mut self, topic: &str, sample: usize, state: &JointState) -> Result<(), String> {
-        let JointState {
-            position,
-            velocity,
-            effort,
-            ..
-        } = state;
         match (topic, self.structure.input_kind, self.structure.injection) {
-            (topics::STATES, kind, _) => {
-                put(&mut self.y, sample, "velocity", velocity)?;
-                put(&mut self.position_rad, sample, "position", position)?;
-                if kind == InputKind::Measured {
-                    put(&mut self.u, sample, "effort", effort)
-                } else {
-                    Ok(())
-                }
-            }
+            (topics::STATES, ..) => self.store_state(sample, state),
             (topics::COMMANDS, InputKind::Commanded, _) => {
-                put(&mut self.u, sample, "effort", effort)
+                put(&mut self.u, sample, "effort", &state.effort)
             }
             (topics::EXCITATION, _, Injection::Torque) => {
-                put(&mut self.r, sample, "effort", effort)
+                put(&mut self.r, sample, "effort", &state.effort)
             }
             (topics::EXCITATION, _, Injection::Velocity) => {
-                put(&mut self.r, sample, "velocity", velocity)
+                put(&mut self.r, sample, "velocity", &state.velocity)
             }
             _ => Ok(()),
         }
+    }
+
+    /// Puts what was measured where it belongs.
+    fn store_state(&mut self, sample: usize, state: &JointState) -> Result<(), String> {
+        put(&mut self.y, sample, "velocity", &state.velocity)?;
+        put(&mut self.position_rad, sample, "position", &state.position)?;
+        if self.structure.input_kind == InputKind::Measured {
+            put(&mut self.u, sample, "effort", &state.effort)?;
+        }
+        Ok(())
     }
 
     /// An event that cannot be read is left out, to be missed in the end; it must not cost the
@@ -111,24 +107,18 @@ impl Samples {
         let structure = &self.structure;
         let mut losses = Vec::new();
         for (topic, came) in &self.came {
-            let n = structure.n_samples;
-            losses.extend(loss::gaps(
-                topic,
-                n,
-                structure.sample_time_s,
-                "are missing",
-                |sample| !came[sample],
-            ));
+            let (n, step_s) = (structure.n_samples, structure.sample_time_s);
+            let is_lost = |sample: usize| !came[sample];
+            losses.extend(loss::gaps(topic, n, step_s, "are missing", is_lost));
         }
-        if self.events.len() != structure.n_events {
-            let reason = format!(
-                "{} events, {} were written",
-                self.events.len(),
-                structure.n_events
-            );
-            losses.push(loss::of_nothing(topics::EVENTS, &reason));
-        }
+        losses.extend(self.loss_of_events());
         losses
+    }
+
+    fn loss_of_events(&self) -> Option<Loss> {
+        let (came, written) = (self.events.len(), self.structure.n_events);
+        let reason = format!("{came} events, {written} were written");
+        (came != written).then(|| loss::of_no_sample(topics::EVENTS, 0.0, reason))
     }
 
     /// The record as it is by now.
@@ -147,15 +137,15 @@ impl Samples {
 
 /// Refuses a structure that no run has.
 fn check(structure: &RunStructure) -> Result<(), String> {
-    let joints = structure.joint_names.len();
-    if structure.version != VERSION {
-        return Err(format!(
-            "version {}, this frfid reads version {VERSION}",
-            structure.version
-        ));
-    }
+    header::check_version(structure.version, VERSION)?;
     header::check_joints(&structure.joint_names).map_err(|error| error.to_string())?;
     header::check_sample_time(structure.sample_time_s).map_err(|error| error.to_string())?;
+    check_sizes(structure)
+}
+
+/// Refuses signals that do not fit the joints, and more values than a file may hold.
+fn check_sizes(structure: &RunStructure) -> Result<(), String> {
+    let joints = structure.joint_names.len();
     if structure.n_inputs.max(structure.n_outputs) != joints {
         return Err(format!(
             "{} inputs, {} outputs, {joints} joints",
@@ -174,7 +164,7 @@ fn check(structure: &RunStructure) -> Result<(), String> {
 
 /// The number of the sample with this stamp, which is noted as one that came.
 fn marked(came: &mut [bool], stamp: u64, sample_time_s: f64) -> Result<usize, String> {
-    let sample = (stamp.saturating_sub(START_NS) as f64 / (sample_time_s * 1e9)).round() as usize;
+    let sample = nearest_sample(stamp, sample_time_s);
     match came.get_mut(sample) {
         Some(first @ false) if stamp_ns(sample, sample_time_s) == stamp => {
             *first = true;
@@ -183,6 +173,11 @@ fn marked(came: &mut [bool], stamp: u64, sample_time_s: f64) -> Result<usize, St
         Some(true) => Err(format!("sample {sample} a second time")),
         _ => Err(format!("stamp {stamp} ns, which is no sample time")),
     }
+}
+
+fn nearest_sample(stamp: u64, sample_time_s: f64) -> usize {
+    let since_start_ns = stamp.saturating_sub(START_NS) as f64;
+    (since_start_ns / (sample_time_s * 1e9)).round() as usize
 }
 
 /// Stores one sample of a signal; a signal without rows was not recorded.

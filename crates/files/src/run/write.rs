@@ -23,7 +23,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::atomic_write::{Overwrite, write_file};
 use crate::error::FileError;
-use crate::mcap::write::{RosWriter, START_NS, Topic, stamp_ns};
+use crate::mcap::write::{RosWriter, Topic, stamp_ns, time_ns};
 use crate::ros::joint_state::JointState;
 use crate::run::{header, topics};
 
@@ -83,20 +83,17 @@ fn check(run: &RunFile) -> Result<(), FileError> {
     let rows = record.u.nrows().max(record.y.nrows());
     if rows != joints {
         let needed = format!("{joints}, one for each of the joint names");
-        return Err(FileError::Shape {
-            what: "rows of u and y",
-            found: rows.to_string(),
+        return Err(FileError::shape(
+            "rows of u and y",
+            rows.to_string(),
             needed,
-        });
+        ));
     }
     let shape_of_y = (record.y.nrows(), record.u.ncols());
     check_shape("shape of y", Some(&record.y), shape_of_y)?;
     check_shape("shape of r", record.r.as_ref(), record.u.dim())?;
-    check_shape(
-        "shape of position_rad",
-        record.position_rad.as_ref(),
-        record.y.dim(),
-    )
+    let position = record.position_rad.as_ref();
+    check_shape("shape of position_rad", position, record.y.dim())
 }
 
 fn check_shape(
@@ -105,11 +102,10 @@ fn check_shape(
     needed: (usize, usize),
 ) -> Result<(), FileError> {
     match signal.map(Array2::dim) {
-        Some(found) if found != needed => Err(FileError::Shape {
-            what,
-            found: format!("{found:?}"),
-            needed: format!("{needed:?}"),
-        }),
+        Some(found) if found != needed => {
+            let (found, needed) = (format!("{found:?}"), format!("{needed:?}"));
+            Err(FileError::shape(what, found, needed))
+        }
         _ => Ok(()),
     }
 }
@@ -135,26 +131,28 @@ fn structure_of(run: &RunFile) -> RunStructure {
 /// Writes the MCAP itself: what describes the run first, so that a cut file still says what it is.
 pub(crate) fn write_to<W: Write>(file: W, run: &RunFile) -> McapResult<()> {
     let mut writer = RosWriter::new(file)?;
-    writer.metadata("frfid", &run.metadata)?;
-    writer.metadata(header::RUN, &header::to_texts(&structure_of(run)))?;
-    writer.attach(
-        header::EXPERIMENT,
-        "application/toml",
-        run.experiment_toml.as_bytes(),
-    )?;
+    let structure = (header::RUN, &structure_of(run));
+    header::write(&mut writer, &run.metadata, structure, &run.experiment_toml)?;
     let mut topics = RunTopics::announce(&mut writer, run)?;
+    write_samples(&mut writer, &mut topics, run)?;
+    writer.finish()
+}
+
+/// Writes every sample, and before it the events up to its time.
+fn write_samples<W: Write>(
+    writer: &mut RosWriter<W>,
+    topics: &mut RunTopics,
+    run: &RunFile,
+) -> McapResult<()> {
     let mut pending = run.record.events.iter().peekable();
     for sample in 0..run.record.n_samples() {
         let time_s = sample as f64 * run.record.sample_time_s;
         while let Some(event) = pending.next_if(|event| event.time_s <= time_s) {
-            write_event(&mut writer, &mut topics.events, event)?;
+            write_event(writer, &mut topics.events, event)?;
         }
-        write_sample(&mut writer, &mut topics, run, sample)?;
+        write_sample(writer, topics, run, sample)?;
     }
-    for event in pending {
-        write_event(&mut writer, &mut topics.events, event)?;
-    }
-    writer.finish()
+    pending.try_for_each(|event| write_event(writer, &mut topics.events, event))
 }
 
 /// The topics of a run.
@@ -168,18 +166,14 @@ struct RunTopics {
 
 impl RunTopics {
     fn announce<W: Write>(writer: &mut RosWriter<W>, run: &RunFile) -> McapResult<Self> {
-        let states = writer.joint_topic(topics::STATES)?;
-        let commands = writer.joint_topic(topics::COMMANDS)?;
-        let excitation = match run.record.r {
-            Some(_) => Some(writer.joint_topic(topics::EXCITATION)?),
-            None => None,
-        };
-        let events = writer.text_topic(topics::EVENTS)?;
         Ok(Self {
-            states,
-            commands,
-            excitation,
-            events,
+            states: writer.joint_topic(topics::STATES)?,
+            commands: writer.joint_topic(topics::COMMANDS)?,
+            excitation: match run.record.r {
+                Some(_) => Some(writer.joint_topic(topics::EXCITATION)?),
+                None => None,
+            },
+            events: writer.text_topic(topics::EVENTS)?,
         })
     }
 }
@@ -190,11 +184,11 @@ fn write_sample<W: Write>(
     run: &RunFile,
     sample: usize,
 ) -> McapResult<()> {
-    let [state, command, injected] = messages(run, sample);
-    writer.joint_state(&mut topics.states, &run.joint_names, &state)?;
-    writer.joint_state(&mut topics.commands, &run.joint_names, &command)?;
+    let at = Sample { run, sample };
+    writer.joint_state(&mut topics.states, &run.joint_names, &at.state())?;
+    writer.joint_state(&mut topics.commands, &run.joint_names, &at.command())?;
     match &mut topics.excitation {
-        Some(topic) => writer.joint_state(topic, &run.joint_names, &injected),
+        Some(topic) => writer.joint_state(topic, &run.joint_names, &at.injected()),
         None => Ok(()),
     }
 }
@@ -208,36 +202,70 @@ fn write_event<W: Write>(
     if matches!(event.kind, EventKind::PeriodStart { .. }) {
         writer.flush()?;
     }
-    let time_ns = START_NS.saturating_add((event.time_s.max(0.0) * 1e9).round() as u64);
-    writer.text(topic, time_ns, &serde_json::json!(event).to_string())
+    let told = serde_json::json!(event).to_string();
+    writer.text(topic, time_ns(event.time_s.max(0.0)), &told)
 }
 
-/// What /joint_states, /joint_commands and /frfid/excitation say of one sample.
-fn messages(run: &RunFile, sample: usize) -> [JointState; 3] {
-    let record = &run.record;
-    let values = |signal: &Array2<f64>| {
-        let mut values = signal.column(sample).to_vec();
-        values.resize(run.joint_names.len(), f64::NAN);
-        values
-    };
-    let reference = || record.r.as_ref().map(values).unwrap_or_default();
-    let mut messages: [JointState; 3] = std::array::from_fn(|_| JointState {
-        stamp_ns: stamp_ns(sample, record.sample_time_s),
-        ..Default::default()
-    });
-    let [state, command, injected] = &mut messages;
-    state.position = record.position_rad.as_ref().map(values).unwrap_or_default();
-    state.velocity = values(&record.y);
-    match record.input_kind {
-        InputKind::Measured => state.effort = values(&record.u),
-        InputKind::Commanded => command.effort = values(&record.u),
-    }
-    match run.injection {
-        Injection::Torque => injected.effort = reference(),
-        Injection::Velocity => {
-            command.velocity = reference();
-            injected.velocity = reference();
+/// One sample of a run, and what each topic says of it.
+struct Sample<'r> {
+    run: &'r RunFile,
+    sample: usize,
+}
+
+impl Sample<'_> {
+    /// /joint_states: position, velocity and the measured input.
+    fn state(&self) -> JointState {
+        JointState {
+            stamp_ns: self.stamp_ns(),
+            position: self.values(self.run.record.position_rad.as_ref()),
+            velocity: self.values(Some(&self.run.record.y)),
+            effort: self.input(InputKind::Measured),
         }
     }
-    messages
+
+    /// /joint_commands: the commanded input, and the reference of a closed loop.
+    fn command(&self) -> JointState {
+        JointState {
+            stamp_ns: self.stamp_ns(),
+            position: Vec::new(),
+            velocity: self.reference(Injection::Velocity),
+            effort: self.input(InputKind::Commanded),
+        }
+    }
+
+    /// /frfid/excitation: the reference, in the field it acts on.
+    fn injected(&self) -> JointState {
+        JointState {
+            stamp_ns: self.stamp_ns(),
+            position: Vec::new(),
+            velocity: self.reference(Injection::Velocity),
+            effort: self.reference(Injection::Torque),
+        }
+    }
+
+    /// The input, if it is of this kind.
+    fn input(&self, kind: InputKind) -> Vec<f64> {
+        let record = &self.run.record;
+        self.values(Some(&record.u).filter(|_| record.input_kind == kind))
+    }
+
+    /// The reference, if it acts in this way.
+    fn reference(&self, injection: Injection) -> Vec<f64> {
+        let reference = self.run.record.r.as_ref();
+        self.values(reference.filter(|_| self.run.injection == injection))
+    }
+
+    /// The values of a signal, NaN for joints without one; none of a signal that is not there.
+    fn values(&self, signal: Option<&Array2<f64>>) -> Vec<f64> {
+        let Some(signal) = signal else {
+            return Vec::new();
+        };
+        let mut values = signal.column(self.sample).to_vec();
+        values.resize(self.run.joint_names.len(), f64::NAN);
+        values
+    }
+
+    fn stamp_ns(&self) -> u64 {
+        stamp_ns(self.sample, self.run.record.sample_time_s)
+    }
 }
