@@ -53,9 +53,11 @@ pub(crate) fn write_file(
         reason: chain(error),
     };
     let mut writer = BufWriter::with_capacity(1 << 18, &file);
-    fill(&mut writer).map_err(|error| failed(&*error))?;
-    writer.flush().map_err(|error| failed(&error))?;
+    let filled = fill(&mut writer);
+    let flushed = writer.flush(); // before the bytes that were saved are counted
     drop(writer);
+    filled.map_err(|error| failed(&*error))?;
+    flushed.map_err(|error| failed(&error))?;
     file.sync_all().map_err(|error| failed(&error))?;
     std::fs::rename(&part, path).map_err(|error| failed(&error))?;
     sync_folder(path);
@@ -194,6 +196,7 @@ mod tests {
             error.contains("no storage space") && error.contains("a.json.part"),
             "{error}"
         );
+        assert!(error.contains("4 bytes"), "{error}");
         assert!(!path.exists());
         assert_eq!(fs::read(part_path(&path)).expect("kept"), b"half");
     }

@@ -191,6 +191,28 @@ fn stamp_ns(message: &Value) -> Option<i64> {
     let stamp = message.field("header").unwrap_or(message).field("stamp")?;
     let part = |name: &str| stamp.field(name)?.number();
     let (sec, nanosec) = (part("sec")?, part("nanosec")?);
-    let stamp_ns = sec as i64 * 1_000_000_000 + nanosec as i64;
+    // saturating: what a hostile message holds is no time, and later refused as such
+    let stamp_ns = (sec as i64)
+        .saturating_mul(1_000_000_000)
+        .saturating_add(nanosec as i64);
     (stamp_ns != 0).then_some(stamp_ns)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_stamp_beyond_all_times_does_not_overflow() {
+        let message = |fields: &[(&str, Value)]| {
+            let named = |(name, value): &(&str, Value)| ((*name).to_owned(), value.clone());
+            Value::Message(fields.iter().map(named).collect())
+        };
+        let stamped = |sec: f64| {
+            let stamp = [("sec", Value::Number(sec)), ("nanosec", Value::Number(5.0))];
+            message(&[("stamp", message(&stamp))])
+        };
+        assert_eq!(stamp_ns(&stamped(2.0)), Some(2_000_000_005));
+        assert_eq!(stamp_ns(&stamped(1e300)), Some(i64::MAX));
+    }
 }

@@ -126,13 +126,12 @@ fn row(path: &Path, source: &str) -> Result<Vec<f64>, FileError> {
     })
 }
 
-/// `name` and `row` of `name[row]`; no row without brackets, or where it is no number.
+/// `name` and `row` of `name[row]`; the whole source is a name where the row is no number.
 fn name_and_place(source: &str) -> (&str, Option<usize>) {
     let inside = source.strip_suffix(']');
-    match inside.and_then(|source| source.split_once('[')) {
-        Some((name, place)) => (name, place.parse().ok()),
-        None => (source, None),
-    }
+    let parts = inside.and_then(|source| source.split_once('['));
+    let with_row = parts.and_then(|(name, row)| Some((name, row.parse().ok()?)));
+    with_row.map_or((source, None), |(name, row)| (name, Some(row)))
 }
 
 #[cfg(test)]
@@ -141,6 +140,14 @@ mod tests {
     use crate::atomic_write::Overwrite;
     use crate::result::npz::write_frf_npz;
     use crate::result::testing::result;
+
+    #[test]
+    fn a_row_is_a_number_and_nothing_else() {
+        assert_eq!(name_and_place("u[2]"), ("u", Some(2)));
+        for whole in ["u", "u[", "u[x]", "u[-1]"] {
+            assert_eq!(name_and_place(whole), (whole, None));
+        }
+    }
 
     #[test]
     fn what_we_write_comes_back_and_nothing_that_was_not_measured() {
