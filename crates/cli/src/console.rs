@@ -15,7 +15,7 @@ use crate::exit::{Exit, Failure};
 pub(crate) struct Console<'a> {
     stdout: &'a mut dyn Write,
     stderr: &'a mut dyn Write,
-    /// Neither messages nor progress; warnings and errors are always shown.
+    /// No progress and no notes; results, warnings and errors are always shown.
     pub quiet: bool,
     colour: ColorChoice,
     /// The reader of stdout has left (`| head`): nobody to write to any more, and no error.

@@ -19,7 +19,7 @@ pub(crate) struct Options {
     /// Write what there is to say to stdout as JSON
     #[arg(long, global = true)]
     pub json: bool,
-    /// Neither messages nor progress; warnings and errors are always told
+    /// No progress and no notes; results, warnings and errors are always printed
     #[arg(long, short, global = true, env = "FRFID_QUIET", value_parser = FalseyValueParser::new())]
     pub quiet: bool,
     /// When to use colours; `auto`: on a terminal, unless NO_COLOR is set

@@ -75,7 +75,7 @@ pub enum EstimateError {
     /// A periodic reference whose amplitudes have no gap between excited lines and the rest.
     #[error(
         "no set of excited lines stands out: the widest gap between amplitudes is a factor {gap:.1}, and they fall by a factor {range:.1e}; \
-         the reference is no multisine, or name the lines yourself"
+         the reference is no multisine"
     )]
     NoLines {
         /// Widest ratio between successive amplitudes; 4 is needed.

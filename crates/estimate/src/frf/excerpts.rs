@@ -34,6 +34,7 @@ pub fn estimate_chirp(
     start_s: f64,
     options: &FrfOptions,
 ) -> Result<Frf, EstimateError> {
+    options.method.check_reference(r.is_some())?;
     check_same_shape(&u, &y, r.as_ref())?;
     let cut = ExcerptOptions::default();
     let mut campaign = Campaign::new(frequencies_hz.to_vec())?;

@@ -91,6 +91,16 @@ impl Method {
     pub fn needs_reference(&self) -> bool {
         self.estimator().needs_reference()
     }
+
+    /// Refuses a reference that the method would not use: whoever gives one expects that it is.
+    pub(crate) fn check_reference(self, is_given: bool) -> Result<(), SignalError> {
+        if is_given && !self.needs_reference() {
+            let what = "a reference r is given, but the method does without; leave it out, or \
+                        estimate through it by the method joint-input-output";
+            return Err(SignalError::unfit("r", what));
+        }
+        Ok(())
+    }
 }
 
 impl Campaign {

@@ -1,6 +1,6 @@
 //! FRF of a campaign given as arrays of whole periods.
 
-use frfid_signals::{Frf, SignalError};
+use frfid_signals::Frf;
 use ndarray::{ArrayView5, Axis};
 
 use crate::error::EstimateError;
@@ -42,11 +42,7 @@ pub fn estimate_bla(
     harmonics: &[usize],
     options: &FrfOptions,
 ) -> Result<Frf, EstimateError> {
-    if r.is_some() && !options.method.needs_reference() {
-        let what = "a reference r is given, but the method does without; leave it out, or estimate \
-                    through it by the method joint-input-output";
-        return Err(SignalError::unfit("r", what).into());
-    }
+    options.method.check_reference(r.is_some())?;
     check_same_shape(&u, &y, r.as_ref())?;
     let dft = LineDft::new(u.len_of(Axis(4)), harmonics)?;
     let mut campaign = Campaign::new(dft.frequency_hz(sample_time_s)?)?;

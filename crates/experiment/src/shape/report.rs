@@ -205,7 +205,7 @@ impl ShapeReport {
             passed: !errors.is_empty() && errors.iter().all(|&error| error <= self.good_enough),
             found: format!("off by {}", per_axis(errors)),
             needed: format!("{} % or less on every axis", 100.0 * self.good_enough),
-            advice: "allow more iterations, or look at the notes of the iterations: which limit held the steps back?"
+            advice: "allow more iterations if the error still falls; if not, look at the notes: a limit held the steps back, or friction an axis"
                 .into(),
         }
     }

@@ -173,7 +173,7 @@ impl UrdfTable {
         let name = &joint.name;
         let table = self.joint.get(name).ok_or_else(|| {
             let message =
-                format!("no table [urdf.joint.{name}]: URDF knows no motor, gear and friction");
+                format!("no table urdf.joint.{name}: URDF knows no motor, gear and friction");
             Fault::new(&["joint"], message)
         })?;
         Ok(with_limits(table, joint))
