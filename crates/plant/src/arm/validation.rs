@@ -68,17 +68,17 @@ impl Arm {
             .iter()
             .try_for_each(|&value| finite("gravity_m_s2", value))?;
         for (index, body) in self.bodies.iter().enumerate() {
-            let path = ["body".to_owned(), index.to_string(), "joint".to_owned()];
+            let path = || vec!["body".to_owned(), index.to_string()];
+            let joint_path = || [path(), vec!["joint".to_owned()]].concat();
             body.check()
-                .map_err(|error| error.within(body.part(), path[..2].to_vec()))?;
+                .map_err(|error| error.within(body.part(), path()))?;
             body.check_joint()
-                .map_err(|error| error.within(body.part(), path.to_vec()))?;
+                .map_err(|error| error.within(body.part(), joint_path()))?;
         }
         if let Some(payload) = &self.payload {
-            let path = vec![PAYLOAD.to_owned()];
             payload
                 .check()
-                .map_err(|error| error.within(PAYLOAD, path))?;
+                .map_err(|error| error.within(PAYLOAD, vec![PAYLOAD.to_owned()]))?;
         }
         self.check_axes("pose_rad", &self.pose_rad)
     }

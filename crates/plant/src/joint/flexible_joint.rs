@@ -58,10 +58,10 @@ impl FlexibleJoint {
         self.spring.check()?;
         self.friction.check()?;
         for (index, ripple) in self.ripple.iter().enumerate() {
-            let path = vec!["ripple".to_owned(), index.to_string()];
-            ripple
-                .check()
-                .map_err(|error| error.within(format!("ripple {}", index + 1), path))?;
+            ripple.check().map_err(|error| {
+                let path = vec!["ripple".to_owned(), index.to_string()];
+                error.within(format!("ripple {}", index + 1), path)
+            })?;
         }
         Ok(())
     }
