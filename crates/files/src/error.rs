@@ -90,10 +90,7 @@ pub enum FileError {
 
 impl FileError {
     /// Names the file and what was tried, for the reason that the operating system gives.
-    pub(crate) fn cannot<E: Display>(
-        action: &'static str,
-        path: &Path,
-    ) -> impl Fn(E) -> Self + Copy {
+    pub fn cannot<E: Display>(action: &'static str, path: &Path) -> impl Fn(E) -> Self + Copy {
         move |reason| Self::Io {
             path: path.into(),
             action,
@@ -102,7 +99,8 @@ impl FileError {
     }
 
     /// The file is of another kind.
-    pub(crate) fn format(
+    #[must_use]
+    pub fn format(
         path: &Path,
         found: impl Into<String>,
         needed: &'static str,

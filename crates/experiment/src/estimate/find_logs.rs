@@ -17,7 +17,7 @@ use crate::error::ExperimentError;
 pub(crate) fn find_logs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentError> {
     let mut found: Vec<PathBuf> = Vec::new();
     for path in paths {
-        let metadata = std::fs::metadata(path).map_err(|error| unreadable(path, &error))?;
+        let metadata = std::fs::metadata(path).map_err(FileError::cannot("read", path))?;
         if metadata.is_dir() {
             found.extend(recordings_inside(path)?);
         } else {
@@ -49,8 +49,9 @@ fn no_recordings() -> ExperimentError {
 /// The recordings of a folder, by name.
 fn recordings_inside(folder: &Path) -> Result<Vec<PathBuf>, ExperimentError> {
     let mut files = BTreeSet::new();
-    for entry in std::fs::read_dir(folder).map_err(|error| unreadable(folder, &error))? {
-        files.insert(entry.map_err(|error| unreadable(folder, &error))?.path());
+    let unreadable = FileError::cannot("read", folder);
+    for entry in std::fs::read_dir(folder).map_err(unreadable)? {
+        files.insert(entry.map_err(unreadable)?.path());
     }
     let has_any = |format: &&Format| files.iter().any(|path| format.has(path));
     if let Some(format) = FORMATS.iter().find(has_any) {
@@ -58,14 +59,6 @@ fn recordings_inside(folder: &Path) -> Result<Vec<PathBuf>, ExperimentError> {
         return Ok(files.into_iter().collect());
     }
     Ok(Vec::new())
-}
-
-fn unreadable(path: &Path, error: &std::io::Error) -> FileError {
-    FileError::Io {
-        path: path.to_owned(),
-        action: "read",
-        reason: error.to_string(),
-    }
 }
 
 #[cfg(test)]

@@ -94,9 +94,5 @@ fn is_ours(path: &Path) -> bool {
 }
 
 fn remove(path: &Path) -> Result<(), FileError> {
-    std::fs::remove_file(path).map_err(|error| FileError::Io {
-        path: path.to_owned(),
-        action: "remove",
-        reason: error.to_string(),
-    })
+    std::fs::remove_file(path).map_err(FileError::cannot("remove", path))
 }

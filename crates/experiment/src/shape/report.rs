@@ -148,11 +148,9 @@ impl ShapeReport {
         let Some(text) = read_if_there(&path)? else {
             return Ok(None);
         };
-        let report = Self::of_json(&text).map_err(|found| FileError::Format {
-            path,
-            found,
-            needed: "a shaping written by frfid (JSON, frfid-shape version 1)",
-            advice: ANOTHER_FOLDER.into(),
+        let report = Self::of_json(&text).map_err(|found| {
+            let needed = "a shaping written by frfid (JSON, frfid-shape version 1)";
+            FileError::format(&path, found, needed, ANOTHER_FOLDER)
         })?;
         Ok(Some(report))
     }
@@ -252,10 +250,6 @@ fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>, FileError> {
     match std::fs::read(path) {
         Ok(text) => Ok(Some(text)),
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(FileError::Io {
-            path: path.to_owned(),
-            action: "read",
-            reason: error.to_string(),
-        }),
+        Err(error) => Err(FileError::cannot("read", path)(error)),
     }
 }

@@ -10,7 +10,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use ndarray::ArrayD;
+use ndarray::ArrayViewD;
 
 use crate::atomic_write::{Overwrite, write_file};
 use crate::error::FileError;
@@ -69,13 +69,13 @@ fn header() -> Vec<u8> {
 fn matrix(name: &str, array: &NamedArray) -> io::Result<Vec<u8>> {
     match array {
         NamedArray::Real(values) => {
-            let parts = [doubles(values, |value| *value)?];
+            let parts = [doubles(values.view(), |value| *value)?];
             variable(MX_DOUBLE, name, values.shape(), &parts)
         }
         NamedArray::Complex(values) => {
             let parts = [
-                doubles(values, |value| value.re)?,
-                doubles(values, |value| value.im)?,
+                doubles(values.view(), |value| value.re)?,
+                doubles(values.view(), |value| value.im)?,
             ];
             variable(MX_DOUBLE | COMPLEX, name, values.shape(), &parts)
         }
@@ -118,8 +118,8 @@ fn variable(class: u32, name: &str, shape: &[usize], values: &[Vec<u8>]) -> io::
 }
 
 /// Values column by column: the first axis is the first to change.
-fn doubles<T>(array: &ArrayD<T>, part: impl Fn(&T) -> f64) -> io::Result<Vec<u8>> {
-    let columns = array.t();
+fn doubles<T>(array: ArrayViewD<T>, part: impl Fn(&T) -> f64) -> io::Result<Vec<u8>> {
+    let columns = array.reversed_axes();
     let bytes = columns.iter().flat_map(|value| part(value).to_le_bytes());
     element(MI_DOUBLE, &bytes.collect::<Vec<_>>())
 }

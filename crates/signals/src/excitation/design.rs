@@ -2,6 +2,7 @@
 
 use crate::error::SignalError;
 use crate::excitation::phasing::Phasing;
+use crate::excitation::profile::{Amplitude, Profile};
 use crate::excitation::{Excitation, Injection};
 
 /// The table of a kind of excitation, its amplitudes in the unit of whatever is injected.
@@ -76,6 +77,24 @@ impl Target {
         self.check_number(key, values.len())?;
         values.iter().try_for_each(|value| check(key, value))?;
         Ok(values.clone())
+    }
+
+    /// The amplitudes over frequency, one for each input, of a table with `amplitude_nm` and
+    /// `amplitude_rad_s`.
+    ///
+    /// # Errors
+    /// As [`Target::of_injection`].
+    pub(crate) fn profiles(
+        &self,
+        amplitude_nm: &Option<Vec<Amplitude>>,
+        amplitude_rad_s: &Option<Vec<Amplitude>>,
+    ) -> Result<Vec<Profile>, SignalError> {
+        let keys = [
+            ("amplitude_nm", amplitude_nm),
+            ("amplitude_rad_s", amplitude_rad_s),
+        ];
+        let amplitudes = self.of_injection(keys, Amplitude::check)?;
+        Ok(amplitudes.iter().map(Amplitude::profile).collect())
     }
 
     /// Checks that there is one value for each input.

@@ -5,6 +5,8 @@ use std::f64::consts::{PI, TAU};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::error::SignalError;
+
 /// Phases between channels and experiments; every choice has as many experiments as inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
@@ -25,6 +27,21 @@ pub enum Phasing {
 }
 
 impl Phasing {
+    /// Refuses phases that `excitation`, a single sine at each instant, cannot have.
+    pub(crate) fn check_for_one_sine(
+        self,
+        excitation: &str,
+        choices: &str,
+    ) -> Result<(), SignalError> {
+        if self != Self::Independent {
+            return Ok(());
+        }
+        let what = format!(
+            "independent phases need many lines, a multisine; for {excitation} take {choices}"
+        );
+        Err(SignalError::unfit("mimo", what))
+    }
+
     /// Phase in rad of `channel` in `experiment`, both from 0, with `n_inputs` channels.
     #[must_use]
     pub fn phase_rad(self, channel: usize, experiment: usize, n_inputs: usize) -> f64 {

@@ -43,16 +43,11 @@ impl Design for ChirpDesign {
     }
 
     fn excitation(&self, target: &Target) -> Result<Excitation, SignalError> {
-        let keys = [
-            ("amplitude_nm", &self.amplitude_nm),
-            ("amplitude_rad_s", &self.amplitude_rad_s),
-        ];
-        let amplitude = target.of_injection(keys, Amplitude::check)?;
         Ok(Excitation::Chirp(Chirp {
             low_hz: self.low_hz,
             high_hz: self.high_hz,
             duration_s: self.duration_s,
-            amplitude: amplitude.iter().map(Amplitude::profile).collect(),
+            amplitude: target.profiles(&self.amplitude_nm, &self.amplitude_rad_s)?,
             fade_s: self.fade_s,
             tail_s: self.tail_s,
         }))

@@ -118,7 +118,7 @@ impl Chirp {
         self.check_for(n_inputs)?;
         positive("sample_time_s", sample_time_s)?;
         below_nyquist(self.high_hz, sample_time_s)?;
-        check_phasing(phasing)?;
+        phasing.check_for_one_sine("a chirp", "`orthogonal` or `sign-flip`")?;
         let mut signal = Array3::zeros((n_inputs, n_inputs, self.period_samples(sample_time_s)?));
         for (k, now) in signal.axis_iter_mut(Axis(2)).enumerate() {
             self.put_instant(k as f64 * sample_time_s, phasing, now);
@@ -143,16 +143,6 @@ impl Chirp {
             }
         }
     }
-}
-
-/// Refuses phases that a single sine cannot have.
-fn check_phasing(phasing: Phasing) -> Result<(), SignalError> {
-    if phasing != Phasing::Independent {
-        return Ok(());
-    }
-    let what = "independent phases need many lines, a multisine; for a chirp take \
-                `orthogonal` or `sign-flip`";
-    Err(SignalError::unfit("mimo", what))
 }
 
 impl Waveform for Chirp {

@@ -65,16 +65,11 @@ impl Design for SteppedSineDesign {
     }
 
     fn excitation(&self, target: &Target) -> Result<Excitation, SignalError> {
-        let keys = [
-            ("amplitude_nm", &self.amplitude_nm),
-            ("amplitude_rad_s", &self.amplitude_rad_s),
-        ];
-        let amplitude = target.of_injection(keys, Amplitude::check)?;
         Ok(Excitation::SteppedSine(SteppedSine {
             low_hz: self.low_hz,
             high_hz: self.high_hz,
             n_frequencies: self.n_frequencies,
-            amplitude: amplitude.iter().map(Amplitude::profile).collect(),
+            amplitude: target.profiles(&self.amplitude_nm, &self.amplitude_rad_s)?,
             ramp_s: self.ramp_s,
             settle_s: self.settle_s,
             periods: self.periods,

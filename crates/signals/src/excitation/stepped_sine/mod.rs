@@ -12,7 +12,6 @@ use ndarray::{Array3, s};
 use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
-use crate::excitation::phasing::Phasing;
 use crate::excitation::profile::{Profile, check_one_or_each};
 use crate::excitation::waveform::{Draw, Fact, Waveform};
 use crate::number::checks::{not_negative, positive, require};
@@ -92,7 +91,10 @@ impl Waveform for SteppedSine {
         draw: &Draw,
     ) -> Result<Array3<f64>, SignalError> {
         self.check_for(n_inputs)?;
-        check_phasing(draw.phasing)?;
+        draw.phasing.check_for_one_sine(
+            "a stepped sine",
+            "`sign-flip`, `one-at-a-time` or `orthogonal`",
+        )?;
         let n_samples = self.period_samples(sample_time_s)?;
         let mut signal = Array3::zeros((n_inputs, n_inputs, n_samples));
         let mut put = |sample: usize, phase_rad: f64, amplitudes: &[f64]| {
@@ -166,14 +168,4 @@ impl Waveform for SteppedSine {
     fn facts(&self) -> Vec<(&'static str, Fact)> {
         vec![("n_frequencies", Fact::Count(self.n_frequencies))]
     }
-}
-
-/// Refuses phases that a single sine cannot have.
-fn check_phasing(phasing: Phasing) -> Result<(), SignalError> {
-    if phasing != Phasing::Independent {
-        return Ok(());
-    }
-    let what = "independent phases need many lines, a multisine; for a stepped sine take \
-                `sign-flip`, `one-at-a-time` or `orthogonal`";
-    Err(SignalError::unfit("mimo", what))
 }
