@@ -17,6 +17,10 @@ use crate::run::load::Load;
 use crate::run::parallel::{Progress, Steps, for_each};
 use crate::run::strength::Strength;
 
+/// Largest relative difference between the sample times of a record and its plan: rounding of
+/// decimal digits, far below what any clock keeps.
+const SAME_SAMPLE_TIME: f64 = 1e-9;
+
 /// Where the records of a plan come from: files, memory, or a testbed that does the runs.
 pub(crate) trait Records: Sync {
     /// The runs that are there, in any order.
@@ -182,9 +186,11 @@ impl<'a> Gathering<'a> {
 
     fn read_one(&self, place: usize) -> Result<ReadRecord<'a>, ExperimentError> {
         let (record, losses) = self.records.record(place)?;
+        let run = self.records.runs()[place];
+        check_sample_time(run, &record, self.experiment.plan.sample_time_s)?;
         Ok(ReadRecord {
             place,
-            run: self.records.runs()[place],
+            run,
             stop: stop_of(&record, self.experiment.plan.run_samples()?),
             record,
             losses,
@@ -209,6 +215,20 @@ impl<'a> Gathering<'a> {
         digests.sort_by_key(|digest| digest.run);
         Ok(digests)
     }
+}
+
+/// Refuses a record that was not sampled as the plan says: its frequencies would be others.
+fn check_sample_time(run: RunId, record: &Record, plan_s: f64) -> Result<(), ExperimentError> {
+    let found_s = record.sample_time_s;
+    if (found_s / plan_s - 1.0).abs() <= SAME_SAMPLE_TIME {
+        return Ok(());
+    }
+    Err(ExperimentError::logs(
+        "sample time of a record",
+        format!("{found_s} s in run {run}"),
+        format!("{plan_s} s, as in the plan"),
+        "estimate each record with the plan that it was made by",
+    ))
 }
 
 fn no_realization() -> ExperimentError {

@@ -2,19 +2,21 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
+use std::iter::zip;
 use std::path::{Path, PathBuf};
 
-use frfid_files::{FORMATS, Format, Loss, RunLabel, read_run, read_run_label};
+use frfid_files::{FORMATS, Format, Loss, RunLabel, read_run, read_run_label, sha256_hex};
 use frfid_signals::RunId;
 
 use crate::description::estimate::EstimateTable;
 use crate::description::text::TomlText;
 use crate::error::ExperimentError;
 use crate::estimate::gather::{Gathered, Recorded, Records};
+use crate::estimate::majority::majority;
 use crate::estimate::outcome::{Inventory, Outcome, log_hashes};
 use crate::experiment::Experiment;
 use crate::run::parallel::Progress;
-use crate::run::provenance::DESIGN;
+use crate::run::provenance::{CONFIG, DESIGN};
 
 /// Estimates the FRF from the files of one plan, in any order; `options` replaces the `[estimate]`
 /// table that travelled with them. Memory is that of `jobs` records and of the spectra, whatever
@@ -63,8 +65,8 @@ struct OurLogs {
     runs: Vec<RunId>,
     /// The first description that is whole, under the name by which its faults are reported.
     description: Option<TomlText>,
-    /// Files that could not be read at all, with the reason.
-    unreadable: Vec<(PathBuf, String)>,
+    /// Files that are not used, with the reason.
+    unused: Vec<(PathBuf, String)>,
 }
 
 impl Records for OurLogs {
@@ -79,39 +81,56 @@ impl Records for OurLogs {
 }
 
 impl OurLogs {
-    /// Reads the label of every file; all must be of one design.
+    /// Reads the label of every file; what most of them agree on is kept, the odd ones out are not
+    /// used.
     fn read(paths: &[PathBuf]) -> Result<Self, ExperimentError> {
-        let mut logs = Self {
-            paths: Vec::new(),
-            runs: Vec::new(),
-            description: None,
-            unreadable: Vec::new(),
-        };
-        let (mut design, mut first_error) = (None, None);
+        let (mut labelled, mut unused, mut first_error) = (Vec::new(), Vec::new(), None);
         for path in paths {
             match read_run_label(path) {
-                Ok(label) => {
-                    check_design(path, &label, &mut design)?;
-                    logs.add(path, label);
-                }
+                Ok(label) => labelled.push((path.clone(), label)),
                 Err(error) => {
-                    logs.unreadable.push((path.clone(), error.to_string()));
+                    unused.push((path.clone(), error.to_string()));
                     first_error.get_or_insert(error);
                 }
             }
         }
         match first_error {
-            Some(error) if logs.runs.is_empty() => Err(error.into()),
-            _ => Ok(logs),
+            Some(error) if labelled.is_empty() => Err(error.into()),
+            _ => Self::of_majority(labelled, unused),
         }
+    }
+
+    /// The files that come from what most of them come from.
+    fn of_majority(
+        labelled: Vec<(PathBuf, RunLabel)>,
+        mut unused: Vec<(PathBuf, String)>,
+    ) -> Result<Self, ExperimentError> {
+        let origins: Vec<Origin> = labelled
+            .iter()
+            .map(|(_, label)| Origin::of(label))
+            .collect();
+        let kept =
+            majority(&origins, Origin::eq).ok_or_else(|| no_majority(&labelled, &origins))?;
+        let mut logs = Self {
+            paths: Vec::new(),
+            runs: Vec::new(),
+            description: None,
+            unused: Vec::new(),
+        };
+        for ((path, label), origin) in zip(labelled, &origins) {
+            match origin.difference(&origins[kept]) {
+                None => logs.add(&path, label),
+                Some(difference) => unused.push((path, difference)),
+            }
+        }
+        Ok(Self { unused, ..logs })
     }
 
     fn add(&mut self, path: &Path, label: RunLabel) {
         self.paths.push(path.to_owned());
         self.runs.push(label.run);
-        if let (None, Some(text)) = (&self.description, label.experiment_toml)
-            && !text.is_empty()
-        {
+        let is_first = self.description.is_none();
+        if let Some(text) = description(label).filter(|_| is_first) {
             self.description = Some(TomlText::travelled_in(path, text));
         }
     }
@@ -128,8 +147,8 @@ impl OurLogs {
         let flawed: BTreeSet<&PathBuf> = lost.iter().map(|(path, _)| *path).collect();
         let lost = lost.iter();
         let lost = lost.map(|(path, loss)| format!("{}: {loss}", path.display()));
-        let unused = self.unreadable.iter();
-        let unused = unused.map(|(path, error)| format!("{}: not used: {error}", path.display()));
+        let unused = self.unused.iter();
+        let unused = unused.map(|(path, reason)| format!("{}: not used: {reason}", path.display()));
         Inventory {
             n_records: self.runs.len(),
             n_flawed: flawed.len(),
@@ -147,28 +166,70 @@ impl OurLogs {
     }
 }
 
-/// Refuses a file of another design than the first one, which is kept in `design`.
-fn check_design(
-    path: &Path,
-    label: &RunLabel,
-    design: &mut Option<String>,
-) -> Result<(), ExperimentError> {
-    let found = label.metadata.get(DESIGN).cloned().unwrap_or_default();
-    let needed = design.get_or_insert_with(|| found.clone());
-    if found == *needed {
-        return Ok(());
-    }
-    Err(ExperimentError::logs(
-        "design of the logs",
-        format!("{} in {}", short(&found), path.display()),
-        format!("{}, as in the files before it", short(needed)),
-        "estimate the runs of one plan at a time",
-    ))
+/// What a run was made with: runs that differ in it do not belong together.
+#[derive(PartialEq)]
+struct Origin {
+    design: String,
+    config: String,
+    sample_time_s: f64,
 }
 
-/// The first digits of a hash.
-fn short(hash: &str) -> &str {
-    hash.get(..12).unwrap_or(hash)
+impl Origin {
+    fn of(label: &RunLabel) -> Self {
+        let hash = |key: &str| label.metadata.get(key).cloned().unwrap_or_default();
+        Self {
+            design: hash(DESIGN),
+            config: hash(CONFIG),
+            sample_time_s: label.sample_time_s,
+        }
+    }
+
+    /// In what a run differs from the others, in words; `None` where it does not.
+    fn difference(&self, others: &Self) -> Option<String> {
+        if self.sample_time_s != others.sample_time_s {
+            let (found, needed) = (self.sample_time_s, others.sample_time_s);
+            return Some(format!(
+                "sampled every {found} s, the others every {needed} s"
+            ));
+        }
+        if self.design != others.design {
+            return Some(other_hash("plan", &self.design, &others.design));
+        }
+        (self.config != others.config)
+            .then(|| other_hash("experiment or robot", &self.config, &others.config))
+    }
+}
+
+/// Says by the first digits of their hashes that something is not the same.
+fn other_hash(what: &str, found: &str, needed: &str) -> String {
+    let short = |hash: &str| match hash.get(..12) {
+        Some(short) => short.to_owned(),
+        None => "no hash".to_owned(),
+    };
+    let (found, needed) = (short(found), short(needed));
+    format!("of another {what} ({found}) than the others ({needed})")
+}
+
+/// No more than half of the files come from the same plan: the first two that do not are named.
+fn no_majority(labelled: &[(PathBuf, RunLabel)], origins: &[Origin]) -> ExperimentError {
+    let pairs = zip(labelled, origins).skip(1);
+    let others =
+        pairs.filter_map(|((path, _), origin)| Some((path, origin.difference(&origins[0])?)));
+    let (path, difference) = others.last().expect("all alike would be a majority");
+    ExperimentError::logs(
+        "logs",
+        format!("{} {difference}", path.display()),
+        "runs of one plan on one robot",
+        "estimate the runs of one plan at a time",
+    )
+}
+
+/// The description that travelled with a run, if it is the one that the run was made with.
+fn description(label: RunLabel) -> Option<String> {
+    let hash = label.metadata.get(CONFIG).cloned();
+    let text = label.experiment_toml.filter(|text| !text.is_empty())?;
+    let is_its_own = hash.is_none_or(|hash| hash == sha256_hex(text.as_bytes()));
+    is_its_own.then_some(text)
 }
 
 fn no_description() -> ExperimentError {

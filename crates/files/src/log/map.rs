@@ -49,6 +49,22 @@ pub struct LogMap {
     /// Sample time in s of a CSV or NPZ without sample times.
     #[serde(default)]
     pub sample_time_s: Option<f64>,
+    /// From when on the recordings are used, in s after their first sample; from there without it.
+    #[serde(default)]
+    pub start_s: Option<f64>,
+    /// Until when the recordings are used, in s after their first sample; to their end without it.
+    #[serde(default)]
+    pub end_s: Option<f64>,
+    /// Period of the excitation in s; found in the reference without it.
+    #[serde(default)]
+    pub period_s: Option<f64>,
+    /// Excited lines, as multiples of one over the period, rising; found without it.
+    #[serde(default)]
+    pub lines: Option<Vec<usize>>,
+    /// Which realization each recording (or run in a recording) is, in their order; by their order
+    /// and their phases without it.
+    #[serde(default)]
+    pub realization_of: Option<Vec<usize>>,
 }
 
 fn measured() -> InputKind {
@@ -56,6 +72,25 @@ fn measured() -> InputKind {
 }
 
 impl LogMap {
+    /// A map of inputs and outputs that says nothing else.
+    #[must_use]
+    pub fn new(u: Vec<Signal>, y: Vec<Signal>) -> Self {
+        Self {
+            u,
+            y,
+            r: Vec::new(),
+            position: Vec::new(),
+            input_kind: measured(),
+            time: None,
+            sample_time_s: None,
+            start_s: None,
+            end_s: None,
+            period_s: None,
+            lines: None,
+            realization_of: None,
+        }
+    }
+
     /// Every signal, role by role: u, y, r, position.
     pub(crate) fn roles(&self) -> [&[Signal]; 4] {
         [&self.u, &self.y, &self.r, &self.position]

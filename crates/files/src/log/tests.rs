@@ -4,8 +4,6 @@
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-use frfid_signals::InputKind;
-
 use crate::error::FileError;
 use crate::log::map::{LogMap, Signal};
 use crate::log::{Log, read_log};
@@ -38,15 +36,7 @@ fn signal(source: &str, unit: &str) -> Signal {
 }
 
 fn map(u: &str, y: &str) -> LogMap {
-    LogMap {
-        u: vec![signal(u, "A")],
-        y: vec![signal(y, "rad/s")],
-        r: vec![],
-        position: vec![],
-        input_kind: InputKind::Measured,
-        time: None,
-        sample_time_s: None,
-    }
+    LogMap::new(vec![signal(u, "A")], vec![signal(y, "rad/s")])
 }
 
 /// The same measurement, once as published (CSV) and once as somebody else's writer wrapped it

@@ -34,6 +34,8 @@ pub fn read_run(path: &Path) -> Result<(RunFile, Vec<Loss>), FileError> {
 pub struct RunLabel {
     /// Which run of the plan it is.
     pub run: RunId,
+    /// Sample time in s.
+    pub sample_time_s: f64,
     /// Provenance (the metadata record `frfid`).
     pub metadata: BTreeMap<String, String>,
     /// The experiment's description; `None` where the attachment is missing or damaged.
@@ -46,18 +48,20 @@ pub struct RunLabel {
 /// # Errors
 /// As [`read_run`].
 pub fn read_run_label(path: &Path) -> Result<RunLabel, FileError> {
-    let (mut run, mut origin) = (None, Origin::default());
+    let (mut label, mut origin) = (None, Origin::default());
     scan_file(path, Part::Description, &mut |entry| {
         match origin.take(entry) {
             Some(Entry::Metadata { name, values }) if name == header::RUN => {
-                run = Some(structure(&values, path)?.run);
+                label = Some(structure(&values, path)?);
             }
             _ => {}
         }
         Ok(())
     })?;
+    let label = label.ok_or_else(|| not_a_run(path, WITHOUT_IT))?;
     Ok(RunLabel {
-        run: run.ok_or_else(|| not_a_run(path, WITHOUT_IT))?,
+        run: label.run,
+        sample_time_s: label.sample_time_s,
         metadata: origin.metadata,
         experiment_toml: origin.experiment_toml,
     })

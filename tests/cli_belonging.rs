@@ -1,0 +1,79 @@
+//! Logs that do not belong together, through the binary: runs of another robot, plan or sample time
+//! among the others.
+
+mod cli_binary;
+
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+use cli_binary::{code, frfid, replaced, stderr, stdout};
+use tempfile::{TempDir, tempdir};
+
+/// Folders `logs` with three short runs, and `others` with those of a description with one more
+/// replacement.
+fn campaigns(from: &str, to: &str) -> TempDir {
+    let folder = tempdir().expect("a temporary folder");
+    let here = folder.path();
+    let small = [
+        ("resolution_hz = 0.1", "resolution_hz = 1.0"),
+        ("realizations = 30", "realizations = 3"),
+    ];
+    let text = replaced(stdout(&frfid(here, &["init", "multisine"])), &small);
+    let other = replaced(text.clone(), &[(from, to)]);
+    for (name, text) in [("logs", text), ("others", other)] {
+        fs::write(here.join("x.toml"), text).expect("written");
+        let run = frfid(here, &["run", "x.toml", "-o", name]);
+        assert_eq!(code(&run), 0, "{}", stderr(&run));
+    }
+    folder
+}
+
+/// The runs of a folder, by name.
+fn runs(here: &Path, name: &str) -> Vec<String> {
+    let entries = fs::read_dir(here.join(name)).expect("a folder");
+    let path = |entry: std::io::Result<fs::DirEntry>| {
+        let name_of_file = entry.expect("readable").file_name();
+        format!("{name}/{}", name_of_file.to_string_lossy())
+    };
+    let mut paths: Vec<String> = entries.map(path).collect();
+    paths.sort();
+    paths
+}
+
+fn estimate(here: &Path, paths: &[&str]) -> Output {
+    let arguments = [&["estimate", "-o", "frf.json", "--force"], paths].concat();
+    frfid(here, &arguments)
+}
+
+#[test]
+fn a_run_of_another_robot_is_not_used_and_stops_nothing() {
+    let folder = campaigns("coulomb_nm = 50.0", "coulomb_nm = 80.0");
+    let here = folder.path();
+    let (logs, others) = (runs(here, "logs"), runs(here, "others"));
+    let mixed = estimate(here, &[&logs[0], &logs[1], &others[2]]);
+    let said = stderr(&mixed);
+    assert_eq!(code(&mixed), 3, "{said}");
+    assert!(
+        said.contains("not used: of another experiment or robot"),
+        "{said}"
+    );
+    let two = estimate(here, &[&logs[0], &others[1]]);
+    assert_eq!(code(&two), 1);
+    let said = stderr(&two);
+    assert!(said.contains("of another experiment or robot"), "{said}");
+}
+
+#[test]
+fn a_run_of_another_sample_time_is_not_used() {
+    let folder = campaigns("sample_time_s = 0.001", "sample_time_s = 0.002");
+    let here = folder.path();
+    let (logs, others) = (runs(here, "logs"), runs(here, "others"));
+    let mixed = estimate(here, &[&others[2], &logs[0], &logs[1]]);
+    let said = stderr(&mixed);
+    assert_eq!(code(&mixed), 3, "{said}");
+    assert!(
+        said.contains("sampled every 0.002 s, the others every 0.001 s"),
+        "{said}"
+    );
+}
