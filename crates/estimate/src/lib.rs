@@ -60,6 +60,7 @@ pub use shape::summary::{ShapePeaks, Shaped, Stop, Summary};
 pub use shape::{Driver, Watcher, shape};
 pub use spectra::campaign::{Campaign, RunSpectra};
 pub use spectra::excerpt::{ExcerptOptions, Excerpts};
+pub use spectra::harmonic_fit::HarmonicFit;
 pub use spectra::line_dft::LineDft;
 pub use spectra::{Evaluation, Transform};
 pub use spectrogram::{Spectrogram, SpectrogramOptions, spectrogram};

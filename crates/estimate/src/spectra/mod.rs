@@ -3,6 +3,9 @@
 pub(crate) mod campaign;
 mod dwells;
 pub(crate) mod excerpt;
+pub(crate) mod harmonic_fit;
+mod harmonic_gram;
+mod harmonic_sums;
 pub(crate) mod line_dft;
 pub(crate) mod time_series;
 
