@@ -22,6 +22,7 @@ mod period_index;
 mod recording {
     pub(crate) mod lines;
     pub(crate) mod period;
+    pub(crate) mod run_periods;
     pub(crate) mod transient;
 }
 mod shape;
@@ -49,6 +50,7 @@ pub use harmonics::harmonic_levels;
 pub use period_index::PeriodIndex;
 pub use recording::lines::{find_lines, lines_at};
 pub use recording::period::find_period;
+pub use recording::run_periods::RunPeriods;
 pub use recording::transient::count_transient_periods;
 pub use shape::error::ShapeError;
 pub use shape::iteration::{Estimate, Iteration};
