@@ -53,7 +53,7 @@ pub enum EstimateError {
         /// Name of the list.
         &'static str,
     ),
-    /// On some lines the inputs of the experiments do not span the input space.
+    /// On no line is every input excited and the experiments span the input space.
     #[error("{} of the lines cannot be inverted; {}", .0.len(), .0[0])]
     RankDeficient(
         /// Every such line, in order of frequency; never empty.
@@ -215,7 +215,8 @@ impl EstimateError {
 pub struct DeficientLine {
     /// Frequency in Hz.
     pub frequency_hz: f64,
-    /// 2-norm condition number of U with rows scaled to equal norm; infinite for an exact zero.
+    /// 2-norm condition number of U with rows scaled to equal norm; infinite where an input is not
+    /// excited.
     pub condition: f64,
     /// The largest condition allowed.
     pub limit: f64,
@@ -226,10 +227,25 @@ pub struct DeficientLine {
 /// Why the inputs cannot be separated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Deficiency {
-    /// An input without any power on the line.
+    /// An input without any power on the line beyond rounding.
     InputSilent {
         /// Input channel.
         input: usize,
+    },
+    /// An input far below what stands on the lines beside it.
+    InputWeak {
+        /// Input channel.
+        input: usize,
+        /// Its power over that of the strongest line nearby in dB.
+        level_db: f64,
+    },
+    /// An input that cannot be told from its own noise.
+    InputNoisy {
+        /// Input channel.
+        input: usize,
+        /// Power of its excitation over that of its noise in one period in dB; `-inf` if nothing
+        /// is left of it.
+        snr_db: f64,
     },
     /// The two most similar experiments; correlation 1 means they differ by a factor only.
     ExperimentsAlike {
@@ -242,22 +258,41 @@ pub enum Deficiency {
 
 impl fmt::Display for DeficientLine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "{} Hz: condition number {:.1e}, at most {:.1e} is allowed; ",
-            self.frequency_hz, self.condition, self.limit
-        )?;
-        match self.cause {
-            Deficiency::InputSilent { input } => write!(f, "input {input} is not excited there"),
-            Deficiency::ExperimentsAlike {
+        write!(f, "{} Hz: ", self.frequency_hz)?;
+        if let Deficiency::ExperimentsAlike { .. } = self.cause {
+            let Self {
+                condition, limit, ..
+            } = self;
+            write!(
+                f,
+                "condition number {condition:.1e}, at most {limit:.1e} is allowed; "
+            )?;
+        }
+        write!(f, "{}", self.cause)
+    }
+}
+
+impl fmt::Display for Deficiency {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::InputSilent { input } => write!(f, "input {input} is not excited there"),
+            Self::InputWeak { input, level_db } => write!(
+                f,
+                "input {input} is not excited there: {:.0} dB below the strongest line nearby",
+                -level_db
+            ),
+            Self::InputNoisy { input, snr_db } => write!(
+                f,
+                "input {input} cannot be told from its noise there (signal to noise {snr_db:.0} dB); \
+                 excite the line more strongly or record more periods"
+            ),
+            Self::ExperimentsAlike {
                 pair: (m, n),
                 correlation,
-            } => {
-                write!(
-                    f,
-                    "experiments {m} and {n} are the most alike (correlation {correlation:.6})"
-                )
-            }
+            } => write!(
+                f,
+                "experiments {m} and {n} are the most alike (correlation {correlation:.6})"
+            ),
         }
     }
 }

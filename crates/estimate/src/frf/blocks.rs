@@ -19,10 +19,11 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::error::{DeficientLine, EstimateError};
+use crate::error::{Deficiency, DeficientLine, EstimateError};
+use crate::frf::excitation::Excitation;
 use crate::frf::matrices::{Matrix, stacked};
-use crate::frf::right_division::check_rank;
-use crate::frf::{FrfMethod, FrfOptions};
+use crate::frf::right_division::{check_excited, check_rank};
+use crate::frf::{FrfEstimate, FrfMethod, FrfOptions};
 use crate::spectra::campaign::{Block, Campaign};
 
 /// A method that works line by line, from the spectra of all blocks to an estimate of each.
@@ -47,41 +48,42 @@ impl<M: BlockMethod> FrfMethod for M {
         M::NEEDS_REFERENCE
     }
 
-    fn frf(&self, campaign: &Campaign, options: &FrfOptions) -> Result<Frf, EstimateError> {
+    fn frf(&self, campaign: &Campaign, options: &FrfOptions) -> Result<FrfEstimate, EstimateError> {
         let realizations = campaign.realizations()?;
+        let excitation = Excitation::of(&realizations, M::NEEDS_REFERENCE);
         let of_line = |(line, &hz): (usize, &f64)| {
+            check_excited(excitation.deficiency(line), options.max_condition, hz)?;
             let invertible = |u: &Matrix| check_rank(u, options.max_condition, hz);
             let blocks = map_blocks(&realizations, |block| LineBlock::of(block, line));
             Ok(with_covariances(&self.estimates(&blocks, &invertible)?))
         };
         let frequency_hz = campaign.frequency_hz();
         let lines = frequency_hz.par_iter().enumerate().map(of_line).collect();
+        let (lines, left_out) = with_gaps(lines)?;
         let periods: usize = realizations.iter().map(Vec::len).sum();
-        Ok(assemble(
-            frequency_hz.to_vec(),
-            &sound_lines(lines)?,
-            periods - realizations.len(),
-            realizations.len() - 1,
-        ))
+        let (noise_freedom, total_freedom) = (periods - realizations.len(), realizations.len() - 1);
+        Ok(FrfEstimate {
+            frf: assemble(frequency_hz.to_vec(), &lines, noise_freedom, total_freedom),
+            left_out,
+            input_snr_db: excitation.snr_db(),
+            equal_draws: Vec::new(),
+        })
     }
 }
 
-/// The estimates, if every line could be inverted.
-fn sound_lines(
+/// The estimates, unknown where a line is deficient, and those lines; an error if none is left.
+fn with_gaps(
     lines: Vec<Result<LineEstimate, DeficientLine>>,
-) -> Result<Vec<LineEstimate>, EstimateError> {
-    let (mut sound, mut deficient) = (Vec::new(), Vec::new());
-    for line in lines {
-        match line {
-            Ok(line) => sound.push(line),
-            Err(line) => deficient.push(line),
-        }
-    }
-    if deficient.is_empty() {
-        Ok(sound)
-    } else {
-        Err(EstimateError::RankDeficient(deficient))
-    }
+) -> Result<(Vec<LineEstimate>, Vec<DeficientLine>), EstimateError> {
+    let deficient = || lines.iter().filter_map(|line| line.as_ref().err().cloned());
+    let left_out: Vec<_> = deficient().collect();
+    let Some(sound) = lines.iter().find_map(|line| line.as_ref().ok()) else {
+        return Err(EstimateError::RankDeficient(left_out));
+    };
+    let gap = LineEstimate::unknown(sound);
+    let lines = lines.into_iter();
+    let lines = lines.map(|line| line.unwrap_or_else(|cause| gap.because_of(&cause)));
+    Ok((lines.collect(), left_out))
 }
 
 /// What follows from each block on its own, `(realization, period)` as the blocks.
@@ -130,11 +132,37 @@ pub(crate) struct BlockEstimates {
 }
 
 /// The FRF on one line with its covariances.
+#[derive(Clone)]
 struct LineEstimate {
     response: Matrix,
     noise: Option<Matrix>,
     total: Option<Matrix>,
     condition: f64,
+}
+
+impl LineEstimate {
+    /// NaN in the shapes of another line.
+    fn unknown(other: &Self) -> Self {
+        let unknown = |matrix: &Matrix| matrix.map(|_| Complex64::new(f64::NAN, f64::NAN));
+        Self {
+            response: unknown(&other.response),
+            noise: other.noise.as_ref().map(unknown),
+            total: other.total.as_ref().map(unknown),
+            condition: f64::NAN,
+        }
+    }
+
+    /// The same, with the condition number where that is what is wrong.
+    fn because_of(&self, line: &DeficientLine) -> Self {
+        let condition = match line.cause {
+            Deficiency::InputSilent { .. } | Deficiency::ExperimentsAlike { .. } => line.condition,
+            Deficiency::InputWeak { .. } | Deficiency::InputNoisy { .. } => f64::NAN,
+        };
+        Self {
+            condition,
+            ..self.clone()
+        }
+    }
 }
 
 /// The means and covariances at the head of this file.

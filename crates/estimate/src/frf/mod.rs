@@ -1,7 +1,9 @@
 //! FRF of a campaign: the methods. A method is a file of this folder and a variant here.
 
 pub(crate) mod blocks;
+pub(crate) mod estimate;
 pub(crate) mod excerpts;
+mod excitation;
 mod joint_input_output;
 mod logarithmic_mean;
 pub(crate) mod matrices;
@@ -16,6 +18,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::EstimateError;
+use crate::frf::estimate::FrfEstimate;
 use crate::frf::joint_input_output::JointInputOutput;
 use crate::frf::logarithmic_mean::LogarithmicMean;
 use crate::frf::mean_of_frfs::MeanOfFrfs;
@@ -48,8 +51,8 @@ pub(crate) trait FrfMethod {
     ///
     /// # Errors
     /// [`EstimateError::Incomplete`], [`EstimateError::TooFewExperiments`],
-    /// [`EstimateError::RankDeficient`] with every line that cannot be inverted.
-    fn frf(&self, campaign: &Campaign, options: &FrfOptions) -> Result<Frf, EstimateError>;
+    /// [`EstimateError::RankDeficient`] if no line can be inverted.
+    fn frf(&self, campaign: &Campaign, options: &FrfOptions) -> Result<FrfEstimate, EstimateError>;
 }
 
 /// What an FRF is estimated with.
@@ -104,13 +107,22 @@ impl Method {
 }
 
 impl Campaign {
-    /// The FRF of the runs given so far.
+    /// The FRF of the runs given so far; NaN on lines that [`Campaign::estimate_lines`] leaves out.
+    ///
+    /// # Errors
+    /// As [`Campaign::estimate_lines`].
+    pub fn estimate(&self, options: &FrfOptions) -> Result<Frf, EstimateError> {
+        Ok(self.estimate_lines(options)?.frf)
+    }
+
+    /// The FRF of the runs given so far, and which lines are left out of it: those on which an
+    /// input is not excited or the inputs cannot be separated.
     ///
     /// # Errors
     /// [`EstimateError::Incomplete`], [`EstimateError::TooFewExperiments`],
-    /// [`EstimateError::RankDeficient`] with every line that cannot be inverted;
+    /// [`EstimateError::RankDeficient`] if every line would be left out;
     /// [`SignalError::Unfit`] if the method needs the reference and a run lacks it.
-    pub fn estimate(&self, options: &FrfOptions) -> Result<Frf, EstimateError> {
+    pub fn estimate_lines(&self, options: &FrfOptions) -> Result<FrfEstimate, EstimateError> {
         if options.method.needs_reference() && !self.has_reference() {
             let what = "the method estimates through the reference r: give it for every run, or \
                         choose a method that does without";

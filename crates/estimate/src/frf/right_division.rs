@@ -56,6 +56,22 @@ pub(crate) fn check_rank(u: &Matrix, limit: f64, frequency_hz: f64) -> Result<f6
     })
 }
 
+/// Refuses a line of which it is known that an input is not excited.
+pub(crate) fn check_excited(
+    cause: Option<Deficiency>,
+    limit: f64,
+    frequency_hz: f64,
+) -> Result<(), DeficientLine> {
+    cause.map_or(Ok(()), |cause| {
+        Err(DeficientLine {
+            frequency_hz,
+            condition: f64::INFINITY,
+            limit,
+            cause,
+        })
+    })
+}
+
 /// `U` with the largest part of every row 1, but of silent ones.
 fn with_rows_scaled(u: &Matrix) -> Matrix {
     let mut scaled = u.clone();

@@ -5,6 +5,7 @@ use ndarray::{ArrayView5, Axis};
 
 use crate::error::EstimateError;
 use crate::frf::FrfOptions;
+use crate::frf::estimate::FrfEstimate;
 use crate::spectra::campaign::Campaign;
 use crate::spectra::line_dft::LineDft;
 use crate::spectra::time_series::{TimeSeries, check_same_shape};
@@ -14,7 +15,10 @@ use crate::spectra::time_series::{TimeSeries, check_same_shape};
 ///
 /// `harmonics` are DFT bins of the period, rising. The reference `r` has as many channels as `u` and
 /// is for methods that estimate through it. The noise covariance is `None` with one period, the
-/// total covariance with one realization.
+/// total covariance with one realization. Realizations that turn out to be one draw of phases count
+/// as repetitions of it ([`Campaign::pool_equal_draws`]): what they differ by is noise; without
+/// any, as in a simulation, they are copies and count once. Lines on which an input is not excited
+/// are NaN; [`estimate_periods`] tells which.
 ///
 /// ```
 /// use frfid_estimate::{Method, estimate_bla};
@@ -32,7 +36,7 @@ use crate::spectra::time_series::{TimeSeries, check_same_shape};
 ///
 /// # Errors
 /// A reference that is missing or not used, shapes that differ, samples that are not finite, lines
-/// off the grid, fewer experiments than inputs, lines on which U cannot be inverted:
+/// off the grid, fewer experiments than inputs, U that can be inverted on no line:
 /// [`EstimateError`] with what was found and needed.
 pub fn estimate_bla(
     u: ArrayView5<f64>,
@@ -42,10 +46,30 @@ pub fn estimate_bla(
     harmonics: &[usize],
     options: &FrfOptions,
 ) -> Result<Frf, EstimateError> {
+    Ok(estimate_periods(u, y, r, sample_time_s, harmonics, options)?.frf)
+}
+
+/// As [`estimate_bla`], with the lines that were left out and the realizations that were equal
+/// draws.
+///
+/// # Errors
+/// As [`estimate_bla`].
+pub fn estimate_periods(
+    u: ArrayView5<f64>,
+    y: ArrayView5<f64>,
+    r: Option<ArrayView5<f64>>,
+    sample_time_s: f64,
+    harmonics: &[usize],
+    options: &FrfOptions,
+) -> Result<FrfEstimate, EstimateError> {
     options.method.check_reference(r.is_some())?;
     check_same_shape(&u, &y, r.as_ref())?;
     let dft = LineDft::new(u.len_of(Axis(4)), harmonics)?;
     let mut campaign = Campaign::new(dft.frequency_hz(sample_time_s)?)?;
     TimeSeries { u, y, r }.transform_into(&mut campaign, &dft)?;
-    campaign.estimate(options)
+    let equal_draws = campaign.pool_equal_draws();
+    Ok(FrfEstimate {
+        equal_draws,
+        ..campaign.estimate_lines(options)?
+    })
 }

@@ -59,8 +59,8 @@ impl RunSpectra {
 /// per run.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Campaign {
-    frequency_hz: Vec<f64>,
-    runs: BTreeMap<PeriodIndex, RunSpectra>,
+    pub(super) frequency_hz: Vec<f64>,
+    pub(super) runs: BTreeMap<PeriodIndex, RunSpectra>,
 }
 
 /// All experiments of one period of one realization: the columns of U and Y.
@@ -133,7 +133,7 @@ impl Campaign {
     }
 
     /// Number of experiments: one more than the highest index given.
-    fn n_experiments(&self) -> usize {
+    pub(super) fn n_experiments(&self) -> usize {
         self.runs
             .keys()
             .map(|place| place.experiment + 1)

@@ -1,6 +1,9 @@
 //! Spectra of time series, and the transform that makes them for each excitation.
 
 pub(crate) mod campaign;
+mod delay;
+mod draw_match;
+pub(crate) mod draws;
 mod dwells;
 pub(crate) mod excerpt;
 pub(crate) mod harmonic_fit;

@@ -1,0 +1,62 @@
+//! Estimate of an FRF: the FRF itself, the lines that were left out of it, and what was found out
+//! about its excitation.
+
+use frfid_signals::Frf;
+use ndarray::Array2;
+
+use crate::error::DeficientLine;
+use crate::spectra::draws::EqualDraws;
+
+/// Frequencies that are named one by one before the rest is only counted.
+const NAMED: usize = 3;
+
+/// An FRF and what a careful reader should know of the spectra it came from.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FrfEstimate {
+    /// The FRF. Lines that were left out are NaN: response, covariances, and condition number,
+    /// unless that is the reason.
+    pub frf: Frf,
+    /// Lines on which an input is not excited or the inputs cannot be separated, in order of
+    /// frequency.
+    pub left_out: Vec<DeficientLine>,
+    /// Power of the excitation over that of the noise in one period, `(input, line)`, in dB:
+    /// infinite without noise, `-inf` where nothing stands out; `None` with one period.
+    pub input_snr_db: Option<Array2<f64>>,
+    /// Realizations that were counted as repetitions, where equal draws were looked for.
+    pub equal_draws: Vec<EqualDraws>,
+}
+
+impl FrfEstimate {
+    /// What was left out or counted otherwise than given, in words; empty if nothing was.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        let draws = self.equal_draws.iter().map(|draws| {
+            let lost = match self.frf.total {
+                Some(_) => "",
+                None => "; no total variance, record other phases for it",
+            };
+            format!("{draws}{lost}")
+        });
+        draws.chain(self.left_out_words()).collect()
+    }
+
+    /// Which lines are NaN, and why the first of them is.
+    fn left_out_words(&self) -> Option<String> {
+        let first = self.left_out.first()?;
+        let named = self.left_out.iter().take(NAMED);
+        let named: Vec<String> = named
+            .map(|line| format!("{} Hz", line.frequency_hz))
+            .collect();
+        let more = if self.left_out.len() > NAMED {
+            ", ..."
+        } else {
+            ""
+        };
+        Some(format!(
+            "{} of {} lines are left out (NaN): {}{more}; {first}",
+            self.left_out.len(),
+            self.frf.n_frequencies(),
+            named.join(", ")
+        ))
+    }
+}

@@ -1,0 +1,222 @@
+//! Delay between two spectra: by which shift in time and constant phase one becomes the other.
+//!
+//! `b(t) = a(t - tau)` turned by `c` has `arg(B A*) = c - 2 pi f tau` on every channel and line. The
+//! delay is searched on a grid over the common period, by the FFT of `sum w e^{j arg(B A*)}`, and the
+//! best places are refined by weighted least squares.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use num_complex::Complex64;
+use realfft::{ComplexToReal, RealFftPlanner};
+
+/// Grid points in the time that the band of the lines resolves.
+const OVERSAMPLING: usize = 8;
+/// Peaks of the search that are refined: with few lines the highest need not be the right one.
+const CANDIDATES: usize = 8;
+/// Newton steps: a sixteenth of a turn off at the ends of the band to begin with, the first is right but for wraps.
+const STEPS: usize = 3;
+/// Spacings that a set of lines may span: as many lines has a period of two million samples.
+const MOST_BINS: f64 = 1e6;
+
+/// Phase of one channel and line against the same of another spectrum.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct PhaseDifference {
+    /// Number of the line.
+    pub(super) line: usize,
+    /// `arg(B A*)` in rad.
+    pub(super) angle: f64,
+    /// What it counts.
+    pub(super) weight: f64,
+}
+
+/// A shift in time and a constant phase.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Shift {
+    /// How much later b is than a, in s.
+    pub(super) delay_s: f64,
+    /// What b is turned by besides, in rad.
+    pub(super) constant_rad: f64,
+}
+
+impl Shift {
+    /// What is left of a difference of phases at a frequency, in (-pi, pi].
+    fn residual(&self, hz: f64, angle: f64) -> f64 {
+        wrapped(angle + TAU * hz * self.delay_s - self.constant_rad)
+    }
+
+    /// The factor that turns b back at a frequency.
+    pub(super) fn undone(&self, hz: f64) -> Complex64 {
+        Complex64::cis(TAU * hz * self.delay_s - self.constant_rad)
+    }
+}
+
+/// The search for delays between spectra on the same lines; planned once.
+pub(super) struct DelaySearch<'a> {
+    frequency_hz: &'a [f64],
+    /// Largest spacing of which all lines are multiples, seen from the lowest.
+    spacing_hz: f64,
+    inverse: Arc<dyn ComplexToReal<f64>>,
+}
+
+impl<'a> DelaySearch<'a> {
+    /// On rising frequencies, at least one.
+    pub(super) fn new(frequency_hz: &'a [f64]) -> Self {
+        let spacing_hz = common_spacing_hz(frequency_hz);
+        let span = frequency_hz.last().copied().unwrap_or(0.0) - frequency_hz[0];
+        let bins = (span / spacing_hz).round() as usize + 2;
+        let size = (OVERSAMPLING * bins).next_power_of_two();
+        Self {
+            frequency_hz,
+            spacing_hz,
+            inverse: RealFftPlanner::new().plan_fft_inverse(size),
+        }
+    }
+
+    /// The shift with the smallest residual, and its weighted mean square in rad^2.
+    pub(super) fn best(&self, differences: &[PhaseDifference]) -> (Shift, f64) {
+        let starts = self.starts(differences).into_iter();
+        let refined = starts.map(|delay_s| self.refined(differences, delay_s));
+        let none = Shift {
+            delay_s: 0.0,
+            constant_rad: 0.0,
+        };
+        refined
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or((none, 0.0))
+    }
+
+    /// Number of delays that the lines tell apart.
+    pub(super) fn cells(&self, differences: &[PhaseDifference]) -> f64 {
+        let hz = |difference: &PhaseDifference| self.frequency_hz[difference.line];
+        let high = differences.iter().map(hz).fold(f64::NEG_INFINITY, f64::max);
+        let low = differences.iter().map(hz).fold(f64::INFINITY, f64::min);
+        1.0 + ((high - low) / self.spacing_hz).max(0.0)
+    }
+
+    /// Delays at the highest peaks of the search, highest first.
+    fn starts(&self, differences: &[PhaseDifference]) -> Vec<f64> {
+        let sizes = self.correlation(differences);
+        let n = sizes.len();
+        let is_peak = |k: &usize| {
+            let size = sizes[*k];
+            *k == 0 || (size >= sizes[*k - 1] && size > sizes[(k + 1) % n])
+        };
+        let mut peaks: Vec<usize> = (0..n).filter(is_peak).collect();
+        peaks.sort_by(|&a, &b| sizes[b].total_cmp(&sizes[a]));
+        peaks.truncate(CANDIDATES);
+        let delay_s = |k: usize| k as f64 / (n as f64 * self.spacing_hz);
+        peaks.into_iter().map(delay_s).collect()
+    }
+
+    /// `|sum w e^{j (angle + 2 pi f tau)}|^2` on the grid of delays. The inverse FFT is real: once
+    /// for the real part, once for the imaginary one; lines start at bin 1, as bin 0 must be real.
+    fn correlation(&self, differences: &[PhaseDifference]) -> Vec<f64> {
+        let mut sizes = vec![0.0; self.inverse.len()];
+        for part in [Complex64::ONE, -Complex64::I] {
+            let mut bins = self.inverse.make_input_vec();
+            for difference in differences {
+                let hz = self.frequency_hz[difference.line] - self.frequency_hz[0];
+                let bin = (hz / self.spacing_hz).round() as usize + 1;
+                bins[bin] += part * Complex64::from_polar(difference.weight, difference.angle);
+            }
+            let mut samples = self.inverse.make_output_vec();
+            if self.inverse.process(&mut bins, &mut samples).is_ok() {
+                for (size, sample) in sizes.iter_mut().zip(samples) {
+                    *size += sample * sample;
+                }
+            }
+        }
+        sizes
+    }
+
+    /// The shift near a delay by least squares, and the weighted mean square that is left.
+    fn refined(&self, differences: &[PhaseDifference], delay_s: f64) -> (Shift, f64) {
+        let turned = differences.iter().map(|difference| {
+            let angle = difference.angle + TAU * self.frequency_hz[difference.line] * delay_s;
+            Complex64::from_polar(difference.weight, angle)
+        });
+        let mut shift = Shift {
+            delay_s,
+            constant_rad: turned.sum::<Complex64>().arg(),
+        };
+        for _ in 0..STEPS {
+            shift = self.improved(differences, shift);
+        }
+        (shift, self.mean_square(differences, shift))
+    }
+
+    /// One Newton step: a straight line through what is left over frequency.
+    fn improved(&self, differences: &[PhaseDifference], shift: Shift) -> Shift {
+        let (mut w, mut wx, mut wxx, mut we, mut wxe) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        let middle_hz = self.middle_hz(differences);
+        for difference in differences {
+            let hz = self.frequency_hz[difference.line];
+            let (x, weight) = (TAU * (hz - middle_hz), difference.weight);
+            let left = shift.residual(hz, difference.angle);
+            w += weight;
+            wx += weight * x;
+            wxx += weight * x * x;
+            we += weight * left;
+            wxe += weight * x * left;
+        }
+        let determinant = w * wxx - wx * wx;
+        let slope = if determinant > 0.0 {
+            (w * wxe - wx * we) / determinant
+        } else {
+            0.0
+        };
+        let mean = (we - slope * wx) / w;
+        Shift {
+            delay_s: shift.delay_s - slope,
+            constant_rad: wrapped(shift.constant_rad + mean - TAU * middle_hz * slope),
+        }
+    }
+
+    /// Weighted mean of the frequencies.
+    fn middle_hz(&self, differences: &[PhaseDifference]) -> f64 {
+        let weights: f64 = differences.iter().map(|difference| difference.weight).sum();
+        let moments = differences
+            .iter()
+            .map(|difference| difference.weight * self.frequency_hz[difference.line]);
+        moments.sum::<f64>() / weights
+    }
+
+    fn mean_square(&self, differences: &[PhaseDifference], shift: Shift) -> f64 {
+        let weights: f64 = differences.iter().map(|difference| difference.weight).sum();
+        let squares = differences.iter().map(|difference| {
+            let hz = self.frequency_hz[difference.line];
+            difference.weight * shift.residual(hz, difference.angle).powi(2)
+        });
+        squares.sum::<f64>() / weights
+    }
+}
+
+/// An angle in (-pi, pi].
+fn wrapped(angle: f64) -> f64 {
+    let turned = angle - TAU * (angle / TAU).round();
+    if turned <= -PI { turned + TAU } else { turned }
+}
+
+/// The largest spacing of which all distances from the lowest frequency are multiples (Euclid's
+/// algorithm); a fraction of the smallest distance where there is none.
+fn common_spacing_hz(frequency_hz: &[f64]) -> f64 {
+    let distances = frequency_hz.iter().map(|hz| hz - frequency_hz[0]);
+    let distances: Vec<f64> = distances.filter(|distance| *distance > 0.0).collect();
+    let Some(&span) = distances.last() else {
+        return frequency_hz[0].abs().max(f64::MIN_POSITIVE);
+    };
+    let nothing = 1e-3 * span / MOST_BINS;
+    let common = distances.iter().fold(span, |common, &distance| {
+        let (mut large, mut small) = (common.max(distance), common.min(distance));
+        while small > nothing {
+            (large, small) = (small, (large - small * (large / small).round()).abs());
+        }
+        large
+    });
+    if common * MOST_BINS >= span {
+        return common;
+    }
+    let steps = frequency_hz.windows(2).map(|pair| pair[1] - pair[0]);
+    (0.25 * steps.fold(span, f64::min)).max(span / MOST_BINS)
+}
