@@ -63,7 +63,9 @@ impl Trend {
 /// The trend of a run of one channel from its first used period on; samples that are not numbers are
 /// left out. The period is so many samples, not necessarily whole; `lines` are those excited.
 ///
-/// `None` where none stands out and matters, and with less than two periods.
+/// `None` where none stands out and matters, and with less than two periods. Of three periods or more
+/// the 95 % region of a line holds as it should once the trend is off (91 % at worst, three periods,
+/// for trends just too small to be found); two periods do not tell a decay well enough (90 %).
 ///
 /// # Errors
 /// [`frfid_signals::SignalError::Shape`] for a period longer than the run or shorter than three
@@ -163,14 +165,27 @@ impl Search<'_> {
         if trend.effect_over_noise < MATERIAL {
             return Ok(None);
         }
-        let added = self.trendless.uncertainty(model, &times);
-        let mut shares = Array1::<f64>::zeros(noise.len());
-        for values in added {
-            let spectrum = self.mean_spectrum(&times, &values)?;
-            shares += &spectrum.mapv(|value| variance * value.norm_sqr());
-        }
-        trend.variance_share = (shares / noise).fold(0.0, |a: f64, &b| a.max(b));
+        trend.variance_share = self.variance_share(model, variance, &times, &noise)?;
         Ok(Some(trend))
+    }
+
+    /// What the uncertainty of a model adds to the variance of a line's mean, as a share of that.
+    fn variance_share(
+        &self,
+        model: &Model,
+        variance: f64,
+        times: &[f64],
+        noise: &Array1<f64>,
+    ) -> Result<f64, EstimateError> {
+        let mut added = Array1::<f64>::zeros(noise.len());
+        for values in self.trendless.uncertainty(model, times) {
+            let spectrum = self.mean_spectrum(times, &values)?;
+            added += &spectrum.mapv(|value| variance * value.norm_sqr());
+        }
+        // the spread over few periods is small by chance on one line or the other
+        let usual = noise.mean().unwrap_or(0.0);
+        let share = zip(&added, noise).map(|(added, noise)| added / noise.max(usual));
+        Ok(share.fold(0.0, f64::max))
     }
 
     /// Mean over the periods of the spectra on the excited lines.
