@@ -22,8 +22,12 @@ mod period_index;
 mod recording {
     pub(crate) mod lines;
     pub(crate) mod period;
+    mod period_windows;
+    mod phase_means;
     pub(crate) mod run_periods;
     pub(crate) mod transient;
+    pub(crate) mod trend;
+    pub(crate) mod trend_model;
 }
 mod shape;
 mod spectra;
@@ -53,6 +57,8 @@ pub use recording::lines::{find_lines, lines_at};
 pub use recording::period::find_period;
 pub use recording::run_periods::RunPeriods;
 pub use recording::transient::count_transient_periods;
+pub use recording::trend::{Trend, find_trend};
+pub use recording::trend_model::Decay;
 pub use shape::error::ShapeError;
 pub use shape::iteration::{Estimate, Iteration};
 pub use shape::note::Note;

@@ -117,7 +117,7 @@ impl HarmonicFit {
         Samples {
             cycles: there(&mut self.cycles.iter().copied()),
             values: (channels.rows().into_iter())
-                .map(|channel| there(&mut channel.iter().copied()))
+                .map(|channel| centred(there(&mut channel.iter().copied())))
                 .collect(),
         }
     }
@@ -141,6 +141,13 @@ struct Samples {
     cycles: Vec<f64>,
     /// `(channel, sample)`.
     values: Vec<Vec<f64>>,
+}
+
+/// Values about their mean: the constant is an unknown, and a large one costs digits.
+fn centred(mut values: Vec<f64>) -> Vec<f64> {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    values.iter_mut().for_each(|value| *value -= mean);
+    values
 }
 
 /// Channels in groups that have the same holes.
