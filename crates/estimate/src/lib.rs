@@ -17,6 +17,7 @@ mod glide {
     pub(crate) mod torque_table;
 }
 mod harmonics;
+mod look;
 mod period_index;
 /// Properties found in a recording that frfid did not make: its period, lines and transient.
 mod recording {
@@ -52,6 +53,9 @@ pub use glide::by_position::RippleTorque;
 pub use glide::in_time::subtract_glide;
 pub use glide::ripple_residual::{FreeLines, ResidualLevel};
 pub use harmonics::harmonic_levels;
+pub use look::look;
+pub use look::oddity::{Consequence, Level, Oddity};
+pub use look::wrapped::unwrapped;
 pub use period_index::PeriodIndex;
 pub use recording::lines::{find_lines, lines_at};
 pub use recording::period::find_period;
