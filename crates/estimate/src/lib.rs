@@ -29,6 +29,7 @@ mod recording {
     pub(crate) mod transient;
     pub(crate) mod trend;
     pub(crate) mod trend_model;
+    pub(crate) mod unexcited_lines;
 }
 mod shape;
 mod spectra;
@@ -63,6 +64,7 @@ pub use recording::run_periods::RunPeriods;
 pub use recording::transient::count_transient_periods;
 pub use recording::trend::{Trend, find_trend};
 pub use recording::trend_model::Decay;
+pub use recording::unexcited_lines::unexcited_lines;
 pub use shape::error::ShapeError;
 pub use shape::iteration::{Estimate, Iteration};
 pub use shape::note::Note;

@@ -106,6 +106,12 @@ impl Campaign {
         }
     }
 
+    /// Every run with its place, in order.
+    #[must_use]
+    pub fn into_runs(self) -> BTreeMap<PeriodIndex, RunSpectra> {
+        self.runs
+    }
+
     /// Runs that are missing from periods of which other experiments are there, in order.
     #[must_use]
     pub fn missing(&self) -> Vec<PeriodIndex> {

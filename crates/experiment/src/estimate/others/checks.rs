@@ -1,0 +1,150 @@
+//! Checks of an estimate from recordings of others.
+
+use frfid_estimate::Consequence;
+use frfid_files::Check;
+use frfid_signals::Frf;
+use frfid_signals::format::{count, significant};
+
+use crate::estimate::others::estimated::Estimated;
+use crate::estimate::others::found::Found;
+use crate::estimate::others::measured::Measured;
+use crate::estimate::others::recording::{Odd, Recording};
+
+/// Whether every recording is used.
+pub(super) fn all_used(found: &Found) -> Check {
+    let (n_used, n_given) = (found.n_recordings_used(), found.n_given);
+    Check {
+        name: "recordings".into(),
+        passed: found.unused.is_empty(),
+        found: format!("{n_used} of {n_given} used"),
+        needed: "all of them".into(),
+        advice: "see the warnings for why, and estimate what does not belong here by itself".into(),
+    }
+}
+
+/// Whether there are periods enough for the noise to be known.
+pub(super) fn periods(measured: &[Measured], frf: &Frf) -> Check {
+    let n_used: usize = measured.iter().map(Measured::n_used).sum();
+    let n_transient: usize = measured.iter().map(|run| run.n_transient).sum();
+    let n_lost: usize = measured.iter().map(|run| run.n_lost).sum();
+    let period_s = measured.first().map_or(0.0, |run| run.clock.period_s());
+    let lost = match n_lost {
+        0 => String::new(),
+        n => format!(", {n} lost"),
+    };
+    Check {
+        name: "periods".into(),
+        passed: frf.noise.is_some(),
+        found: format!(
+            "{n_used} of {} s in {}, after {n_transient} transient{lost}",
+            significant(period_s, 6),
+            count(measured.len(), "run"),
+        ),
+        needed: "2 or more whole ones in each run, for the noise to be known".into(),
+        advice: "record more periods back to back".into(),
+    }
+}
+
+/// A check for every signal that may spoil the FRF, or one that none does.
+pub(super) fn signals(recordings: &[Recording]) -> Vec<Check> {
+    let mut checks: Vec<Check> = Vec::new();
+    for recording in recordings {
+        let flagged = recording.odd.iter();
+        for odd in flagged.filter(|odd| odd.consequence() == Consequence::Flagged) {
+            let name = format!("signal {}", odd.signal);
+            if !checks.iter().any(|check| check.name == name) {
+                checks.push(odd_signal(name, odd, recording));
+            }
+        }
+    }
+    if checks.is_empty() {
+        checks.push(Check {
+            name: "signals".into(),
+            passed: true,
+            found: format!("nothing odd in {}", count(recordings.len(), "recording")),
+            needed: "none that is coarse, held, clipped or spoilt by outliers".into(),
+            advice: String::new(),
+        });
+    }
+    checks
+}
+
+fn odd_signal(name: String, odd: &Odd, recording: &Recording) -> Check {
+    Check {
+        name,
+        passed: false,
+        found: format!("{}: it {}", recording.name, odd.oddity.found()),
+        needed: format!("none of it: {}", odd.oddity.meaning()),
+        advice: odd.oddity.advice(),
+    }
+}
+
+/// Whether all signals are on one clock.
+pub(super) fn one_clock(recordings: &[Recording]) -> Option<Check> {
+    let two = recordings.iter().find_map(|recording| {
+        let said = recording.log.two_clocks.as_ref()?;
+        Some(format!("{}: {said}", recording.name))
+    })?;
+    Some(Check {
+        name: "clock".into(),
+        passed: false,
+        found: two,
+        needed: "inputs and outputs on one clock: the phase is not to be trusted".into(),
+        advice: "record both with header stamps of the same machine".into(),
+    })
+}
+
+/// Whether the runs have settled, line by line, and none of them grows.
+pub(super) fn settled(measured: &[Measured]) -> Check {
+    let (name, advice) = ("settled".to_owned(), "record more periods back to back; until then the first one may be transient");
+    let unknown = measured.iter().find(|run| run.settling.is_none());
+    let grows = measured.iter().find_map(|run| Some((run, run.settling.as_ref()?.growth_per_period?)));
+    let is_unsettled = |run: &&Measured| run.settling.as_ref().is_some_and(|s| !s.unsettled.is_empty());
+    let unsettled = measured.iter().find(is_unsettled);
+    let n_periods = measured.iter().map(|run| run.n_periods).min().unwrap_or(0);
+    let (passed, found, needed, advice) = match (grows, unsettled, unknown) {
+        (Some((run, factor)), ..) => (
+            false,
+            format!("{} grows by {} from period to period", run.name, significant(factor, 3)),
+            "a stable machine: its periods are alike",
+            "lower the gain of the controller, or the excitation",
+        ),
+        (None, Some(run), _) => (
+            false,
+            run.unsettled_words(),
+            "all lines settled: their bias is in every period, and not in the variance",
+            "wait longer before the first period that is used: --start",
+        ),
+        (None, None, Some(_)) => (
+            false,
+            count(n_periods, "period"),
+            "3 or more, to tell a transient from the steady state",
+            advice,
+        ),
+        (None, None, None) => (
+            true,
+            count(n_periods, "period"),
+            "3 or more, to tell a transient from the steady state",
+            advice,
+        ),
+    };
+    Check {
+        name,
+        passed,
+        found,
+        needed: needed.into(),
+        advice: advice.into(),
+    }
+}
+
+/// Whether every line is excited; `None` where all are.
+pub(super) fn excited(found: &Found, estimated: &Estimated) -> Option<Check> {
+    let n_out = estimated.estimate.left_out.len() + found.not_common.len();
+    (n_out > 0).then(|| Check {
+        name: "excited lines".into(),
+        passed: false,
+        found: format!("{n_out} without excitation, left out"),
+        needed: "every line excited well above what stands beside it and its own noise".into(),
+        advice: "name the lines that are excited (--lines), or excite these more strongly".into(),
+    })
+}

@@ -1,0 +1,161 @@
+//! Measurement of a run: the spectra of its periods, trends taken off, transient periods dropped.
+
+use std::ops::Range;
+
+use frfid_estimate::{RunPeriods, RunSpectra, Settling};
+use frfid_signals::format::{count, significant};
+use frfid_signals::power::{about_mean, rms};
+use ndarray::{ArrayView2, s};
+
+use crate::error::ExperimentError;
+use crate::estimate::others::recording::{Recording, Role};
+use crate::estimate::others::runs::Run;
+use crate::estimate::others::sample_clock::SampleClock;
+use crate::estimate::others::settled::{Settled, TrendOf};
+
+/// What a run says.
+pub(super) struct Measured {
+    /// Place of the recording among all that were given.
+    pub(super) place: usize,
+    /// Name of the recording.
+    pub(super) name: String,
+    /// Spectra of the periods that are used.
+    pub(super) spectra: Vec<RunSpectra>,
+    /// The clocks of player and recorder.
+    pub(super) clock: SampleClock,
+    /// Periods in the run.
+    pub(super) n_periods: usize,
+    /// Periods of which too little is there to tell the lines apart.
+    pub(super) n_lost: usize,
+    /// Whether the rest has settled; `None` where too few periods tell.
+    pub(super) settling: Option<Settling>,
+    /// Leading periods that were dropped as transient.
+    pub(super) n_transient: usize,
+    /// Trends that were taken off.
+    pub(super) trends: Vec<TrendOf>,
+    /// Rms of each input about its mean.
+    pub(super) u_rms: Vec<f64>,
+}
+
+/// The signals of a run.
+pub(super) struct Signals<'a> {
+    pub(super) u: ArrayView2<'a, f64>,
+    pub(super) y: ArrayView2<'a, f64>,
+    pub(super) r: Option<ArrayView2<'a, f64>>,
+}
+
+impl<'a> Signals<'a> {
+    /// Those of a stretch of a recording.
+    fn of(recording: &'a Recording, samples: &Range<usize>) -> Self {
+        let record = &recording.log.record;
+        let run = s![.., samples.clone()];
+        Self {
+            u: record.u.slice(run),
+            y: record.y.slice(run),
+            r: record.r.as_ref().map(|r| r.slice(run)),
+        }
+    }
+
+    /// The reference, or the input where none was recorded.
+    pub(super) fn reference(&self) -> ArrayView2<'a, f64> {
+        self.r.unwrap_or(self.u)
+    }
+
+    /// Whether no sample is lost.
+    pub(super) fn is_whole(&self) -> bool {
+        let signals = [Some(&self.u), Some(&self.y), self.r.as_ref()];
+        let mut samples = signals.into_iter().flatten().flatten();
+        samples.all(|sample| sample.is_finite())
+    }
+}
+
+impl Measured {
+    /// Measures a run.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Recording`] for a run that never settles, and lines off its grid.
+    pub(super) fn of(recording: &Recording, run: &Run) -> Result<Self, ExperimentError> {
+        let signals = Signals::of(recording, &run.samples);
+        let in_recording = recording.complaint();
+        let clock = SampleClock::of(recording, run, &signals).map_err(&in_recording)?;
+        let periods = clock.periods(&signals, &run.lines).map_err(&in_recording)?;
+        let settled = Settled::of(&signals, &periods, &clock, run).map_err(&in_recording)?;
+        let used = settled.n_transient..periods.n_periods();
+        let spectra = used.clone().map(|period| settled.spectra(&signals, &periods, period));
+        let spectra = spectra.collect::<Result<Vec<_>, _>>().map_err(&in_recording)?;
+        let spectra: Vec<RunSpectra> = spectra.into_iter().flatten().collect();
+        Ok(Self {
+            place: recording.place,
+            name: recording.name.clone(),
+            n_lost: used.len() - spectra.len(),
+            spectra,
+            clock,
+            n_periods: periods.n_periods(),
+            u_rms: signals.u.rows().into_iter().map(|u| rms(&about_mean(u))).collect(),
+            n_transient: settled.n_transient,
+            settling: settled.settling,
+            trends: settled.trends,
+        })
+    }
+
+    /// The spectra, which are then the caller's.
+    pub(super) fn take_spectra(&mut self) -> Vec<RunSpectra> {
+        std::mem::take(&mut self.spectra)
+    }
+
+    /// Number of periods that are used.
+    pub(super) fn n_used(&self) -> usize {
+        self.n_periods - self.n_transient - self.n_lost
+    }
+
+    /// The line that is settled least, in words.
+    pub(super) fn unsettled_words(&self) -> String {
+        let unsettled = self.settling.iter().flat_map(|settling| &settling.unsettled);
+        let n_lines = unsettled.clone().count();
+        let worst = unsettled.max_by(|a, b| a.bias_over_noise.total_cmp(&b.bias_over_noise));
+        let Some(worst) = worst else {
+            return String::new();
+        };
+        format!(
+            "{} of {}, worst {} Hz by {} times its noise ({} % of the line)",
+            count(n_lines, "line"),
+            self.name,
+            significant(worst.line as f64 / self.clock.period_s(), 4),
+            significant(worst.bias_over_noise, 2),
+            significant(100.0 * worst.bias_over_line, 2)
+        )
+    }
+
+    /// How the clocks of player and recorder differ, where it shows.
+    pub(super) fn clock_words(&self) -> Option<String> {
+        let ppm = self.clock.ppm?;
+        Some(format!(
+            "{}: the period is {} samples, not a whole number: the recorder's clock differs from the player's by {} ppm; the lines \
+             are fitted at the true times",
+            self.name,
+            significant(self.clock.period, 9),
+            significant(ppm, 3)
+        ))
+    }
+
+    /// Names the signals of the trends.
+    pub(super) fn trend_words(&self, recording: &Recording) -> Vec<String> {
+        let words = |trend: &TrendOf| {
+            let signal = recording.name_of(trend.role, trend.channel);
+            format!("{}: {signal} {}", self.name, trend.words(self.clock.sample_time_s))
+        };
+        self.trends.iter().map(words).collect()
+    }
+}
+
+impl Recording {
+    /// What a signal is called.
+    pub(super) fn name_of(&self, role: Role, channel: usize) -> String {
+        let names: &[String] = match role {
+            Role::Input => &self.log.input_names,
+            Role::Output => &self.log.output_names,
+            Role::Reference | Role::Position => &[],
+        };
+        names.get(channel).cloned().unwrap_or_else(|| role.name_of(channel))
+    }
+}

@@ -1,0 +1,181 @@
+//! Outcome of an estimate from recordings of others: the FRF with its checks, and what a careful
+//! reader should know besides.
+
+use frfid_estimate::{Consequence, EqualDraws};
+use frfid_files::{Check, LogMap, ResultFile};
+use frfid_signals::format::{count, significant};
+
+use crate::description::estimate::EstimateTable;
+use crate::estimate::others::checks;
+use crate::estimate::others::estimated::Estimated;
+use crate::estimate::others::found::Found;
+use crate::estimate::others::recording::{Odd, Recording};
+use crate::estimate::outcome::{Outcome, condition_check};
+
+/// Levels of one input that differ by more than this are told: a nonlinear machine has another FRF
+/// at each.
+const LIKE_LEVELS: f64 = 1.5;
+/// So much rougher than its noise an FRF may be from line to line.
+const ROUGH: f64 = 3.0;
+
+impl Found {
+    /// The FRF with its checks and warnings.
+    pub(super) fn outcome(
+        self,
+        estimated: Estimated,
+        map: &LogMap,
+        options: &EstimateTable,
+    ) -> Outcome {
+        let checks = self.checks(&estimated);
+        let warnings = self.warnings(&estimated);
+        let provenance = self.provenance(&estimated, map, options);
+        let is_lossy = self.is_lossy(&estimated);
+        let first = self.recordings.into_iter().next();
+        let log = first.expect("runs come from recordings").log;
+        let result = ResultFile {
+            frf: estimated.estimate.frf,
+            input_names: log.input_names,
+            output_names: log.output_names,
+            input_units: log.input_units,
+            output_units: log.output_units,
+            torque_rms_nm: None,
+            flagged: None,
+            checks,
+            provenance,
+        };
+        Outcome {
+            result,
+            warnings,
+            is_lossy,
+            strength: None,
+            load: None,
+        }
+    }
+
+    fn checks(&self, estimated: &Estimated) -> Vec<Check> {
+        let mut all = Vec::new();
+        if self.n_given > 1 {
+            all.push(checks::all_used(self));
+        }
+        all.extend(checks::signals(&self.recordings));
+        all.extend(checks::one_clock(&self.recordings));
+        all.push(checks::periods(&estimated.runs, &estimated.estimate.frf));
+        all.push(checks::settled(&estimated.runs));
+        all.extend(checks::excited(self, estimated));
+        all.push(condition_check(&estimated.estimate.frf, &[]));
+        all
+    }
+
+    /// Whether something of what was recorded is not in the estimate.
+    fn is_lossy(&self, estimated: &Estimated) -> bool {
+        let is_holed = |recording: &Recording| !recording.log.losses.is_empty();
+        !self.unused.is_empty()
+            || estimated.n_incomplete > 0
+            || self.recordings.iter().any(is_holed)
+    }
+
+    /// What was lost, left out, mended or odd, in this order.
+    fn warnings(&self, estimated: &Estimated) -> Vec<String> {
+        let mut warnings: Vec<String> = self.recordings.iter().flat_map(Recording::lost).collect();
+        warnings.extend(self.unused.iter().map(ToString::to_string));
+        warnings.extend((estimated.n_incomplete > 0).then(|| incomplete(estimated)));
+        warnings.extend(self.recordings.iter().flat_map(Recording::remarks));
+        for (run, measured) in self.runs.iter().zip(&estimated.runs) {
+            warnings.extend(measured.trend_words(self.recording_of(run)));
+            warnings.extend(measured.clock_words());
+        }
+        warnings.extend(levels(estimated));
+        let draws = estimated.equal.iter();
+        warnings.extend(draws.map(|draws| same_draw(draws, estimated)));
+        warnings.extend(self.lines_left_out());
+        warnings.extend(estimated.estimate.warnings());
+        warnings.extend(rough(estimated));
+        warnings
+    }
+
+    /// Which lines are left out because some run does not excite them.
+    fn lines_left_out(&self) -> Option<String> {
+        let first = self.not_common.first()?;
+        let n_lines = count(self.not_common.len(), "line");
+        Some(format!(
+            "{n_lines} that some of the runs do not excite are left out, the first of them line {first}"
+        ))
+    }
+}
+
+/// Says that periods of one experiment have no partner.
+fn incomplete(estimated: &Estimated) -> String {
+    format!(
+        "{} are not in the estimate, because not all of their experiments are whole",
+        count(estimated.n_incomplete, "period")
+    )
+}
+
+/// Says that the levels of the runs differ.
+fn levels(estimated: &Estimated) -> Vec<String> {
+    let Some((first, rest)) = estimated.runs.split_first() else {
+        return Vec::new();
+    };
+    let mut words = Vec::new();
+    for (input, &level) in first.u_rms.iter().enumerate() {
+        let differs = |other: f64| other > LIKE_LEVELS * level || level > LIKE_LEVELS * other;
+        let others = rest.iter().map(|run| (run, run.u_rms[input]));
+        let driven = |other: f64| level.min(other) > 0.1 * level.max(other);
+        let mut others = others.filter(|(_, other)| differs(*other) && driven(*other));
+        if let Some((run, other)) = others.next() {
+            words.push(format!(
+                "input {} has {} rms in {} and {} in {}: a nonlinear machine has another FRF at each level",
+                input + 1,
+                significant(other, 3),
+                run.name,
+                significant(level, 3),
+                first.name
+            ));
+        }
+    }
+    words
+}
+
+/// Says which runs are one draw of phases.
+fn same_draw(draws: &EqualDraws, estimated: &Estimated) -> String {
+    let names = draws.realizations.iter();
+    let names: Vec<&str> = names.map(|&run| estimated.runs[run].name.as_str()).collect();
+    let lost = match estimated.estimate.frf.total {
+        Some(_) => "",
+        None => "; distortion is not measured by them: record other phases",
+    };
+    format!(
+        "{}: the same draw of phases (residual {:.2} rad), counted as repetitions{lost}",
+        names.join(", "),
+        draws.residual_rad
+    )
+}
+
+/// Says that the FRF is rougher from line to line than its noise explains.
+fn rough(estimated: &Estimated) -> Option<String> {
+    let roughness = estimated.roughness.as_ref()?;
+    (roughness.over_noise > ROUGH).then(|| {
+        format!(
+            "distortion is not measured: from line to line the FRF scatters by {} %, {} times what its noise explains; record other \
+             phases, and the total variance will have it",
+            significant(100.0 * roughness.relative, 2),
+            significant(roughness.over_noise, 2)
+        )
+    })
+}
+
+impl Recording {
+    /// What is odd without failing a check, and what the reader of the file had to say.
+    fn remarks(&self) -> Vec<String> {
+        let told = |odd: &&Odd| {
+            matches!(odd.consequence(), Consequence::Told | Consequence::Cured)
+        };
+        let odd = self.odd.iter().filter(told).map(|odd| {
+            let cured = if odd.is_cured { "; mended" } else { "" };
+            format!("{}{cured}", odd.words())
+        });
+        let warnings = self.log.warnings.iter().cloned();
+        let all = warnings.chain(odd);
+        all.map(|words| format!("{}: {words}", self.name)).collect()
+    }
+}

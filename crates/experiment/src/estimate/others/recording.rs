@@ -1,0 +1,101 @@
+//! Recording of others while it is looked at, and what is not used of them.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use frfid_estimate::{EstimateError, Oddity};
+use frfid_files::Log;
+use ndarray::ArrayView2;
+
+use crate::error::ExperimentError;
+
+/// A recording that was read.
+#[derive(Debug)]
+pub(super) struct Recording {
+    /// Place among all that were given, from 0.
+    pub(super) place: usize,
+    pub(super) name: String,
+    pub(super) log: Log,
+    /// What is odd about its signals, wraps and holds that were mended included.
+    pub(super) odd: Vec<Odd>,
+}
+
+/// What is odd about a signal.
+#[derive(Debug, Clone)]
+pub(super) struct Odd {
+    pub(super) signal: String,
+    pub(super) channel: usize,
+    pub(super) role: Role,
+    pub(super) oddity: Oddity,
+    /// Whether it was mended.
+    pub(super) is_cured: bool,
+}
+
+/// What a signal is for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Role {
+    Input,
+    Output,
+    Reference,
+    Position,
+}
+
+/// A recording, or a part of one, that is not used.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Unused {
+    /// Place of the recording among all that were given, from 0.
+    pub(super) place: usize,
+    name: String,
+    reason: String,
+}
+
+impl Unused {
+    pub(super) fn new(place: usize, name: impl Into<String>, reason: impl Into<String>) -> Self {
+        Self {
+            place,
+            name: name.into(),
+            reason: reason.into(),
+        }
+    }
+}
+
+impl fmt::Display for Unused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { name, reason, .. } = self;
+        match reason.strip_prefix(&format!("{name}: ")) {
+            Some(reason) => write!(f, "{name}: not used: {reason}"),
+            None => write!(f, "{name}: not used: {reason}"),
+        }
+    }
+}
+
+impl Recording {
+    pub(super) fn new(place: usize, name: String, log: Log) -> Self {
+        Self {
+            place,
+            name,
+            log,
+            odd: Vec::new(),
+        }
+    }
+
+    /// An error of the estimate with the name of the recording.
+    pub(super) fn complaint(&self) -> impl Fn(EstimateError) -> ExperimentError {
+        let path = PathBuf::from(&self.name);
+        move |source| ExperimentError::Recording {
+            path: path.clone(),
+            source,
+        }
+    }
+
+    /// That it is not used, and why.
+    pub(super) fn unused(&self, reason: impl fmt::Display) -> Unused {
+        Unused::new(self.place, &self.name, reason.to_string())
+    }
+
+    /// The reference, or the input where none was recorded.
+    pub(super) fn reference(&self) -> ArrayView2<'_, f64> {
+        let record = &self.log.record;
+        record.r.as_ref().unwrap_or(&record.u).view()
+    }
+}

@@ -1,0 +1,156 @@
+//! Sample clock of a run: whether its samples are even, and how long the player's period is on the
+//! recorder's clock.
+
+use frfid_estimate::{EstimateError, RunPeriods, find_clock_ratio, unexcited_lines};
+use ndarray::{Array2, ArrayView2, Axis, concatenate};
+use num_complex::Complex64;
+
+use crate::estimate::others::measured::Signals;
+use crate::estimate::others::recording::Recording;
+use crate::estimate::others::runs::Run;
+
+/// The sample clock of a run.
+pub(super) struct SampleClock {
+    pub(super) sample_time_s: f64,
+    /// Period in samples, not necessarily whole.
+    pub(super) period: f64,
+    /// By how much the player's clock is fast against the recorder's in parts per million, where
+    /// the period shows it.
+    pub(super) ppm: Option<f64>,
+    /// Where the samples are, in samples of an even clock; `None` where they are even.
+    positions: Option<Vec<f64>>,
+    /// Lines that are in the signals without being excited, for periods that are not whole.
+    also: Vec<usize>,
+}
+
+impl SampleClock {
+    /// The clock by which the signals repeat best.
+    ///
+    /// # Errors
+    /// [`EstimateError`] for lines off the grid of the period.
+    pub(super) fn of(
+        recording: &Recording,
+        run: &Run,
+        signals: &Signals,
+    ) -> Result<Self, EstimateError> {
+        let n_samples = run.period.round();
+        let even = Self {
+            sample_time_s: recording.log.record.sample_time_s,
+            period: n_samples,
+            ppm: None,
+            positions: None,
+            also: Vec::new(),
+        };
+        let uneven = recording.positions(&run.samples);
+        let needs_fit = uneven.is_some() || !signals.is_whole() || run.period != n_samples;
+        let also = match needs_fit {
+            true => distortion(signals, run)?,
+            false => Vec::new(),
+        };
+        let even = Self { also, ..even }.with_ratio(signals, run)?;
+        let Some(positions) = uneven else {
+            return Ok(even);
+        };
+        let also = even.also.clone();
+        let stamped = Self {
+            period: n_samples,
+            positions: Some(positions),
+            ppm: None,
+            also,
+            ..even
+        };
+        let stamped = stamped.with_ratio(signals, run)?;
+        let spreads = [&even, &stamped].map(|clock| clock.spread(signals, run));
+        let [of_even, of_stamped] = spreads;
+        Ok(if of_stamped? < of_even? { stamped } else { even })
+    }
+
+    /// The same with the period that the turn of the reference from period to period tells.
+    fn with_ratio(self, signals: &Signals, run: &Run) -> Result<Self, EstimateError> {
+        let periods = self.periods(signals, &run.lines)?;
+        let spectra = spectra_of(&periods, signals.reference())?;
+        let Some(found) = find_clock_ratio(&spectra, &run.lines, self.period)? else {
+            return Ok(self);
+        };
+        Ok(Self {
+            period: found.period_samples,
+            ppm: Some(1e6 * (self.period / found.period_samples - 1.0)),
+            ..self
+        })
+    }
+
+    /// Period in s.
+    pub(super) fn period_s(&self) -> f64 {
+        self.period * self.sample_time_s
+    }
+
+    /// The periods of the run by this clock.
+    ///
+    /// # Errors
+    /// [`EstimateError`] for lines off the grid of the period.
+    pub(super) fn periods(
+        &self,
+        signals: &Signals,
+        lines: &[usize],
+    ) -> Result<RunPeriods, EstimateError> {
+        let samples = 0..signals.u.ncols();
+        RunPeriods::new(samples, self.period, self.positions.as_deref(), lines, &self.also)
+    }
+
+    /// How far the periods of reference and outputs are from their mean, in power, each signal over
+    /// its own.
+    fn spread(&self, signals: &Signals, run: &Run) -> Result<f64, EstimateError> {
+        let periods = self.periods(signals, &run.lines)?;
+        let mut spread = 0.0;
+        for signal in [signals.reference(), signals.y] {
+            spread += relative_spread(&spectra_of(&periods, signal)?);
+        }
+        Ok(spread)
+    }
+}
+
+/// Lines that stand out in input and output without being excited.
+fn distortion(signals: &Signals, run: &Run) -> Result<Vec<usize>, EstimateError> {
+    let both = concatenate(Axis(0), &[signals.u, signals.y]);
+    let both = both.expect("signals of one run are equally long");
+    unexcited_lines(both.view(), run.period, &run.lines)
+}
+
+/// Spectra of every period; `None` where too little of it is there.
+fn spectra_of(
+    periods: &RunPeriods,
+    signal: ArrayView2<f64>,
+) -> Result<Vec<Option<Array2<Complex64>>>, EstimateError> {
+    let numbers = 0..periods.n_periods();
+    numbers
+        .map(|period| periods.spectra("reference", signal, period))
+        .collect()
+}
+
+/// Mean square distance of spectra from their mean, over its square.
+fn relative_spread(spectra: &[Option<Array2<Complex64>>]) -> f64 {
+    let present: Vec<&Array2<Complex64>> = spectra.iter().flatten().collect();
+    let Some(first) = present.first() else {
+        return 0.0;
+    };
+    let mut mean = Array2::<Complex64>::zeros(first.raw_dim());
+    for spectrum in &present {
+        mean += *spectrum;
+    }
+    mean /= Complex64::from(present.len() as f64);
+    let power = |spectrum: &Array2<Complex64>| spectrum.iter().map(Complex64::norm_sqr).sum::<f64>();
+    let distances = present.iter().map(|spectrum| power(&(*spectrum - &mean)));
+    distances.sum::<f64>() / power(&mean).max(f64::MIN_POSITIVE)
+}
+
+impl Recording {
+    /// Where the samples of a run are, in samples of an even clock from the first on; `None` where
+    /// they are even.
+    fn positions(&self, samples: &std::ops::Range<usize>) -> Option<Vec<f64>> {
+        let step_s = self.log.record.sample_time_s;
+        let times_s = self.log.times_s.as_ref()?.get(samples.clone())?;
+        let first_s = times_s.first()?;
+        let from_first = times_s.iter().map(|time_s| (time_s - first_s) / step_s);
+        Some(from_first.collect())
+    }
+}
