@@ -52,7 +52,7 @@ pub use error::FileError;
 pub use log::formats::{FORMATS, Format};
 pub use log::map::{LogMap, Signal};
 pub use log::npz::read_npz_array;
-pub use log::{Log, read_log};
+pub use log::{ClockFit, Log, read_log};
 pub use loss::Loss;
 pub use mcap::recover::{Recovered, recover};
 pub use plan::write::write_plan;

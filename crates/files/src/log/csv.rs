@@ -1,50 +1,97 @@
 //! CSV recordings, plain or gzipped: a header row of column names, then one row of numbers per
 //! sample.
 
-use std::fs::File;
-use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
-use flate2::read::MultiGzDecoder;
-
 use crate::error::FileError;
+use crate::log::lines::{COMMENTS, Lines};
 use crate::log::map::{LogMap, Signal};
-use crate::log::recording::{Recording, Series};
+use crate::log::recording::Recording;
 use crate::log::sample_times::SampleTimes;
-
-/// A line may be this long: 16 MiB.
-const LINE_LIMIT: u64 = 16 << 20;
+use crate::log::table::Table;
 
 /// Reads the mapped columns. A row that breaks off, and everything behind it, is reported as
 /// damage.
 pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Recording, FileError> {
     let mut lines = Lines::open(path)?;
-    let header = lines.next_line()?.unwrap_or_default();
+    let mapped = signals.iter().copied().chain(&map.time);
+    let mapped: Vec<&str> = mapped.map(|signal| signal.source.as_str()).collect();
+    let (header, mut first_row) = header(&mut lines, &mapped)?;
     let separator = separator(&header);
-    let names: Vec<_> = header.split(separator).map(unquoted).collect();
+    let names = names(&header, &mapped);
     let clock = SampleTimes::of(path, map, |name| column(path, &names, name))?;
-    let columns = signals
-        .iter()
-        .map(|signal| column(path, &names, &signal.source))
-        .collect::<Result<Vec<_>, _>>()?;
-    let mut series = Series::of("rows", (0..signals.len()).collect());
-    while let Some(line) = lines.next_row()? {
+    let mut rows = Rows {
+        clock,
+        columns: columns(path, &names, signals)?,
+        table: Table::of("rows"),
+        untimed: None,
+        number: 0,
+    };
+    (0..signals.len()).for_each(|signal| rows.table.add_signal(signal));
+    while let Some(line) = first_row
+        .take()
+        .map_or_else(|| lines.next_row(), |row| Ok(Some(row)))?
+    {
         let fields: Vec<_> = line.split(separator).collect();
         if fields.len() != names.len() && lines.broke_off {
             lines.failed = Some(format!("the file breaks off in line {}", lines.number));
             break;
         }
-        let row = Row {
+        rows.take(&Row {
             fields,
             needed: names.len(),
             path,
             line: lines.number,
-        };
-        row.check_width()?;
-        let stamp_ns = clock.stamp_ns(series.rows.len(), |column| row.number(column))?;
-        series.push(stamp_ns, row.numbers(&columns)?);
+        })?;
     }
-    Ok(recording(series, lines, clock.sample_time_s(map)))
+    Ok(rows.recording(lines, signals))
+}
+
+/// The header, and the first row if that was read to find it: the first line that is no comment or,
+/// where that is a row of numbers, the last comment before it; or a comment that names all mapped
+/// columns.
+fn header(lines: &mut Lines, mapped: &[&str]) -> Result<(String, Option<String>), FileError> {
+    let mut comment = None;
+    while let Some(line) = lines.next_line()? {
+        if line.is_empty() {
+            continue;
+        }
+        if !line.starts_with(COMMENTS) {
+            let is_row = line.split(separator(&line)).all(is_number);
+            return Ok(match comment {
+                Some(comment) if is_row => (comment, Some(line)),
+                _ => (line, None),
+            });
+        }
+        let names = names(&line, mapped);
+        if mapped.iter().all(|name| names.contains(name)) {
+            return Ok((line, None));
+        }
+        comment = Some(line);
+    }
+    Ok((comment.unwrap_or_default(), None))
+}
+
+fn is_number(field: &str) -> bool {
+    let field = unquoted(field);
+    field.is_empty() || field.parse::<f64>().is_ok()
+}
+
+/// The names of the columns; the mark of a comment belongs to the first one only if the log map says
+/// so.
+fn names<'h>(header: &'h str, mapped: &[&str]) -> Vec<&'h str> {
+    let separator = separator(header);
+    let named = |header: &'h str| header.split(separator).map(unquoted).collect::<Vec<_>>();
+    let as_written = named(header);
+    if mapped.contains(&as_written[0]) {
+        return as_written;
+    }
+    named(header.trim_start_matches(COMMENTS))
+}
+
+fn columns(path: &Path, names: &[&str], signals: &[&Signal]) -> Result<Vec<usize>, FileError> {
+    let column = |signal: &&Signal| column(path, names, &signal.source);
+    signals.iter().map(column).collect()
 }
 
 /// What separates the columns: the first of comma, semicolon and tab that the header has.
@@ -54,21 +101,57 @@ fn separator(header: &str) -> char {
     used.unwrap_or(',')
 }
 
-/// The series, with what is wrong with the end of the file.
-fn recording(series: Series, lines: Lines, sample_time_s: Option<f64>) -> Recording {
-    let (mut damages, mut warnings) = (Vec::new(), Vec::new());
-    if let Some(reason) = lines.failed {
-        damages.push((series.stamps_ns.last().copied(), reason));
-    } else if lines.broke_off {
-        let warning =
-            "the last line has no line end: if the file was cut, its last number may be too";
-        warnings.push(warning.into());
+/// The rows while they come in.
+struct Rows {
+    clock: SampleTimes,
+    columns: Vec<usize>,
+    table: Table,
+    /// Rows without a time, and the line of the first.
+    untimed: Option<(usize, usize)>,
+    number: usize,
+}
+
+impl Rows {
+    fn take(&mut self, row: &Row) -> Result<(), FileError> {
+        row.check_width()?;
+        let stamp_ns = match &self.clock {
+            SampleTimes::Counted(step_ns) => Some((self.number as f64 * step_ns).round() as i64),
+            SampleTimes::Column(column) => {
+                let text = row.field(column.place);
+                row.number(column.place)?;
+                column.stamp_of_text(text)
+            }
+        };
+        self.number += 1;
+        let values = self.columns.iter().map(|&column| row.number(column));
+        let values = values.collect::<Result<Vec<_>, _>>()?;
+        match stamp_ns {
+            Some(stamp_ns) => {
+                self.table.push(stamp_ns, &values);
+            }
+            None => self.untimed.get_or_insert((0, row.line)).0 += 1,
+        }
+        Ok(())
     }
-    Recording {
-        series: vec![series],
-        damages,
-        warnings,
-        sample_time_s,
+
+    /// The recording, with what is wrong with the end of the file.
+    fn recording(self, lines: Lines, signals: &[&Signal]) -> Recording {
+        let last_ns = self.table.last_ns();
+        let untimed = self.untimed.map(|(count, line)| {
+            format!("{count} rows have no sample time, the first one in line {line}")
+        });
+        let mut warnings = Vec::new();
+        if lines.broke_off && lines.failed.is_none() {
+            let warning =
+                "the last line has no line end: if the file was cut, its last number may be too";
+            warnings.push(warning.into());
+        }
+        let reasons = untimed.into_iter().chain(lines.failed);
+        Recording {
+            series: self.table.split(signals),
+            damages: reasons.map(|reason| (last_ns, reason)).collect(),
+            warnings,
+        }
     }
 }
 
@@ -92,19 +175,18 @@ impl Row<'_> {
         ))
     }
 
-    fn numbers(&self, columns: &[usize]) -> Result<Vec<f64>, FileError> {
-        columns.iter().map(|&column| self.number(column)).collect()
+    fn field(&self, column: usize) -> &str {
+        unquoted(self.fields[column])
     }
 
-    /// The number in a column; an empty field is a missing value.
-    fn number(&self, column: usize) -> Result<f64, FileError> {
-        let field = unquoted(self.fields[column]);
+    /// The number in a column; none where the field is empty.
+    fn number(&self, column: usize) -> Result<Option<f64>, FileError> {
+        let field = self.field(column);
         if field.is_empty() {
-            return Ok(f64::NAN);
+            return Ok(None);
         }
-        field
-            .parse()
-            .map_err(|_| self.bad(format!("`{field}`"), "a number"))
+        let number = field.parse().map(Some);
+        number.map_err(|_| self.bad(format!("`{field}`"), "a number"))
     }
 
     fn bad(&self, found: String, needed: impl Into<String>) -> FileError {
@@ -130,84 +212,5 @@ fn column(path: &Path, names: &[&str], name: &str) -> Result<usize, FileError> {
                 needed,
             ))
         }
-    }
-}
-
-/// The lines of a file that may end badly.
-struct Lines {
-    reader: Box<dyn BufRead>,
-    path: std::path::PathBuf,
-    number: usize,
-    /// The last line did not end.
-    broke_off: bool,
-    /// Reading failed behind the last line.
-    failed: Option<String>,
-}
-
-impl Lines {
-    fn open(path: &Path) -> Result<Self, FileError> {
-        let failed = FileError::cannot("open", path);
-        let mut file = BufReader::with_capacity(1 << 16, File::open(path).map_err(failed)?);
-        let is_gzipped = file.fill_buf().map_err(failed)?.starts_with(&[0x1f, 0x8b]);
-        let reader: Box<dyn BufRead> = if is_gzipped {
-            Box::new(BufReader::new(MultiGzDecoder::new(file)))
-        } else {
-            Box::new(file)
-        };
-        Ok(Self {
-            reader,
-            path: path.into(),
-            number: 0,
-            broke_off: false,
-            failed: None,
-        })
-    }
-
-    /// The next line of numbers; empty ones and comments are left out.
-    fn next_row(&mut self) -> Result<Option<String>, FileError> {
-        loop {
-            let line = self.next_line()?;
-            let is_row = |line: &String| !line.is_empty() && !line.starts_with('#');
-            if line.as_ref().is_none_or(is_row) {
-                return Ok(line);
-            }
-        }
-    }
-
-    /// The next line without its end; `None` at the end of what can be read.
-    fn next_line(&mut self) -> Result<Option<String>, FileError> {
-        if self.failed.is_some() {
-            return Ok(None);
-        }
-        let mut line = Vec::new();
-        self.number += 1;
-        let mut limited = (&mut self.reader).take(LINE_LIMIT);
-        if let Err(error) = limited.read_until(b'\n', &mut line) {
-            let last = self.number - 1;
-            self.failed = Some(format!("cannot read on behind line {last}: {error}"));
-        }
-        if !line.is_empty() {
-            self.broke_off = !line.ends_with(b"\n");
-        }
-        if line.len() as u64 == LINE_LIMIT {
-            let found = format!("a line of more than {LINE_LIMIT} bytes");
-            let needed = "a CSV with a header and one row per sample";
-            return Err(FileError::format(
-                &self.path,
-                found,
-                needed,
-                "export it as text",
-            ));
-        }
-        // a line that broke off because reading failed may have lost digits
-        if line.is_empty() || self.failed.is_some() {
-            return Ok(None);
-        }
-        Ok(Some(
-            String::from_utf8_lossy(&line)
-                .trim()
-                .trim_start_matches('\u{feff}')
-                .into(),
-        ))
     }
 }

@@ -95,4 +95,18 @@ impl LogMap {
     pub(crate) fn roles(&self) -> [&[Signal]; 4] {
         [&self.u, &self.y, &self.r, &self.position]
     }
+
+    /// The roles of signals, by their place among all signals, for people: `u, y`.
+    pub(crate) fn roles_of(&self, signals: &[usize]) -> String {
+        let mut first = 0;
+        let mut played = Vec::new();
+        for (name, role) in ["u", "y", "r", "position"].into_iter().zip(self.roles()) {
+            let places = first..first + role.len();
+            first = places.end;
+            if signals.iter().any(|signal| places.contains(signal)) {
+                played.push(name);
+            }
+        }
+        played.join(", ")
+    }
 }

@@ -5,7 +5,9 @@ use std::path::Path;
 
 use crate::error::FileError;
 use crate::log::map::{LogMap, Signal};
-use crate::log::recording::{Recording, Series};
+use crate::log::recording::{Recording, Series, TimedDamage, of_damaged};
+use crate::log::table::Table;
+use crate::loss::Damage;
 use crate::mcap::chunk::Entry;
 use crate::mcap::read::{Part, scan_file};
 use crate::mcap::record::{Channel, Message, Schema};
@@ -17,8 +19,11 @@ use crate::ros::value::{Value, decode};
 struct Topic {
     selectors: Vec<Selector>,
     definition: Option<Definition>,
-    unstamped: usize,
-    series: Series,
+    n_messages: usize,
+    /// The samples, stamped by their headers or, without, by the recorder.
+    table: Table,
+    /// The recorder's stamps, until a header's stamp is set.
+    recorders_ns: Option<Vec<i64>>,
 }
 
 /// Reads every mapped topic.
@@ -43,35 +48,42 @@ pub(crate) fn read(
         }
         let mapped = topics
             .iter_mut()
-            .find(|topic| topic.series.topic == channel.topic);
+            .find(|topic| topic.table.topic() == channel.topic);
         mapped.map_or(Ok(()), |topic| topic.take(path, channel, schema, &message))
     })?;
-    check_there(path, &topics, &seen)?;
-    let at = |times: Option<(u64, u64)>| times.and_then(|(from, _)| i64::try_from(from).ok());
-    let damages = damages.into_iter();
+    let damages: Vec<_> = damages.into_iter().map(timed).collect();
+    check_there(path, &topics, &seen).map_err(|error| of_damaged(error, &damages))?;
     Ok(Recording {
-        warnings: topics.iter().filter_map(Topic::unstamped_warning).collect(),
-        series: topics.into_iter().map(|topic| topic.series).collect(),
-        damages: damages
-            .map(|damage| (at(damage.times_ns), damage.reason))
+        series: topics
+            .into_iter()
+            .flat_map(|topic| topic.series(signals))
             .collect(),
-        sample_time_s: None,
+        damages,
+        warnings: Vec::new(),
     })
 }
 
-/// Refuses a mapped topic without messages; `seen` are those that have some.
+fn timed(damage: Damage) -> TimedDamage {
+    let from = damage.times_ns.map(|(from, _)| i64::try_from(from));
+    (from.and_then(Result::ok), damage.reason)
+}
+
+/// Refuses a mapped topic without messages of its joints; `seen` are the topics that have some.
 fn check_there(path: &Path, topics: &[Topic], seen: &BTreeSet<String>) -> Result<(), FileError> {
-    let empty = topics.iter().find(|topic| topic.series.rows.is_empty());
-    empty.map_or(Ok(()), |empty| {
-        let known: Vec<_> = seen.iter().map(String::as_str).collect();
-        let needed = format!("one of {}", known.join(", "));
-        Err(FileError::content(
-            path,
-            &empty.series.topic,
-            "no messages",
-            needed,
-        ))
-    })
+    let Some(empty) = topics.iter().find(|topic| topic.table.n_rows() == 0) else {
+        return Ok(());
+    };
+    let (found, needed) = match empty.n_messages {
+        0 => {
+            let known: Vec<_> = seen.iter().map(String::as_str).collect();
+            ("no messages".into(), format!("one of {}", known.join(", ")))
+        }
+        count => (
+            format!("{count} messages, none of which has what the log map names"),
+            "joints and entries that its messages have".into(),
+        ),
+    };
+    Err(FileError::content(path, empty.table.topic(), found, needed))
 }
 
 /// The mapped topics, each with the signals taken from it.
@@ -81,13 +93,13 @@ fn topics_of(path: &Path, signals: &[&Signal]) -> Result<Vec<Topic>, FileError> 
         let selector = selector_of(path, signal)?;
         let known = topics
             .iter()
-            .position(|topic| topic.series.topic == selector.topic);
+            .position(|topic| topic.table.topic() == selector.topic);
         let known = known.unwrap_or_else(|| {
             topics.push(Topic::of(&selector.topic));
             topics.len() - 1
         });
         topics[known].selectors.push(selector);
-        topics[known].series.signals.push(place);
+        topics[known].table.add_signal(place);
     }
     Ok(topics)
 }
@@ -105,18 +117,10 @@ impl Topic {
         Self {
             selectors: Vec::new(),
             definition: None,
-            unstamped: 0,
-            series: Series::of(name, Vec::new()),
+            n_messages: 0,
+            table: Table::of(name),
+            recorders_ns: Some(Vec::new()),
         }
-    }
-
-    fn unstamped_warning(&self) -> Option<String> {
-        let (name, count) = (&self.series.topic, self.unstamped);
-        (count > 0).then(|| {
-            format!(
-                "{name}: {count} messages without a header stamp; the time of recording was taken instead"
-            )
-        })
     }
 
     fn take(
@@ -126,19 +130,37 @@ impl Topic {
         schema: Option<&Schema>,
         message: &Message,
     ) -> Result<(), FileError> {
-        let bad = |found| bad_message(path, &channel.topic, self.series.rows.len(), found);
+        let bad = |found| bad_message(path, &channel.topic, self.n_messages, found);
         let definition = match &mut self.definition {
             Some(definition) => definition,
             none => none.insert(definition_of(path, channel, schema)?),
         };
         let value = decode(definition, message.data).map_err(|error| bad(error.to_string()))?;
-        let row = row_of(&self.selectors, &value).map_err(bad)?;
-        let stamp_ns = stamp_ns(&value).unwrap_or_else(|| {
-            self.unstamped += 1;
-            i64::try_from(message.log_time_ns).unwrap_or(i64::MAX)
-        });
-        self.series.push(stamp_ns, row);
+        let picked = self.selectors.iter().map(|selector| selector.pick(&value));
+        let row = picked.collect::<Result<Vec<_>, _>>().map_err(bad)?;
+        let recorders_ns = i64::try_from(message.log_time_ns).unwrap_or(i64::MAX);
+        self.n_messages += 1;
+        self.push(header_stamp_ns(&value), recorders_ns, &row);
         Ok(())
+    }
+
+    /// Takes in a sample. Headers whose stamps are all 0 were never set: then the recorder's count.
+    fn push(&mut self, header_ns: Option<i64>, recorders_ns: i64, row: &[Option<f64>]) {
+        if !self.table.push(header_ns.unwrap_or(recorders_ns), row) {
+            return;
+        }
+        match &mut self.recorders_ns {
+            Some(stamps) if header_ns.unwrap_or(0) == 0 => stamps.push(recorders_ns),
+            _ => self.recorders_ns = None,
+        }
+    }
+
+    /// What it recorded; a topic is on one clock.
+    fn series(mut self, signals: &[&Signal]) -> Vec<Series> {
+        if let Some(stamps) = self.recorders_ns {
+            self.table.restamp(stamps);
+        }
+        self.table.split(signals)
     }
 }
 
@@ -146,12 +168,6 @@ fn bad_message(path: &Path, topic: &str, number: usize, found: String) -> FileEr
     let what = format!("{topic} message {number}");
     let needed = "a message of the type that the file states, with the fields of the log map";
     FileError::content(path, what, found, needed)
-}
-
-/// The selected numbers of a message, NaN where it does not have the joint.
-fn row_of(selectors: &[Selector], message: &Value) -> Result<Vec<f64>, String> {
-    let picked = |selector: &Selector| Ok(selector.pick(message)?.unwrap_or(f64::NAN));
-    selectors.iter().map(picked).collect()
 }
 
 /// The definition of a topic's messages, if they are encoded as ROS 2 does.
@@ -186,16 +202,14 @@ fn other_encoding(path: &Path, channel: &Channel, schema: &str) -> FileError {
     FileError::format(path, found, "cdr with a ros2msg schema", advice)
 }
 
-/// The header's stamp; none where the message has no header or its stamp was never set.
-fn stamp_ns(message: &Value) -> Option<i64> {
+/// The header's stamp; none where the message has no header.
+fn header_stamp_ns(message: &Value) -> Option<i64> {
     let stamp = message.field("header").unwrap_or(message).field("stamp")?;
     let part = |name: &str| stamp.field(name)?.number();
     let (sec, nanosec) = (part("sec")?, part("nanosec")?);
     // saturating: what a hostile message holds is no time, and later refused as such
-    let stamp_ns = (sec as i64)
-        .saturating_mul(1_000_000_000)
-        .saturating_add(nanosec as i64);
-    (stamp_ns != 0).then_some(stamp_ns)
+    let whole_ns = (sec as i64).saturating_mul(1_000_000_000);
+    Some(whole_ns.saturating_add(nanosec as i64))
 }
 
 #[cfg(test)]
@@ -212,7 +226,7 @@ mod tests {
             let stamp = [("sec", Value::Number(sec)), ("nanosec", Value::Number(5.0))];
             message(&[("stamp", message(&stamp))])
         };
-        assert_eq!(stamp_ns(&stamped(2.0)), Some(2_000_000_005));
-        assert_eq!(stamp_ns(&stamped(1e300)), Some(i64::MAX));
+        assert_eq!(header_stamp_ns(&stamped(2.0)), Some(2_000_000_005));
+        assert_eq!(header_stamp_ns(&stamped(1e300)), Some(i64::MAX));
     }
 }

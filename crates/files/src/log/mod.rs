@@ -3,15 +3,19 @@
 pub(crate) mod alignment;
 pub(crate) mod clock;
 pub(crate) mod csv;
+pub(crate) mod decimal;
 pub(crate) mod formats;
+pub(crate) mod lines;
 pub(crate) mod map;
 pub(crate) mod mcap;
 pub(crate) mod npy;
 pub(crate) mod npz;
 pub(crate) mod recording;
 pub(crate) mod sample_times;
+pub(crate) mod table;
 #[cfg(test)]
 mod tests;
+pub(crate) mod text;
 pub(crate) mod units;
 
 use std::path::Path;
@@ -20,11 +24,12 @@ use frfid_signals::Record;
 use ndarray::Array2;
 
 use crate::error::FileError;
-use crate::log::alignment::{Grid, drop_duplicates};
+use crate::log::alignment::Grid;
+use crate::log::alignment::pairing::{Paced, delay_warnings, stamp_warnings, two_clocks};
 use crate::log::clock::Clock;
 use crate::log::formats::Format;
 use crate::log::map::{LogMap, Signal};
-use crate::log::recording::{Recording, Series};
+use crate::log::recording::{Recording, Series, of_damaged};
 use crate::log::units::{si_of, to_si};
 use crate::loss::Loss;
 use crate::run::header;
@@ -46,6 +51,29 @@ pub struct Log {
     pub losses: Vec<Loss>,
     /// What else a careful reader should know: jitter, delays, dropped duplicates.
     pub warnings: Vec<String>,
+    /// Time of every sample in s after the first, as the topic of the first input is stamped; on the
+    /// even grid where samples are lost or their stamps out of order. `None` where the stamps are
+    /// even to 0.01 of a sample or rounded from such.
+    pub times_s: Option<Vec<f64>>,
+    /// That inputs and outputs are on two clocks, in a sentence: the phase cannot be trusted.
+    pub two_clocks: Option<String>,
+    /// The sample clock.
+    pub clock: ClockFit,
+    /// Length of the recording in s: samples times sample time.
+    pub duration_s: f64,
+}
+
+/// The sample clock that was fitted to the stamps of the first input's topic.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ClockFit {
+    /// Sample time in s.
+    pub sample_time_s: f64,
+    /// What the stamps are rounded to, in s; `None` where rounding does not show.
+    pub resolution_s: Option<f64>,
+    /// Deviation of the stamps from the even clock, rms in parts of the sample time.
+    pub jitter: f64,
+    /// Samples of the grid that have no row.
+    pub n_lost: usize,
 }
 
 /// Reads a recording in one of the [`formats::FORMATS`].
@@ -59,8 +87,9 @@ pub struct Log {
 pub fn read_log(path: &Path, map: &LogMap) -> Result<Log, FileError> {
     check(map)?;
     let signals: Vec<&Signal> = map.roles().into_iter().flatten().collect();
-    let recording = (Format::of(path)?.read)(path, map, &signals)?;
-    assemble(path, map, &signals, recording)
+    let mut recording = (Format::of(path)?.read)(path, map, &signals)?;
+    assemble(path, map, &signals, &mut recording)
+        .map_err(|error| of_damaged(error, &recording.damages))
 }
 
 /// Refuses a map without inputs or outputs, and roles of other sizes.
@@ -88,25 +117,52 @@ fn assemble(
     path: &Path,
     map: &LogMap,
     signals: &[&Signal],
-    mut recording: Recording,
+    recording: &mut Recording,
 ) -> Result<Log, FileError> {
-    let mut warnings = recording.warnings;
-    let clocks = clocks(path, &mut recording.series, &mut warnings)?;
-    let grid = Grid::of(&recording.series, &clocks, &mut warnings)
+    let clocks = clocks(path, map, recording)?;
+    let series = &recording.series;
+    let roles = series.iter().map(|series| map.roles_of(&series.signals));
+    let roles: Vec<String> = roles.collect();
+    let topics = paced(series, &clocks, &roles);
+    let mut warnings = recording.warnings.clone();
+    let grid = Grid::of(&topics, &mut warnings)
         .map_err(|(found, needed)| FileError::content(path, "topics", found, needed))?;
     check_amount(path, grid.n_samples, signals.len())?;
     let mut values = Array2::from_elem((signals.len(), grid.n_samples), f64::NAN);
-    let mut losses = grid.fill(&recording.series, &clocks, signals, &mut values);
-    let damages = recording.damages.into_iter();
-    losses.extend(damages.map(|(at_ns, reason)| grid.of_file(at_ns, reason)));
+    let mut losses = grid.fill(&topics, signals, &mut values);
+    losses.extend(grid.of_file(&recording.damages));
     check_measured(path, signals, &values)?;
     convert(path, signals, &mut values)?;
-    let sample_time_s = recording.sample_time_s.unwrap_or(grid.sample_time_s);
+    let log = sort_into_roles(map, &values, grid.clock_fit(&topics[0]));
+    warnings.extend(told(&topics));
     Ok(Log {
         losses,
         warnings,
-        ..sort_into_roles(map, &values, sample_time_s)
+        two_clocks: two_clocks(&topics),
+        times_s: grid.times_s(&topics[0]),
+        ..log
     })
+}
+
+/// The topics with their clocks and roles.
+fn paced<'t>(series: &'t [Series], clocks: &'t [Clock], roles: &'t [String]) -> Vec<Paced<'t>> {
+    let parts = series.iter().zip(clocks).zip(roles);
+    let paced = parts.map(|((series, clock), roles)| Paced {
+        series,
+        clock,
+        roles,
+    });
+    paced.collect()
+}
+
+/// What a careful reader should know of the stamps of all topics; between two clocks a delay says
+/// nothing.
+fn told(topics: &[Paced]) -> Vec<String> {
+    let mut told: Vec<_> = topics.iter().flat_map(stamp_warnings).collect();
+    if two_clocks(topics).is_none() {
+        told.extend(delay_warnings(topics));
+    }
+    told
 }
 
 /// Refuses more values than a file may hold.
@@ -119,18 +175,14 @@ fn check_amount(path: &Path, n_samples: usize, n_signals: usize) -> Result<(), F
     Err(FileError::content(path, "stamps", found, needed))
 }
 
-/// The clock of each series.
-fn clocks(
-    path: &Path,
-    series: &mut [Series],
-    warnings: &mut Vec<String>,
-) -> Result<Vec<Clock>, FileError> {
+/// The clock of each series, whose rows are put in order.
+fn clocks(path: &Path, map: &LogMap, recording: &mut Recording) -> Result<Vec<Clock>, FileError> {
+    let warnings = &mut recording.warnings;
     let clock = |series: &mut Series| {
-        drop_duplicates(series, warnings)
-            .and_then(|()| Clock::fit(&series.stamps_ns))
+        Clock::of(series, map.sample_time_s, warnings)
             .map_err(|(found, needed)| FileError::content(path, &series.topic, found, needed))
     };
-    series.iter_mut().map(clock).collect()
+    recording.series.iter_mut().map(clock).collect()
 }
 
 /// Refuses signals without a single number.
@@ -157,7 +209,7 @@ fn convert(path: &Path, signals: &[&Signal], values: &mut Array2<f64>) -> Result
 }
 
 /// The log of these values, row by row in the order of the map's roles.
-fn sort_into_roles(map: &LogMap, values: &Array2<f64>, sample_time_s: f64) -> Log {
+fn sort_into_roles(map: &LogMap, values: &Array2<f64>, clock: ClockFit) -> Log {
     let mut taken = 0;
     let [u, y, r, position] = map.roles().map(|role| {
         let rows = taken..taken + role.len();
@@ -171,7 +223,7 @@ fn sort_into_roles(map: &LogMap, values: &Array2<f64>, sample_time_s: f64) -> Lo
         input_units: units(&map.u),
         output_units: units(&map.y),
         record: Record {
-            sample_time_s,
+            sample_time_s: clock.sample_time_s,
             u,
             y,
             r: there(r),
@@ -181,6 +233,10 @@ fn sort_into_roles(map: &LogMap, values: &Array2<f64>, sample_time_s: f64) -> Lo
         },
         losses: Vec::new(),
         warnings: Vec::new(),
+        times_s: None,
+        two_clocks: None,
+        duration_s: values.ncols() as f64 * clock.sample_time_s,
+        clock,
     }
 }
 

@@ -4,9 +4,22 @@ use ndarray::{ArrayD, IxDyn, ShapeBuilder};
 
 use crate::bytes::Bytes;
 
+/// An array as `f64`.
+pub(crate) fn parse_npy(file: &[u8]) -> Option<ArrayD<f64>> {
+    parse(file, number)
+}
+
+/// An array of integers, to the last digit; `None` if it is of floats.
+pub(crate) fn parse_npy_integers(file: &[u8]) -> Option<ArrayD<i64>> {
+    parse(file, integer)
+}
+
+/// A number of a class (`f`, `i`, `u`, `b`) and size in bytes from its bits.
+type FromBits<T> = fn(u8, usize, u64) -> Option<T>;
+
 /// The NPY format, versions 1 to 3: magic, version, length of the header, a Python dictionary, the
 /// numbers.
-pub(crate) fn parse_npy(file: &[u8]) -> Option<ArrayD<f64>> {
+fn parse<T: Clone>(file: &[u8], number: FromBits<T>) -> Option<ArrayD<T>> {
     let mut bytes = Bytes::new(file);
     if bytes.take(6).ok()? != b"\x93NUMPY" {
         return None;
@@ -26,7 +39,7 @@ pub(crate) fn parse_npy(file: &[u8]) -> Option<ArrayD<f64>> {
     let count = shape
         .iter()
         .try_fold(1_usize, |product, &length| product.checked_mul(length))?;
-    let numbers = numbers(kind, bytes.rest(), count)?;
+    let numbers = numbers(kind, bytes.rest(), count, number)?;
     let array = ArrayD::from_shape_vec(IxDyn(&shape).set_f(is_fortran), numbers).ok()?;
     Some(array.as_standard_layout().into_owned())
 }
@@ -50,7 +63,7 @@ fn value_of<'h>(header: &'h str, key: &str) -> Option<&'h str> {
 }
 
 /// Numbers of the kind `<f8`, `>i2`, `|u1`, ...
-fn numbers(kind: &str, bytes: &[u8], count: usize) -> Option<Vec<f64>> {
+fn numbers<T>(kind: &str, bytes: &[u8], count: usize, number: FromBits<T>) -> Option<Vec<T>> {
     let size: usize = kind.get(2..)?.parse().ok()?;
     if !matches!(size, 1 | 2 | 4 | 8) || count.checked_mul(size)? != bytes.len() {
         return None;
@@ -70,13 +83,25 @@ fn bits(bytes: &[u8], is_big: bool) -> u64 {
     u64::from_le_bytes(wide)
 }
 
-/// The number of a class (`f`, `i`, `u`, `b`) and size in bytes.
-fn number(class: u8, size: usize, bits: u64) -> Option<f64> {
+/// A signed integer of so many bytes.
+fn signed(size: usize, bits: u64) -> i64 {
     let unused = 64 - 8 * size as u32;
+    ((bits << unused) as i64) >> unused
+}
+
+fn integer(class: u8, size: usize, bits: u64) -> Option<i64> {
+    match class {
+        b'i' => Some(signed(size, bits)),
+        b'u' => i64::try_from(bits).ok(),
+        _ => None,
+    }
+}
+
+fn number(class: u8, size: usize, bits: u64) -> Option<f64> {
     match (class, size) {
         (b'f', 8) => Some(f64::from_bits(bits)),
         (b'f', 4) => Some(f64::from(f32::from_bits(bits as u32))),
-        (b'i', _) => Some((((bits << unused) as i64) >> unused) as f64),
+        (b'i', _) => Some(signed(size, bits) as f64),
         (b'u', _) | (b'b', 1) => Some(bits as f64),
         _ => None,
     }

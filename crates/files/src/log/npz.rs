@@ -9,9 +9,9 @@ use npyz::npz::NpzArchive;
 
 use crate::error::FileError;
 use crate::log::map::{LogMap, Signal};
-use crate::log::npy::parse_npy;
+use crate::log::npy::{parse_npy, parse_npy_integers};
 use crate::log::recording::{Recording, Series};
-use crate::log::sample_times::SampleTimes;
+use crate::log::sample_times::{SampleTimes, TimeColumn};
 use crate::run::header;
 
 /// Reads one array as `f64`, C-ordered; 64-bit integers beyond 2^53 are rounded.
@@ -20,8 +20,16 @@ use crate::run::header;
 /// [`FileError::Io`], [`FileError::Format`] if the file is no NPZ, [`FileError::Content`] if the
 /// array is not there (the error lists those that are), is not of real numbers, or is damaged.
 pub fn read_npz_array(path: &Path, name: &str) -> Result<ArrayD<f64>, FileError> {
+    read_array(path, name, parse_npy)
+}
+
+fn read_array<T>(
+    path: &Path,
+    name: &str,
+    parse: fn(&[u8]) -> Option<ArrayD<T>>,
+) -> Result<ArrayD<T>, FileError> {
     let bytes = entry_bytes(path, name)?;
-    parse_npy(&bytes).ok_or_else(|| {
+    parse(&bytes).ok_or_else(|| {
         let header = String::from_utf8_lossy(bytes.get(..128).unwrap_or(&bytes));
         let found = format!("{:?}", header.trim_end());
         let needed = "an array of real numbers, as long as its shape says";
@@ -65,31 +73,52 @@ fn open(path: &Path) -> Result<NpzArchive<BufReader<File>>, FileError> {
 /// The mapped arrays of a recording: `name` for one channel, `name[row]` for a row of (channel,
 /// sample).
 pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Recording, FileError> {
-    let rows = signals
+    let columns = signals
         .iter()
-        .map(|signal| row(path, &signal.source))
+        .map(|signal| row(path, &signal.source, parse_npy))
         .collect::<Result<Vec<_>, _>>()?;
-    let times = map
-        .time
-        .as_ref()
-        .map(|time| row(path, &time.source))
-        .transpose()?;
-    let first = (signals[0], rows[0].len());
-    let all = signals.iter().copied().chain(&map.time);
-    for (signal, row) in all.zip(rows.iter().chain(&times)) {
-        check_length(path, (signal, row.len()), first)?;
+    let first = (signals[0], columns[0].len());
+    for (signal, column) in signals.iter().zip(&columns) {
+        check_length(path, (signal, column.len()), first)?;
     }
-    let clock = SampleTimes::of(path, map, |_| Ok(0))?;
-    let time = |k: usize| Ok(times.as_ref().map_or(0.0, |times| times[k]));
-    let mut series = Series::of("samples", (0..signals.len()).collect());
-    for k in 0..rows[0].len() {
-        let row = rows.iter().map(|row| row[k]).collect();
-        series.push(clock.stamp_ns(k, |_| time(k))?, row);
+    let stamps_ns = match SampleTimes::of(path, map, |_| Ok(0))? {
+        SampleTimes::Counted(step_ns) => (0..first.1)
+            .map(|k| (k as f64 * step_ns).round() as i64)
+            .collect(),
+        SampleTimes::Column(column) => stamps(path, map, column)?,
+    };
+    if let Some(time) = &map.time {
+        check_length(path, (time, stamps_ns.len()), first)?;
     }
     Ok(Recording {
-        series: vec![series],
-        sample_time_s: clock.sample_time_s(map),
+        series: vec![Series {
+            topic: "samples".into(),
+            is_recorders: false,
+            stamps_ns,
+            signals: (0..signals.len()).collect(),
+            columns,
+        }],
         ..Default::default()
+    })
+}
+
+/// The sample times; integers keep their last digit.
+fn stamps(path: &Path, map: &LogMap, column: TimeColumn) -> Result<Vec<i64>, FileError> {
+    let source = map.time.as_ref().map_or("", |time| &time.source);
+    let numbers = row(path, source, parse_npy)?;
+    let stamps: Option<Vec<i64>> = match row(path, source, parse_npy_integers) {
+        Ok(integers) => integers
+            .into_iter()
+            .map(|number| column.stamp_of_integer(number))
+            .collect(),
+        Err(_) => numbers
+            .into_iter()
+            .map(|number| column.stamp_of_number(number))
+            .collect(),
+    };
+    stamps.ok_or_else(|| {
+        let found = "a time that is no number".to_owned();
+        bad_array(path, source, found, "a time for every sample")
     })
 }
 
@@ -107,9 +136,14 @@ fn check_length(
     Err(bad_array(path, &signal.source, found, needed))
 }
 
-fn row(path: &Path, source: &str) -> Result<Vec<f64>, FileError> {
+/// The samples of a source in the log map, as `parse` reads their array.
+fn row<T: Copy>(
+    path: &Path,
+    source: &str,
+    parse: fn(&[u8]) -> Option<ArrayD<T>>,
+) -> Result<Vec<T>, FileError> {
     let (name, place) = name_and_place(source);
-    let array = read_npz_array(path, name)?;
+    let array = read_array(path, name, parse)?;
     let row = match (array.ndim(), place) {
         (1, None) => Some(array.iter().copied().collect()),
         (2, Some(place)) => array

@@ -1,48 +1,71 @@
 //! Recording as a reader of one format delivers it: series of samples with their stamps, not yet on
 //! one clock.
 
-/// The samples of the signals of one topic (or of a whole CSV) as they were recorded, with their
-/// stamps.
+use crate::error::FileError;
+
+/// The samples of the signals of one topic, or of columns of one table, as they were recorded, with
+/// their stamps.
 #[derive(Debug, Default)]
 pub(crate) struct Series {
     pub(crate) topic: String,
+    /// Whether the stamps are the recorder's, as the messages have none of their own.
+    pub(crate) is_recorders: bool,
     pub(crate) stamps_ns: Vec<i64>,
     /// Which signals, by their place among all signals of the map.
     pub(crate) signals: Vec<usize>,
-    /// One row of values per stamp, in the order of `signals`; NaN where a message does not have
-    /// the joint.
-    pub(crate) rows: Vec<Vec<f64>>,
+    /// The values of each signal, one for each stamp; NaN where a row does not have it.
+    pub(crate) columns: Vec<Vec<f64>>,
 }
 
 impl Series {
-    /// Series without samples yet.
-    pub(crate) fn of(topic: &str, signals: Vec<usize>) -> Self {
-        Self {
-            topic: topic.into(),
-            signals,
-            ..Default::default()
+    /// Whether the row before this one has the same stamp and values.
+    pub(crate) fn is_copy(&self, row: usize) -> bool {
+        let same = |column: &Vec<f64>| column[row].to_bits() == column[row - 1].to_bits();
+        row > 0 && self.stamps_ns[row] == self.stamps_ns[row - 1] && self.columns.iter().all(same)
+    }
+
+    /// Puts the rows of these places, in this order, in place of all.
+    pub(crate) fn rearrange(&mut self, places: &[usize]) {
+        self.stamps_ns = picked(&self.stamps_ns, places);
+        for column in &mut self.columns {
+            *column = picked(column, places);
         }
     }
-
-    /// Takes in a sample.
-    pub(crate) fn push(&mut self, stamp_ns: i64, row: Vec<f64>) {
-        self.stamps_ns.push(stamp_ns);
-        self.rows.push(row);
-    }
-
-    /// Whether the sample before this one has the same stamp.
-    pub(crate) fn is_twin(&self, sample: usize) -> bool {
-        sample > 0 && self.stamps_ns[sample] == self.stamps_ns[sample - 1]
-    }
 }
+
+/// The entries of these places.
+pub(crate) fn picked<T: Copy>(list: &[T], places: &[usize]) -> Vec<T> {
+    places.iter().map(|place| list[*place]).collect()
+}
+
+/// Damage to a file, with its time in ns where that is known.
+pub(crate) type TimedDamage = (Option<i64>, String);
 
 /// What a reader of one format delivers.
 #[derive(Debug, Default)]
 pub(crate) struct Recording {
     pub(crate) series: Vec<Series>,
-    /// Damage to the file, at times in ns where these are known.
-    pub(crate) damages: Vec<(Option<i64>, String)>,
+    pub(crate) damages: Vec<TimedDamage>,
     pub(crate) warnings: Vec<String>,
-    /// The sample time in s where the user gave it.
-    pub(crate) sample_time_s: Option<f64>,
+}
+
+/// The error of a file, with the first damage to it: that may be the reason.
+pub(crate) fn of_damaged(error: FileError, damages: &[TimedDamage]) -> FileError {
+    match (error, damages.first()) {
+        (
+            FileError::Content {
+                path,
+                what,
+                found,
+                needed,
+            },
+            Some((_, reason)),
+        ) => FileError::Content {
+            path,
+            what,
+            found: format!("{found} (the file is damaged: {reason})"),
+            needed,
+        },
+        (error, _) => error,
+    }
 }

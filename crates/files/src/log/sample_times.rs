@@ -3,16 +3,27 @@
 use std::path::Path;
 
 use crate::error::FileError;
+use crate::log::decimal::scaled_integer;
 use crate::log::map::{LogMap, Signal};
 use crate::log::units::si_of;
 use crate::run::header::check_sample_time;
 
 /// Where the sample times of a recording without stamps come from.
 pub(crate) enum SampleTimes {
-    /// A column, with its factor to ns.
-    Column(usize, f64),
+    /// A column of times.
+    Column(TimeColumn),
     /// The row's number, with the sample time in ns.
     Counted(f64),
+}
+
+/// Column of times.
+#[derive(Clone, Copy)]
+pub(crate) struct TimeColumn {
+    pub(crate) place: usize,
+    /// Factor to ns.
+    factor: f64,
+    /// The same as a power of ten, if the log map does not scale it.
+    power: Option<i32>,
 }
 
 impl SampleTimes {
@@ -22,16 +33,14 @@ impl SampleTimes {
         map: &LogMap,
         place: impl FnOnce(&str) -> Result<usize, FileError>,
     ) -> Result<Self, FileError> {
+        map.sample_time_s.map_or(Ok(()), check_sample_time)?;
         match (&map.time, map.sample_time_s) {
-            (Some(time), _) => {
-                let factor = seconds(path, time)?;
-                let column = place(&time.source)?;
-                Ok(Self::Column(column, factor * time.scale * 1e9))
-            }
-            (None, Some(sample_time_s)) => {
-                check_sample_time(sample_time_s)?;
-                Ok(Self::Counted(sample_time_s * 1e9))
-            }
+            (Some(time), _) => Ok(Self::Column(TimeColumn {
+                place: place(&time.source)?,
+                factor: seconds(path, time)? * time.scale * 1e9,
+                power: power_to_ns(time),
+            })),
+            (None, Some(sample_time_s)) => Ok(Self::Counted(sample_time_s * 1e9)),
             (None, None) => Err(FileError::shape(
                 "clock of the recording in the log map",
                 "neither time nor sample_time_s",
@@ -39,26 +48,39 @@ impl SampleTimes {
             )),
         }
     }
+}
 
-    /// The sample time that the user gave, to its last digit; none where it comes from the sample
-    /// times.
-    pub(crate) fn sample_time_s(&self, map: &LogMap) -> Option<f64> {
-        map.sample_time_s
-            .filter(|_| matches!(self, Self::Counted(_)))
+impl TimeColumn {
+    /// The stamp of a time that was written in decimal digits, all of which count; `None` if it is
+    /// no finite number.
+    pub(crate) fn stamp_of_text(&self, text: &str) -> Option<i64> {
+        let exactly = self.power.and_then(|power| scaled_integer(text, power));
+        exactly.or_else(|| self.stamp_of_number(text.parse().ok()?))
     }
 
-    /// The stamp of a row; `number` reads its column.
-    pub(crate) fn stamp_ns(
-        &self,
-        row: usize,
-        number: impl Fn(usize) -> Result<f64, FileError>,
-    ) -> Result<i64, FileError> {
-        let stamp_ns = match *self {
-            Self::Column(column, factor) => number(column)? * factor,
-            Self::Counted(step_ns) => row as f64 * step_ns,
-        };
-        Ok(stamp_ns.round() as i64)
+    /// The stamp of a time; `None` if it is no finite number.
+    pub(crate) fn stamp_of_number(&self, number: f64) -> Option<i64> {
+        let stamp_ns = number * self.factor;
+        stamp_ns.is_finite().then(|| stamp_ns.round() as i64)
     }
+
+    /// The stamp of a time that was kept as an integer.
+    pub(crate) fn stamp_of_integer(&self, number: i64) -> Option<i64> {
+        match self
+            .power
+            .and_then(|power| 10_i64.checked_pow(power as u32))
+        {
+            Some(factor) => number.checked_mul(factor),
+            None => self.stamp_of_number(number as f64),
+        }
+    }
+}
+
+/// Power of ten from the unit of a time to ns, if nothing else scales it.
+fn power_to_ns(time: &Signal) -> Option<i32> {
+    let units = [("s", 9), ("ms", 6), ("us", 3), ("ns", 0)];
+    let known = units.into_iter().find(|(unit, _)| *unit == time.unit);
+    known.filter(|_| time.scale == 1.0).map(|(_, power)| power)
 }
 
 /// Factor to s of a signal that must be a time.

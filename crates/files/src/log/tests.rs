@@ -201,20 +201,25 @@ fn gaps_and_values_that_are_no_numbers_are_listed() {
 fn duplicates_are_dropped_and_contradictions_refused() {
     let log = log_of(|samples| samples.insert(5, samples[5])).expect("usable");
     assert!(log.record.n_samples() == 400 && log.warnings[0].contains("twice"));
-    let contradiction = log_of(|samples| samples.insert(5, (samples[5].0, 7.7, 7.7)));
-    assert!(
-        contradiction
-            .expect_err("refused")
-            .to_string()
-            .contains("1 equal ones with different values")
+    let torn = log_of(|samples| samples.insert(5, (samples[5].0, 7.7, 7.7))).expect("usable");
+    assert!(torn.record.n_samples() == 400 && torn.record.y[[0, 5]].is_nan());
+    assert_eq!(
+        torn.losses[0].to_string(),
+        "/joint_states 0.005 s to 0.006 s: 1 samples have two messages of one stamp and different values"
     );
-    let backwards = log_of(|samples| samples.swap(7, 8));
+    let mixed = log_of(|samples| {
+        for place in (10..390).step_by(20).rev() {
+            samples.insert(place, (samples[place].0, 7.7, 7.7));
+        }
+    });
+    let mixed = mixed.expect_err("refused").to_string();
     assert!(
-        backwards
-            .expect_err("refused")
-            .to_string()
-            .contains("1 stamps before their predecessor")
+        mixed.contains("19 stamps that are there twice with different values"),
+        "{mixed}"
     );
+    let swapped = log_of(|samples| samples.swap(7, 8)).expect("usable");
+    assert!(swapped.warnings[0].contains("1 messages out of order"));
+    assert_eq!((swapped.record.y[[0, 7]], swapped.losses.len()), (8.0, 0));
 }
 
 #[test]
@@ -273,7 +278,7 @@ fn two_topics_are_aligned_by_stamp_and_rates_must_agree() {
         (97, 4e6, 4.12e6)
     );
     assert!(
-        log.warnings[0].contains("0.1200 ms after /a"),
+        log.warnings[0].contains("0.1200 ms after u (/a)"),
         "{:?}",
         log.warnings
     );
@@ -281,7 +286,7 @@ fn two_topics_are_aligned_by_stamp_and_rates_must_agree() {
         two(0, 2_000_000, 0)
             .expect_err("other rate")
             .to_string()
-            .contains("every 0.001 s, /b every 0.002 s")
+            .contains("u (/a) every 1 ms, y (/b) every 2 ms")
     );
     assert!(
         two(500, 1_000_000, 0)
