@@ -7,6 +7,7 @@ pub(crate) mod draws;
 mod dwells;
 pub(crate) mod excerpt;
 pub(crate) mod line_dft;
+pub(crate) mod spread;
 pub(crate) mod time_series;
 
 use std::iter::zip;
