@@ -10,6 +10,7 @@ use numpy::{
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
+use pyo3::types::{PyList, PyTuple};
 
 /// Names of the axes of one shape an argument may have.
 pub(crate) type Axes = &'static [&'static str];
@@ -42,6 +43,7 @@ fn numbers<'py, T: Element, D: Dimension>(
     words: &str,
 ) -> PyResult<PyReadonlyArray<'py, T, D>> {
     let numpy = value.py().import("numpy")?;
+    refuse_masked(&numpy, name, value)?;
     let found = numpy.call_method1("asarray", (value,)).map_err(|error| {
         let needed = needed(words, shapes);
         PyValueError::new_err(format!("{name} is no regular array ({error}), {needed}"))
@@ -63,6 +65,33 @@ fn numbers<'py, T: Element, D: Dimension>(
         )));
     }
     native(&numpy, &found)
+}
+
+/// Refuses masked entries, of an array or of arrays in a list: `numpy.asarray` would take what stands
+/// below the mask.
+fn refuse_masked(
+    numpy: &Bound<'_, PyModule>,
+    name: &str,
+    value: &Bound<'_, PyAny>,
+) -> PyResult<()> {
+    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
+        for item in value.try_iter()? {
+            refuse_masked(numpy, name, &item?)?;
+        }
+        return Ok(());
+    }
+    let masked = numpy.getattr("ma")?;
+    if !value.is_instance(&masked.getattr("MaskedArray")?)? {
+        return Ok(());
+    }
+    let count: usize = masked.call_method1("count_masked", (value,))?.extract()?;
+    if count == 0 {
+        return Ok(());
+    }
+    Err(PyValueError::new_err(format!(
+        "{name} is a masked array with {count} masked entries, needed numbers everywhere: leave out \
+         the periods that hold them, or put numbers in their place with {name}.filled(...)"
+    )))
 }
 
 fn needed(words: &str, shapes: &[Axes]) -> String {

@@ -1,13 +1,13 @@
 //! `frfid.estimate_chirp`.
 
-use frfid_estimate::estimate_chirp as estimate_excerpts;
+use frfid_estimate::estimate_repeats;
 use ndarray::{ArrayView, Axis, Ix4, IxDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::array::{Axes, real};
 use crate::error;
-use crate::estimate::periods::{frf_options, method_for};
+use crate::estimate::periods::{frf_options, method_for, warned};
 use crate::frf::matrix::Frf;
 use crate::signals::chirp::Chirp;
 
@@ -36,7 +36,8 @@ const RECORDINGS: [Axes; 2] = [
 /// start_s : float, optional
 ///     Start of the chirp after the first sample in s.
 /// max_condition : float, optional
-///     Largest condition number of U, rows scaled, at which a frequency is still inverted.
+///     Largest condition number of U, rows scaled, at which a frequency is still inverted;
+///     others are NaN.
 ///
 /// Returns
 /// -------
@@ -49,7 +50,12 @@ const RECORDINGS: [Axes; 2] = [
 ///     For shapes that do not fit, samples that are not finite, and frequencies that the chirp does
 ///     not pass.
 /// NumericalError
-///     For frequencies at which U cannot be inverted.
+///     If U can be inverted at no frequency.
+///
+/// Warns
+/// -----
+/// UserWarning
+///     For frequencies at which an input is not excited, or U cannot be inverted: they are NaN.
 #[pyfunction]
 #[pyo3(signature = (u, y, *, chirp, sample_time_s, frequencies_hz, method = "excerpt", r = None, start_s = 0.0,
                     max_condition = None))]
@@ -81,8 +87,8 @@ pub(crate) fn estimate_chirp(
         r.as_ref().map(|r| repeats(r.as_array())).transpose()?,
     );
     let (hz, signal) = (&frequencies_hz, &chirp.signal);
-    let estimate = || estimate_excerpts(u, y, r, signal, sample_time_s, hz, start_s, &options);
-    Ok(py.detach(estimate).map_err(error::estimate)?.into())
+    let estimate = || estimate_repeats(u, y, r, signal, sample_time_s, hz, start_s, &options);
+    warned(py, py.detach(estimate).map_err(error::estimate)?)
 }
 
 /// Recordings with the axis of repeats, which one recording leaves out.

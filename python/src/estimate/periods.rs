@@ -1,8 +1,10 @@
 //! `frfid.estimate` and `frfid.estimate_bla`.
 
-use frfid_estimate::{FrfOptions, Method, estimate_bla as estimate_bla_of};
+use std::ffi::CString;
+
+use frfid_estimate::{FrfEstimate, FrfOptions, Method, estimate_periods};
 use ndarray::Ix5;
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
 
 use crate::array::{Axes, real};
@@ -16,6 +18,12 @@ const CAMPAIGN: Axes = &["realization", "experiment", "period", "channel", "samp
 /// Without ``r`` the direct estimate; with it the indirect one (joint input-output), which noise on
 /// ``u`` does not bias. The noise variance is None with one period, the total variance with one
 /// realization.
+///
+/// Realizations are measured, not believed: those whose phases are one draw, but for a shift in
+/// time, count as repetitions of it, and with one draw alone the total variance is None; a
+/// ``UserWarning`` names them. A realization that is another bit for bit, as in a simulation without
+/// noise or where a recording is given twice, counts once. Lines on which an input is not excited,
+/// seen against its noise and against what stands beside it, are NaN; a ``UserWarning`` names them.
 ///
 /// Parameters
 /// ----------
@@ -32,7 +40,8 @@ const CAMPAIGN: Axes = &["realization", "experiment", "period", "channel", "samp
 ///     What is averaged over periods without ``r``: FRFs as the paper does, or spectra, better
 ///     where ``u`` is noisy.
 /// max_condition : float, optional
-///     Largest condition number of U, rows scaled, at which a line is still inverted.
+///     Largest condition number of U, rows scaled, at which a line is still inverted; others are
+///     NaN.
 ///
 /// Returns
 /// -------
@@ -41,10 +50,15 @@ const CAMPAIGN: Axes = &["realization", "experiment", "period", "channel", "samp
 /// Raises
 /// ------
 /// ValueError
-///     For shapes that do not fit, samples that are not finite, lines off the grid, fewer
-///     experiments than inputs.
+///     For shapes that do not fit, samples that are not finite, masked arrays, lines off the grid,
+///     fewer experiments than inputs.
 /// NumericalError
-///     For lines on which U cannot be inverted.
+///     If U can be inverted on no line.
+///
+/// Warns
+/// -----
+/// UserWarning
+///     For lines that are left out, and realizations that are one draw.
 #[pyfunction]
 #[pyo3(signature = (u, y, *, sample_time_s, harmonics, r = None, average = "frfs", max_condition = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
@@ -76,6 +90,9 @@ pub(crate) fn estimate_bla(
 
 /// FRF with its variances from whole periods, by the method that is asked for.
 ///
+/// Realizations that are one draw of phases count as repetitions, and lines on which an input is
+/// not excited are NaN, both with a ``UserWarning``, as in ``estimate_bla``.
+///
 /// Parameters
 /// ----------
 /// u, y : array_like, shape (realization, experiment, period, channel, sample)
@@ -93,7 +110,8 @@ pub(crate) fn estimate_bla(
 /// r : array_like, shape as u, optional
 ///     Reference, for methods that estimate through it.
 /// max_condition : float, optional
-///     Largest condition number of U, rows scaled, at which a line is still inverted.
+///     Largest condition number of U, rows scaled, at which a line is still inverted; others are
+///     NaN.
 ///
 /// Returns
 /// -------
@@ -104,7 +122,12 @@ pub(crate) fn estimate_bla(
 /// ValueError
 ///     For a reference that is missing or not used, and as ``estimate_bla``.
 /// NumericalError
-///     For lines on which U cannot be inverted.
+///     If U can be inverted on no line.
+///
+/// Warns
+/// -----
+/// UserWarning
+///     For lines that are left out, and realizations that are one draw.
 #[pyfunction]
 #[pyo3(signature = (u, y, *, sample_time_s, harmonics, method = None, r = None, max_condition = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
@@ -150,8 +173,17 @@ fn estimated(
     );
     let r = r.map(|r| real::<Ix5>("r", r, &[CAMPAIGN])).transpose()?;
     let (u, y, r) = (u.as_array(), y.as_array(), r.as_ref().map(|r| r.as_array()));
-    let estimate = || estimate_bla_of(u, y, r, sample_time_s, harmonics, &options);
-    Ok(py.detach(estimate).map_err(error::estimate)?.into())
+    let estimate = || estimate_periods(u, y, r, sample_time_s, harmonics, &options);
+    warned(py, py.detach(estimate).map_err(error::estimate)?)
+}
+
+/// The FRF; what was left out or counted otherwise than given becomes warnings.
+pub(crate) fn warned(py: Python<'_>, estimate: FrfEstimate) -> PyResult<Frf> {
+    let category = py.get_type::<PyUserWarning>();
+    for warning in estimate.warnings() {
+        PyErr::warn(py, &category, &CString::new(warning)?, 1)?;
+    }
+    Ok(estimate.frf.into())
 }
 
 /// The method where none is asked for: through the reference where there is one.

@@ -10,6 +10,7 @@ use ndarray::{ArrayView4, ArrayView5, Axis};
 
 use crate::error::EstimateError;
 use crate::frf::FrfOptions;
+use crate::frf::estimate::FrfEstimate;
 use crate::spectra::campaign::Campaign;
 use crate::spectra::excerpt::{ExcerptOptions, Excerpts};
 use crate::spectra::time_series::{TimeSeries, check_same_shape};
@@ -34,6 +35,34 @@ pub fn estimate_chirp(
     start_s: f64,
     options: &FrfOptions,
 ) -> Result<Frf, EstimateError> {
+    let estimate = estimate_repeats(
+        u,
+        y,
+        r,
+        chirp,
+        sample_time_s,
+        frequencies_hz,
+        start_s,
+        options,
+    );
+    Ok(estimate?.frf)
+}
+
+/// As [`estimate_chirp`], with the frequencies that were left out.
+///
+/// # Errors
+/// As [`estimate_chirp`].
+#[allow(clippy::too_many_arguments)] // the recording, what is known about it, and what is asked: all by name in Python
+pub fn estimate_repeats(
+    u: ArrayView4<f64>,
+    y: ArrayView4<f64>,
+    r: Option<ArrayView4<f64>>,
+    chirp: &Chirp,
+    sample_time_s: f64,
+    frequencies_hz: &[f64],
+    start_s: f64,
+    options: &FrfOptions,
+) -> Result<FrfEstimate, EstimateError> {
     options.method.check_reference(r.is_some())?;
     check_same_shape(&u, &y, r.as_ref())?;
     let cut = ExcerptOptions::default();
@@ -53,10 +82,9 @@ pub fn estimate_chirp(
         r: r.map(as_one_realization),
     };
     series.transform_into(&mut campaign, &excerpts)?;
-    Ok(Frf {
-        relative_resolution: Some(cut.relative_resolution()),
-        ..campaign.estimate(options)?
-    })
+    let mut estimate = campaign.estimate_lines(options)?;
+    estimate.frf.relative_resolution = Some(cut.relative_resolution());
+    Ok(estimate)
 }
 
 /// `(repeat, experiment, ..)` as `(realization, experiment, period, ..)`.

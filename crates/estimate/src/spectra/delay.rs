@@ -86,12 +86,15 @@ impl<'a> DelaySearch<'a> {
             .unwrap_or((none, 0.0))
     }
 
-    /// Number of delays that the lines tell apart.
-    pub(super) fn cells(&self, differences: &[PhaseDifference]) -> f64 {
-        let hz = |difference: &PhaseDifference| self.frequency_hz[difference.line];
-        let high = differences.iter().map(hz).fold(f64::NEG_INFINITY, f64::max);
-        let low = differences.iter().map(hz).fold(f64::INFINITY, f64::min);
-        1.0 + ((high - low) / self.spacing_hz).max(0.0)
+    /// Standard deviation of the frequencies, in spacings.
+    pub(super) fn spread(&self, differences: &[PhaseDifference]) -> f64 {
+        let middle_hz = self.middle_hz(differences);
+        let weights: f64 = differences.iter().map(|difference| difference.weight).sum();
+        let squares = differences.iter().map(|difference| {
+            let hz = self.frequency_hz[difference.line] - middle_hz;
+            difference.weight * hz * hz
+        });
+        (squares.sum::<f64>() / weights).sqrt() / self.spacing_hz
     }
 
     /// Delays at the highest peaks of the search, highest first.

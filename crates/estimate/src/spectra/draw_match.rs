@@ -6,13 +6,15 @@
 //! frequency. So the constant is one for all channels of an experiment: a channel turned against the
 //! others makes another waveform in a coupled machine.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{E, PI};
 
-use ndarray::{Array2, ArrayView1, Zip};
+use ndarray::{Array2, ArrayView1};
 use num_complex::Complex64;
 
 use crate::spectra::campaign::RunSpectra;
 use crate::spectra::delay::{DelaySearch, PhaseDifference, Shift};
+use crate::spectra::spread::{add_squares, mean};
 
 /// Phases that agree this well are the same draw: their distortion agrees as well, and a device that
 /// plays a signal back is better than that. In rad, and of amplitudes in nepers.
@@ -23,6 +25,11 @@ const UNKNOWN_NOISE_RAD: f64 = 0.25;
 const NOISE_FACTOR: f64 = 3.0;
 /// Chance that two draws of random phases are taken for one.
 const CHANCE: f64 = 1e-4;
+/// The same where the noise is too strong to be as sure: few lines that agree within their noise are
+/// a repetition rather than a hit of one in twenty.
+const CHANCE_IN_NOISE: f64 = 0.05;
+/// Repetitions lie below this many times the noise, be lines few or many, but for one in a thousand.
+const LIKELY_FACTOR: f64 = 2.0;
 /// Amplitudes below this share of a channel's largest over the campaign are not compared (30 dB):
 /// there is little of the input but noise and the response to other channels.
 const EXCITED: f64 = 0.03;
@@ -58,16 +65,14 @@ struct Phases {
 impl Drawn {
     /// Of the periods of one experiment, at least one: the reference where there is one, else U.
     pub(super) fn of(periods: &[&RunSpectra]) -> Self {
-        let excitation =
-            |run: &'_ RunSpectra| -> Array2<Complex64> { run.r.as_ref().unwrap_or(&run.u).clone() };
-        let n = periods.len() as f64;
-        let spectra: Vec<_> = periods.iter().map(|run| excitation(run)).collect();
-        let mut mean = Array2::zeros(spectra[0].dim());
-        for spectrum in &spectra {
-            mean += spectrum;
-        }
-        mean /= Complex64::from(n);
-        let variance = (periods.len() > 1).then(|| variance_of_mean(&spectra, &mean));
+        let spectra = periods.iter().map(|run| run.r.as_ref().unwrap_or(&run.u));
+        let spectra: Vec<&Array2<Complex64>> = spectra.collect();
+        let (mean, n) = (mean(&spectra), spectra.len() as f64);
+        let variance = (spectra.len() > 1).then(|| {
+            let mut squares = Array2::zeros(mean.dim());
+            add_squares(&mut squares, &spectra, &mean);
+            squares / (n * (n - 1.0))
+        });
         Self { mean, variance }
     }
 
@@ -89,7 +94,7 @@ impl Drawn {
     ) -> Option<Repeat> {
         let phases = Phases::of(other, self, peaks);
         let lines = phases.differences.iter().map(|difference| difference.line);
-        let n_lines = lines.collect::<std::collections::BTreeSet<_>>().len();
+        let n_lines = lines.collect::<BTreeSet<_>>().len();
         if n_lines == 0 {
             return None;
         }
@@ -99,8 +104,9 @@ impl Drawn {
             residual_rad: square.sqrt(),
             n_lines,
         };
-        let cells = search.cells(&phases.differences);
-        phases.is_same(repeat.residual_rad, cells).then_some(repeat)
+        let spread = search.spread(&phases.differences);
+        let is_same = phases.is_same(repeat.residual_rad, spread);
+        is_same.then_some(repeat)
     }
 
     /// Variance of the phase of an entry in rad^2, with the mean of the periods known so well.
@@ -110,19 +116,6 @@ impl Drawn {
             None => 0.5 * UNKNOWN_NOISE_RAD * UNKNOWN_NOISE_RAD,
         }
     }
-}
-
-/// Variance of the mean of spectra, `E|d|^2`.
-fn variance_of_mean(spectra: &[Array2<Complex64>], mean: &Array2<Complex64>) -> Array2<f64> {
-    let n = spectra.len() as f64;
-    let mut variance = Array2::zeros(mean.dim());
-    for spectrum in spectra {
-        Zip::from(&mut variance)
-            .and(spectrum)
-            .and(mean)
-            .for_each(|sum, value, mean| *sum += (value - mean).norm_sqr() / (n * (n - 1.0)));
-    }
-    variance
 }
 
 impl Phases {
@@ -154,28 +147,31 @@ impl Phases {
         }
     }
 
-    /// Whether a residual shows the same draw, with so many delays to choose from.
-    ///
-    /// Of n phases a delay and a constant are fitted, which leaves nu = n - 2. Random ones stay below
-    /// eps with a chance below that of the ball of radius `eps sqrt(nu)` in the cube of edge 2 pi, by
-    /// Stirling `(eps sqrt(e / 2 pi))^nu`, times the number of delays.
-    fn is_same(&self, residual_rad: f64, cells: f64) -> bool {
-        let free = self.effective_number() - 2.0;
-        if free <= 0.0 {
+    /// Whether a residual shows the same draw, where lines lie `spread` of their spacings around
+    /// their middle.
+    fn is_same(&self, residual_rad: f64, spread: f64) -> bool {
+        let n_lines = self.number_of_lines();
+        if n_lines <= 2.0 {
             return self.level_spread() < SAME_RAD; // whatever the phases, a delay makes them equal
         }
-        let by_chance_rad = (2.0 * PI / E).sqrt() * ((CHANCE / cells).ln() / free).exp();
-        let by_noise_rad = NOISE_FACTOR * self.noise.sqrt();
-        let limit_rad = SAME_RAD
-            .min(by_chance_rad)
-            .max(by_noise_rad.min(by_chance_rad.max(SAME_RAD)));
-        residual_rad <= limit_rad
+        let by_chance = |chance: f64| chance_limit_rad(chance, n_lines, spread);
+        let noise_rad = self.noise.sqrt();
+        let sure = SAME_RAD
+            .max(NOISE_FACTOR * noise_rad)
+            .min(by_chance(CHANCE));
+        let likely = (LIKELY_FACTOR * noise_rad).min(by_chance(CHANCE_IN_NOISE));
+        residual_rad <= sure.max(likely)
     }
 
-    /// Number of phases, those that count less as parts of one.
-    fn effective_number(&self) -> f64 {
-        let weights = || self.differences.iter().map(|difference| difference.weight);
-        weights().sum::<f64>().powi(2) / weights().map(|weight| weight * weight).sum::<f64>()
+    /// Number of lines, those that count less as parts of one. Channels do not add to it: they
+    /// share their phases where experiments are orthogonal.
+    fn number_of_lines(&self) -> f64 {
+        let mut weights = BTreeMap::new();
+        for difference in &self.differences {
+            *weights.entry(difference.line).or_insert(0.0) += difference.weight;
+        }
+        let squares: f64 = weights.values().map(|weight| weight * weight).sum();
+        weights.values().sum::<f64>().powi(2) / squares
     }
 
     /// Standard deviation of the logarithmic amplitude ratios: a level that all lines share does
@@ -186,4 +182,14 @@ impl Phases {
         let squares = self.levels.iter().map(|level| (level - mean).powi(2));
         (squares.sum::<f64>() / n).sqrt()
     }
+}
+
+/// Rms below which n random phases stay with this chance after the best delay and constant. Those
+/// reach a share `V (eps sqrt(n))^(n - 2) n spread / (2 pi)^(n - 2)` of all phases, V the volume of
+/// the unit ball (by Stirling), `spread` that of the lines: the area of all delays and constants in
+/// the cube of phases times the ball across it.
+fn chance_limit_rad(chance: f64, n_lines: f64, spread: f64) -> f64 {
+    let free = n_lines - 2.0;
+    let chance = chance / (n_lines * spread.max(1.0));
+    (2.0 * PI / E * free / n_lines).sqrt() * (chance.ln() / free).exp()
 }

@@ -10,6 +10,7 @@ pub(crate) mod harmonic_fit;
 mod harmonic_gram;
 mod harmonic_sums;
 pub(crate) mod line_dft;
+pub(crate) mod spread;
 pub(crate) mod time_series;
 
 use std::iter::zip;
