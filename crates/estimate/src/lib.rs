@@ -20,10 +20,14 @@ mod harmonics;
 mod period_index;
 /// Properties found in a recording that frfid did not make: its period, lines and transient.
 mod recording {
+    mod decay_part;
+    mod decay_shapes;
+    mod decay_test;
     pub(crate) mod lines;
     pub(crate) mod period;
     mod period_windows;
     mod phase_means;
+    pub(crate) mod settling;
     pub(crate) mod transient;
     pub(crate) mod trend;
     pub(crate) mod trend_model;
@@ -53,6 +57,7 @@ pub use harmonics::harmonic_levels;
 pub use period_index::PeriodIndex;
 pub use recording::lines::{find_lines, lines_at};
 pub use recording::period::find_period;
+pub use recording::settling::{Settling, UnsettledLine, judge_settling};
 pub use recording::transient::count_transient_periods;
 pub use recording::trend::{Trend, find_trend};
 pub use recording::trend_model::Decay;
