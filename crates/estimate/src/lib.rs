@@ -21,11 +21,15 @@ mod look;
 mod period_index;
 /// Properties found in a recording that frfid did not make: its period, lines and transient.
 mod recording {
+    mod decay_part;
+    mod decay_shapes;
+    mod decay_test;
     pub(crate) mod lines;
     pub(crate) mod period;
     mod period_windows;
     mod phase_means;
     pub(crate) mod run_periods;
+    pub(crate) mod settling;
     pub(crate) mod transient;
     pub(crate) mod trend;
     pub(crate) mod trend_model;
@@ -61,6 +65,7 @@ pub use period_index::PeriodIndex;
 pub use recording::lines::{find_lines, lines_at};
 pub use recording::period::find_period;
 pub use recording::run_periods::RunPeriods;
+pub use recording::settling::{Settling, UnsettledLine, judge_settling};
 pub use recording::transient::count_transient_periods;
 pub use recording::trend::{Trend, find_trend};
 pub use recording::trend_model::Decay;

@@ -52,7 +52,7 @@ pub fn count_transient_periods(
 
 /// How many spectra before `first_settled` differ, without interruption from the first on, from
 /// those after it.
-fn leading_outliers(spectra: &[ArrayView1<Complex64>], first_settled: usize) -> usize {
+pub(super) fn leading_outliers(spectra: &[ArrayView1<Complex64>], first_settled: usize) -> usize {
     let settled = &spectra[first_settled..];
     let count = settled.len() as f64;
     let mean = mean_spectrum(settled);
