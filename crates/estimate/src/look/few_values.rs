@@ -1,7 +1,7 @@
 //! Signals of few values: a sensor, converter or encoder too coarse for what it reads.
 
 use crate::look::oddity::Oddity;
-use crate::look::survey::Survey;
+use crate::look::survey::{ONE_VALUE, Survey};
 
 /// Smallest step, over the rms about the mean, that is told: quantisation error is step/sqrt(12), 7 %
 /// of the signal here. A finer one is white noise of a few per cent, spread over all lines.
@@ -9,8 +9,6 @@ const TOLD: f64 = 0.25;
 /// Values that a signal with the smallest told step has over a range of 32 rms. One that has more is
 /// none of few values; a smooth signal has them within as many samples.
 const MOST_VALUES: usize = 128;
-/// Values closer than this part of the range are one, written with another rounding.
-const ONE_VALUE: f64 = 1e-6;
 
 /// Steps between the values of a signal that are no small part of it.
 pub(super) fn few_values(survey: &Survey) -> Option<Oddity> {

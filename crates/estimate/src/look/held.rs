@@ -75,7 +75,7 @@ fn rhythm(counts: &[usize]) -> Option<f64> {
         .into_iter()
         .find(|&n| counts[n] as f64 >= WHOLE * of_pair);
     let is_in_time = |distance: usize| match whole {
-        Some(n) => distance % n == 0,
+        Some(n) => distance.is_multiple_of(n),
         None => beside.contains(&distance),
     };
     let until_rest = 1..=REST * (shorter + 1);

@@ -52,11 +52,17 @@ pub fn look(signal: ArrayView1<f64>) -> Vec<Oddity> {
 /// What is odd about a signal that changes and does not wrap.
 fn oddities(survey: &Survey) -> Vec<Oddity> {
     let few = few_values(survey);
+    let held = held(survey);
     let step = match few {
         Some(Oddity::FewValues { step, .. }) => step,
         _ => 0.0,
     };
-    let all = [few, held(survey), saturated(survey), outliers(survey, step)];
+    let hold = match held {
+        Some(Oddity::Held { samples, .. }) => samples,
+        _ => 1.0,
+    };
+    let (saturated, outliers) = (saturated(survey, hold), outliers(survey, step));
+    let all = [few, held, saturated, outliers];
     all.into_iter().flatten().collect()
 }
 

@@ -99,7 +99,7 @@ impl Oddity {
         let flagged = match *self {
             Self::Constant { .. } => return Consequence::Refused,
             Self::Wrapped { .. } => return Consequence::Cured,
-            Self::Lost { share } if share == 1.0 => return Consequence::Refused,
+            Self::Lost { share: 1.0 } => return Consequence::Refused,
             Self::Lost { .. } => false,
             Self::Held { .. } => true,
             Self::FewValues { step_over_rms, .. } => step_over_rms >= COARSE,

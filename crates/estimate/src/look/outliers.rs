@@ -37,7 +37,7 @@ pub(super) fn outliers(survey: &Survey, step: f64) -> Option<Oddity> {
             .collect(),
     );
     let floor = floor.unwrap_or(0.0).max(step);
-    let spread = spread(survey);
+    let spread = spread(survey)?;
     let allowed = |block: usize| {
         let near = levels.iter().skip(block.saturating_sub(1)).take(3);
         let level = near.copied().fold(floor, f64::max);
@@ -128,8 +128,8 @@ fn beside(samples: &[f64], k: usize) -> f64 {
 }
 
 /// Half of what holds the middle 68 % of the samples about a straight line, which 16 % of outliers
-/// cannot move; the rms where that is 0.
-fn spread(survey: &Survey) -> f64 {
+/// cannot move; `None` for a signal that stands for as long, of which impulses are the motion.
+fn spread(survey: &Survey) -> Option<f64> {
     let stride = survey.moving.len() / SAMPLED + 1;
     let sampled = survey.moving.iter().copied().step_by(stride);
     let sampled: Vec<f64> = sampled.filter(|x| x.is_finite()).collect();
@@ -147,7 +147,7 @@ fn spread(survey: &Survey) -> f64 {
     let spread = at(0.84)
         .zip(at(0.16))
         .map_or(0.0, |(high, low)| 0.5 * (high - low));
-    if spread > 0.0 { spread } else { survey.rms }
+    (spread > 0.0).then_some(spread)
 }
 
 #[cfg(test)]
@@ -183,7 +183,7 @@ mod tests {
                 panic!("{oddity:?}");
             };
             assert_eq!((count, first_sample), (4, 2222), "{oddity:?}");
-            let spread = spread(&Survey::of(&samples).expect("changes"));
+            let spread = spread(&Survey::of(&samples).expect("changes")).expect("moves");
             assert!(
                 (size_over_spread * spread / 30.0 - 1.0).abs() < 0.1,
                 "{oddity:?}"

@@ -1,19 +1,21 @@
 //! Saturated signals: clipped by a limit of the drive, the sensor or the converter.
 
+use std::ops::RangeInclusive;
+
 use crate::look::oddity::{Level, Oddity};
-use crate::look::survey::Survey;
+use crate::look::survey::{ONE_VALUE, Survey};
 
 /// Samples in a row that make a stand: two equal ones a sampled sine may have at its top.
-const IN_A_ROW: usize = 3;
+const IN_A_ROW: f64 = 3.0;
 /// Fewest stands: the motion may rest once or twice at its farthest point.
 const STANDS: usize = 3;
 /// Smallest share of samples at the levels that is told: clipping it leaves an error of 1.5 % of
 /// the rms.
 const TOLD: f64 = 1e-3;
-/// The level is a step of the values thick: the last digit of a clipped reading flickers.
-const LEVEL: f64 = 1.0;
+/// The level is a step of the values thick, and rounding: the last digit of a clipped reading flickers.
+const LEVEL: f64 = 1.5;
 /// What lies below the level is counted down to this part of the range ...
-const BELOW: f64 = 0.02;
+const BELOW: f64 = 0.005;
 /// ... and at least over this many steps of the values, so that a smooth signal read in steps is
 /// judged by several of them.
 const BELOW_STEPS: f64 = 8.0;
@@ -21,38 +23,58 @@ const BELOW_STEPS: f64 = 8.0;
 /// signal, has at most `sqrt(2)/(3 - sqrt(2))` = 0.9 times as many, one that is flat to the third derivative
 /// 2.2 times.
 const PILED_UP: f64 = 2.5;
+/// Highest values among which the step is looked for: those that a smooth signal takes at its top.
+const HIGHEST: usize = 16;
 /// A stand at 0 that is longer than this part of the signal is a rest, not a limit.
 const REST_AT_ZERO: f64 = 0.02;
 
-/// Levels at either end of the range at which the signal stands.
-pub(super) fn saturated(survey: &Survey) -> Option<Oddity> {
-    let high = level(survey, 1.0);
-    let low = level(survey, -1.0);
+/// Levels at either end of the range at which the signal stands; `hold` samples of a held signal are
+/// one.
+pub(super) fn saturated(survey: &Survey, hold: f64) -> Option<Oddity> {
+    let high = level(survey, 1.0, hold);
+    let low = level(survey, -1.0, hold);
     let share: f64 = high.iter().chain(&low).map(|level| level.share).sum();
     (share >= TOLD).then_some(Oddity::Saturated { low, high })
 }
 
 /// The highest level of the signal times `sign`, if it stands there.
-fn level(survey: &Survey, sign: f64) -> Option<Level> {
+fn level(survey: &Survey, sign: f64, hold: f64) -> Option<Level> {
     let top = if sign > 0.0 { survey.high } else { -survey.low };
-    let next = survey
-        .numbers()
-        .map(|x| sign * x)
-        .filter(|&x| x < top)
-        .fold(f64::NEG_INFINITY, f64::max);
-    let step = top - next;
+    let highest = highest_values(
+        survey.numbers().map(|x| sign * x),
+        ONE_VALUE * survey.range(),
+    );
+    let steps = highest.windows(2).map(|pair| pair[0] - pair[1]);
+    let step = steps.fold(f64::INFINITY, f64::min);
     let below = (BELOW_STEPS * step).max(BELOW * survey.range());
     if below > 0.5 * survey.range() {
         return None; // too few values to have a top
     }
     let zero_is_top = top.abs() <= LEVEL * step;
     let longest = if zero_is_top { REST_AT_ZERO } else { 1.0 } * survey.moving.len() as f64;
-    let count = count(survey, |x| top - sign * x, [LEVEL * step, below], longest);
+    let stand = IN_A_ROW * hold..=longest;
+    let count = count(survey, |x| top - sign * x, [LEVEL * step, below], stand);
     let stands = count.stands >= STANDS && count.at_level as f64 >= PILED_UP * count.below as f64;
     stands.then(|| Level {
         value: sign * top,
         share: count.at_level as f64 / survey.moving.len() as f64,
     })
+}
+
+/// The highest values, falling; at most [`HIGHEST`].
+fn highest_values(numbers: impl Iterator<Item = f64>, tolerance: f64) -> Vec<f64> {
+    let mut values: Vec<f64> = Vec::with_capacity(HIGHEST + 1);
+    for x in numbers {
+        if values.len() == HIGHEST && values.last().is_some_and(|&lowest| x <= lowest) {
+            continue;
+        }
+        let place = values.partition_point(|&value| value > x + tolerance);
+        if values.get(place).is_none_or(|&value| value < x - tolerance) {
+            values.insert(place, x);
+            values.truncate(HIGHEST);
+        }
+    }
+    values
 }
 
 /// Samples at and below a level.
@@ -67,22 +89,22 @@ struct Count {
 }
 
 /// Counts samples by their `depth` below the level: at it to the first, below it to the second of
-/// `depths`; stands of more than `longest` samples are left out.
+/// `depths`; only stretches of so many samples as `stand` says are stands.
 fn count(
     survey: &Survey,
     depth: impl Fn(f64) -> f64,
     [at_level, below]: [f64; 2],
-    longest: f64,
+    stand: RangeInclusive<f64>,
 ) -> Count {
     let mut count = Count::default();
-    let mut in_a_row = 0;
+    let mut in_a_row = 0_usize;
     for x in survey.numbers().chain([f64::NAN]) {
         let depth = depth(x);
         if depth <= at_level {
             in_a_row += 1;
             continue;
         }
-        if in_a_row >= IN_A_ROW && in_a_row as f64 <= longest {
+        if stand.contains(&(in_a_row as f64)) {
             count.stands += 1;
             count.at_level += in_a_row;
         }
@@ -101,7 +123,7 @@ mod tests {
     use std::f64::consts::TAU;
 
     fn found(samples: &[f64]) -> Option<Oddity> {
-        saturated(&Survey::of(samples).expect("changes"))
+        saturated(&Survey::of(samples).expect("changes"), 1.0)
     }
 
     fn clipped(samples: &[f64], low: f64, high: f64) -> Vec<f64> {

@@ -4,6 +4,9 @@
 /// stands still, converted to another unit or shifted.
 const ROUNDINGS: f64 = 4.0;
 
+/// Values closer than this part of the range are one, written with another rounding.
+pub(super) const ONE_VALUE: f64 = 1e-6;
+
 /// What all looks at a signal need.
 pub(super) struct Survey<'a> {
     /// From the last sample before the first change to the first one after the last change.
