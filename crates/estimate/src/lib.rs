@@ -20,9 +20,21 @@ mod harmonics;
 mod period_index;
 /// Properties found in a recording that frfid did not make: its period, lines and transient.
 mod recording {
+    pub(crate) mod aperiodic;
+    mod autocorrelation;
+    mod channel;
+    mod lag;
+    mod likeness;
     pub(crate) mod lines;
+    mod local_power;
+    mod long_lags;
     pub(crate) mod period;
+    pub(crate) mod repetition;
+    mod rests;
+    mod runs;
+    mod single_sweep;
     pub(crate) mod transient;
+    mod two_states;
 }
 mod shape;
 mod spectra;
@@ -47,8 +59,10 @@ pub use glide::in_time::subtract_glide;
 pub use glide::ripple_residual::{FreeLines, ResidualLevel};
 pub use harmonics::harmonic_levels;
 pub use period_index::PeriodIndex;
+pub use recording::aperiodic::Aperiodic;
 pub use recording::lines::{find_lines, lines_at};
 pub use recording::period::find_period;
+pub use recording::repetition::{Repetition, find_repetition};
 pub use recording::transient::count_transient_periods;
 pub use shape::error::ShapeError;
 pub use shape::iteration::{Estimate, Iteration};
