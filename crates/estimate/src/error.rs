@@ -6,6 +6,7 @@ use frfid_signals::SignalError;
 use thiserror::Error;
 
 use crate::period_index::PeriodIndex;
+use crate::recording::aperiodic::Aperiodic;
 
 /// Errors of the `estimate` crate. Every variant says what was found and what was needed. Channels,
 /// experiments, periods and realizations count from 0.
@@ -62,7 +63,7 @@ pub enum EstimateError {
     /// A recording that had to be periodic is not.
     #[error(
         "not periodic: the best period tried ({period} samples) leaves {residual:.1e} of the power unexplained, at most {limit:.1e} is allowed; \
-             a periodic estimator does not apply; repeat the excitation back to back"
+             {cause}"
     )]
     NotPeriodic {
         /// The best period found, in samples; 0 if there was no candidate.
@@ -71,6 +72,8 @@ pub enum EstimateError {
         residual: f64,
         /// Largest share allowed.
         limit: f64,
+        /// What seems to be the reason.
+        cause: Aperiodic,
     },
     /// A periodic reference whose amplitudes have no gap between excited lines and the rest.
     #[error(

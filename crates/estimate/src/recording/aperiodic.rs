@@ -1,0 +1,128 @@
+//! Reasons why nothing repeats in a recording, as advice.
+
+use std::fmt;
+
+use crate::error::EstimateError;
+use crate::recording::autocorrelation::{autocorrelation, peaks};
+use crate::recording::channel::Channel;
+use crate::recording::long_lags::Pairs;
+use crate::recording::runs::{LIMIT, Runs};
+use crate::recording::single_sweep::is_single_sweep;
+
+/// A repetition that covers less than this share of what moves is chance.
+const CHANCE: f64 = 0.1;
+/// Lags that are compared for the message, the highest peaks of the correlation.
+const TRIED: usize = 12;
+
+/// Why a recording is not periodic.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Aperiodic {
+    /// No channel moves.
+    Silent,
+    /// The frequency of the signal rises once from beginning to end.
+    SingleSweep,
+    /// Some of it repeats, but most of what moves does not.
+    Partly {
+        /// First sample of the longest run that repeats.
+        first: usize,
+        /// One past its last sample.
+        end: usize,
+        /// Periods in it.
+        n_periods: usize,
+    },
+    /// A period that was given is not that of the recording.
+    OtherPeriod,
+    /// Nothing repeats.
+    Nothing,
+}
+
+impl fmt::Display for Aperiodic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Silent => write!(
+                f,
+                "no channel moves; record the excitation itself, or name the channel that holds it"
+            ),
+            Self::SingleSweep => write!(
+                f,
+                "it looks like one sweep, for which the Python package has `estimate_chirp`"
+            ),
+            Self::Partly { first, end, n_periods } => write!(
+                f,
+                "samples {first} to {end} hold {n_periods} periods, but most of what moves lies outside of them; \
+                 cut it off with --start and --end"
+            ),
+            Self::OtherPeriod => write!(
+                f,
+                "the period that was given is not that of the recording; without --period it is searched for"
+            ),
+            Self::Nothing => write!(
+                f,
+                "no stretch is followed by its repetition; repeat the excitation back to back, \
+                 or give --period if the recording holds one period"
+            ),
+        }
+    }
+}
+
+/// The refusal of `channels`, in which no period was found, or not the one that was `given`.
+pub(super) fn why(channels: &[Channel], given: Option<f64>) -> EstimateError {
+    let periods = match given {
+        Some(period) => vec![period.round() as usize],
+        None => candidates(channels),
+    };
+    let rated = periods.iter().map(|&period| (period, residual(channels, period)));
+    let best = rated.min_by(|a, b| a.1.total_cmp(&b.1));
+    let (period, residual) = best.unwrap_or((0, 1.0));
+    let cause = cause(channels, given, &periods);
+    EstimateError::NotPeriodic { period, residual, limit: LIMIT, cause }
+}
+
+fn cause(channels: &[Channel], given: Option<f64>, periods: &[usize]) -> Aperiodic {
+    if channels.is_empty() {
+        return Aperiodic::Silent;
+    }
+    if given.is_some() {
+        return Aperiodic::OtherPeriod;
+    }
+    if channels.iter().any(|channel| is_single_sweep(channel.values())) {
+        return Aperiodic::SingleSweep;
+    }
+    let partly = periods.iter().filter_map(|&period| partly(channels, period));
+    let longest = partly.max_by_key(|(covered, _)| *covered);
+    longest.map_or(Aperiodic::Nothing, |(_, cause)| cause)
+}
+
+/// The highest peaks of each channel's correlation.
+fn candidates(channels: &[Channel]) -> Vec<usize> {
+    let of_channel = |channel: &Channel| {
+        let correlation = autocorrelation(channel);
+        let left = correlation.iter().position(|&value| value < 0.5).unwrap_or(correlation.len());
+        let mut lags = peaks(&correlation);
+        lags.retain(|&lag| lag >= left);
+        lags.sort_by(|&a, &b| correlation[b].total_cmp(&correlation[a]));
+        lags.truncate(TRIED);
+        lags
+    };
+    channels.iter().flat_map(of_channel).collect()
+}
+
+/// Share of the power of the best channel that does not repeat, over the whole recording.
+fn residual(channels: &[Channel], period: usize) -> f64 {
+    let share = |channel: &Channel| {
+        let whole = 0..channel.values().len();
+        let pairs = Pairs { channels: std::slice::from_ref(channel), runs: &[whole], stride: 1 };
+        pairs.residual(period as f64)
+    };
+    channels.iter().map(share).fold(1.0, f64::min)
+}
+
+/// What repeats of the channel that repeats most, and how many samples that are.
+fn partly(channels: &[Channel], period: usize) -> Option<(usize, Aperiodic)> {
+    let runs = |channel: &Channel| Runs::find(std::slice::from_ref(channel), period as f64, 1);
+    let runs = channels.iter().map(runs).max_by_key(Runs::covered)?;
+    let is_chance = (runs.covered() as f64) < CHANCE * runs.left_out as f64 || runs.residual > LIMIT;
+    let longest = runs.runs.iter().max_by_key(|run| run.len()).filter(|_| !is_chance)?;
+    let n_periods = (longest.len() as f64 / period as f64 + 1e-9) as usize;
+    Some((runs.covered(), Aperiodic::Partly { first: longest.start, end: longest.end, n_periods }))
+}

@@ -1,0 +1,63 @@
+//! How much of a recording is unlike itself one lag later, sample by sample.
+//!
+//! `d[k] = (x[k + T] - x[k])^2 / (2 P[k])`, P the power between the two samples: 0 on average where
+//! the signal repeats, 1 where two strangers meet, and in noise.
+
+use std::ops::Range;
+
+use crate::recording::channel::Channel;
+use crate::recording::lag::Lag;
+use crate::recording::local_power::LocalPower;
+
+/// Power below this share of that of the channel is rounding.
+const ROUNDING: f64 = 1e-20;
+
+/// The shares `d[k]` of every `stride`-th sample; NaN where a sample is lost, infinite where nothing
+/// moves.
+pub(super) struct Likeness {
+    pub(super) stride: usize,
+    pub(super) shares: Vec<f64>,
+    pub(super) power: LocalPower,
+}
+
+impl Likeness {
+    /// Compares `channels` with themselves `period` samples later.
+    pub(super) fn new(channels: &[Channel], period: f64, stride: usize) -> Self {
+        let power = LocalPower::new(channels, period.round() as usize, stride);
+        let lag = Lag::new(period);
+        let n_samples = channels.first().map_or(0, |channel| channel.values().len());
+        let share = |k: usize| {
+            let between = power.from(k);
+            match between > ROUNDING {
+                true => 0.5 * squared_difference(channels, &lag, k) / between,
+                false => f64::INFINITY,
+            }
+        };
+        let shares = (0..lag.n_pairs(n_samples)).step_by(stride).map(share).collect();
+        Self { stride, shares, power }
+    }
+
+    /// Share of the power that does not repeat within the places `ranges` of the shares.
+    pub(super) fn residual(&self, ranges: &[Range<usize>]) -> f64 {
+        let (mut difference, mut power) = (0.0, f64::MIN_POSITIVE);
+        for place in ranges.iter().cloned().flatten() {
+            let share = self.shares[place];
+            if share.is_finite() {
+                let weight = self.power.from(place * self.stride);
+                difference += share * weight;
+                power += weight;
+            }
+        }
+        difference / power
+    }
+}
+
+/// Over the channels that have both samples; NaN if none has.
+fn squared_difference(channels: &[Channel], lag: &Lag, k: usize) -> f64 {
+    let differences = channels.iter().map(|channel| {
+        let values = channel.values();
+        (lag.later(values, k) - values[k]).powi(2)
+    });
+    let present = differences.filter(|difference| !difference.is_nan());
+    present.reduce(|a, b| a + b).unwrap_or(f64::NAN)
+}

@@ -1,0 +1,181 @@
+//! Period of runs to a fraction of a sample, by the lag of least difference over 1, 2, 4, ... periods,
+//! where an error in samples counts less and less.
+
+use std::ops::Range;
+
+use crate::recording::channel::Channel;
+use crate::recording::lag::Lag;
+
+/// A valley is as wide as the share that does not repeat rises by so much.
+const RISE: f64 = 0.1;
+/// Pairs must reach over half a period.
+const LEAST: f64 = 0.5;
+/// How often a valley is looked for at its own place.
+const RECENTRED: usize = 3;
+/// A period that is whole to within this many samples over the whole run is whole.
+const WHOLE: f64 = 0.1;
+/// So many standard deviations (of white noise, in power) a fraction must lie from the next whole
+/// period.
+const DEVIATIONS: f64 = 25.0;
+/// A difference below this share of the power is rounding or interpolation.
+const ROUNDING: f64 = 1e-9;
+
+/// A period, and how well it holds over many of them.
+pub(super) struct LongLags {
+    pub(super) period: f64,
+    /// Largest share of the power that does not repeat over 1, 2, 4, ... periods.
+    pub(super) residual: f64,
+}
+
+/// Pairs of samples of `runs`, every `stride`-th.
+pub(super) struct Pairs<'a> {
+    pub(super) channels: &'a [Channel],
+    pub(super) runs: &'a [Range<usize>],
+    pub(super) stride: usize,
+}
+
+impl Pairs<'_> {
+    /// Refines `period`, which must be right to two samples.
+    pub(super) fn refine(&self, period: f64) -> LongLags {
+        let mut best = LongLags { period, residual: 0.0 };
+        let (mut count, mut last) = (1, None);
+        while self.longest() >= (count as f64 + LEAST) * best.period {
+            let valley = self.valley((count as f64 * best.period).round() as usize);
+            best.period = valley.lag / count as f64;
+            best.residual = best.residual.max(valley.least);
+            last = Some((valley, count));
+            count *= 2;
+        }
+        if let Some((valley, count)) = last {
+            best.period = self.whole(best.period, &valley, count);
+        }
+        best
+    }
+
+    fn longest(&self) -> f64 {
+        self.runs.iter().map(Range::len).max().unwrap_or(0) as f64
+    }
+
+    /// The whole period unless the fraction is beyond chance.
+    fn whole(&self, period: f64, valley: &Valley, count: usize) -> f64 {
+        let (rounded, count) = (period.round(), count as f64);
+        if rounded == period || count * (period - rounded).abs() < WHOLE {
+            return rounded;
+        }
+        let (share, n_pairs) = self.share((count * rounded) as usize);
+        let excess = share - valley.least;
+        let chance = DEVIATIONS * valley.least.max(ROUNDING) / n_pairs.max(1.0);
+        if excess > chance { period } else { rounded }
+    }
+
+    /// The least difference around a lag, by a parabola that is as wide as the valley: a slow signal
+    /// under noise hardly differs from one sample to the next.
+    fn valley(&self, centre: usize) -> Valley {
+        let (mut centre, mut step) = (centre, 1);
+        let mut parabola = self.parabola(centre, step);
+        while parabola.rise < RISE && 8 * step < centre {
+            step *= 2;
+            parabola = self.parabola(centre, step);
+        }
+        for _ in 0..RECENTRED {
+            if parabola.offset.abs() < 0.5 * step as f64 {
+                break;
+            }
+            centre = (centre as f64 + parabola.offset).round().max(2.0 * step as f64) as usize;
+            parabola = self.parabola(centre, step);
+        }
+        let lag = centre as f64 + parabola.offset;
+        let least = self.residual(lag).min(self.share(lag.round() as usize).0);
+        Valley { lag, least }
+    }
+
+    /// Through the differences at two steps on either side; at the steps next to it alone where
+    /// those are samples, since the valley of a fast signal is hardly wider.
+    fn parabola(&self, centre: usize, step: usize) -> Parabola {
+        let at = |steps: usize| self.share((centre + steps * step).saturating_sub(2 * step)).0;
+        let shares: [f64; 5] = std::array::from_fn(at);
+        let [far_left, left, middle, right, far_right] = shares;
+        let rise = 0.5 * (far_left + far_right) - middle;
+        let (slope, bend) = match step {
+            1 => (0.5 * (right - left), left - 2.0 * middle + right),
+            _ => (
+                (2.0 * (far_right - far_left) + right - left) / 10.0,
+                (2.0 * (far_left + far_right) - left - right - 2.0 * middle) / 7.0,
+            ),
+        };
+        let offset = if bend > 0.0 { -slope / bend } else { 0.0 };
+        Parabola { rise, offset: offset.clamp(-2.0, 2.0) * step as f64 }
+    }
+
+    /// Share of the power that does not repeat after a whole lag, levels taken off in each run, and
+    /// the number of pairs that went into it.
+    fn share(&self, lag: usize) -> (f64, f64) {
+        let mut sums = Sums::default();
+        for run in self.runs {
+            for channel in self.channels {
+                sums.add(&channel.values()[run.clone()], lag, self.stride);
+            }
+        }
+        (sums.difference / sums.power.max(f64::MIN_POSITIVE), sums.count)
+    }
+
+    /// Share of the power that does not repeat after a lag that may have a fraction.
+    pub(super) fn residual(&self, lag: f64) -> f64 {
+        let lag = Lag::new(lag);
+        let mut sums = Sums::default();
+        for run in self.runs {
+            for channel in self.channels {
+                let values = &channel.values()[run.clone()];
+                let pair = |k: usize| (values[k], lag.later(values, k));
+                sums.add_pairs((0..lag.n_pairs(values.len())).step_by(self.stride).map(pair));
+            }
+        }
+        sums.difference / sums.power.max(f64::MIN_POSITIVE)
+    }
+}
+
+struct Valley {
+    lag: f64,
+    /// Share that does not repeat there.
+    least: f64,
+}
+
+struct Parabola {
+    /// How much the differences rise over two steps.
+    rise: f64,
+    /// Its vertex, in samples from the centre.
+    offset: f64,
+}
+
+/// Variances of differences and of the signals, each times the number of pairs.
+#[derive(Default)]
+struct Sums {
+    difference: f64,
+    power: f64,
+    count: f64,
+}
+
+impl Sums {
+    fn add(&mut self, values: &[f64], lag: usize, stride: usize) {
+        let later = values.get(lag..).unwrap_or_default();
+        self.add_pairs(values.iter().copied().zip(later.iter().copied()).step_by(stride));
+    }
+
+    fn add_pairs(&mut self, pairs: impl Iterator<Item = (f64, f64)>) {
+        let (mut n, mut x, mut y, mut xx, mut yy, mut d, mut dd) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+        for (now, later) in pairs.filter(|(now, later)| !(now - later).is_nan()) {
+            n += 1.0;
+            x += now;
+            y += later;
+            xx += now * now;
+            yy += later * later;
+            d += later - now;
+            dd += (later - now).powi(2);
+        }
+        if n > 0.0 {
+            self.difference += dd - d * d / n;
+            self.power += xx - x * x / n + yy - y * y / n;
+            self.count += n;
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! Rests of a recording: stretches around the runs in which nothing is excited; and single periods
+//! between rests.
+
+use std::ops::Range;
+
+use crate::recording::channel::Channel;
+use crate::recording::local_power::LocalPower;
+use crate::recording::runs::{LIMIT, Runs, gaps};
+
+/// Windows over which power is looked at, in periods.
+const WINDOW: f64 = 0.25;
+
+/// Stretches between the runs, of a quarter of a period and longer, with less than a tenth of the
+/// power in the runs.
+pub(super) fn find_rests(channels: &[Channel], runs: &Runs) -> Vec<Range<usize>> {
+    let n_samples = channels.first().map_or(0, |channel| channel.values().len());
+    let window = ((WINDOW * runs.period) as usize).max(2);
+    let power = LocalPower::new(channels, window, 1);
+    let in_gap = |gap: Range<usize>| quiet(&power, gap, window, LIMIT * runs.power);
+    gaps(&runs.runs, n_samples).into_iter().flat_map(in_gap).collect()
+}
+
+/// Parts of `range` made of windows with less than `limit` of power.
+fn quiet(power: &LocalPower, range: Range<usize>, window: usize, limit: f64) -> Vec<Range<usize>> {
+    let mut found: Vec<Range<usize>> = Vec::new();
+    let last = (range.end + 1).saturating_sub(window).max(range.start);
+    for start in (range.start..last).filter(|&start| power.from(start) < limit) {
+        match found.last_mut().filter(|before| before.end >= start) {
+            Some(before) => before.end = start + window,
+            None => found.push(start..start + window),
+        }
+    }
+    found
+}
+
+/// Stretches that are no rest and long enough for one period, but for a sixteenth of it, of which
+/// the edges of a slow signal may take so much.
+pub(super) fn single_periods(channels: &[Channel], period: f64) -> Vec<Range<usize>> {
+    let n_samples = channels.first().map_or(0, |channel| channel.values().len());
+    let window = ((WINDOW * period) as usize).max(2);
+    let power = LocalPower::new(channels, window, 1);
+    let strongest = (0..n_samples).map(|k| power.from(k)).fold(0.0, f64::max);
+    let rests = quiet(&power, 0..n_samples, window, LIMIT * strongest);
+    let mut loud = gaps(&rests, n_samples);
+    loud.retain(|stretch| stretch.len() as f64 >= period.floor());
+    loud
+}
