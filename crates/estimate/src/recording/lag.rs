@@ -51,7 +51,11 @@ pub(super) fn taps(fraction: f64) -> [f64; 2 * HALF] {
     let mut taps = [0.0; 2 * HALF];
     for (j, tap) in taps.iter_mut().enumerate() {
         let away = j as f64 + 1.0 - HALF as f64 - fraction;
-        let sinc = if away == 0.0 { 1.0 } else { (PI * away).sin() / (PI * away) };
+        let sinc = if away == 0.0 {
+            1.0
+        } else {
+            (PI * away).sin() / (PI * away)
+        };
         *tap = sinc * (PI * away / (2 * HALF) as f64).cos().powi(2);
     }
     let sum: f64 = taps.iter().sum();

@@ -33,8 +33,15 @@ impl Likeness {
                 false => f64::INFINITY,
             }
         };
-        let shares = (0..lag.n_pairs(n_samples)).step_by(stride).map(share).collect();
-        Self { stride, shares, power }
+        let shares = (0..lag.n_pairs(n_samples))
+            .step_by(stride)
+            .map(share)
+            .collect();
+        Self {
+            stride,
+            shares,
+            power,
+        }
     }
 
     /// Share of the power that does not repeat within the places `ranges` of the shares.

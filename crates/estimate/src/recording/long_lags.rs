@@ -37,7 +37,10 @@ pub(super) struct Pairs<'a> {
 impl Pairs<'_> {
     /// Refines `period`, which must be right to two samples.
     pub(super) fn refine(&self, period: f64) -> LongLags {
-        let mut best = LongLags { period, residual: 0.0 };
+        let mut best = LongLags {
+            period,
+            residual: 0.0,
+        };
         let (mut count, mut last) = (1, None);
         while self.longest() >= (count as f64 + LEAST) * best.period {
             let valley = self.valley((count as f64 * best.period).round() as usize);
@@ -81,7 +84,9 @@ impl Pairs<'_> {
             if parabola.offset.abs() < 0.5 * step as f64 {
                 break;
             }
-            centre = (centre as f64 + parabola.offset).round().max(2.0 * step as f64) as usize;
+            centre = (centre as f64 + parabola.offset)
+                .round()
+                .max(2.0 * step as f64) as usize;
             parabola = self.parabola(centre, step);
         }
         let lag = centre as f64 + parabola.offset;
@@ -92,7 +97,10 @@ impl Pairs<'_> {
     /// Through the differences at two steps on either side; at the steps next to it alone where
     /// those are samples, since the valley of a fast signal is hardly wider.
     fn parabola(&self, centre: usize, step: usize) -> Parabola {
-        let at = |steps: usize| self.share((centre + steps * step).saturating_sub(2 * step)).0;
+        let at = |steps: usize| {
+            self.share((centre + steps * step).saturating_sub(2 * step))
+                .0
+        };
         let shares: [f64; 5] = std::array::from_fn(at);
         let [far_left, left, middle, right, far_right] = shares;
         let rise = 0.5 * (far_left + far_right) - middle;
@@ -104,7 +112,10 @@ impl Pairs<'_> {
             ),
         };
         let offset = if bend > 0.0 { -slope / bend } else { 0.0 };
-        Parabola { rise, offset: offset.clamp(-2.0, 2.0) * step as f64 }
+        Parabola {
+            rise,
+            offset: offset.clamp(-2.0, 2.0) * step as f64,
+        }
     }
 
     /// Share of the power that does not repeat after a whole lag, levels taken off in each run, and
@@ -116,7 +127,10 @@ impl Pairs<'_> {
                 sums.add(&channel.values()[run.clone()], lag, self.stride);
             }
         }
-        (sums.difference / sums.power.max(f64::MIN_POSITIVE), sums.count)
+        (
+            sums.difference / sums.power.max(f64::MIN_POSITIVE),
+            sums.count,
+        )
     }
 
     /// Share of the power that does not repeat after a lag that may have a fraction.
@@ -127,7 +141,11 @@ impl Pairs<'_> {
             for channel in self.channels {
                 let values = &channel.values()[run.clone()];
                 let pair = |k: usize| (values[k], lag.later(values, k));
-                sums.add_pairs((0..lag.n_pairs(values.len())).step_by(self.stride).map(pair));
+                sums.add_pairs(
+                    (0..lag.n_pairs(values.len()))
+                        .step_by(self.stride)
+                        .map(pair),
+                );
             }
         }
         sums.difference / sums.power.max(f64::MIN_POSITIVE)
@@ -158,11 +176,18 @@ struct Sums {
 impl Sums {
     fn add(&mut self, values: &[f64], lag: usize, stride: usize) {
         let later = values.get(lag..).unwrap_or_default();
-        self.add_pairs(values.iter().copied().zip(later.iter().copied()).step_by(stride));
+        self.add_pairs(
+            values
+                .iter()
+                .copied()
+                .zip(later.iter().copied())
+                .step_by(stride),
+        );
     }
 
     fn add_pairs(&mut self, pairs: impl Iterator<Item = (f64, f64)>) {
-        let (mut n, mut x, mut y, mut xx, mut yy, mut d, mut dd) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+        let (mut n, mut x, mut y, mut xx, mut yy, mut d, mut dd) =
+            (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
         for (now, later) in pairs.filter(|(now, later)| !(now - later).is_nan()) {
             n += 1.0;
             x += now;

@@ -55,7 +55,10 @@ pub struct Repetition {
 /// # Errors
 /// [`EstimateError::NotPeriodic`] with the reason; [`frfid_signals::SignalError`] for a reference without
 /// channels or without a single sample, and for a period that is not finite and above zero.
-pub fn find_repetition(reference: ArrayView2<f64>, period: Option<f64>) -> Result<Repetition, EstimateError> {
+pub fn find_repetition(
+    reference: ArrayView2<f64>,
+    period: Option<f64>,
+) -> Result<Repetition, EstimateError> {
     if reference.is_empty() {
         let needed = "(channel, sample) with at least one of both".to_string();
         return Err(EstimateError::shape("reference", reference.shape(), needed));
@@ -72,11 +75,21 @@ pub fn find_repetition(reference: ArrayView2<f64>, period: Option<f64>) -> Resul
 
 /// The shortest period of the channels that repeat.
 fn search(channels: Vec<Channel>) -> Result<Repetition, EstimateError> {
-    let excited: Vec<Channel> = channels.iter().filter_map(|channel| excited(channel)).collect();
-    let mut sum = vec![0.0; channels.first().map_or(0, |channel| channel.values().len() / 2 + 1)];
+    let excited: Vec<Channel> = channels
+        .iter()
+        .filter_map(|channel| excited(channel))
+        .collect();
+    let mut sum = vec![
+        0.0;
+        channels
+            .first()
+            .map_or(0, |channel| channel.values().len() / 2 + 1)
+    ];
     for channel in &excited {
         let correlation = autocorrelation(channel);
-        sum.iter_mut().zip(correlation).for_each(|(sum, value)| *sum += value);
+        sum.iter_mut()
+            .zip(correlation)
+            .for_each(|(sum, value)| *sum += value);
     }
     let Some(best) = best_of(&excited, &sum) else {
         return Err(why(&channels, None));
@@ -109,19 +122,30 @@ impl Candidate {
             return None;
         }
         let inner: Vec<Range<usize>> = runs.runs.iter().map(|run| inner(run, period)).collect();
-        let pairs = Pairs { channels, runs: &inner, stride };
+        let pairs = Pairs {
+            channels,
+            runs: &inner,
+            stride,
+        };
         let long = pairs.refine(period);
         if long.residual > LONG_LIMIT {
             return None;
         }
         let residual = long.residual.max(pairs.residual(long.period));
-        let runs = Runs { period: long.period, ..runs };
+        let runs = Runs {
+            period: long.period,
+            ..runs
+        };
         Some(Self { runs, residual })
     }
 
     /// Residual below which another period explains as much.
     fn as_good(&self, period: f64) -> f64 {
-        let inexact = if period == period.round() { ROUNDING } else { BETWEEN_SAMPLES };
+        let inexact = if period == period.round() {
+            ROUNDING
+        } else {
+            BETWEEN_SAMPLES
+        };
         2.0 * self.residual + inexact
     }
 }
@@ -135,17 +159,27 @@ fn inner(run: &Range<usize>, period: f64) -> Range<usize> {
 /// Places are that far apart.
 fn stride(channels: &[Channel], period: f64) -> usize {
     let n_samples = channels.first().map_or(0, |channel| channel.values().len());
-    (n_samples / PLACES).min(period as usize / PLACES_PER_PERIOD).max(1)
+    (n_samples / PLACES)
+        .min(period as usize / PLACES_PER_PERIOD)
+        .max(1)
 }
 
 /// Of the periods that cover most, the one after which the signal repeats best.
 fn best_of(channels: &[Channel], correlation: &[f64]) -> Option<Candidate> {
     let periods = peaks(correlation);
-    let tried = periods.iter().filter_map(|&lag| Candidate::new(channels, vertex(correlation, lag)));
+    let tried = periods
+        .iter()
+        .filter_map(|&lag| Candidate::new(channels, vertex(correlation, lag)));
     let tried: Vec<Candidate> = tried.collect();
-    let most = tried.iter().map(|candidate| candidate.runs.covered()).max()?;
+    let most = tried
+        .iter()
+        .map(|candidate| candidate.runs.covered())
+        .max()?;
     let enough = |candidate: &Candidate| candidate.runs.covered() as f64 >= AS_MUCH * most as f64;
-    tried.into_iter().filter(enough).min_by(|a, b| a.residual.total_cmp(&b.residual))
+    tried
+        .into_iter()
+        .filter(enough)
+        .min_by(|a, b| a.residual.total_cmp(&b.residual))
 }
 
 /// Top of the parabola through a peak.
@@ -155,8 +189,16 @@ fn vertex(correlation: &[f64], lag: usize) -> f64 {
     };
     let (left, middle) = (correlation[lag - 1], correlation[lag]);
     let bend = left - 2.0 * middle + right;
-    let offset = if bend < 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
-    if offset.abs() < 0.05 { lag as f64 } else { lag as f64 + offset }
+    let offset = if bend < 0.0 {
+        0.5 * (left - right) / bend
+    } else {
+        0.0
+    };
+    if offset.abs() < 0.05 {
+        lag as f64
+    } else {
+        lag as f64 + offset
+    }
 }
 
 /// Divides a period by primes as long as what is left explains as much.
@@ -164,7 +206,10 @@ fn shortest(channels: &[Channel], best: Candidate, correlation: &[f64]) -> Candi
     let mut best = best;
     // small lags look alike for any smooth signal
     let is_left = |&value: &f64| value < 0.5 * correlation[0];
-    let left = correlation.iter().position(is_left).unwrap_or(correlation.len());
+    let left = correlation
+        .iter()
+        .position(is_left)
+        .unwrap_or(correlation.len());
     let least = left.max(SHORTEST) as f64;
     let mut divisor = 2;
     while best.runs.period / divisor as f64 >= least {
@@ -177,8 +222,18 @@ fn shortest(channels: &[Channel], best: Candidate, correlation: &[f64]) -> Candi
 }
 
 /// The period divided, if it still explains as much.
-fn part(channels: &[Channel], best: &Candidate, divisor: usize, correlation: &[f64]) -> Option<Candidate> {
-    let at = |period: f64| correlation.get(period.round() as usize).copied().unwrap_or(0.0);
+fn part(
+    channels: &[Channel],
+    best: &Candidate,
+    divisor: usize,
+    correlation: &[f64],
+) -> Option<Candidate> {
+    let at = |period: f64| {
+        correlation
+            .get(period.round() as usize)
+            .copied()
+            .unwrap_or(0.0)
+    };
     let period = best.runs.period / divisor as f64;
     if at(period) < WORTH_TRYING * at(best.runs.period) {
         return None;
@@ -195,7 +250,12 @@ fn found(channels: &[Channel], period: f64) -> Result<Repetition, EstimateError>
         return Err(why(channels, Some(period)));
     }
     let rests = find_rests(channels, &runs);
-    Ok(Repetition { period, runs: runs.runs, rests, residual: runs.residual })
+    Ok(Repetition {
+        period,
+        runs: runs.runs,
+        rests,
+        residual: runs.residual,
+    })
 }
 
 /// The runs of a period that somebody gave: where nothing repeats, one period is enough.
@@ -210,7 +270,11 @@ fn given(channels: Vec<Channel>, period: f64) -> Result<Repetition, EstimateErro
     if !excited.is_empty() {
         let runs = Runs::find(&excited, period, stride(&excited, period));
         let inner: Vec<Range<usize>> = runs.runs.iter().map(|run| inner(run, period)).collect();
-        let pairs = Pairs { channels: &excited, runs: &inner, stride: 1 };
+        let pairs = Pairs {
+            channels: &excited,
+            runs: &inner,
+            stride: 1,
+        };
         return found(&excited, pairs.refine(period).period);
     }
     let runs = single_periods(&channels, period);
@@ -218,5 +282,10 @@ fn given(channels: Vec<Channel>, period: f64) -> Result<Repetition, EstimateErro
         return Err(why(&channels, Some(period)));
     }
     let rests = gaps(&runs, channels[0].values().len());
-    Ok(Repetition { period, runs, rests, residual: 0.0 })
+    Ok(Repetition {
+        period,
+        runs,
+        rests,
+        residual: 0.0,
+    })
 }

@@ -17,7 +17,10 @@ pub(super) fn find_rests(channels: &[Channel], runs: &Runs) -> Vec<Range<usize>>
     let window = ((WINDOW * runs.period) as usize).max(2);
     let power = LocalPower::new(channels, window, 1);
     let in_gap = |gap: Range<usize>| quiet(&power, gap, window, LIMIT * runs.power);
-    gaps(&runs.runs, n_samples).into_iter().flat_map(in_gap).collect()
+    gaps(&runs.runs, n_samples)
+        .into_iter()
+        .flat_map(in_gap)
+        .collect()
 }
 
 /// Parts of `range` made of windows with less than `limit` of power.

@@ -101,6 +101,12 @@ impl RunPeriods {
         Ok(spectra.map(|spectra| self.excited(&spectra)))
     }
 
+    /// The sample of the run with which a period begins.
+    #[must_use]
+    pub fn first_sample(&self, period: usize) -> usize {
+        self.window(period).start
+    }
+
     /// Whether every period is a whole number of evenly spaced samples.
     fn is_even(&self) -> bool {
         self.positions.is_none() && self.period.fract() == 0.0

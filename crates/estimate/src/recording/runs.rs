@@ -62,11 +62,21 @@ impl Runs {
             *stretch = whole_periods(&costs, stretch, length, slack as usize);
         }
         drop_rests(&mut stretches, &like);
-        let residual = if stretches.is_empty() { 1.0 } else { like.residual(&stretches) };
+        let residual = if stretches.is_empty() {
+            1.0
+        } else {
+            like.residual(&stretches)
+        };
         let runs = in_samples(&stretches, period, stride, channels);
         let power = mean_power(&runs, &like);
         let left_out = left_out(&runs, &like, period, channels, power);
-        Self { period, runs, residual, power, left_out }
+        Self {
+            period,
+            runs,
+            residual,
+            power,
+            left_out,
+        }
     }
 
     /// Samples in the runs.
@@ -104,13 +114,23 @@ fn share_present(shares: &[f64]) -> f64 {
 
 /// Parts of a stretch that stay close to the level of its quieter half: where rows are lost, a slow
 /// signal goes on little changed, but far more than noise changes it.
-fn finer_stretches(shares: &[f64], stretch: &Range<usize>, change: f64, length: f64) -> Vec<Range<usize>> {
+fn finer_stretches(
+    shares: &[f64],
+    stretch: &Range<usize>,
+    change: f64,
+    length: f64,
+) -> Vec<Range<usize>> {
     let quiet = quieter_half(&shares[stretch.clone()], length);
     let most = LIMIT.max(quiet * STRANGE / LIMIT);
     let level = (GROWTH * quiet).clamp(EXACT, most);
-    let scaled: Vec<f64> = shares[stretch.clone()].iter().map(|share| share * STRANGE / level).collect();
+    let scaled: Vec<f64> = shares[stretch.clone()]
+        .iter()
+        .map(|share| share * STRANGE / level)
+        .collect();
     let parts = cheapest_stretches(&costs(&scaled, length), change);
-    let shifted = parts.into_iter().map(|part| part.start + stretch.start..part.end + stretch.start);
+    let shifted = parts
+        .into_iter()
+        .map(|part| part.start + stretch.start..part.end + stretch.start);
     shifted.collect()
 }
 
@@ -118,7 +138,11 @@ fn finer_stretches(shares: &[f64], stretch: &Range<usize>, change: f64, length: 
 fn quieter_half(shares: &[f64], length: f64) -> f64 {
     let part = (length / 16.0).ceil().max(1.0) as usize;
     let mean = |part: &[f64]| {
-        let present: Vec<f64> = part.iter().copied().filter(|share| !share.is_nan()).collect();
+        let present: Vec<f64> = part
+            .iter()
+            .copied()
+            .filter(|share| !share.is_nan())
+            .collect();
         (!present.is_empty()).then(|| present.iter().sum::<f64>() / present.len() as f64)
     };
     let mut means: Vec<f64> = shares.chunks(part).filter_map(mean).collect();
@@ -141,7 +165,11 @@ fn trimmed(shares: &[f64], stretch: &Range<usize>, length: f64) -> Range<usize> 
 fn costly<'a>(shares: impl Iterator<Item = &'a f64>, strange: f64) -> usize {
     let (mut sum, mut most, mut count) = (0.0, 0.0, 0);
     for (index, share) in shares.enumerate() {
-        sum += if share.is_nan() { 0.0 } else { (share / strange).min(EDGE_CAP) - 1.0 };
+        sum += if share.is_nan() {
+            0.0
+        } else {
+            (share / strange).min(EDGE_CAP) - 1.0
+        };
         if sum > most {
             (most, count) = (sum, index + 1);
         }
@@ -160,20 +188,28 @@ fn whole_periods(costs: &[f64], stretch: &Range<usize>, length: f64, slack: usiz
     let first = stretch.start.saturating_sub(missing);
     let last = stretch.start.min(costs.len() - wanted);
     let added = |start: usize| -> f64 {
-        costs[start..stretch.start].iter().chain(&costs[stretch.end..start + wanted]).sum()
+        costs[start..stretch.start]
+            .iter()
+            .chain(&costs[stretch.end..start + wanted])
+            .sum()
     };
     let starts = first..=last.max(first);
-    let best = starts.filter(|start| start + wanted >= stretch.end).min_by(|&a, &b| added(a).total_cmp(&added(b)));
+    let best = starts
+        .filter(|start| start + wanted >= stretch.end)
+        .min_by(|&a, &b| added(a).total_cmp(&added(b)));
     best.map_or(stretch.clone(), |start| start..start + wanted)
 }
 
 /// A constant repeats, and so does a hum: neither is a run.
 fn drop_rests(stretches: &mut Vec<Range<usize>>, like: &Likeness) {
     let mean = |stretch: &Range<usize>| {
-        like.power.mean(&(stretch.start * like.stride..stretch.end * like.stride))
+        like.power
+            .mean(&(stretch.start * like.stride..stretch.end * like.stride))
     };
     let energy = |stretch: &&Range<usize>| mean(stretch) * stretch.len() as f64;
-    let strongest = stretches.iter().max_by(|a, b| energy(a).total_cmp(&energy(b)));
+    let strongest = stretches
+        .iter()
+        .max_by(|a, b| energy(a).total_cmp(&energy(b)));
     if let Some(power) = strongest.map(mean) {
         stretches.retain(|stretch| mean(stretch) >= REST * power);
     }
@@ -197,7 +233,10 @@ fn in_samples(
             before.end = before.end.min(start);
         }
         start = (start..end).find(|&k| !is_lost(k)).unwrap_or(end);
-        end = (start..end).rev().find(|&k| !is_lost(k)).map_or(end, |k| k + 1);
+        end = (start..end)
+            .rev()
+            .find(|&k| !is_lost(k))
+            .map_or(end, |k| k + 1);
         runs.push(start..end);
     }
     runs
@@ -211,23 +250,38 @@ fn boundary(before: &Range<usize>, after: Range<usize>, period: f64) -> usize {
         whole(at - before.start) + whole(after.end - at)
     };
     let candidates = [after.start, before.end, after.start.midpoint(before.end)];
-    let valid = candidates.into_iter().filter(|&at| at >= before.start && at <= after.end);
-    valid.max_by(|&a, &b| periods(a).total_cmp(&periods(b))).unwrap_or(after.start)
+    let valid = candidates
+        .into_iter()
+        .filter(|&at| at >= before.start && at <= after.end);
+    valid
+        .max_by(|&a, &b| periods(a).total_cmp(&periods(b)))
+        .unwrap_or(after.start)
 }
 
 fn mean_power(runs: &[Range<usize>], like: &Likeness) -> f64 {
-    let energy: f64 = runs.iter().map(|run| like.power.mean(run) * run.len() as f64).sum();
+    let energy: f64 = runs
+        .iter()
+        .map(|run| like.power.mean(run) * run.len() as f64)
+        .sum();
     energy / runs.iter().map(Range::len).sum::<usize>().max(1) as f64
 }
 
 /// Samples between the runs whose surroundings have a tenth of `power`.
-fn left_out(runs: &[Range<usize>], like: &Likeness, period: f64, channels: &[Channel], power: f64) -> usize {
+fn left_out(
+    runs: &[Range<usize>],
+    like: &Likeness,
+    period: f64,
+    channels: &[Channel],
+    power: f64,
+) -> usize {
     let n_samples = channels.first().map_or(0, |channel| channel.values().len());
     let step = (period / 4.0).ceil() as usize;
     let count = |gap: &Range<usize>| {
         let window = (period as usize).min(gap.len());
         let starts = (gap.start..gap.end - window + 1).step_by(step);
-        let loud = starts.filter(|&k| like.power.from(k) > LIMIT * power).count();
+        let loud = starts
+            .filter(|&k| like.power.from(k) > LIMIT * power)
+            .count();
         (loud * step).min(gap.len())
     };
     gaps(runs, n_samples).iter().map(count).sum()
@@ -237,5 +291,9 @@ fn left_out(runs: &[Range<usize>], like: &Likeness, period: f64, channels: &[Cha
 pub(super) fn gaps(runs: &[Range<usize>], n_samples: usize) -> Vec<Range<usize>> {
     let starts = std::iter::once(0).chain(runs.iter().map(|run| run.end));
     let ends = runs.iter().map(|run| run.start).chain([n_samples]);
-    starts.zip(ends).filter(|(start, end)| start < end).map(|(start, end)| start..end).collect()
+    starts
+        .zip(ends)
+        .filter(|(start, end)| start < end)
+        .map(|(start, end)| start..end)
+        .collect()
 }

@@ -59,12 +59,19 @@ impl Multisine {
     }
 
     pub fn rms(&self) -> f64 {
-        (self.amplitudes.iter().map(|amplitude| 0.5 * amplitude * amplitude).sum::<f64>()).sqrt()
+        (self
+            .amplitudes
+            .iter()
+            .map(|amplitude| 0.5 * amplitude * amplitude)
+            .sum::<f64>())
+        .sqrt()
     }
 
     pub fn samples(&self, n_samples: usize) -> Vec<f64> {
         if self.period == self.period.round() {
-            let one: Vec<f64> = (0..self.period as usize).map(|k| self.at(k as f64)).collect();
+            let one: Vec<f64> = (0..self.period as usize)
+                .map(|k| self.at(k as f64))
+                .collect();
             return (0..n_samples).map(|k| one[k % one.len()]).collect();
         }
         (0..n_samples).map(|k| self.at(k as f64)).collect()
@@ -92,7 +99,10 @@ pub fn lines(kind: usize, highest: usize, chance: &mut Chance) -> Vec<usize> {
             let odd: Vec<usize> = (1..=highest).step_by(2).collect();
             let dropped: Vec<usize> = odd.chunks(4).map(|_| chance.whole(0..4)).collect();
             let kept = |&index: &usize| index < 4 || index % 4 != dropped[index / 4];
-            (0..odd.len()).filter(kept).map(|index| odd[index]).collect()
+            (0..odd.len())
+                .filter(kept)
+                .map(|index| odd[index])
+                .collect()
         }
         _ => {
             let mut lines: Vec<usize> = (0..30)
@@ -135,8 +145,15 @@ impl Plan {
         samples.resize(samples.len() + self.rests[self.periods.len()], 0.0);
         let noise = noise(samples.len(), self.seed);
         let level = self.noise * rms;
-        let noisy: Vec<f64> = samples.iter().zip(noise).map(|(x, e)| x + level * e).collect();
+        let noisy: Vec<f64> = samples
+            .iter()
+            .zip(noise)
+            .map(|(x, e)| x + level * e)
+            .collect();
         let shape = (1, noisy.len());
-        (Array2::from_shape_vec(shape, noisy).expect("one channel"), runs)
+        (
+            Array2::from_shape_vec(shape, noisy).expect("one channel"),
+            runs,
+        )
     }
 }

@@ -79,18 +79,28 @@ impl<'a> Traits<'a> {
     fn difference(&self, other: &Self) -> Option<String> {
         if !is_same(self.sample_time_s, other.sample_time_s) {
             let [found, needed] = [self, other].map(|of| significant(of.sample_time_s, 6));
-            return Some(format!("sampled every {found} s, the others every {needed} s"));
+            return Some(format!(
+                "sampled every {found} s, the others every {needed} s"
+            ));
         }
         if !is_same(self.period_s, other.period_s) {
             let [found, needed] = [self, other].map(|of| significant(of.period_s, 6));
-            return Some(format!("its period is {found} s, that of the others {needed} s"));
+            return Some(format!(
+                "its period is {found} s, that of the others {needed} s"
+            ));
         }
         let mine: BTreeSet<usize> = self.lines.iter().copied().collect();
-        let n_common = other.lines.iter().filter(|line| mine.contains(line)).count();
+        let n_common = other
+            .lines
+            .iter()
+            .filter(|line| mine.contains(line))
+            .count();
         let most = self.lines.len().max(other.lines.len());
         ((n_common as f64) < MOST_LINES * most as f64).then(|| {
             let [found, needed] = [self, other].map(Traits::lines_in_words);
-            format!("it excites other lines, {found}, than the others, {needed}: {n_common} in common")
+            format!(
+                "it excites other lines, {found}, than the others, {needed}: {n_common} in common"
+            )
         })
     }
 
@@ -108,14 +118,9 @@ fn is_same(a: f64, b: f64) -> bool {
 }
 
 /// The first two runs that do not agree.
-fn disagreement(
-    recordings: &[Recording],
-    runs: &[Run],
-    traits: &[Traits],
-) -> ExperimentError {
+fn disagreement(recordings: &[Recording], runs: &[Run], traits: &[Traits]) -> ExperimentError {
     let others = traits.iter().zip(runs).skip(1);
-    let mut different =
-        others.filter_map(|(of, run)| Some((run, of.difference(&traits[0])?)));
+    let mut different = others.filter_map(|(of, run)| Some((run, of.difference(&traits[0])?)));
     let Some((run, difference)) = different.next() else {
         return ExperimentError::logs("recordings", "none", "at least one", "name recordings");
     };

@@ -96,16 +96,29 @@ pub(super) fn one_clock(recordings: &[Recording]) -> Option<Check> {
 
 /// Whether the runs have settled, line by line, and none of them grows.
 pub(super) fn settled(measured: &[Measured]) -> Check {
-    let (name, advice) = ("settled".to_owned(), "record more periods back to back; until then the first one may be transient");
+    let (name, advice) = (
+        "settled".to_owned(),
+        "record more periods back to back; until then the first one may be transient",
+    );
     let unknown = measured.iter().find(|run| run.settling.is_none());
-    let grows = measured.iter().find_map(|run| Some((run, run.settling.as_ref()?.growth_per_period?)));
-    let is_unsettled = |run: &&Measured| run.settling.as_ref().is_some_and(|s| !s.unsettled.is_empty());
+    let grows = measured
+        .iter()
+        .find_map(|run| Some((run, run.settling.as_ref()?.growth_per_period?)));
+    let is_unsettled = |run: &&Measured| {
+        run.settling
+            .as_ref()
+            .is_some_and(|s| !s.unsettled.is_empty())
+    };
     let unsettled = measured.iter().find(is_unsettled);
     let n_periods = measured.iter().map(|run| run.n_periods).min().unwrap_or(0);
     let (passed, found, needed, advice) = match (grows, unsettled, unknown) {
         (Some((run, factor)), ..) => (
             false,
-            format!("{} grows by {} from period to period", run.name, significant(factor, 3)),
+            format!(
+                "{} grows by {} from period to period",
+                run.name,
+                significant(factor, 3)
+            ),
             "a stable machine: its periods are alike",
             "lower the gain of the controller, or the excitation",
         ),

@@ -54,7 +54,8 @@ fn from_start(times_s: &[f64]) -> Vec<f64> {
 
 /// The losses within a part of a recording, by its time.
 fn shifted(losses: Vec<Loss>, begin_s: f64, end_s: f64) -> Vec<Loss> {
-    let touches = |loss: &Loss| loss.from_s == loss.to_s || (loss.to_s > begin_s && loss.from_s < end_s);
+    let touches =
+        |loss: &Loss| loss.from_s == loss.to_s || (loss.to_s > begin_s && loss.from_s < end_s);
     let losses = losses.into_iter().filter(touches);
     let shifted = losses.map(|loss| Loss {
         from_s: (loss.from_s - begin_s).max(0.0),

@@ -72,10 +72,7 @@ enum NoRuns {
     Estimate(EstimateError),
 }
 
-fn useful_runs(
-    (number, recording): (usize, &Recording),
-    map: &LogMap,
-) -> Result<Vec<Run>, NoRuns> {
+fn useful_runs((number, recording): (usize, &Recording), map: &LogMap) -> Result<Vec<Run>, NoRuns> {
     match recording.refusal() {
         Some(reason) => Err(NoRuns::Refused(reason)),
         None => runs_of((number, recording), map).map_err(NoRuns::Estimate),
@@ -91,7 +88,11 @@ fn refuse_what_never_moves(recordings: &[Recording]) -> Result<(), ExperimentErr
     let everywhere = |odd: &&Odd| {
         rest.iter().all(|recording| {
             let same = |other: &&Odd| (other.role, other.channel) == (odd.role, odd.channel);
-            recording.odd.iter().filter(refused).any(|other| same(&other))
+            recording
+                .odd
+                .iter()
+                .filter(refused)
+                .any(|other| same(&other))
         })
     };
     let mut useless = first.odd.iter().filter(refused).filter(everywhere);

@@ -141,7 +141,7 @@ impl Odd {
 
 impl Role {
     /// What a channel without a name of its own is called.
-    fn name_of(self, channel: usize) -> String {
+    pub(super) fn name_of(self, channel: usize) -> String {
         let role = match self {
             Self::Input => "input",
             Self::Output => "output",

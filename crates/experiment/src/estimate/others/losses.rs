@@ -13,7 +13,10 @@ impl Recording {
     pub(super) fn lost(&self) -> Vec<String> {
         let mut words = Vec::new();
         for of_topic in self.log.losses.chunk_by(|a, b| a.topic == b.topic) {
-            let n_gaps = of_topic.iter().filter(|loss| loss.to_s > loss.from_s).count();
+            let n_gaps = of_topic
+                .iter()
+                .filter(|loss| loss.to_s > loss.from_s)
+                .count();
             if n_gaps <= NAMED {
                 words.extend(of_topic.iter().map(Loss::to_string));
             } else {
@@ -22,7 +25,9 @@ impl Recording {
                 words.push(self.summed_up(of_topic, n_gaps));
             }
         }
-        let named = words.into_iter().map(|loss| format!("{}: {loss}", self.name));
+        let named = words
+            .into_iter()
+            .map(|loss| format!("{}: {loss}", self.name));
         named.collect()
     }
 
@@ -31,7 +36,9 @@ impl Recording {
         let record = &self.log.record;
         let samples = |loss: &Loss| ((loss.to_s - loss.from_s) / record.sample_time_s).round();
         let lost: f64 = losses.iter().map(samples).sum();
-        let longest = losses.iter().max_by(|a, b| samples(a).total_cmp(&samples(b)));
+        let longest = losses
+            .iter()
+            .max_by(|a, b| samples(a).total_cmp(&samples(b)));
         let longest = longest.map_or(0.0, samples);
         format!(
             "{}: {lost} of {} samples ({} %) are missing in {}, the longest of {longest}: least squares go without them",

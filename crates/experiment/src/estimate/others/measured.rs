@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use frfid_estimate::{RunPeriods, RunSpectra, Settling};
+use frfid_estimate::{RunSpectra, Settling};
 use frfid_signals::format::{count, significant};
 use frfid_signals::power::{about_mean, rms};
 use ndarray::{ArrayView2, s};
@@ -81,8 +81,12 @@ impl Measured {
         let periods = clock.periods(&signals, &run.lines).map_err(&in_recording)?;
         let settled = Settled::of(&signals, &periods, &clock, run).map_err(&in_recording)?;
         let used = settled.n_transient..periods.n_periods();
-        let spectra = used.clone().map(|period| settled.spectra(&signals, &periods, period));
-        let spectra = spectra.collect::<Result<Vec<_>, _>>().map_err(&in_recording)?;
+        let spectra = used
+            .clone()
+            .map(|period| settled.spectra(&signals, &periods, period));
+        let spectra = spectra
+            .collect::<Result<Vec<_>, _>>()
+            .map_err(&in_recording)?;
         let spectra: Vec<RunSpectra> = spectra.into_iter().flatten().collect();
         Ok(Self {
             place: recording.place,
@@ -91,7 +95,12 @@ impl Measured {
             spectra,
             clock,
             n_periods: periods.n_periods(),
-            u_rms: signals.u.rows().into_iter().map(|u| rms(&about_mean(u))).collect(),
+            u_rms: signals
+                .u
+                .rows()
+                .into_iter()
+                .map(|u| rms(&about_mean(u)))
+                .collect(),
             n_transient: settled.n_transient,
             settling: settled.settling,
             trends: settled.trends,
@@ -110,7 +119,10 @@ impl Measured {
 
     /// The line that is settled least, in words.
     pub(super) fn unsettled_words(&self) -> String {
-        let unsettled = self.settling.iter().flat_map(|settling| &settling.unsettled);
+        let unsettled = self
+            .settling
+            .iter()
+            .flat_map(|settling| &settling.unsettled);
         let n_lines = unsettled.clone().count();
         let worst = unsettled.max_by(|a, b| a.bias_over_noise.total_cmp(&b.bias_over_noise));
         let Some(worst) = worst else {
@@ -142,7 +154,11 @@ impl Measured {
     pub(super) fn trend_words(&self, recording: &Recording) -> Vec<String> {
         let words = |trend: &TrendOf| {
             let signal = recording.name_of(trend.role, trend.channel);
-            format!("{}: {signal} {}", self.name, trend.words(self.clock.sample_time_s))
+            format!(
+                "{}: {signal} {}",
+                self.name,
+                trend.words(self.clock.sample_time_s)
+            )
         };
         self.trends.iter().map(words).collect()
     }
@@ -156,6 +172,9 @@ impl Recording {
             Role::Output => &self.log.output_names,
             Role::Reference | Role::Position => &[],
         };
-        names.get(channel).cloned().unwrap_or_else(|| role.name_of(channel))
+        names
+            .get(channel)
+            .cloned()
+            .unwrap_or_else(|| role.name_of(channel))
     }
 }

@@ -18,6 +18,7 @@ mod recording;
 mod runs;
 mod sample_clock;
 mod settled;
+mod stub;
 
 use std::path::PathBuf;
 

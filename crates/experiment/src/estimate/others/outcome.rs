@@ -139,7 +139,9 @@ fn levels(estimated: &Estimated) -> Vec<String> {
 /// Says which runs are one draw of phases.
 fn same_draw(draws: &EqualDraws, estimated: &Estimated) -> String {
     let names = draws.realizations.iter();
-    let names: Vec<&str> = names.map(|&run| estimated.runs[run].name.as_str()).collect();
+    let names: Vec<&str> = names
+        .map(|&run| estimated.runs[run].name.as_str())
+        .collect();
     let lost = match estimated.estimate.frf.total {
         Some(_) => "",
         None => "; distortion is not measured by them: record other phases",
@@ -167,9 +169,7 @@ fn rough(estimated: &Estimated) -> Option<String> {
 impl Recording {
     /// What is odd without failing a check, and what the reader of the file had to say.
     fn remarks(&self) -> Vec<String> {
-        let told = |odd: &&Odd| {
-            matches!(odd.consequence(), Consequence::Told | Consequence::Cured)
-        };
+        let told = |odd: &&Odd| matches!(odd.consequence(), Consequence::Told | Consequence::Cured);
         let odd = self.odd.iter().filter(told).map(|odd| {
             let cured = if odd.is_cured { "; mended" } else { "" };
             format!("{}{cured}", odd.words())

@@ -53,7 +53,11 @@ pub(super) fn hashes(paths: &[PathBuf]) -> Result<Metadata, ExperimentError> {
         if let Some((_, same)) = hashes.iter().find(|(other, _)| *other == hash) {
             return Err(ExperimentError::logs(
                 "recordings",
-                format!("the same bytes in {} and {}", same.display(), path.display()),
+                format!(
+                    "the same bytes in {} and {}",
+                    same.display(),
+                    path.display()
+                ),
                 "each recording once",
                 "a copy is no second measurement: leave it out",
             ));

@@ -38,7 +38,7 @@ pub(super) fn runs_of(
         let stretch = reference.slice(s![.., samples.clone()]);
         let lines = match &map.lines {
             Some(lines) => lines.clone(),
-            None => find_lines(stretch, period)?,
+            None => find_lines(stretch, period.round() as usize)?,
         };
         Ok(Run {
             recording: number,

@@ -1,7 +1,8 @@
 //! Sample clock of a run: whether its samples are even, and how long the player's period is on the
 //! recorder's clock.
 
-use frfid_estimate::{EstimateError, RunPeriods, find_clock_ratio, unexcited_lines};
+use frfid_estimate::{EstimateError, RunPeriods, unexcited_lines};
+use super::stub::find_clock_ratio;
 use ndarray::{Array2, ArrayView2, Axis, concatenate};
 use num_complex::Complex64;
 
@@ -62,7 +63,11 @@ impl SampleClock {
         let stamped = stamped.with_ratio(signals, run)?;
         let spreads = [&even, &stamped].map(|clock| clock.spread(signals, run));
         let [of_even, of_stamped] = spreads;
-        Ok(if of_stamped? < of_even? { stamped } else { even })
+        Ok(if of_stamped? < of_even? {
+            stamped
+        } else {
+            even
+        })
     }
 
     /// The same with the period that the turn of the reference from period to period tells.
@@ -94,7 +99,13 @@ impl SampleClock {
         lines: &[usize],
     ) -> Result<RunPeriods, EstimateError> {
         let samples = 0..signals.u.ncols();
-        RunPeriods::new(samples, self.period, self.positions.as_deref(), lines, &self.also)
+        RunPeriods::new(
+            samples,
+            self.period,
+            self.positions.as_deref(),
+            lines,
+            &self.also,
+        )
     }
 
     /// How far the periods of reference and outputs are from their mean, in power, each signal over
@@ -138,7 +149,8 @@ fn relative_spread(spectra: &[Option<Array2<Complex64>>]) -> f64 {
         mean += *spectrum;
     }
     mean /= Complex64::from(present.len() as f64);
-    let power = |spectrum: &Array2<Complex64>| spectrum.iter().map(Complex64::norm_sqr).sum::<f64>();
+    let power =
+        |spectrum: &Array2<Complex64>| spectrum.iter().map(Complex64::norm_sqr).sum::<f64>();
     let distances = present.iter().map(|spectrum| power(&(*spectrum - &mean)));
     distances.sum::<f64>() / power(&mean).max(f64::MIN_POSITIVE)
 }

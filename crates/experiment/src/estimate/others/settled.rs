@@ -117,7 +117,10 @@ impl Settled {
             Some(None) => return Ok(None),
             r => r.flatten(),
         };
-        let spectra = (periods.spectra("u", u, period)?, periods.spectra("y", y, period)?);
+        let spectra = (
+            periods.spectra("u", u, period)?,
+            periods.spectra("y", y, period)?,
+        );
         Ok(match spectra {
             (Some(u), Some(y)) => Some(RunSpectra { u, y, r }),
             _ => None,
