@@ -59,6 +59,7 @@ pub use compare::verdict::Verdict;
 pub use compare::{CompareOptions, Comparison, EntryComparison, compare};
 pub use error::{Deficiency, DeficientLine, EstimateError};
 pub use excitation_strength::pooling::pooled_strength;
+pub use excitation_strength::stuck::standing_share;
 pub use excitation_strength::warnings::strength_warnings;
 pub use excitation_strength::{AxisStrength, BandStrength, strength};
 pub use frf::estimate::FrfEstimate;
