@@ -20,6 +20,7 @@ mod harmonics;
 mod period_index;
 /// Properties found in a recording that frfid did not make: its period, lines and transient.
 mod recording {
+    pub(crate) mod clock_ratio;
     mod decay_part;
     mod decay_shapes;
     mod decay_test;
@@ -55,6 +56,7 @@ pub use glide::in_time::subtract_glide;
 pub use glide::ripple_residual::{FreeLines, ResidualLevel};
 pub use harmonics::harmonic_levels;
 pub use period_index::PeriodIndex;
+pub use recording::clock_ratio::{ClockRatio, find_clock_ratio};
 pub use recording::lines::{find_lines, lines_at};
 pub use recording::period::find_period;
 pub use recording::settling::{Settling, UnsettledLine, judge_settling};
