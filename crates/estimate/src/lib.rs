@@ -24,6 +24,7 @@ mod recording {
     pub(crate) mod aperiodic;
     mod autocorrelation;
     mod channel;
+    pub(crate) mod clock_ratio;
     mod decay_part;
     mod decay_shapes;
     mod decay_test;
@@ -76,6 +77,7 @@ pub use look::oddity::{Consequence, Level, Oddity};
 pub use look::wrapped::unwrapped;
 pub use period_index::PeriodIndex;
 pub use recording::aperiodic::Aperiodic;
+pub use recording::clock_ratio::{ClockRatio, find_clock_ratio};
 pub use recording::lines::{find_lines, lines_at};
 pub use recording::period::find_period;
 pub use recording::repetition::{Repetition, find_repetition};

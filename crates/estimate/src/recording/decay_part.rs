@@ -31,7 +31,7 @@ pub(super) struct Part {
 impl Part {
     pub(super) fn of(channel: usize, line: &Unsteady, deviations: &Deviations) -> Self {
         let mode = refined(line, deviations);
-        let shape = mode.over(&deviations.numbers);
+        let shape = mode.over(deviations.numbers);
         let size = deviations.along(&shape, line.place).norm() / shape.norm;
         let noise = deviations.noise(line.place, &shape).sqrt();
         let later: Vec<f64> = (0..shape.values.len())
@@ -86,7 +86,7 @@ impl Part {
 /// The mode with the modulus that leaves least; a drift where that does about as well.
 fn refined(line: &Unsteady, deviations: &Deviations) -> Mode {
     let left = |mode: Mode| {
-        let explained = deviations.along(&mode.over(&deviations.numbers), line.place);
+        let explained = deviations.along(&mode.over(deviations.numbers), line.place);
         deviations.left(line.place, explained.norm_sqr())
     };
     let coarse = (4..60).map(|i| 10.0_f64.powf(-0.25 * f64::from(i)));

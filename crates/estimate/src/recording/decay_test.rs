@@ -15,19 +15,24 @@ use crate::recording::decay_shapes::{Mode, Shape, shapes, steady_turns};
 
 /// Chance of a false alarm in a sound campaign, over all its tests.
 const FALSE_ALARM: f64 = 5e-4;
-/// Lines on either side whose noise is taken for that of a line ..
-const NEIGHBOURS: usize = 3;
-/// .. times this much (6 dB): noise that falls with the square of the frequency is four times as
-/// strong on the lowest of the odd lines as on it and its neighbours together.
+/// Lines on either side whose noise is taken for that of a line: so many over the degrees of freedom
+/// of each, and so few and so many at least and at most ..
+const NEIGHBOURS: f64 = 12.0;
+const FEWEST_NEIGHBOURS: f64 = 2.0;
+const MOST_NEIGHBOURS: f64 = 8.0;
+/// .. none of them at more than this multiple of its frequency, as noise falls ..
+const WITHIN: usize = 3;
+/// .. times this much (6 dB): noise of a wander falls with the square of the frequency, and is twice as
+/// strong on the lowest of the odd lines as on that and the next together.
 const UNLIKE: f64 = 4.0;
 /// .. and only where the line's own noise agrees by at least this chance, as it does not where noise
 /// has a peak.
 const OWN: f64 = 0.01;
 /// Lines that are tested together.
-const GROUPS: [usize; 2] = [4, 16];
+const GROUP: usize = 16;
 /// Noise of neighbouring lines is not independent where it is a slow wander, which makes all lines of
 /// a period leak alike: sums of -ln p over lines count by this factor.
-const LEAKING: f64 = 0.6;
+const LEAKING: f64 = 0.35;
 /// A decay that turns must be this much less likely a steady turn.
 const STEADY: f64 = 1e-3;
 /// Share of the power of a channel that is rounding.
@@ -44,9 +49,11 @@ pub(super) struct Unsteady {
 }
 
 /// Spectra of one channel about their mean, `(period, line)`.
-pub(super) struct Deviations {
+pub(super) struct Deviations<'a> {
+    /// DFT bins, rising.
+    lines: &'a [usize],
     /// Numbers of the periods, rising.
-    pub(super) numbers: Vec<usize>,
+    pub(super) numbers: &'a [usize],
     pub(super) values: Array2<Complex64>,
     /// Squares of a line over all periods.
     squares: Vec<f64>,
@@ -55,14 +62,19 @@ pub(super) struct Deviations {
     mean: Array1<Complex64>,
 }
 
-impl Deviations {
-    pub(super) fn of(numbers: Vec<usize>, spectra: ArrayView2<Complex64>) -> Self {
+impl<'a> Deviations<'a> {
+    pub(super) fn of(
+        lines: &'a [usize],
+        numbers: &'a [usize],
+        spectra: ArrayView2<Complex64>,
+    ) -> Self {
         let n_periods = numbers.len() as f64;
         let mean = spectra.sum_axis(Axis(0)) / Complex64::from(n_periods);
         let power: f64 = mean.iter().map(Complex64::norm_sqr).sum();
         let values = &spectra - &mean;
         let squares = values.mapv(|value| value.norm_sqr()).sum_axis(Axis(0));
         Self {
+            lines,
             numbers,
             squares: squares.to_vec(),
             rounding: ROUNDING * power * n_periods,
@@ -86,7 +98,14 @@ impl Deviations {
 
     /// A line and its neighbours.
     fn near(&self, place: usize) -> Range<usize> {
-        place.saturating_sub(NEIGHBOURS)..self.n_lines().min(place + NEIGHBOURS + 1)
+        let reach = (NEIGHBOURS / self.n_free()).clamp(FEWEST_NEIGHBOURS, MOST_NEIGHBOURS) as usize;
+        let end = self.n_lines().min(place + reach + 1);
+        let alike = |&line: &usize| line <= WITHIN * self.lines[place];
+        let n_above = self.lines[place..end]
+            .iter()
+            .take_while(|line| alike(line))
+            .count();
+        place.saturating_sub(reach)..place + n_above
     }
 
     fn n_lines(&self) -> usize {
@@ -120,8 +139,8 @@ impl Deviations {
     /// Lines that have not settled; `n_channels` are tested beside each other.
     pub(super) fn unsteady(&self, n_channels: usize) -> Vec<Unsteady> {
         let mut found: Vec<Option<Unsteady>> = vec![None; self.n_lines()];
-        for shapes in shapes(&self.numbers) {
-            let n_tests = (2 + GROUPS.len()) * n_channels * self.n_lines() * shapes.len();
+        for shapes in shapes(self.numbers) {
+            let n_tests = 3 * n_channels * self.n_lines() * shapes.len();
             // turning or not share the false alarms
             let needed = -(0.5 * FALSE_ALARM / n_tests.max(1) as f64).ln();
             for shape in &shapes {
@@ -133,7 +152,7 @@ impl Deviations {
                 }
             }
         }
-        let turns = steady_turns(&self.numbers);
+        let turns = steady_turns(self.numbers);
         found
             .into_iter()
             .flatten()
@@ -156,8 +175,9 @@ impl Deviations {
                 false => own[place],
             })
             .collect();
-        for size in GROUPS {
-            add_groups(&own, size, needed, &mut evidence);
+        // a mode that turns has a few lines beside it, and a wander turns by chance
+        if !shape.mode.is_turning() {
+            add_groups(&own, needed, &mut evidence);
         }
         let found = |(place, evidence): (usize, f64)| Unsteady {
             place,
@@ -185,17 +205,17 @@ impl Deviations {
             self.left(line.place, explained)
         };
         let steady = turns.iter().map(left).fold(f64::INFINITY, f64::min);
-        let evidence = self.n_free() * (steady / left(&line.mode.over(&self.numbers))).ln();
+        let evidence = self.n_free() * (steady / left(&line.mode.over(self.numbers))).ln();
         evidence > -STEADY.ln()
     }
 }
 
 /// Adds the evidence of groups of lines to those of its lines that take part in it.
-fn add_groups(own: &[f64], size: usize, needed: f64, evidence: &mut [f64]) {
-    for (first, group) in own.windows(size).enumerate() {
-        let together = gamma_tail(size, LEAKING * group.iter().sum::<f64>());
+fn add_groups(own: &[f64], needed: f64, evidence: &mut [f64]) {
+    for (first, group) in own.windows(GROUP).enumerate() {
+        let together = gamma_tail(GROUP, LEAKING * group.iter().sum::<f64>());
         if together > needed {
-            for (own, evidence) in zip(group, &mut evidence[first..first + size]) {
+            for (own, evidence) in zip(group, &mut evidence[first..first + GROUP]) {
                 if *own > -OWN.ln() {
                     *evidence = evidence.max(together);
                 }

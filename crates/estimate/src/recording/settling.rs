@@ -160,7 +160,7 @@ impl<'a> Series<'a> {
         let numbers = &self.numbers[first..end];
         let of_channel = |(channel, spectra): (usize, &Array2<Complex64>)| {
             let spectra = spectra.slice(s![first..end, ..]);
-            let deviations = Deviations::of(numbers.to_vec(), spectra);
+            let deviations = Deviations::of(self.lines, numbers, spectra);
             let unsteady = deviations.unsteady(self.channels.len());
             let parts = unsteady
                 .into_iter()

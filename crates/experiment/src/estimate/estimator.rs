@@ -3,7 +3,7 @@
 
 use std::iter::zip;
 
-use frfid_estimate::{Campaign, Evaluation, PeriodIndex, RunSpectra};
+use frfid_estimate::{Campaign, Evaluation, FrfEstimate, PeriodIndex, RunSpectra};
 use frfid_signals::{Frf, Plan, Record, RunId, RunKind};
 use ndarray::s;
 
@@ -11,6 +11,7 @@ use crate::description::estimate::{EstimateTable, GlideSubtraction};
 use crate::error::ExperimentError;
 use crate::estimate::glide_baseline::Baseline;
 use crate::estimate::ripple_residual::{FreeSpectra, RippleResidual};
+use crate::estimate::unsettled::Unsettled;
 
 /// Turns the records of one plan into spectra, and the spectra into an FRF.
 pub struct Estimator {
@@ -48,8 +49,14 @@ impl Spectra {
 /// An FRF with what a careful reader should know besides.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimated {
-    /// The FRF.
+    /// The FRF; lines that were left out are NaN.
     pub frf: Frf,
+    /// Lines that were left out, realizations that were counted as repetitions, in words.
+    pub remarks: Vec<String>,
+    /// Number of lines that were left out.
+    pub n_left_out: usize,
+    /// What has not settled from period to period, run by run.
+    pub unsettled: Unsettled,
     /// Runs that were missing: their periods are not in the estimate.
     pub missing: Vec<PeriodIndex>,
     /// Whether what remains of the ripple exceeds the noise, line by line; `None` where it cannot
@@ -217,14 +224,21 @@ impl Estimator {
     /// # Errors
     /// [`ExperimentError`] if nothing remains, or U cannot be inverted.
     pub fn estimate(&self, spectra: Spectra) -> Result<Estimated, ExperimentError> {
+        let unsettled = Unsettled::of(&spectra.periods, &self.plan)?;
         let mut campaign = Campaign::new(self.evaluation.frequency_hz.clone())?;
         for (place, run) in spectra.periods {
             campaign.insert(place, run)?;
         }
         let missing = campaign.drop_incomplete();
+        let equal_draws = campaign.pool_equal_draws();
+        let estimate = FrfEstimate {
+            equal_draws,
+            ..campaign.estimate_lines(&self.options.method().into())?
+        };
+        let (remarks, n_left_out) = (estimate.warnings(), estimate.left_out.len());
         let frf = Frf {
             relative_resolution: self.evaluation.relative_resolution,
-            ..campaign.estimate(&self.options.method().into())?
+            ..estimate.frf
         };
         let ripple = match &self.residual {
             Some(residual) => residual.exceeds_noise(spectra.free, &frf)?,
@@ -232,6 +246,9 @@ impl Estimator {
         };
         Ok(Estimated {
             frf,
+            remarks,
+            n_left_out,
+            unsettled,
             missing,
             ripple,
         })

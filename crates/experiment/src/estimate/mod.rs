@@ -11,6 +11,7 @@ pub(crate) mod our_logs;
 pub(crate) mod outcome;
 pub(crate) mod records;
 pub(crate) mod ripple_residual;
+pub(crate) mod unsettled;
 
 use std::path::PathBuf;
 

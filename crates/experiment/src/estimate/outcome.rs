@@ -63,6 +63,8 @@ impl Experiment {
         let is_lossy = !complete.passed;
         let torques = load.map_or(&[][..], |load| &load.torque_rms_nm);
         let mut checks = vec![complete, condition_check(&estimated.frf, torques)];
+        checks.extend(estimated.unsettled.check());
+        checks.extend(left_out_check(estimated.n_left_out));
         checks.extend(strength.and_then(Strength::sign_check));
         let warnings = warnings(&estimated, strength, inventory);
         let result = ResultFile {
@@ -132,6 +134,7 @@ fn warnings(
 ) -> Vec<String> {
     let mut warnings = inventory.losses.clone();
     warnings.extend(missing_warning(estimated.missing.len()));
+    warnings.extend(estimated.remarks.iter().cloned());
     let too_weak = strength.iter().flat_map(|strength| &strength.warnings);
     warnings.extend(too_weak.cloned());
     let n_lines = estimated.frf.n_frequencies();
@@ -144,6 +147,17 @@ fn missing_warning(n_missing: usize) -> Option<String> {
         format!(
             "{n_missing} periods are not in the estimate, because not all of their experiments are whole"
         )
+    })
+}
+
+/// A check that fails where lines are left out; `None` where none is.
+pub(crate) fn left_out_check(n_left_out: usize) -> Option<Check> {
+    (n_left_out > 0).then(|| Check {
+        name: "excited lines".into(),
+        passed: false,
+        found: format!("{n_left_out} without excitation, left out"),
+        needed: "every line excited well above what stands beside it and its own noise".into(),
+        advice: "leave out the lines that are not excited, or excite them more strongly".into(),
     })
 }
 

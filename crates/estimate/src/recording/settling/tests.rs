@@ -23,7 +23,7 @@ fn table() {
                 let dft = LineDft::new(n, &lines).expect("sound");
                 let (mut alarms, mut growth) = (0, 0);
                 let mut dropped = 0;
-                let runs = 300;
+                let runs = 400;
                 for seed in 0..runs {
                     let mut rng = stream(seed, "noise", &[]);
                     let mut state = normal(&mut rng);
@@ -44,6 +44,14 @@ fn table() {
                         continue;
                     };
                     alarms += usize::from(!found.unsettled.is_empty());
+                    if !found.unsettled.is_empty() {
+                        println!(
+                            "{n_periods} {seed} {:?} {:?} {:?}",
+                            found.decay_periods,
+                            found.unsettled.len(),
+                            &found.unsettled[..found.unsettled.len().min(3)]
+                        );
+                    }
                     growth += usize::from(found.growth_per_period.is_some());
                     dropped += usize::from(found.n_transient > 0);
                 }

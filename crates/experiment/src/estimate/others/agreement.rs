@@ -104,6 +104,17 @@ impl<'a> Traits<'a> {
         })
     }
 
+    /// That its period is another one; a whole part of it is that of other lines.
+    fn other_period(&self, other: &Self) -> String {
+        let [found, needed] = [self, other].map(|of| significant(of.period_s, 6));
+        let ratio = self.period_s.max(other.period_s) / self.period_s.min(other.period_s);
+        let other_lines = match is_same(ratio, ratio.round()) {
+            true => ", so that it excites other lines",
+            false => "",
+        };
+        format!("its period is {found} s, that of the others {needed} s{other_lines}")
+    }
+
     fn lines_in_words(&self) -> String {
         let hz = |line: Option<&usize>| {
             significant(line.map_or(0.0, |&line| line as f64 / self.period_s), 5)

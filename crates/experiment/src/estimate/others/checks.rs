@@ -5,7 +5,6 @@ use frfid_files::Check;
 use frfid_signals::Frf;
 use frfid_signals::format::{count, significant};
 
-use crate::estimate::others::estimated::Estimated;
 use crate::estimate::others::found::Found;
 use crate::estimate::others::measured::Measured;
 use crate::estimate::others::recording::{Odd, Recording};
@@ -148,16 +147,4 @@ pub(super) fn settled(measured: &[Measured]) -> Check {
         needed: needed.into(),
         advice: advice.into(),
     }
-}
-
-/// Whether every line is excited; `None` where all are.
-pub(super) fn excited(found: &Found, estimated: &Estimated) -> Option<Check> {
-    let n_out = estimated.estimate.left_out.len() + found.not_common.len();
-    (n_out > 0).then(|| Check {
-        name: "excited lines".into(),
-        passed: false,
-        found: format!("{n_out} without excitation, left out"),
-        needed: "every line excited well above what stands beside it and its own noise".into(),
-        advice: "name the lines that are excited (--lines), or excite these more strongly".into(),
-    })
 }

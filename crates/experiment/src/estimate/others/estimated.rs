@@ -1,7 +1,7 @@
 //! Estimate from the runs of recordings.
 
-use frfid_estimate::{EqualDraws, FrfEstimate, LineDft};
 use super::stub::{Roughness, roughness};
+use frfid_estimate::{EqualDraws, FrfEstimate, LineDft};
 use frfid_files::LogMap;
 
 use crate::description::estimate::EstimateTable;

@@ -90,7 +90,7 @@ impl Measured {
         let spectra: Vec<RunSpectra> = spectra.into_iter().flatten().collect();
         Ok(Self {
             place: recording.place,
-            name: recording.name.clone(),
+            name: run.name(recording),
             n_lost: used.len() - spectra.len(),
             spectra,
             clock,

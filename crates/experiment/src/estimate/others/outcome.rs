@@ -10,7 +10,7 @@ use crate::estimate::others::checks;
 use crate::estimate::others::estimated::Estimated;
 use crate::estimate::others::found::Found;
 use crate::estimate::others::recording::{Odd, Recording};
-use crate::estimate::outcome::{Outcome, condition_check};
+use crate::estimate::outcome::{Outcome, condition_check, left_out_check};
 
 /// Levels of one input that differ by more than this are told: a nonlinear machine has another FRF
 /// at each.
@@ -61,7 +61,8 @@ impl Found {
         all.extend(checks::one_clock(&self.recordings));
         all.push(checks::periods(&estimated.runs, &estimated.estimate.frf));
         all.push(checks::settled(&estimated.runs));
-        all.extend(checks::excited(self, estimated));
+        let n_left_out = estimated.estimate.left_out.len() + self.not_common.len();
+        all.extend(left_out_check(n_left_out));
         all.push(condition_check(&estimated.estimate.frf, &[]));
         all
     }

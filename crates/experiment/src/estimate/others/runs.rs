@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use frfid_estimate::{EstimateError, Repetition, find_lines, find_repetition};
 use frfid_files::LogMap;
+use frfid_signals::format::significant;
 use ndarray::s;
 
 use crate::estimate::others::recording::Recording;
@@ -20,6 +21,26 @@ pub(super) struct Run {
     pub(super) period: f64,
     /// Lines that are excited, rising.
     pub(super) lines: Vec<usize>,
+    /// Whether it is the only one of its recording.
+    is_alone: bool,
+}
+
+impl Run {
+    /// The name of its recording, with its times where there are others in it.
+    pub(super) fn name(&self, recording: &Recording) -> String {
+        if self.is_alone {
+            return recording.name.clone();
+        }
+        let time_s =
+            |sample: usize| significant(sample as f64 * recording.log.record.sample_time_s, 6);
+        let Range { start, end } = self.samples;
+        format!(
+            "{} ({} s to {} s)",
+            recording.name,
+            time_s(start),
+            time_s(end)
+        )
+    }
 }
 
 /// The runs of a recording.
@@ -34,6 +55,7 @@ pub(super) fn runs_of(
     let stated = map.period_s.map(|period_s| period_s / sample_time_s);
     let reference = recording.reference();
     let Repetition { period, runs, .. } = find_repetition(reference, stated)?;
+    let is_alone = runs.len() == 1;
     let run = |samples: Range<usize>| {
         let stretch = reference.slice(s![.., samples.clone()]);
         let lines = match &map.lines {
@@ -45,6 +67,7 @@ pub(super) fn runs_of(
             samples,
             period,
             lines,
+            is_alone,
         })
     };
     runs.into_iter().map(run).collect()

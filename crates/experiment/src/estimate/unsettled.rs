@@ -1,0 +1,114 @@
+//! What has not settled in the runs of a plan, judged from period to period.
+
+use std::collections::BTreeMap;
+
+use frfid_estimate::{PeriodIndex, RunSpectra, Settling, judge_settling};
+use frfid_files::Check;
+use frfid_signals::format::{count, significant};
+use frfid_signals::{Excitation, Plan};
+use ndarray::Array2;
+use num_complex::Complex64;
+
+use crate::error::ExperimentError;
+
+/// Bias of a line, over the line, that is worth a failed check.
+const WORTH_IT: f64 = 1e-3;
+/// A single run may fail by chance, this share of them does not.
+const SHARE: f64 = 0.1;
+
+/// What has not settled, over all runs.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Unsettled {
+    /// Runs with periods enough to tell.
+    pub n_judged: usize,
+    /// Runs with lines that have not settled.
+    pub n_unsettled: usize,
+    /// Largest bias of a line over the line.
+    pub bias_over_line: f64,
+    /// Runs that grow from period to period.
+    pub n_growing: usize,
+    /// Largest factor from period to period.
+    pub growth_per_period: f64,
+}
+
+/// A run: realization, experiment, repetition.
+type Run = (usize, usize, usize);
+
+impl Unsettled {
+    /// Judges the outputs of every run on the lines of a multisine; other excitations have no lines
+    /// that repeat.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for spectra that do not fit each other.
+    pub(crate) fn of(
+        periods: &[(PeriodIndex, RunSpectra)],
+        plan: &Plan,
+    ) -> Result<Self, ExperimentError> {
+        let mut unsettled = Self::default();
+        let Excitation::Multisine(multisine) = &plan.excitation else {
+            return Ok(unsettled);
+        };
+        let mut runs: BTreeMap<Run, Vec<Option<Array2<Complex64>>>> = BTreeMap::new();
+        for (place, spectra) in periods {
+            let (repetition, period) =
+                (place.period / plan.n_periods, place.period % plan.n_periods);
+            let run = runs
+                .entry((place.realization, place.experiment, repetition))
+                .or_insert_with(|| vec![None; plan.n_periods]);
+            run[period] = Some(spectra.y.clone());
+        }
+        for periods in runs.values() {
+            if let Some(settling) = judge_settling(periods, &multisine.grid.excited)? {
+                unsettled.add(&settling);
+            }
+        }
+        Ok(unsettled)
+    }
+
+    fn add(&mut self, settling: &Settling) {
+        self.n_judged += 1;
+        let biases = settling.unsettled.iter().map(|line| line.bias_over_line);
+        let bias = biases.fold(0.0, f64::max);
+        if bias > WORTH_IT {
+            self.n_unsettled += 1;
+            self.bias_over_line = self.bias_over_line.max(bias);
+        }
+        if let Some(growth) = settling.growth_per_period.filter(|_| bias > WORTH_IT) {
+            self.n_growing += 1;
+            self.growth_per_period = self.growth_per_period.max(growth);
+        }
+    }
+
+    /// A check that fails where runs grow or have not settled; `None` where nothing is known, and
+    /// where all is well.
+    pub(crate) fn check(&self) -> Option<Check> {
+        let is_share = |n: usize| n as f64 > SHARE * self.n_judged as f64;
+        let growth = is_share(self.n_growing).then(|| Check {
+            name: "stable".into(),
+            passed: false,
+            found: format!(
+                "{} of {} grow from period to period, by a factor {} at most",
+                self.n_growing,
+                count(self.n_judged, "run"),
+                significant(self.growth_per_period, 3)
+            ),
+            needed: "periods that are alike: the loop is unstable, or the machine drifts".into(),
+            advice: "lower the gain of the controller, or the excitation".into(),
+        });
+        let transient = || {
+            is_share(self.n_unsettled).then(|| Check {
+                name: "settled".into(),
+                passed: false,
+                found: format!(
+                    "{} of {} not, a line by {} %",
+                    self.n_unsettled,
+                    count(self.n_judged, "run"),
+                    significant(100.0 * self.bias_over_line, 2)
+                ),
+                needed: "runs settled: what dies out is in every period and in no variance".into(),
+                advice: "raise lead_in_s".into(),
+            })
+        };
+        growth.or_else(transient)
+    }
+}
