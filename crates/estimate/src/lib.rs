@@ -28,6 +28,7 @@ mod recording {
     mod decay_part;
     mod decay_shapes;
     mod decay_test;
+    pub(crate) mod input_changes;
     mod lag;
     mod likeness;
     pub(crate) mod lines;
@@ -78,6 +79,7 @@ pub use look::wrapped::unwrapped;
 pub use period_index::PeriodIndex;
 pub use recording::aperiodic::Aperiodic;
 pub use recording::clock_ratio::{ClockRatio, find_clock_ratio};
+pub use recording::input_changes::without_input_changes;
 pub use recording::lines::{find_lines, lines_at};
 pub use recording::period::find_period;
 pub use recording::repetition::{Repetition, find_repetition};

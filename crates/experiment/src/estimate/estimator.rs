@@ -224,10 +224,9 @@ impl Estimator {
     /// # Errors
     /// [`ExperimentError`] if nothing remains, or U cannot be inverted.
     pub fn estimate(&self, spectra: Spectra) -> Result<Estimated, ExperimentError> {
-        let unsettled = Unsettled::of(&spectra.periods, &self.plan)?;
         let mut campaign = Campaign::new(self.evaluation.frequency_hz.clone())?;
-        for (place, run) in spectra.periods {
-            campaign.insert(place, run)?;
+        for (place, run) in &spectra.periods {
+            campaign.insert(*place, run.clone())?;
         }
         let missing = campaign.drop_incomplete();
         let equal_draws = campaign.pool_equal_draws();
@@ -245,10 +244,10 @@ impl Estimator {
             None => None,
         };
         Ok(Estimated {
+            unsettled: Unsettled::of(&spectra.periods, &self.plan, &frf)?,
             frf,
             remarks,
             n_left_out,
-            unsettled,
             missing,
             ripple,
         })

@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use frfid_estimate::{PeriodIndex, RunSpectra, Settling, judge_settling};
+use frfid_estimate::{PeriodIndex, RunSpectra, Settling, judge_settling, without_input_changes};
 use frfid_files::Check;
 use frfid_signals::format::{count, significant};
-use frfid_signals::{Excitation, Plan};
+use frfid_signals::{Excitation, Frf, Plan};
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -43,22 +43,22 @@ impl Unsettled {
     pub(crate) fn of(
         periods: &[(PeriodIndex, RunSpectra)],
         plan: &Plan,
+        frf: &Frf,
     ) -> Result<Self, ExperimentError> {
         let mut unsettled = Self::default();
         let Excitation::Multisine(multisine) = &plan.excitation else {
             return Ok(unsettled);
         };
-        let mut runs: BTreeMap<Run, Vec<Option<Array2<Complex64>>>> = BTreeMap::new();
+        let mut runs: BTreeMap<Run, Vec<&RunSpectra>> = BTreeMap::new();
         for (place, spectra) in periods {
-            let (repetition, period) =
-                (place.period / plan.n_periods, place.period % plan.n_periods);
-            let run = runs
-                .entry((place.realization, place.experiment, repetition))
-                .or_insert_with(|| vec![None; plan.n_periods]);
-            run[period] = Some(spectra.y.clone());
+            let repetition = place.period / plan.n_periods;
+            let run = (place.realization, place.experiment, repetition);
+            runs.entry(run).or_default().push(spectra);
         }
-        for periods in runs.values() {
-            if let Some(settling) = judge_settling(periods, &multisine.grid.excited)? {
+        for run in runs.values() {
+            let rest = without_input_changes(run, frf).into_iter();
+            let rest: Vec<Option<Array2<Complex64>>> = rest.map(Some).collect();
+            if let Some(settling) = judge_settling(&rest, &multisine.grid.excited)? {
                 unsettled.add(&settling);
             }
         }

@@ -84,10 +84,7 @@ impl<'a> Traits<'a> {
             ));
         }
         if !is_same(self.period_s, other.period_s) {
-            let [found, needed] = [self, other].map(|of| significant(of.period_s, 6));
-            return Some(format!(
-                "its period is {found} s, that of the others {needed} s"
-            ));
+            return Some(self.other_period(other));
         }
         let mine: BTreeSet<usize> = self.lines.iter().copied().collect();
         let n_common = other

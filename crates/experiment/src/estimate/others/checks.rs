@@ -95,56 +95,46 @@ pub(super) fn one_clock(recordings: &[Recording]) -> Option<Check> {
 
 /// Whether the runs have settled, line by line, and none of them grows.
 pub(super) fn settled(measured: &[Measured]) -> Check {
-    let (name, advice) = (
-        "settled".to_owned(),
-        "record more periods back to back; until then the first one may be transient",
-    );
-    let unknown = measured.iter().find(|run| run.settling.is_none());
-    let grows = measured
-        .iter()
-        .find_map(|run| Some((run, run.settling.as_ref()?.growth_per_period?)));
-    let is_unsettled = |run: &&Measured| {
-        run.settling
-            .as_ref()
-            .is_some_and(|s| !s.unsettled.is_empty())
-    };
-    let unsettled = measured.iter().find(is_unsettled);
     let n_periods = measured.iter().map(|run| run.n_periods).min().unwrap_or(0);
-    let (passed, found, needed, advice) = match (grows, unsettled, unknown) {
-        (Some((run, factor)), ..) => (
-            false,
-            format!(
-                "{} grows by {} from period to period",
-                run.name,
-                significant(factor, 3)
-            ),
-            "a stable machine: its periods are alike",
-            "lower the gain of the controller, or the excitation",
-        ),
-        (None, Some(run), _) => (
-            false,
-            run.unsettled_words(),
-            "all lines settled: their bias is in every period, and not in the variance",
-            "wait longer before the first period that is used: --start",
-        ),
-        (None, None, Some(_)) => (
-            false,
-            count(n_periods, "period"),
-            "3 or more, to tell a transient from the steady state",
-            advice,
-        ),
-        (None, None, None) => (
-            true,
-            count(n_periods, "period"),
-            "3 or more, to tell a transient from the steady state",
-            advice,
-        ),
-    };
+    let known = "3 or more, to tell a transient from the steady state";
+    let more = "record more periods back to back; until then the first one may be transient";
+    let unknown = (count(n_periods, "period"), known, more);
+    let is_known = |run: &Measured| run.settling.is_some();
+    let found = measured.iter().find_map(unsettled);
+    let passed = found.is_none() && measured.iter().all(is_known);
+    let (found, needed, advice) = found.unwrap_or(unknown);
     Check {
-        name,
+        name: "settled".into(),
         passed,
         found,
         needed: needed.into(),
         advice: advice.into(),
     }
+}
+
+/// In what way a run has not settled: found, needed, advice.
+fn unsettled(run: &Measured) -> Option<(String, &'static str, &'static str)> {
+    let settled = "all lines settled: what dies out is in every period, and in no variance";
+    let wait = "wait longer before the first period that is used: --start";
+    if run.never_settles {
+        let found = format!(
+            "{}: the first half of its periods differs from the rest",
+            run.name
+        );
+        return Some((found, settled, wait));
+    }
+    let settling = run.settling.as_ref()?;
+    if let Some(factor) = settling.growth_per_period {
+        let factor = significant(factor, 3);
+        return Some((
+            format!(
+                "{} grows by a factor {factor} from period to period",
+                run.name
+            ),
+            "a stable machine: its periods are alike",
+            "lower the gain of the controller, or the excitation",
+        ));
+    }
+    let is_settled = settling.unsettled.is_empty();
+    (!is_settled).then(|| (run.unsettled_words(), settled, wait))
 }

@@ -35,7 +35,7 @@ impl Found {
     ) -> Result<Estimated, ExperimentError> {
         let mut runs = self.measured()?;
         let frequency_hz = self.frequency_hz(&runs[0])?;
-        let of_runs = runs.iter_mut().map(|run| (run.place, run.take_spectra()));
+        let of_runs = runs.iter().map(|run| (run.place, run.spectra.clone()));
         let of_runs: Vec<RunOf> = of_runs.collect();
         let n_inputs = self.recordings[0].log.record.u.nrows();
         let mut placed = match &map.realization_of {
@@ -47,6 +47,9 @@ impl Found {
         };
         let n_incomplete = placed.campaign.drop_incomplete().len();
         let estimate = placed.campaign.estimate_lines(&options.method().into())?;
+        for run in &mut runs {
+            run.judge(&estimate.frf, &self.runs[0].lines)?;
+        }
         Ok(Estimated {
             roughness: roughness(&estimate.frf),
             runs,

@@ -2,10 +2,12 @@
 
 use std::ops::Range;
 
-use frfid_estimate::{RunSpectra, Settling};
+use frfid_estimate::{EstimateError, RunSpectra, Settling, judge_settling, without_input_changes};
+use frfid_signals::Frf;
 use frfid_signals::format::{count, significant};
 use frfid_signals::power::{about_mean, rms};
-use ndarray::{ArrayView2, s};
+use ndarray::{Array2, ArrayView2, s};
+use num_complex::Complex64;
 
 use crate::error::ExperimentError;
 use crate::estimate::others::recording::{Recording, Role};
@@ -29,6 +31,8 @@ pub(super) struct Measured {
     pub(super) n_lost: usize,
     /// Whether the rest has settled; `None` where too few periods tell.
     pub(super) settling: Option<Settling>,
+    /// Whether the first half of the periods differs from the rest.
+    pub(super) never_settles: bool,
     /// Leading periods that were dropped as transient.
     pub(super) n_transient: usize,
     /// Trends that were taken off.
@@ -102,19 +106,31 @@ impl Measured {
                 .map(|u| rms(&about_mean(u)))
                 .collect(),
             n_transient: settled.n_transient,
-            settling: settled.settling,
+            settling: None,
+            never_settles: false,
             trends: settled.trends,
         })
     }
 
-    /// The spectra, which are then the caller's.
-    pub(super) fn take_spectra(&mut self) -> Vec<RunSpectra> {
-        std::mem::take(&mut self.spectra)
+    /// Judges whether the periods that are used have settled, but for what changes of the input
+    /// explain.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for spectra that are not finite.
+    pub(super) fn judge(&mut self, frf: &Frf, lines: &[usize]) -> Result<(), ExperimentError> {
+        let rest = without_input_changes(&self.spectra, frf).into_iter();
+        let rest: Vec<Option<Array2<Complex64>>> = rest.map(Some).collect();
+        match judge_settling(&rest, lines) {
+            Ok(settling) => self.settling = settling,
+            Err(EstimateError::NotSettled { .. }) => self.never_settles = true,
+            Err(error) => return Err(error.into()),
+        }
+        Ok(())
     }
 
     /// Number of periods that are used.
     pub(super) fn n_used(&self) -> usize {
-        self.n_periods - self.n_transient - self.n_lost
+        self.spectra.len()
     }
 
     /// The line that is settled least, in words.
