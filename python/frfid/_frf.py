@@ -15,9 +15,10 @@ if TYPE_CHECKING:
 def to_control(frf: Frf) -> Any:
     import control  # type: ignore[import-untyped]
 
+    known = np.isfinite(frf.response).all(axis=(1, 2))  # it has no word for a line without an estimate
     return control.FrequencyResponseData(
-        np.moveaxis(frf.response, 0, -1),
-        2 * np.pi * frf.frequency_hz,
+        np.moveaxis(frf.response[known], 0, -1),
+        2 * np.pi * frf.frequency_hz[known],
         inputs=frf.input_names,
         outputs=frf.output_names,
     )
@@ -92,11 +93,13 @@ def repr_html(frf: Frf) -> str:
     if not len(frf.frequency_hz):
         return f"<p>{escape(repr(frf))}</p>"
     measured = {name: getattr(frf, name) is not None for name in ("noise_variance", "total_variance")}
+    unknown = int(np.isnan(frf.response).any(axis=(1, 2)).sum())
     rows = {
         "outputs x inputs": f"{frf.n_outputs} x {frf.n_inputs}",
         "frequencies": f"{len(frf.frequency_hz)}, {frf.frequency_hz[0]:.4g} Hz to {frf.frequency_hz[-1]:.4g} Hz",
+        **({"lines without an estimate": f"{unknown}"} if unknown else {}),
         **{name.replace("_", " "): "measured" if known else "not measured" for name, known in measured.items()},
-        "condition of U": "-" if frf.condition is None else f"at most {frf.condition.max():.3g}",
+        "condition of U": _worst(frf.condition),
     }
     cells = "".join(f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>" for name, value in rows.items())
     try:
@@ -105,6 +108,11 @@ def repr_html(frf: Frf) -> str:
     except ValueError:  # a logarithmic axis has no room for 0 Hz
         picture = ""
     return f"<table><caption>frfid.Frf</caption>{cells}</table>{picture}"
+
+
+def _worst(condition: Any) -> str:
+    known = () if condition is None else condition[~np.isnan(condition)]
+    return f"at most {max(known):.3g}" if len(known) else "-"
 
 
 def _db(amplitude: Any) -> Any:

@@ -125,13 +125,16 @@ impl Frf {
     }
 
     /// Level of the stochastic nonlinear distortion of one realization, `n_p (total - noise)` per
-    /// entry, floored at 0 (the noise alone may exceed the total by chance),
+    /// entry, floored at 0 (the noise alone may exceed the total by chance; NaN stays NaN),
     /// `(frequency, output, input)`; `None` unless both are known.
     #[must_use]
     pub fn nonlinear_variance(&self) -> Option<Array3<f64>> {
         let realizations = (self.total.as_ref()?.degrees_of_freedom + 1) as f64;
         let (total, noise) = (self.total_variance()?, self.noise_variance()?);
-        Some((total - noise).mapv(|difference| (realizations * difference).max(0.0)))
+        Some(
+            (total - noise)
+                .mapv(|difference| (realizations * difference).clamp(0.0, f64::INFINITY)),
+        )
     }
 
     /// Magnitude of one entry in dB over frequency.

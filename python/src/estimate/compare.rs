@@ -1,6 +1,6 @@
 //! `frfid.compare`.
 
-use frfid_estimate::{CompareOptions, Comparison as Compared};
+use frfid_estimate::{CompareOptions, Comparison as Compared, Sides};
 use pyo3::prelude::*;
 
 use crate::choice::{choice, to_python};
@@ -29,6 +29,14 @@ impl Comparison {
     #[getter]
     fn band_hz(&self) -> (f64, f64) {
         self.compared.band_hz
+    }
+
+    /// Lines of ``a`` and of ``b`` within that band of which nothing is known (NaN): they are left
+    /// out.
+    #[getter]
+    fn unknown_lines(&self) -> (usize, usize) {
+        let Sides { a, b } = self.compared.unknown_lines;
+        (a, b)
     }
 
     /// Every entry of the matrix, outputs first, as a dict: ``changes`` holds each resonance and

@@ -66,7 +66,7 @@ impl Frf {
     }
 
     /// The FRF as ``control.FRD``: rad/s, response (output, input, frequency). It has no room for
-    /// the uncertainty.
+    /// the uncertainty, nor for lines without an estimate: those are left out.
     fn to_control<'py>(slf: &Bound<'py, Self>) -> PyResult<Bound<'py, PyAny>> {
         in_python(slf, "to_control")
     }

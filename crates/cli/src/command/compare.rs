@@ -50,10 +50,16 @@ pub(crate) fn run(
     let comparison = compare(&a.frf, &b.frf, &settings).map_err(|error| Failure::failed(&error))?;
     if options.json {
         let (low, high) = comparison.band_hz;
-        console.json(&json!({ "low_hz": low, "high_hz": high, "entries": comparison.entries }))?;
+        console.json(&json!({
+            "low_hz": low,
+            "high_hz": high,
+            "unknown_lines": comparison.unknown_lines,
+            "entries": comparison.entries,
+        }))?;
         return Ok(Exit::Done);
     }
     console.data(&heading(arguments, settings.stronger, comparison.band_hz))?;
+    console.data(&unknown(comparison.unknown_lines))?;
     for entry in &comparison.entries {
         let (input, output) = (&a.input_names[entry.input], &a.output_names[entry.output]);
         console.data(&format!("\n{input} to {output}\n{}", as_text(entry)))?;
@@ -67,6 +73,14 @@ fn heading(arguments: &Arguments, stronger: Option<Side>, (low, high): (f64, f64
     let b = result_line("B", &arguments.b, stronger == Some(Side::B));
     let (low, high) = (significant(low, 5), significant(high, 5));
     format!("{a}{b}band {low} to {high} Hz\n")
+}
+
+/// How many lines are not compared, because nothing is known of them; empty if none.
+fn unknown(Sides { a, b }: Sides<usize>) -> String {
+    match (a, b) {
+        (0, 0) => String::new(),
+        _ => format!("left out, not known: {a} lines of A, {b} lines of B\n"),
+    }
 }
 
 fn result_line(letter: &str, path: &Path, is_stronger: bool) -> String {

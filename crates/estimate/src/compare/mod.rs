@@ -7,8 +7,11 @@ mod pairing;
 pub(crate) mod resonance;
 pub(crate) mod verdict;
 
+use std::iter::zip;
+
 use frfid_signals::{Frf, checks::require_shape, median};
-use ndarray::indices;
+use ndarray::{ArrayView2, indices};
+use num_complex::Complex64;
 use serde::Serialize;
 
 use crate::compare::bode::Bode;
@@ -50,11 +53,12 @@ pub struct EntryComparison {
     pub changes: Vec<Change>,
     /// Features of B within the common band that A has not.
     pub only_in_b: Vec<Feature>,
-    /// Median level of B over A in dB.
+    /// Median level of B over A in dB; NaN where they have no line in common.
     pub level_db: f64,
-    /// Median size of the difference of levels in dB.
+    /// Median size of the difference of levels in dB; NaN as well.
     pub difference_db: f64,
-    /// Range of the phase (largest minus smallest, unwrapped) of A and of B in degrees.
+    /// Range of the phase (largest minus smallest, unwrapped) of A and of B in degrees; NaN where
+    /// nothing is known of it.
     pub phase_range_deg: Sides<f64>,
     /// What it says about the machine; empty if nothing stands out.
     pub verdicts: Vec<Verdict>,
@@ -65,6 +69,8 @@ pub struct EntryComparison {
 pub struct Comparison {
     /// Band they share in Hz.
     pub band_hz: (f64, f64),
+    /// Lines within that band of which nothing is known (NaN): they are left out.
+    pub unknown_lines: Sides<usize>,
     /// Every entry, outputs first.
     pub entries: Vec<EntryComparison>,
 }
@@ -94,7 +100,8 @@ pub struct Comparison {
 ///
 /// # Errors
 /// [`frfid_signals::SignalError::Shape`] for other numbers of channels,
-/// [`EstimateError::NoCommonBand`] with fewer than three frequencies of either in the common band.
+/// [`EstimateError::NoCommonBand`] with fewer than three known frequencies of either in the common
+/// band.
 pub fn compare(a: &Frf, b: &Frf, options: &CompareOptions) -> Result<Comparison, EstimateError> {
     a.check()?;
     b.check()?;
@@ -105,8 +112,13 @@ pub fn compare(a: &Frf, b: &Frf, options: &CompareOptions) -> Result<Comparison,
     let band_hz = common_band(a, b)?;
     let entry = |entry| compare_entry(a, b, entry, band_hz, options);
     let entries = indices((n_outputs, n_inputs)).into_iter().map(entry);
+    let unknown = |frf: &Frf| n_within(frf, band_hz) - n_known_within(frf, band_hz);
     Ok(Comparison {
         band_hz,
+        unknown_lines: Sides {
+            a: unknown(a),
+            b: unknown(b),
+        },
         entries: entries.collect(),
     })
 }
@@ -115,7 +127,7 @@ pub fn compare(a: &Frf, b: &Frf, options: &CompareOptions) -> Result<Comparison,
 fn common_band(a: &Frf, b: &Frf) -> Result<(f64, f64), EstimateError> {
     let (a_hz, b_hz) = (ends_hz(a), ends_hz(b));
     let band_hz = (a_hz.0.max(b_hz.0), a_hz.1.min(b_hz.1));
-    let found = n_within(a, band_hz).min(n_within(b, band_hz));
+    let found = n_known_within(a, band_hz).min(n_known_within(b, band_hz));
     if found < 3 {
         return Err(EstimateError::NoCommonBand { a_hz, b_hz, found });
     }
@@ -126,6 +138,15 @@ fn common_band(a: &Frf, b: &Frf) -> Result<(f64, f64), EstimateError> {
 fn n_within(frf: &Frf, band_hz: (f64, f64)) -> usize {
     let inside = |hz: &&f64| is_within(band_hz, **hz);
     frf.frequency_hz.iter().filter(inside).count()
+}
+
+/// Number of frequencies in a band at which any entry is known.
+fn n_known_within(frf: &Frf, band_hz: (f64, f64)) -> usize {
+    let lines = zip(&frf.frequency_hz, frf.response.outer_iter());
+    let is_known = |response: ArrayView2<Complex64>| response.iter().any(|value| value.is_finite());
+    lines
+        .filter(|(hz, response)| is_within(band_hz, **hz) && is_known(*response))
+        .count()
 }
 
 /// Lowest and highest frequency in Hz; not a number without any.
@@ -163,8 +184,8 @@ fn compare_entry(
         verdicts: verdicts(&changes, phase_range_deg, options.stronger),
         changes,
         only_in_b,
-        difference_db: median(levels.iter().map(|level| level.abs()).collect()).unwrap_or(0.0),
-        level_db: median(levels).unwrap_or(0.0),
+        difference_db: median(levels.iter().map(|level| level.abs()).collect()).unwrap_or(f64::NAN),
+        level_db: median(levels).unwrap_or(f64::NAN),
         phase_range_deg,
     }
 }
@@ -190,9 +211,9 @@ fn phase_ranges_deg(a: &Bode, b: &Bode, band_hz: (f64, f64)) -> Sides<f64> {
     }
 }
 
-/// The largest minus the smallest value; 0 of none.
+/// The largest minus the smallest value; NaN of none.
 fn range(values: impl Iterator<Item = f64> + Clone) -> f64 {
     let high = values.clone().fold(f64::NEG_INFINITY, f64::max);
     let low = values.fold(f64::INFINITY, f64::min);
-    (high - low).max(0.0)
+    if low <= high { high - low } else { f64::NAN }
 }

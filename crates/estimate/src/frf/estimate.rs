@@ -5,6 +5,7 @@ use frfid_signals::Frf;
 use ndarray::Array2;
 
 use crate::error::DeficientLine;
+use crate::frf::roughness::roughness;
 use crate::spectra::draws::EqualDraws;
 
 /// Frequencies that are named one by one before the rest is only counted.
@@ -27,7 +28,8 @@ pub struct FrfEstimate {
 }
 
 impl FrfEstimate {
-    /// What was left out or counted otherwise than given, in words; empty if nothing was.
+    /// What was left out, counted otherwise than given or hides in one draw of phases, in words;
+    /// empty if nothing does.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let draws = self.equal_draws.iter().map(|draws| {
@@ -37,7 +39,14 @@ impl FrfEstimate {
             };
             format!("{draws}{lost}")
         });
-        draws.chain(self.left_out_words()).collect()
+        let rough = self.rough_words();
+        draws.chain(self.left_out_words()).chain(rough).collect()
+    }
+
+    /// Whether one draw of phases shows that there is distortion. Excerpts of a chirp have no phases.
+    fn rough_words(&self) -> Option<String> {
+        let is_one_draw = self.frf.total.is_none() && self.frf.relative_resolution.is_none();
+        is_one_draw.then(|| roughness(&self.frf))??.warning()
     }
 
     /// Which lines are NaN, and why the first of them is.

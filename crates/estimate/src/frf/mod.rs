@@ -11,6 +11,7 @@ pub(crate) mod matrices;
 mod mean_of_frfs;
 mod mean_of_spectra;
 pub(crate) mod right_division;
+pub(crate) mod roughness;
 pub(crate) mod singular;
 pub(crate) mod time_series;
 

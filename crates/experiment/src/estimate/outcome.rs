@@ -182,10 +182,16 @@ pub(crate) fn condition_check(frf: &Frf, torque_rms_nm: &[f64]) -> Check {
     } else {
         String::new()
     };
+    let unknown = frf.response.outer_iter();
+    let unknown = unknown.filter(|response| response.iter().any(|value| value.is_nan()));
+    let left_out = match unknown.count() {
+        0 => String::new(),
+        n => format!("; {n} of {} lines left out (NaN)", frf.n_frequencies()),
+    };
     Check {
         name: "condition number of U".into(),
-        passed: worst <= GOOD_CONDITION * spread,
-        found: format!("{worst:.2} at worst{share}"),
+        passed: worst <= GOOD_CONDITION * spread && left_out.is_empty(),
+        found: format!("{worst:.2} at worst{share}{left_out}"),
         needed: format!("{:.0} or less", GOOD_CONDITION * spread),
         advice: "excite the inputs more differently from experiment to experiment, and equally \
                  strongly"

@@ -68,7 +68,7 @@ impl<'a> Curve<'a> {
     }
 
     /// Radius of the 95 % region of one entry over frequency, for the band asked for; `None` where
-    /// it was not measured.
+    /// it was not measured, not a number on lines without an estimate.
     pub(crate) fn region(&self, (output, input): (usize, usize)) -> Option<Vec<f64>> {
         let frf = self.frf;
         let (known, variance) = match self.band {
@@ -78,7 +78,7 @@ impl<'a> Curve<'a> {
         };
         let factor = confidence_radius(known)?;
         let variances = variance.slice(s![.., output, input]);
-        let radius = |variance: &f64| factor * variance.max(0.0).sqrt();
+        let radius = |variance: &f64| factor * variance.clamp(0.0, f64::INFINITY).sqrt();
         Some(variances.iter().map(radius).collect())
     }
 }

@@ -1,5 +1,7 @@
 //! Panel: one framed plot with its two axes.
 
+use std::iter::zip;
+
 use crate::figure::Figure;
 use crate::figure::axis::Axis;
 use crate::figure::drawing::Align;
@@ -112,11 +114,18 @@ impl Panel {
         self.x.holds(x) && self.y.holds(y)
     }
 
-    /// Shades the area between two curves over the same abscissae.
+    /// Shades the area between two curves over the same abscissae, with gaps where one is not a
+    /// number.
     pub(crate) fn band(&self, figure: &mut Figure, low: &[Value], high: &[Value], color: &str) {
-        let there_and_back = low.iter().chain(high.iter().rev());
-        let outline: Vec<Point> = self.points(there_and_back).collect();
-        figure.clipped(self.rect, |figure| figure.area(&outline, color, 0.22));
+        let pairs: Vec<(Value, Value)> = zip(low.iter().copied(), high.iter().copied()).collect();
+        figure.clipped(self.rect, |figure| {
+            for run in pairs.split(|(low, high)| low.1.is_nan() || high.1.is_nan()) {
+                let there = run.iter().map(|(low, _)| low);
+                let back = run.iter().rev().map(|(_, high)| high);
+                let outline: Vec<Point> = self.points(there.chain(back)).collect();
+                figure.area(&outline, color, 0.22);
+            }
+        });
     }
 
     /// Where a pair of values lies in the picture; far outside the panel it is brought near its

@@ -77,7 +77,11 @@ fn curve_data<'a>(curve: &'a Curve) -> CurveData<'a> {
 
 /// Standard deviations rather than variances: these keep within the range of float32.
 fn deviation(variance: Array3<f64>) -> String {
-    float32(variance.into_iter().map(|value| value.max(0.0).sqrt()))
+    float32(
+        variance
+            .into_iter()
+            .map(|value| value.clamp(0.0, f64::INFINITY).sqrt()),
+    )
 }
 
 fn float32(values: impl Iterator<Item = f64>) -> String {

@@ -110,7 +110,7 @@ impl Cell<'_> {
     fn bound_db(&self, curve: &Curve, radius: &[f64], sign: f64) -> Line {
         let bounds =
             zip(curve.sizes(self.entry), radius).map(|(size, radius)| size + sign * radius);
-        let bounds_db = bounds.map(|bound| 20.0 * bound.max(0.0).log10());
+        let bounds_db = bounds.map(|bound| 20.0 * bound.clamp(0.0, f64::INFINITY).log10());
         over_frequency(curve, bounds_db)
     }
 
