@@ -25,6 +25,9 @@ const REPEATS: f64 = 0.5;
 const PARTS: usize = 32;
 /// ... but none shorter than this, so that an axis moves and rests within a part.
 const SHORTEST_PART: usize = 256;
+/// How much smaller than usual a free motion may be in a part: torque of one size moves an axis at
+/// velocities as 1 to 1/f, and through resonances. What is stiller than that stands.
+const SMALLEST_MOTION: f64 = 1e-3;
 /// Changes of up to so many steps in a reading are those of one that flickers while it stands.
 const FLICKER: f64 = 2.5;
 /// Share of samples close to standstill up to which an axis is said to stick for 0.0 % of the time.
@@ -125,18 +128,26 @@ struct Reading {
     size: Vec<f64>,
     /// The step in which it comes; 0 for a continuous one, infinite where it never changes.
     step: f64,
+    /// Its smallest mean size in a free motion.
+    smallest: f64,
 }
 
 impl Reading {
     fn new(size: Vec<f64>) -> Self {
-        let step = step(&size);
-        Self { size, step }
+        let moving = size.iter().filter(|&&size| size > 0.0);
+        let usual = moving.clone().sum::<f64>() / moving.count().max(1) as f64;
+        Self {
+            step: step(&size),
+            smallest: SMALLEST_MOTION * usual,
+            size,
+        }
     }
 
     fn within(&self, samples: &Range<usize>) -> Motion<'_> {
         Motion {
             size: self.size.get(samples.clone()).unwrap_or_default(),
             step: self.step,
+            smallest: self.smallest,
         }
     }
 }
@@ -146,6 +157,7 @@ impl Reading {
 struct Motion<'a> {
     size: &'a [f64],
     step: f64,
+    smallest: f64,
 }
 
 impl Motion<'_> {
@@ -176,7 +188,7 @@ impl Motion<'_> {
         let means: Vec<f64> = parts.clone().map(mean).collect();
         let repeats = parts.enumerate().map(|(place, part)| {
             let near = means.iter().skip(place.saturating_sub(1)).take(3);
-            let mean = near.copied().fold(0.0, f64::max);
+            let mean = near.copied().fold(self.smallest, f64::max);
             (REPEATS * self.step / mean).min(1.0) * part.len() as f64
         });
         repeats.sum::<f64>() / self.size.len() as f64

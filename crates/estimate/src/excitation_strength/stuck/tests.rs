@@ -100,6 +100,13 @@ fn ideal_readings_tell_exactly() {
         assert_eq!([share(&ideal), without_position(&ideal)], [stuck; 2]);
         assert_eq!(standing_share(ideal.y.row(0)), stuck);
     }
+    let mut rests = motion(50.0, 0.0);
+    for k in N / 8..N {
+        rests.1[k] = rests.1[N / 8]; // for most of the parts of the run
+    }
+    rests.0[N / 8..].fill(0.0);
+    let stuck = share(&record(&rests, [0.0; 2], 0.0)).expect("ideal");
+    assert!((0.92..0.95).contains(&stuck), "{stuck}");
     let never_moved = record(&motion(1e4, 0.0), [0.0; 2], 0.0);
     assert_eq!(share(&never_moved), None, "an encoder of any step");
 }
