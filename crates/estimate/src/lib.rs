@@ -31,6 +31,7 @@ mod recording {
     pub(crate) mod period;
     pub(crate) mod repetition;
     mod rests;
+    mod run_ends;
     mod runs;
     mod single_sweep;
     pub(crate) mod transient;

@@ -19,6 +19,15 @@ fn plan(seed: u64) -> Plan {
 }
 
 #[test]
+fn one_seed() {
+    let p = plan(125);
+    let (record, runs) = p.record();
+    println!("{runs:?}");
+    println!("{:?}", find_repetition(record.view(), None));
+    println!("{:?}", find_repetition(record.view(), Some(100.0)));
+}
+
+#[test]
 fn campaigns() {
     let mut bad = 0;
     for seed in 0..300 {

@@ -29,18 +29,18 @@ impl Lag {
         }
     }
 
-    /// How many of `n_samples` have a later partner.
+    /// How many of `n_samples` have a partner that is not beyond the last.
     pub(super) fn n_pairs(&self, n_samples: usize) -> usize {
-        (n_samples + 1).saturating_sub(self.first + self.taps.len())
+        let beyond = self.taps.len() / 2;
+        (n_samples + beyond + 1).saturating_sub(self.first + self.taps.len())
     }
 
-    /// The value one lag after sample `k`, which must have a partner.
+    /// The value one lag after sample `k`; NaN where a sample is missing that it takes.
     pub(super) fn later(&self, values: &[f64], k: usize) -> f64 {
         let from = k + self.first;
-        if let [_] = self.taps[..] {
-            return values[from];
-        }
-        let near = &values[from..from + self.taps.len()];
+        let Some(near) = values.get(from..from + self.taps.len()) else {
+            return f64::NAN;
+        };
         self.taps.iter().zip(near).map(|(tap, x)| tap * x).sum()
     }
 }

@@ -61,3 +61,15 @@ fn squared_difference(channels: &[Channel], lag: &Lag, k: usize) -> f64 {
     let present = differences.filter(|difference| !difference.is_nan());
     present.reduce(|a, b| a + b).unwrap_or(f64::NAN)
 }
+
+/// Median of the mean shares of sixteenths of a period.
+pub(super) fn quieter_half(shares: &[f64], length: f64) -> f64 {
+    let part = (length / 16.0).ceil().max(1.0) as usize;
+    let mean = |part: &[f64]| {
+        let present: Vec<f64> = part.iter().copied().filter(|share| !share.is_nan()).collect();
+        (!present.is_empty()).then(|| present.iter().sum::<f64>() / present.len() as f64)
+    };
+    let mut means: Vec<f64> = shares.chunks(part).filter_map(mean).collect();
+    means.sort_unstable_by(f64::total_cmp);
+    means.get(means.len() / 2).copied().unwrap_or(0.0)
+}

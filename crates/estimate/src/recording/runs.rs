@@ -3,7 +3,8 @@
 use std::ops::Range;
 
 use crate::recording::channel::Channel;
-use crate::recording::likeness::Likeness;
+use crate::recording::likeness::{Likeness, quieter_half};
+use crate::recording::run_ends::settled_ends;
 use crate::recording::two_states::cheapest_stretches;
 
 /// Largest share of the power that may be noise: 10 dB below the signal.
@@ -20,18 +21,10 @@ const CHANGE: f64 = 0.125;
 const HOLE: f64 = 0.75;
 /// Power below this share of that of the strongest run is rest, whatever repeats in it (30 dB).
 const REST: f64 = 1e-3;
-/// A run is stretched to whole periods by at most this share of one: so much noise hides at its ends.
-const STRETCH: f64 = 1.0 / 64.0;
-/// Share of the samples in a rest, of which only one of the two moves.
-const STRANGER: f64 = 0.5;
-/// Ends are looked at that far, in periods.
-const EDGE: f64 = 0.25;
-/// A share at an end counts for at most so much: more than within, where one bad sample may pass.
-const EDGE_CAP: f64 = 30.0;
 /// The share that ends a run, over that in its quieter half (14 dB): noise may grow as much.
 const GROWTH: f64 = 25.0;
 /// Smallest share that ends a run: rounding to six digits.
-const EXACT: f64 = 1e-6;
+pub(super) const EXACT: f64 = 1e-6;
 
 /// Runs with one period, as compared at every `stride`-th sample.
 pub(super) struct Runs {
@@ -55,12 +48,10 @@ impl Runs {
         let mut stretches = cheapest_stretches(&costs, change);
         let finer = |stretch: &Range<usize>| finer_stretches(&like.shares, stretch, change, length);
         stretches = stretches.iter().flat_map(finer).collect();
-        let slack = (STRETCH * length).max(4.0);
-        stretches.retain(|stretch| stretch.len() as f64 >= length - slack);
         for stretch in &mut stretches {
-            *stretch = trimmed(&like.shares, stretch, length);
-            *stretch = whole_periods(&costs, stretch, length, slack as usize);
+            *stretch = settled_ends(&like.shares, stretch, length);
         }
+        stretches.retain(|stretch| stretch.len() as f64 > length - 1.0);
         drop_rests(&mut stretches, &like);
         let residual = if stretches.is_empty() { 1.0 } else { like.residual(&stretches) };
         let runs = in_samples(&stretches, period, stride, channels);
@@ -112,59 +103,6 @@ fn finer_stretches(shares: &[f64], stretch: &Range<usize>, change: f64, length: 
     let parts = cheapest_stretches(&costs(&scaled, length), change);
     let shifted = parts.into_iter().map(|part| part.start + stretch.start..part.end + stretch.start);
     shifted.collect()
-}
-
-/// Median of the mean shares of sixteenths of a period.
-fn quieter_half(shares: &[f64], length: f64) -> f64 {
-    let part = (length / 16.0).ceil().max(1.0) as usize;
-    let mean = |part: &[f64]| {
-        let present: Vec<f64> = part.iter().copied().filter(|share| !share.is_nan()).collect();
-        (!present.is_empty()).then(|| present.iter().sum::<f64>() / present.len() as f64)
-    };
-    let mut means: Vec<f64> = shares.chunks(part).filter_map(mean).collect();
-    means.sort_unstable_by(f64::total_cmp);
-    means.get(means.len() / 2).copied().unwrap_or(0.0)
-}
-
-/// The stretch without what is likelier not to repeat, up to a quarter of a period at either end.
-fn trimmed(shares: &[f64], stretch: &Range<usize>, length: f64) -> Range<usize> {
-    let inside = &shares[stretch.clone()];
-    let level = quieter_half(inside, length).clamp(EXACT, LIMIT);
-    let strange = (STRANGER / level).ln() / (1.0 / level - 1.0 / STRANGER);
-    let most = (EDGE * length) as usize;
-    let start = costly(inside.iter().take(most), strange);
-    let end = costly(inside.iter().rev().take(most), strange);
-    stretch.start + start..stretch.end - end.min(inside.len() - start)
-}
-
-/// How many of the first shares cost most to keep.
-fn costly<'a>(shares: impl Iterator<Item = &'a f64>, strange: f64) -> usize {
-    let (mut sum, mut most, mut count) = (0.0, 0.0, 0);
-    for (index, share) in shares.enumerate() {
-        sum += if share.is_nan() { 0.0 } else { (share / strange).min(EDGE_CAP) - 1.0 };
-        if sum > most {
-            (most, count) = (sum, index + 1);
-        }
-    }
-    count
-}
-
-/// The stretch, made longer to whole periods where little is missing: to the cheaper side.
-fn whole_periods(costs: &[f64], stretch: &Range<usize>, length: f64, slack: usize) -> Range<usize> {
-    let whole = (stretch.len() as f64 / length).ceil() * length;
-    let wanted = whole.floor() as usize;
-    let missing = wanted.saturating_sub(stretch.len());
-    if missing == 0 || missing > slack || wanted > costs.len() {
-        return stretch.clone();
-    }
-    let first = stretch.start.saturating_sub(missing);
-    let last = stretch.start.min(costs.len() - wanted);
-    let added = |start: usize| -> f64 {
-        costs[start..stretch.start].iter().chain(&costs[stretch.end..start + wanted]).sum()
-    };
-    let starts = first..=last.max(first);
-    let best = starts.filter(|start| start + wanted >= stretch.end).min_by(|&a, &b| added(a).total_cmp(&added(b)));
-    best.map_or(stretch.clone(), |start| start..start + wanted)
 }
 
 /// A constant repeats, and so does a hum: neither is a run.
