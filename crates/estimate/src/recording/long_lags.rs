@@ -10,6 +10,10 @@ use crate::recording::lag::Lag;
 const RISE: f64 = 0.1;
 /// Pairs must reach over half a period.
 const LEAST: f64 = 0.5;
+/// Or as wide as it rises by so many times what is least.
+const CLEAR: f64 = 30.0;
+/// Lags between samples that are compared, in samples.
+const FINE: f64 = 0.125;
 /// How often a valley is looked for at its own place.
 const RECENTRED: usize = 3;
 /// A period that is whole to within this many samples over the whole run is whole.
@@ -73,7 +77,7 @@ impl Pairs<'_> {
     fn valley(&self, centre: usize) -> Valley {
         let (mut centre, mut step) = (centre, 1);
         let mut parabola = self.parabola(centre, step);
-        while parabola.rise < RISE && 8 * step < centre {
+        while parabola.is_flat() && 8 * step < centre {
             step *= 2;
             parabola = self.parabola(centre, step);
         }
@@ -85,8 +89,20 @@ impl Pairs<'_> {
             parabola = self.parabola(centre, step);
         }
         let lag = centre as f64 + parabola.offset;
-        let least = self.residual(lag).min(self.share(lag.round() as usize).0);
-        Valley { lag, least }
+        if step == 1 { self.fine(lag) } else { Valley { lag, least: self.residual(lag) } }
+    }
+
+    /// The least difference close to a lag, between samples.
+    fn fine(&self, lag: f64) -> Valley {
+        let whole = self.share(lag.round() as usize).0;
+        if whole < ROUNDING {
+            return Valley { lag: lag.round(), least: whole };
+        }
+        let [left, middle, right] = [-FINE, 0.0, FINE].map(|offset| self.residual(lag + offset));
+        let bend = left - 2.0 * middle + right;
+        let offset = if bend > 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
+        let lag = lag + FINE * offset.clamp(-2.0, 2.0);
+        Valley { lag, least: self.residual(lag).min(middle).min(whole) }
     }
 
     /// Through the differences at two steps on either side; at the steps next to it alone where
@@ -96,6 +112,7 @@ impl Pairs<'_> {
         let shares: [f64; 5] = std::array::from_fn(at);
         let [far_left, left, middle, right, far_right] = shares;
         let rise = 0.5 * (far_left + far_right) - middle;
+        let least = shares.into_iter().fold(f64::INFINITY, f64::min);
         let (slope, bend) = match step {
             1 => (0.5 * (right - left), left - 2.0 * middle + right),
             _ => (
@@ -104,7 +121,7 @@ impl Pairs<'_> {
             ),
         };
         let offset = if bend > 0.0 { -slope / bend } else { 0.0 };
-        Parabola { rise, offset: offset.clamp(-2.0, 2.0) * step as f64 }
+        Parabola { rise, least, offset: offset.clamp(-2.0, 2.0) * step as f64 }
     }
 
     /// Share of the power that does not repeat after a whole lag, levels taken off in each run, and
@@ -143,8 +160,17 @@ struct Valley {
 struct Parabola {
     /// How much the differences rise over two steps.
     rise: f64,
+    /// The least of them.
+    least: f64,
     /// Its vertex, in samples from the centre.
     offset: f64,
+}
+
+impl Parabola {
+    /// Whether chance may move the vertex: noise and little difference.
+    fn is_flat(&self) -> bool {
+        self.rise < RISE.min(CLEAR * self.least.max(ROUNDING))
+    }
 }
 
 /// Variances of differences and of the signals, each times the number of pairs.

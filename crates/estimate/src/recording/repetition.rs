@@ -1,6 +1,7 @@
 //! Repetition in a recording that frfid did not make: its period, the runs in which it repeats, and
 //! the rests around them.
 
+use std::iter::zip;
 use std::ops::Range;
 
 use frfid_signals::{check_finite, checks::positive};
@@ -20,6 +21,8 @@ const PLACES: usize = 200_000;
 const PLACES_PER_PERIOD: usize = 64;
 /// Over many periods a machine drifts: so much may fail to repeat there (6 dB below the signal).
 const LONG_LIMIT: f64 = 0.25;
+/// Periods that are refined, those after which the signal repeats best.
+const REFINED: usize = 6;
 /// Ends of runs are not compared, in periods.
 const EDGE: f64 = 0.125;
 /// A period that covers so much of what the best one covers is as good.
@@ -65,33 +68,33 @@ pub fn find_repetition(reference: ArrayView2<f64>, period: Option<f64>) -> Resul
     }
     let channels = Channel::moving(reference);
     match period {
-        Some(period) => given(channels, period),
-        None => search(channels),
+        Some(period) => given(&channels, period),
+        None => search(&channels),
     }
 }
 
 /// The shortest period of the channels that repeat.
-fn search(channels: Vec<Channel>) -> Result<Repetition, EstimateError> {
-    let excited: Vec<Channel> = channels.iter().filter_map(|channel| excited(channel)).collect();
-    let mut sum = vec![0.0; channels.first().map_or(0, |channel| channel.values().len() / 2 + 1)];
-    for channel in &excited {
+fn search(channels: &[Channel]) -> Result<Repetition, EstimateError> {
+    let mut excited: Vec<Channel> = Vec::new();
+    let mut sum: Vec<f64> = Vec::new();
+    let mut best = None;
+    for channel in channels {
         let correlation = autocorrelation(channel);
-        sum.iter_mut().zip(correlation).for_each(|(sum, value)| *sum += value);
+        if let Some(alone) = best_of(std::slice::from_ref(channel), &correlation) {
+            excited.push(channel.scaled(alone.runs.power.sqrt().recip()));
+            sum.resize(correlation.len(), 0.0);
+            zip(&mut sum, correlation).for_each(|(sum, value)| *sum += value);
+            best = Some(alone);
+        }
     }
-    let Some(best) = best_of(&excited, &sum) else {
-        return Err(why(&channels, None));
+    if excited.len() > 1 {
+        best = best_of(&excited, &sum);
+    }
+    let Some(best) = best else {
+        return Err(why(channels, None));
     };
     let best = shortest(&excited, best, &sum);
-    found(&excited, best.runs.period)
-}
-
-/// The channel, its runs at unit power, if it repeats.
-fn excited(channel: &Channel) -> Option<Channel> {
-    let alone = std::slice::from_ref(channel);
-    let best = best_of(alone, &autocorrelation(channel))?;
-    let mut scaled = channel.clone();
-    scaled.scale(best.runs.power.sqrt().recip());
-    Some(scaled)
+    found(&excited, best.runs.period).ok_or_else(|| why(channels, None))
 }
 
 /// A period and what it explains.
@@ -103,11 +106,13 @@ struct Candidate {
 
 impl Candidate {
     fn new(channels: &[Channel], period: f64) -> Option<Self> {
-        let stride = stride(channels, period);
-        let runs = Runs::find(channels, period, stride);
-        if runs.residual > LIMIT || !runs.covers_most() {
-            return None;
-        }
+        let runs = Runs::find(channels, period, stride(channels, period));
+        if runs.is_sound() { Self::refined(channels, runs) } else { None }
+    }
+
+    /// Unless the signal does not repeat over many periods.
+    fn refined(channels: &[Channel], runs: Runs) -> Option<Self> {
+        let (period, stride) = (runs.period, stride(channels, runs.period));
         let inner: Vec<Range<usize>> = runs.runs.iter().map(|run| inner(run, period)).collect();
         let pairs = Pairs { channels, runs: &inner, stride };
         let long = pairs.refine(period);
@@ -140,12 +145,17 @@ fn stride(channels: &[Channel], period: f64) -> usize {
 
 /// Of the periods that cover most, the one after which the signal repeats best.
 fn best_of(channels: &[Channel], correlation: &[f64]) -> Option<Candidate> {
-    let periods = peaks(correlation);
-    let tried = periods.iter().filter_map(|&lag| Candidate::new(channels, vertex(correlation, lag)));
-    let tried: Vec<Candidate> = tried.collect();
-    let most = tried.iter().map(|candidate| candidate.runs.covered()).max()?;
-    let enough = |candidate: &Candidate| candidate.runs.covered() as f64 >= AS_MUCH * most as f64;
-    tried.into_iter().filter(enough).min_by(|a, b| a.residual.total_cmp(&b.residual))
+    let runs = |&lag: &usize| {
+        let period = vertex(correlation, lag);
+        Runs::find(channels, period, stride(channels, period))
+    };
+    let mut runs: Vec<Runs> = peaks(correlation).iter().map(runs).filter(Runs::is_sound).collect();
+    runs.sort_by(|a, b| a.residual.total_cmp(&b.residual));
+    let refined = runs.into_iter().filter_map(|runs| Candidate::refined(channels, runs));
+    let refined: Vec<Candidate> = refined.take(REFINED).collect();
+    let most = refined.iter().map(|candidate| candidate.runs.covered).max()?;
+    let enough = |candidate: &Candidate| candidate.runs.covered as f64 >= AS_MUCH * most as f64;
+    refined.into_iter().filter(enough).min_by(|a, b| a.residual.total_cmp(&b.residual))
 }
 
 /// Top of the parabola through a peak.
@@ -184,38 +194,31 @@ fn part(channels: &[Channel], best: &Candidate, divisor: usize, correlation: &[f
         return None;
     }
     let part = Candidate::new(channels, period)?;
-    let covers = part.runs.covered() as f64 >= AS_MUCH * best.runs.covered() as f64;
+    let covers = part.runs.covered as f64 >= AS_MUCH * best.runs.covered as f64;
     (covers && part.residual <= best.as_good(part.runs.period)).then_some(part)
 }
 
 /// The runs of a period, sample by sample.
-fn found(channels: &[Channel], period: f64) -> Result<Repetition, EstimateError> {
+fn found(channels: &[Channel], period: f64) -> Option<Repetition> {
     let runs = Runs::find(channels, period, 1);
-    if runs.runs.is_empty() {
-        return Err(why(channels, Some(period)));
-    }
     let rests = find_rests(channels, &runs);
-    Ok(Repetition { period, runs: runs.runs, rests, residual: runs.residual })
+    let (is_empty, residual) = (runs.runs.is_empty(), runs.residual);
+    (!is_empty).then_some(Repetition { period, runs: runs.runs, rests, residual })
 }
 
 /// The runs of a period that somebody gave: where nothing repeats, one period is enough.
-fn given(channels: Vec<Channel>, period: f64) -> Result<Repetition, EstimateError> {
+fn given(channels: &[Channel], period: f64) -> Result<Repetition, EstimateError> {
     positive("period", period)?;
-    let repeats = |channel: &&Channel| {
-        let alone = std::slice::from_ref(*channel);
-        let runs = Runs::find(alone, period, stride(alone, period));
-        runs.residual <= LIMIT && runs.covers_most()
-    };
+    let runs = |channels: &[Channel]| Runs::find(channels, period, stride(channels, period));
+    let repeats = |channel: &&Channel| runs(std::slice::from_ref(*channel)).is_sound();
     let excited: Vec<Channel> = channels.iter().filter(repeats).cloned().collect();
-    if !excited.is_empty() {
-        let runs = Runs::find(&excited, period, stride(&excited, period));
-        let inner: Vec<Range<usize>> = runs.runs.iter().map(|run| inner(run, period)).collect();
-        let pairs = Pairs { channels: &excited, runs: &inner, stride: 1 };
-        return found(&excited, pairs.refine(period).period);
+    if let Some(candidate) = Candidate::refined(&excited, runs(&excited)) {
+        let found = found(&excited, candidate.runs.period);
+        return found.ok_or_else(|| why(channels, Some(period)));
     }
-    let runs = single_periods(&channels, period);
+    let runs = single_periods(channels, period);
     if runs.is_empty() || runs.iter().any(|run| run.len() as f64 >= 2.0 * period) {
-        return Err(why(&channels, Some(period)));
+        return Err(why(channels, Some(period)));
     }
     let rests = gaps(&runs, channels[0].values().len());
     Ok(Repetition { period, runs, rests, residual: 0.0 })

@@ -36,6 +36,8 @@ pub(super) struct Runs {
     /// being in one.
     pub(super) power: f64,
     pub(super) left_out: usize,
+    /// Samples in the runs that are not lost.
+    pub(super) covered: usize,
 }
 
 impl Runs {
@@ -56,18 +58,15 @@ impl Runs {
         let residual = if stretches.is_empty() { 1.0 } else { like.residual(&stretches) };
         let runs = in_samples(&stretches, period, stride, channels);
         let power = mean_power(&runs, &like);
+        let present = |run: &Range<usize>| n_present(channels, run.clone(), stride);
+        let covered = runs.iter().map(present).sum();
         let left_out = left_out(&runs, &like, period, channels, power);
-        Self { period, runs, residual, power, left_out }
+        Self { period, runs, residual, power, left_out, covered }
     }
 
-    /// Samples in the runs.
-    pub(super) fn covered(&self) -> usize {
-        self.runs.iter().map(Range::len).sum()
-    }
-
-    /// Whether more of what moves is in runs than out of them.
-    pub(super) fn covers_most(&self) -> bool {
-        self.covered() > self.left_out
+    /// Whether it repeats well enough, and more of what moves is in runs than out of them.
+    pub(super) fn is_sound(&self) -> bool {
+        self.residual <= LIMIT && self.covered > self.left_out
     }
 }
 
@@ -125,17 +124,14 @@ fn in_samples(
     channels: &[Channel],
 ) -> Vec<Range<usize>> {
     let n_samples = channels.first().map_or(0, |channel| channel.values().len());
-    let is_lost = |k: usize| channels.iter().all(|channel| channel.values()[k].is_nan());
     let mut runs: Vec<Range<usize>> = Vec::new();
     for stretch in stretches {
         let end = ((stretch.end * stride) as f64 + period).round() as usize;
-        let (mut start, mut end) = (stretch.start * stride, end.min(n_samples));
+        let (mut start, end) = (stretch.start * stride, end.min(n_samples));
         if let Some(before) = runs.last_mut().filter(|before| before.end > start) {
             start = boundary(before, start..end, period);
             before.end = before.end.min(start);
         }
-        start = (start..end).find(|&k| !is_lost(k)).unwrap_or(end);
-        end = (start..end).rev().find(|&k| !is_lost(k)).map_or(end, |k| k + 1);
         runs.push(start..end);
     }
     runs
@@ -151,6 +147,12 @@ fn boundary(before: &Range<usize>, after: Range<usize>, period: f64) -> usize {
     let candidates = [after.start, before.end, after.start.midpoint(before.end)];
     let valid = candidates.into_iter().filter(|&at| at >= before.start && at <= after.end);
     valid.max_by(|&a, &b| periods(a).total_cmp(&periods(b))).unwrap_or(after.start)
+}
+
+/// How many samples of a range any channel has.
+fn n_present(channels: &[Channel], range: Range<usize>, stride: usize) -> usize {
+    let is_present = |k: &usize| channels.iter().any(|channel| !channel.values()[*k].is_nan());
+    stride * range.step_by(stride).filter(is_present).count()
 }
 
 fn mean_power(runs: &[Range<usize>], like: &Likeness) -> f64 {
