@@ -23,6 +23,7 @@ mod recording {
     pub(crate) mod aperiodic;
     mod autocorrelation;
     mod channel;
+    mod holes;
     mod lag;
     mod likeness;
     pub(crate) mod lines;
@@ -34,6 +35,7 @@ mod recording {
     mod run_ends;
     mod runs;
     mod single_sweep;
+    mod slips;
     pub(crate) mod transient;
     mod two_states;
 }

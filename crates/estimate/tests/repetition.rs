@@ -15,16 +15,22 @@ fn plan(seed: u64) -> Plan {
     let rests = (0..=n_runs).map(|_| rest()).collect();
     let periods = (0..n_runs).map(|_| chance.whole(2..9)).collect();
     let noise = chance.one_of(&[0.0, 1e-3, 1e-2, 0.1]);
-    Plan { period, lines: lines(kind, highest, &mut chance), periods, rests, noise, seed }
+    Plan {
+        period,
+        lines: lines(kind, highest, &mut chance),
+        periods,
+        rests,
+        noise,
+        seed,
+    }
 }
 
 #[test]
 fn one_seed() {
-    let p = plan(125);
+    let p = plan(290);
     let (record, runs) = p.record();
     println!("{runs:?}");
     println!("{:?}", find_repetition(record.view(), None));
-    println!("{:?}", find_repetition(record.view(), Some(100.0)));
 }
 
 #[test]
@@ -37,13 +43,32 @@ fn campaigns() {
         let found = find_repetition(record.view(), None);
         let time = start.elapsed();
         let said = match &found {
-            Ok(found) => format!("{} {:?} rests {:?} {:.1e}", found.period, found.runs, found.rests, found.residual),
+            Ok(found) => format!(
+                "{} {:?} rests {:?} {:.1e}",
+                found.period, found.runs, found.rests, found.residual
+            ),
             Err(error) => error.to_string(),
         };
-        let ok = found.as_ref().is_ok_and(|f| f.period == plan.period as f64 && f.runs.len() == runs.len() && f.runs.iter().zip(&runs).all(|(a, b)| a.start.abs_diff(b.start) + a.end.abs_diff(b.end) < 2 + plan.period / 50));
+        let ok = found.as_ref().is_ok_and(|f| {
+            f.period == plan.period as f64
+                && f.runs.len() == runs.len()
+                && f.runs.iter().zip(&runs).all(|(a, b)| {
+                    a.start.abs_diff(b.start) + a.end.abs_diff(b.end) < 2 + plan.period / 50
+                })
+        });
         if !ok {
             bad += 1;
-            println!("{seed}: T {} R {:?} lines {}..{} ({}) rests {:?} noise {} n {} {time:?}\n   true {runs:?}\n   said {said}", plan.period, plan.periods, plan.lines[0], plan.lines[plan.lines.len() - 1], plan.lines.len(), plan.rests, plan.noise, record.ncols());
+            println!(
+                "{seed}: T {} R {:?} lines {}..{} ({}) rests {:?} noise {} n {} {time:?}\n   true {runs:?}\n   said {said}",
+                plan.period,
+                plan.periods,
+                plan.lines[0],
+                plan.lines[plan.lines.len() - 1],
+                plan.lines.len(),
+                plan.rests,
+                plan.noise,
+                record.ncols()
+            );
         }
     }
     println!("{bad} bad");

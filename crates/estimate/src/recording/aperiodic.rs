@@ -47,7 +47,11 @@ impl fmt::Display for Aperiodic {
                 f,
                 "it looks like one sweep, for which the Python package has `estimate_chirp`"
             ),
-            Self::Partly { first, end, n_periods } => write!(
+            Self::Partly {
+                first,
+                end,
+                n_periods,
+            } => write!(
                 f,
                 "samples {first} to {end} hold {n_periods} periods, but most of what moves lies outside of them; \
                  cut it off with --start and --end"
@@ -71,11 +75,18 @@ pub(super) fn why(channels: &[Channel], given: Option<f64>) -> EstimateError {
         Some(period) => vec![period.round() as usize],
         None => candidates(channels),
     };
-    let rated = periods.iter().map(|&period| (period, residual(channels, period)));
+    let rated = periods
+        .iter()
+        .map(|&period| (period, residual(channels, period)));
     let best = rated.min_by(|a, b| a.1.total_cmp(&b.1));
     let (period, residual) = best.unwrap_or((0, 1.0));
     let cause = cause(channels, given, &periods);
-    EstimateError::NotPeriodic { period, residual, limit: LIMIT, cause }
+    EstimateError::NotPeriodic {
+        period,
+        residual,
+        limit: LIMIT,
+        cause,
+    }
 }
 
 fn cause(channels: &[Channel], given: Option<f64>, periods: &[usize]) -> Aperiodic {
@@ -85,10 +96,15 @@ fn cause(channels: &[Channel], given: Option<f64>, periods: &[usize]) -> Aperiod
     if given.is_some() {
         return Aperiodic::OtherPeriod;
     }
-    if channels.iter().any(|channel| is_single_sweep(channel.values())) {
+    if channels
+        .iter()
+        .any(|channel| is_single_sweep(channel.values()))
+    {
         return Aperiodic::SingleSweep;
     }
-    let partly = periods.iter().filter_map(|&period| partly(channels, period));
+    let partly = periods
+        .iter()
+        .filter_map(|&period| partly(channels, period));
     let longest = partly.max_by_key(|(covered, _)| *covered);
     longest.map_or(Aperiodic::Nothing, |(_, cause)| cause)
 }
@@ -97,7 +113,10 @@ fn cause(channels: &[Channel], given: Option<f64>, periods: &[usize]) -> Aperiod
 fn candidates(channels: &[Channel]) -> Vec<usize> {
     let of_channel = |channel: &Channel| {
         let correlation = autocorrelation(channel);
-        let left = correlation.iter().position(|&value| value < 0.5).unwrap_or(correlation.len());
+        let left = correlation
+            .iter()
+            .position(|&value| value < 0.5)
+            .unwrap_or(correlation.len());
         let mut lags = peaks(&correlation);
         lags.retain(|&lag| lag >= left);
         lags.sort_by(|&a, &b| correlation[b].total_cmp(&correlation[a]));
@@ -111,7 +130,11 @@ fn candidates(channels: &[Channel]) -> Vec<usize> {
 fn residual(channels: &[Channel], period: usize) -> f64 {
     let share = |channel: &Channel| {
         let whole = 0..channel.values().len();
-        let pairs = Pairs { channels: std::slice::from_ref(channel), runs: &[whole], stride: 1 };
+        let pairs = Pairs {
+            channels: std::slice::from_ref(channel),
+            runs: &[whole],
+            stride: 1,
+        };
         pairs.residual(period as f64)
     };
     channels.iter().map(share).fold(1.0, f64::min)
@@ -122,7 +145,18 @@ fn partly(channels: &[Channel], period: usize) -> Option<(usize, Aperiodic)> {
     let runs = |channel: &Channel| Runs::find(std::slice::from_ref(channel), period as f64, 1);
     let runs = channels.iter().map(runs).max_by_key(|runs| runs.covered)?;
     let is_chance = (runs.covered as f64) < CHANCE * runs.left_out as f64 || runs.residual > LIMIT;
-    let longest = runs.runs.iter().max_by_key(|run| run.len()).filter(|_| !is_chance)?;
+    let longest = runs
+        .runs
+        .iter()
+        .max_by_key(|run| run.len())
+        .filter(|_| !is_chance)?;
     let n_periods = (longest.len() as f64 / period as f64 + 1e-9) as usize;
-    Some((runs.covered, Aperiodic::Partly { first: longest.start, end: longest.end, n_periods }))
+    Some((
+        runs.covered,
+        Aperiodic::Partly {
+            first: longest.start,
+            end: longest.end,
+            n_periods,
+        },
+    ))
 }

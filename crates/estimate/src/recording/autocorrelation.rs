@@ -16,10 +16,14 @@ pub(super) const SHORTEST: usize = 4;
 pub(super) fn autocorrelation(channel: &Channel) -> Vec<f64> {
     let values = channel.values();
     let lags = (values.len() / 2 + BEYOND_HALF).min(values.len());
-    let present = values.iter().map(|value| if value.is_nan() { 0.0 } else { *value });
+    let present = values
+        .iter()
+        .map(|value| if value.is_nan() { 0.0 } else { *value });
     let mut products = correlate(present, values.len(), lags);
     if values.iter().any(|value| value.is_nan()) {
-        let mask = values.iter().map(|value| f64::from(u8::from(!value.is_nan())));
+        let mask = values
+            .iter()
+            .map(|value| f64::from(u8::from(!value.is_nan())));
         let pairs = correlate(mask, values.len(), lags);
         for (lag, (product, pairs)) in products.iter_mut().zip(pairs).enumerate() {
             *product *= (values.len() - lag) as f64 / pairs.round().max(1.0);
@@ -39,7 +43,10 @@ fn correlate(x: impl Iterator<Item = f64>, n_samples: usize, lags: usize) -> Vec
         planner.plan_fft_inverse(length),
     );
     let (mut samples, mut spectrum) = (forward.make_input_vec(), forward.make_output_vec());
-    samples.iter_mut().zip(x).for_each(|(sample, value)| *sample = value);
+    samples
+        .iter_mut()
+        .zip(x)
+        .for_each(|(sample, value)| *sample = value);
     forward
         .process(&mut samples, &mut spectrum)
         .expect("the plan made the buffers, so their lengths fit");

@@ -40,6 +40,8 @@ impl Channel {
 
     /// The channel at another scale.
     pub(super) fn scaled(&self, factor: f64) -> Self {
-        Self { values: self.values.iter().map(|value| value * factor).collect() }
+        Self {
+            values: self.values.iter().map(|value| value * factor).collect(),
+        }
     }
 }

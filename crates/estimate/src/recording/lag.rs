@@ -13,6 +13,8 @@ pub(super) struct Lag {
     first: usize,
     /// Weights from there on.
     taps: Vec<f64>,
+    /// Place of the nearest sample among them.
+    nearest: usize,
 }
 
 impl Lag {
@@ -21,11 +23,16 @@ impl Lag {
         let fraction = lag - lag.floor();
         if (lag - lag.round()).abs() < WHOLE || lag < HALF as f64 {
             let (first, taps) = (lag.round().max(0.0) as usize, vec![1.0]);
-            return Self { first, taps };
+            return Self {
+                first,
+                taps,
+                nearest: 0,
+            };
         }
         Self {
             first: lag.floor() as usize + 1 - HALF,
             taps: taps(fraction).to_vec(),
+            nearest: HALF - 1 + fraction.round() as usize,
         }
     }
 
@@ -35,13 +42,19 @@ impl Lag {
         (n_samples + beyond + 1).saturating_sub(self.first + self.taps.len())
     }
 
-    /// The value one lag after sample `k`; NaN where a sample is missing that it takes.
+    /// The value one lag after sample `k`; that of the nearest sample where others are lost, NaN
+    /// where that is lost, too, and close to the ends.
     pub(super) fn later(&self, values: &[f64], k: usize) -> f64 {
         let from = k + self.first;
         let Some(near) = values.get(from..from + self.taps.len()) else {
             return f64::NAN;
         };
-        self.taps.iter().zip(near).map(|(tap, x)| tap * x).sum()
+        let between: f64 = self.taps.iter().zip(near).map(|(tap, x)| tap * x).sum();
+        if between.is_nan() {
+            near[self.nearest]
+        } else {
+            between
+        }
     }
 }
 
@@ -51,7 +64,11 @@ pub(super) fn taps(fraction: f64) -> [f64; 2 * HALF] {
     let mut taps = [0.0; 2 * HALF];
     for (j, tap) in taps.iter_mut().enumerate() {
         let away = j as f64 + 1.0 - HALF as f64 - fraction;
-        let sinc = if away == 0.0 { 1.0 } else { (PI * away).sin() / (PI * away) };
+        let sinc = if away == 0.0 {
+            1.0
+        } else {
+            (PI * away).sin() / (PI * away)
+        };
         *tap = sinc * (PI * away / (2 * HALF) as f64).cos().powi(2);
     }
     let sum: f64 = taps.iter().sum();

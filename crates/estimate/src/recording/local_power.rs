@@ -17,23 +17,36 @@ impl LocalPower {
     /// Windows of about `window` samples, of which every `stride`-th is looked at.
     pub(super) fn new(channels: &[Channel], window: usize, stride: usize) -> Self {
         let block = window.div_ceil(BLOCKS).next_multiple_of(stride);
-        let per_channel = channels.iter().map(|channel| windows(channel, block, stride));
+        let per_channel = channels
+            .iter()
+            .map(|channel| windows(channel, block, stride));
         let variances = per_channel.reduce(|mut sum, next| {
-            sum.iter_mut().zip(next).for_each(|(sum, next)| *sum += next);
+            sum.iter_mut()
+                .zip(next)
+                .for_each(|(sum, next)| *sum += next);
             sum
         });
-        Self { block, variances: variances.unwrap_or_default() }
+        Self {
+            block,
+            variances: variances.unwrap_or_default(),
+        }
     }
 
     /// Variance of the window from sample `k` on; the last window where there is none.
     pub(super) fn from(&self, k: usize) -> f64 {
         let last = self.variances.len().saturating_sub(1);
-        self.variances.get((k / self.block).min(last)).copied().unwrap_or(0.0)
+        self.variances
+            .get((k / self.block).min(last))
+            .copied()
+            .unwrap_or(0.0)
     }
 
     /// Mean over the windows that lie within `range`, or that begin it.
     pub(super) fn mean(&self, range: &Range<usize>) -> f64 {
-        let last = range.end.saturating_sub(BLOCKS * self.block).max(range.start + 1);
+        let last = range
+            .end
+            .saturating_sub(BLOCKS * self.block)
+            .max(range.start + 1);
         let starts = (range.start..last).step_by(self.block);
         let count = starts.len() as f64;
         starts.map(|k| self.from(k)).sum::<f64>() / count
@@ -44,9 +57,15 @@ impl LocalPower {
 type Moments = [f64; 3];
 
 fn windows(channel: &Channel, block: usize, stride: usize) -> Vec<f64> {
-    let blocks: Vec<Moments> = channel.values().chunks(block).map(|block| moments(block, stride)).collect();
+    let blocks: Vec<Moments> = channel
+        .values()
+        .chunks(block)
+        .map(|block| moments(block, stride))
+        .collect();
     let windows = blocks.windows(BLOCKS.min(blocks.len()).max(1));
-    windows.map(|window| variance(&window.iter().fold([0.0; 3], |a, b| add(a, *b)))).collect()
+    windows
+        .map(|window| variance(&window.iter().fold([0.0; 3], |a, b| add(a, *b))))
+        .collect()
 }
 
 fn moments(block: &[f64], stride: usize) -> Moments {

@@ -41,7 +41,10 @@ pub(super) struct Pairs<'a> {
 impl Pairs<'_> {
     /// Refines `period`, which must be right to two samples.
     pub(super) fn refine(&self, period: f64) -> LongLags {
-        let mut best = LongLags { period, residual: 0.0 };
+        let mut best = LongLags {
+            period,
+            residual: 0.0,
+        };
         let (mut count, mut last) = (1, None);
         while self.longest() >= (count as f64 + LEAST) * best.period {
             let valley = self.valley((count as f64 * best.period).round() as usize);
@@ -72,43 +75,81 @@ impl Pairs<'_> {
         if excess > chance { period } else { rounded }
     }
 
-    /// The least difference around a lag, by a parabola that is as wide as the valley: a slow signal
-    /// under noise hardly differs from one sample to the next.
+    /// The least difference around a lag.
     fn valley(&self, centre: usize) -> Valley {
-        let (mut centre, mut step) = (centre, 1);
-        let mut parabola = self.parabola(centre, step);
-        while parabola.is_flat() && 8 * step < centre {
-            step *= 2;
-            parabola = self.parabola(centre, step);
+        let parabola = self.around(centre);
+        match parabola.step {
+            1 => self.fine(parabola.lag()),
+            _ => {
+                let whole = self.share(parabola.lag().round() as usize).0;
+                let least = self.residual(parabola.lag()).min(parabola.least).min(whole);
+                Valley {
+                    lag: parabola.lag(),
+                    least,
+                }
+            }
+        }
+    }
+
+    /// The lag of the least difference, and how far chance may move it.
+    pub(super) fn local_lag(&self, centre: usize) -> LocalLag {
+        let parabola = self.around(centre);
+        let n_pairs = self.share(centre).1.max(1.0);
+        let bend = 0.5 * parabola.bend / (parabola.step as f64).powi(2);
+        let variance = parabola.least.max(ROUNDING) / (bend.max(f64::MIN_POSITIVE) * n_pairs);
+        LocalLag {
+            lag: parabola.lag(),
+            deviation: variance.sqrt(),
+        }
+    }
+
+    /// A parabola through the differences around a lag, as wide as the valley: a slow signal under
+    /// noise hardly differs from one sample to the next.
+    fn around(&self, centre: usize) -> Parabola {
+        let mut parabola = self.parabola(centre, 1);
+        while parabola.is_flat() && 8 * parabola.step < centre {
+            parabola = self.parabola(centre, 2 * parabola.step);
         }
         for _ in 0..RECENTRED {
-            if parabola.offset.abs() < 0.5 * step as f64 {
+            if parabola.offset.abs() < 0.5 * parabola.step as f64 {
                 break;
             }
-            centre = (centre as f64 + parabola.offset).round().max(2.0 * step as f64) as usize;
-            parabola = self.parabola(centre, step);
+            let centre = parabola.lag().round().max(2.0 * parabola.step as f64);
+            parabola = self.parabola(centre as usize, parabola.step);
         }
-        let lag = centre as f64 + parabola.offset;
-        if step == 1 { self.fine(lag) } else { Valley { lag, least: self.residual(lag) } }
+        parabola
     }
 
     /// The least difference close to a lag, between samples.
     fn fine(&self, lag: f64) -> Valley {
         let whole = self.share(lag.round() as usize).0;
         if whole < ROUNDING {
-            return Valley { lag: lag.round(), least: whole };
+            return Valley {
+                lag: lag.round(),
+                least: whole,
+            };
         }
         let [left, middle, right] = [-FINE, 0.0, FINE].map(|offset| self.residual(lag + offset));
         let bend = left - 2.0 * middle + right;
-        let offset = if bend > 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
+        let offset = if bend > 0.0 {
+            0.5 * (left - right) / bend
+        } else {
+            0.0
+        };
         let lag = lag + FINE * offset.clamp(-2.0, 2.0);
-        Valley { lag, least: self.residual(lag).min(middle).min(whole) }
+        Valley {
+            lag,
+            least: self.residual(lag).min(middle).min(whole),
+        }
     }
 
     /// Through the differences at two steps on either side; at the steps next to it alone where
     /// those are samples, since the valley of a fast signal is hardly wider.
     fn parabola(&self, centre: usize, step: usize) -> Parabola {
-        let at = |steps: usize| self.share((centre + steps * step).saturating_sub(2 * step)).0;
+        let at = |steps: usize| {
+            self.share((centre + steps * step).saturating_sub(2 * step))
+                .0
+        };
         let shares: [f64; 5] = std::array::from_fn(at);
         let [far_left, left, middle, right, far_right] = shares;
         let rise = 0.5 * (far_left + far_right) - middle;
@@ -121,7 +162,14 @@ impl Pairs<'_> {
             ),
         };
         let offset = if bend > 0.0 { -slope / bend } else { 0.0 };
-        Parabola { rise, least, offset: offset.clamp(-2.0, 2.0) * step as f64 }
+        Parabola {
+            centre,
+            step,
+            rise,
+            bend,
+            least,
+            offset: offset.clamp(-2.0, 2.0) * step as f64,
+        }
     }
 
     /// Share of the power that does not repeat after a whole lag, levels taken off in each run, and
@@ -133,7 +181,10 @@ impl Pairs<'_> {
                 sums.add(&channel.values()[run.clone()], lag, self.stride);
             }
         }
-        (sums.difference / sums.power.max(f64::MIN_POSITIVE), sums.count)
+        (
+            sums.difference / sums.power.max(f64::MIN_POSITIVE),
+            sums.count,
+        )
     }
 
     /// Share of the power that does not repeat after a lag that may have a fraction.
@@ -144,7 +195,11 @@ impl Pairs<'_> {
             for channel in self.channels {
                 let values = &channel.values()[run.clone()];
                 let pair = |k: usize| (values[k], lag.later(values, k));
-                sums.add_pairs((0..lag.n_pairs(values.len())).step_by(self.stride).map(pair));
+                sums.add_pairs(
+                    (0..lag.n_pairs(values.len()))
+                        .step_by(self.stride)
+                        .map(pair),
+                );
             }
         }
         sums.difference / sums.power.max(f64::MIN_POSITIVE)
@@ -157,7 +212,18 @@ struct Valley {
     least: f64,
 }
 
+/// Where a stretch repeats best.
+pub(super) struct LocalLag {
+    pub(super) lag: f64,
+    /// Standard deviation, from white noise of the power that does not repeat.
+    pub(super) deviation: f64,
+}
+
 struct Parabola {
+    centre: usize,
+    step: usize,
+    /// Its second difference over steps.
+    bend: f64,
     /// How much the differences rise over two steps.
     rise: f64,
     /// The least of them.
@@ -167,6 +233,11 @@ struct Parabola {
 }
 
 impl Parabola {
+    /// Its vertex.
+    fn lag(&self) -> f64 {
+        self.centre as f64 + self.offset
+    }
+
     /// Whether chance may move the vertex: noise and little difference.
     fn is_flat(&self) -> bool {
         self.rise < RISE.min(CLEAR * self.least.max(ROUNDING))
@@ -184,11 +255,18 @@ struct Sums {
 impl Sums {
     fn add(&mut self, values: &[f64], lag: usize, stride: usize) {
         let later = values.get(lag..).unwrap_or_default();
-        self.add_pairs(values.iter().copied().zip(later.iter().copied()).step_by(stride));
+        self.add_pairs(
+            values
+                .iter()
+                .copied()
+                .zip(later.iter().copied())
+                .step_by(stride),
+        );
     }
 
     fn add_pairs(&mut self, pairs: impl Iterator<Item = (f64, f64)>) {
-        let (mut n, mut x, mut y, mut xx, mut yy, mut d, mut dd) = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
+        let (mut n, mut x, mut y, mut xx, mut yy, mut d, mut dd) =
+            (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
         for (now, later) in pairs.filter(|(now, later)| !(now - later).is_nan()) {
             n += 1.0;
             x += now;

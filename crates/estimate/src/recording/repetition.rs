@@ -4,7 +4,7 @@
 use std::iter::zip;
 use std::ops::Range;
 
-use frfid_signals::{check_finite, checks::positive};
+use frfid_signals::check_finite;
 use ndarray::ArrayView2;
 
 use crate::error::EstimateError;
@@ -13,7 +13,8 @@ use crate::recording::autocorrelation::{SHORTEST, autocorrelation, peaks};
 use crate::recording::channel::Channel;
 use crate::recording::long_lags::Pairs;
 use crate::recording::rests::{find_rests, single_periods};
-use crate::recording::runs::{LIMIT, Runs, gaps};
+use crate::recording::runs::{Runs, gaps, n_present};
+use crate::recording::slips::without_slips;
 
 /// Places that are looked at while periods are compared; more tell no more.
 const PLACES: usize = 200_000;
@@ -23,6 +24,8 @@ const PLACES_PER_PERIOD: usize = 64;
 const LONG_LIMIT: f64 = 0.25;
 /// Periods that are refined, those after which the signal repeats best.
 const REFINED: usize = 6;
+/// Neighbours that are climbed over at most.
+const CLIMB: usize = 64;
 /// Ends of runs are not compared, in periods.
 const EDGE: f64 = 0.125;
 /// A period that covers so much of what the best one covers is as good.
@@ -58,7 +61,10 @@ pub struct Repetition {
 /// # Errors
 /// [`EstimateError::NotPeriodic`] with the reason; [`frfid_signals::SignalError`] for a reference without
 /// channels or without a single sample, and for a period that is not finite and above zero.
-pub fn find_repetition(reference: ArrayView2<f64>, period: Option<f64>) -> Result<Repetition, EstimateError> {
+pub fn find_repetition(
+    reference: ArrayView2<f64>,
+    period: Option<f64>,
+) -> Result<Repetition, EstimateError> {
     if reference.is_empty() {
         let needed = "(channel, sample) with at least one of both".to_string();
         return Err(EstimateError::shape("reference", reference.shape(), needed));
@@ -106,27 +112,50 @@ struct Candidate {
 
 impl Candidate {
     fn new(channels: &[Channel], period: f64) -> Option<Self> {
+        let longest = channels.first()?.values().len() as f64;
+        if !(SHORTEST as f64..=longest).contains(&period) {
+            return None;
+        }
         let runs = Runs::find(channels, period, stride(channels, period));
-        if runs.is_sound() { Self::refined(channels, runs) } else { None }
+        if runs.is_sound() {
+            Self::refined(channels, runs)
+        } else {
+            None
+        }
     }
 
     /// Unless the signal does not repeat over many periods.
     fn refined(channels: &[Channel], runs: Runs) -> Option<Self> {
-        let (period, stride) = (runs.period, stride(channels, runs.period));
-        let inner: Vec<Range<usize>> = runs.runs.iter().map(|run| inner(run, period)).collect();
-        let pairs = Pairs { channels, runs: &inner, stride };
+        let stride = stride(channels, runs.period);
+        let (period, parts) = without_slips(channels, &runs.runs, runs.period, stride);
+        let inner: Vec<Range<usize>> = parts.iter().map(|run| inner(run, period)).collect();
+        let pairs = Pairs {
+            channels,
+            runs: &inner,
+            stride,
+        };
         let long = pairs.refine(period);
-        if long.residual > LONG_LIMIT {
+        if long.residual > LONG_LIMIT || parts.is_empty() {
             return None;
         }
         let residual = long.residual.max(pairs.residual(long.period));
-        let runs = Runs { period: long.period, ..runs };
+        let covered = n_present(channels, &parts, stride);
+        let runs = Runs {
+            period: long.period,
+            runs: parts,
+            covered,
+            ..runs
+        };
         Some(Self { runs, residual })
     }
 
     /// Residual below which another period explains as much.
     fn as_good(&self, period: f64) -> f64 {
-        let inexact = if period == period.round() { ROUNDING } else { BETWEEN_SAMPLES };
+        let inexact = if period == period.round() {
+            ROUNDING
+        } else {
+            BETWEEN_SAMPLES
+        };
         2.0 * self.residual + inexact
     }
 }
@@ -140,7 +169,9 @@ fn inner(run: &Range<usize>, period: f64) -> Range<usize> {
 /// Places are that far apart.
 fn stride(channels: &[Channel], period: f64) -> usize {
     let n_samples = channels.first().map_or(0, |channel| channel.values().len());
-    (n_samples / PLACES).min(period as usize / PLACES_PER_PERIOD).max(1)
+    (n_samples / PLACES)
+        .min(period as usize / PLACES_PER_PERIOD)
+        .max(1)
 }
 
 /// Of the periods that cover most, the one after which the signal repeats best.
@@ -149,13 +180,50 @@ fn best_of(channels: &[Channel], correlation: &[f64]) -> Option<Candidate> {
         let period = vertex(correlation, lag);
         Runs::find(channels, period, stride(channels, period))
     };
-    let mut runs: Vec<Runs> = peaks(correlation).iter().map(runs).filter(Runs::is_sound).collect();
+    let mut runs: Vec<Runs> = peaks(correlation)
+        .iter()
+        .map(runs)
+        .filter(Runs::is_sound)
+        .collect();
     runs.sort_by(|a, b| a.residual.total_cmp(&b.residual));
-    let refined = runs.into_iter().filter_map(|runs| Candidate::refined(channels, runs));
+    let refined = runs
+        .into_iter()
+        .filter_map(|runs| Candidate::refined(channels, runs));
     let refined: Vec<Candidate> = refined.take(REFINED).collect();
-    let most = refined.iter().map(|candidate| candidate.runs.covered).max()?;
+    let most = refined
+        .iter()
+        .map(|candidate| candidate.runs.covered)
+        .max()?;
     let enough = |candidate: &Candidate| candidate.runs.covered as f64 >= AS_MUCH * most as f64;
-    refined.into_iter().filter(enough).min_by(|a, b| a.residual.total_cmp(&b.residual))
+    let best = refined
+        .into_iter()
+        .filter(enough)
+        .min_by(|a, b| a.residual.total_cmp(&b.residual))?;
+    Some(climbed(channels, best, correlation))
+}
+
+/// The best of the neighbours: the peaks of a narrow band lie one cycle apart and hardly differ.
+fn climbed(channels: &[Channel], best: Candidate, correlation: &[f64]) -> Candidate {
+    let at = |lag: usize| correlation.get(lag).copied().unwrap_or(0.0);
+    let like_best = 0.8 * at(best.runs.period.round() as usize);
+    let highest = peaks(correlation)
+        .into_iter()
+        .find(|&lag| at(lag) > like_best);
+    let Some(cycle) = highest.filter(|&lag| 4.0 * lag as f64 <= best.runs.period) else {
+        return best;
+    };
+    let cycle = vertex(correlation, cycle);
+    let mut best = best;
+    for step in [cycle, -cycle] {
+        for _ in 0..CLIMB {
+            let next = Candidate::new(channels, best.runs.period + step);
+            let Some(next) = next.filter(|next| next.residual < best.residual) else {
+                break;
+            };
+            best = next;
+        }
+    }
+    best
 }
 
 /// Top of the parabola through a peak.
@@ -165,8 +233,16 @@ fn vertex(correlation: &[f64], lag: usize) -> f64 {
     };
     let (left, middle) = (correlation[lag - 1], correlation[lag]);
     let bend = left - 2.0 * middle + right;
-    let offset = if bend < 0.0 { 0.5 * (left - right) / bend } else { 0.0 };
-    if offset.abs() < 0.05 { lag as f64 } else { lag as f64 + offset }
+    let offset = if bend < 0.0 {
+        0.5 * (left - right) / bend
+    } else {
+        0.0
+    };
+    if offset.abs() < 0.1 {
+        lag as f64
+    } else {
+        lag as f64 + offset
+    }
 }
 
 /// Divides a period by primes as long as what is left explains as much.
@@ -174,7 +250,10 @@ fn shortest(channels: &[Channel], best: Candidate, correlation: &[f64]) -> Candi
     let mut best = best;
     // small lags look alike for any smooth signal
     let is_left = |&value: &f64| value < 0.5 * correlation[0];
-    let left = correlation.iter().position(is_left).unwrap_or(correlation.len());
+    let left = correlation
+        .iter()
+        .position(is_left)
+        .unwrap_or(correlation.len());
     let least = left.max(SHORTEST) as f64;
     let mut divisor = 2;
     while best.runs.period / divisor as f64 >= least {
@@ -187,8 +266,18 @@ fn shortest(channels: &[Channel], best: Candidate, correlation: &[f64]) -> Candi
 }
 
 /// The period divided, if it still explains as much.
-fn part(channels: &[Channel], best: &Candidate, divisor: usize, correlation: &[f64]) -> Option<Candidate> {
-    let at = |period: f64| correlation.get(period.round() as usize).copied().unwrap_or(0.0);
+fn part(
+    channels: &[Channel],
+    best: &Candidate,
+    divisor: usize,
+    correlation: &[f64],
+) -> Option<Candidate> {
+    let at = |period: f64| {
+        correlation
+            .get(period.round() as usize)
+            .copied()
+            .unwrap_or(0.0)
+    };
     let period = best.runs.period / divisor as f64;
     if at(period) < WORTH_TRYING * at(best.runs.period) {
         return None;
@@ -200,19 +289,30 @@ fn part(channels: &[Channel], best: &Candidate, divisor: usize, correlation: &[f
 
 /// The runs of a period, sample by sample.
 fn found(channels: &[Channel], period: f64) -> Option<Repetition> {
-    let runs = Runs::find(channels, period, 1);
+    let mut runs = Runs::find(channels, period, 1);
+    runs.runs = without_slips(channels, &runs.runs, period, stride(channels, period)).1;
     let rests = find_rests(channels, &runs);
     let (is_empty, residual) = (runs.runs.is_empty(), runs.residual);
-    (!is_empty).then_some(Repetition { period, runs: runs.runs, rests, residual })
+    (!is_empty).then_some(Repetition {
+        period,
+        runs: runs.runs,
+        rests,
+        residual,
+    })
 }
 
 /// The runs of a period that somebody gave: where nothing repeats, one period is enough.
 fn given(channels: &[Channel], period: f64) -> Result<Repetition, EstimateError> {
-    positive("period", period)?;
+    let n_samples = channels.first().map_or(0, |channel| channel.values().len());
+    if !(SHORTEST as f64..=n_samples as f64).contains(&period) {
+        let needed = "a number of samples from 4 to the length of the recording";
+        return Err(EstimateError::parameter("period", period, needed));
+    }
     let runs = |channels: &[Channel]| Runs::find(channels, period, stride(channels, period));
     let repeats = |channel: &&Channel| runs(std::slice::from_ref(*channel)).is_sound();
     let excited: Vec<Channel> = channels.iter().filter(repeats).cloned().collect();
-    if let Some(candidate) = Candidate::refined(&excited, runs(&excited)) {
+    let sound = Some(runs(&excited)).filter(Runs::is_sound);
+    if let Some(candidate) = sound.and_then(|runs| Candidate::refined(&excited, runs)) {
         let found = found(&excited, candidate.runs.period);
         return found.ok_or_else(|| why(channels, Some(period)));
     }
@@ -220,6 +320,11 @@ fn given(channels: &[Channel], period: f64) -> Result<Repetition, EstimateError>
     if runs.is_empty() || runs.iter().any(|run| run.len() as f64 >= 2.0 * period) {
         return Err(why(channels, Some(period)));
     }
-    let rests = gaps(&runs, channels[0].values().len());
-    Ok(Repetition { period, runs, rests, residual: 0.0 })
+    let rests = gaps(&runs, n_samples);
+    Ok(Repetition {
+        period,
+        runs,
+        rests,
+        residual: 0.0,
+    })
 }

@@ -19,7 +19,10 @@ pub(super) fn find_rests(channels: &[Channel], runs: &Runs) -> Vec<Range<usize>>
     let window = ((WINDOW * runs.period) as usize).max(2);
     let power = LocalPower::new(channels, window, 1);
     let in_gap = |gap: Range<usize>| quiet(&power, gap, window, LIMIT * runs.power);
-    gaps(&runs.runs, n_samples).into_iter().flat_map(in_gap).collect()
+    gaps(&runs.runs, n_samples)
+        .into_iter()
+        .flat_map(in_gap)
+        .collect()
 }
 
 /// Parts of `range` made of windows with less than `limit` of power.
@@ -41,16 +44,27 @@ pub(super) fn single_periods(channels: &[Channel], period: f64) -> Vec<Range<usi
     let n_samples = channels.first().map_or(0, |channel| channel.values().len());
     let window = ((period / 16.0) as usize).max(2);
     let power = LocalPower::new(channels, window, 1);
-    let strongest = (0..n_samples).step_by(window).map(|k| power.from(k)).fold(0.0, f64::max);
+    let strongest = (0..n_samples)
+        .step_by(window)
+        .map(|k| power.from(k))
+        .fold(0.0, f64::max);
     let mut rests = quiet(&power, 0..n_samples, window, REST * strongest);
     rests.retain(|rest| rest.len() as f64 > WINDOW * period);
     let wanted = period.floor() as usize;
     let stretched = |stretch: Range<usize>| {
         let missing = wanted.saturating_sub(stretch.len());
-        let starts = stretch.start.saturating_sub(missing)..=stretch.start.min(n_samples.checked_sub(wanted)?);
+        let starts = stretch.start.saturating_sub(missing)
+            ..=stretch.start.min(n_samples.checked_sub(wanted)?);
         let moves = |start: usize| power.from(start) + power.from(start + wanted - window);
         let best = starts.max_by(|&a, &b| moves(a).total_cmp(&moves(b)))?;
-        (missing <= window).then_some(if missing == 0 { stretch } else { best..best + wanted })
+        (missing <= window).then_some(if missing == 0 {
+            stretch
+        } else {
+            best..best + wanted
+        })
     };
-    gaps(&rests, n_samples).into_iter().filter_map(stretched).collect()
+    gaps(&rests, n_samples)
+        .into_iter()
+        .filter_map(stretched)
+        .collect()
 }

@@ -11,7 +11,7 @@ const STRANGER: f64 = 0.5;
 /// Ends are looked at that far, in periods.
 const EDGE: f64 = 0.25;
 /// A share at an end counts for at most so much: more than within, where one bad sample may pass.
-const EDGE_CAP: f64 = 30.0;
+const EDGE_CAP: f64 = 4.0;
 /// A run is stretched to whole periods if at most this share of one is missing, and four samples:
 /// so much noise hides at its ends.
 const STRETCH: f64 = 1.0 / 64.0;
@@ -63,7 +63,8 @@ fn whole_periods(
     let wanted = ((stretch.len() as f64 / length).round() * length).floor() as usize;
     let missing = wanted.saturating_sub(stretch.len());
     let excess = stretch.len().saturating_sub(wanted);
-    let is_close = missing as f64 <= (STRETCH * length).max(SAMPLES) && excess as f64 <= EXCESS * length;
+    let is_close =
+        missing as f64 <= (STRETCH * length).max(SAMPLES) && excess as f64 <= EXCESS * length;
     if wanted == 0 || !is_close || wanted > shares.len() {
         return stretch;
     }

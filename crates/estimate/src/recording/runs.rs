@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::recording::channel::Channel;
+use crate::recording::holes::without_breaks;
 use crate::recording::likeness::{Likeness, quieter_half};
 use crate::recording::run_ends::settled_ends;
 use crate::recording::two_states::cheapest_stretches;
@@ -16,9 +17,6 @@ const CAP: f64 = 4.0;
 /// A run begins or ends where it pays for an eighth of a period: slow signals are alike for so
 /// long by chance.
 const CHANGE: f64 = 0.125;
-/// A hole of so much of a period breaks a run: what is left of the period between both sides does
-/// not show that they belong together.
-const HOLE: f64 = 0.75;
 /// Power below this share of that of the strongest run is rest, whatever repeats in it (30 dB).
 const REST: f64 = 1e-3;
 /// The share that ends a run, over that in its quieter half (14 dB): noise may grow as much.
@@ -45,7 +43,7 @@ impl Runs {
     pub(super) fn find(channels: &[Channel], period: f64, stride: usize) -> Self {
         let like = Likeness::new(channels, period, stride);
         let length = period / stride as f64;
-        let costs = costs(&like.shares, length);
+        let costs = costs(&like.shares);
         let change = CHANGE * length * share_present(&like.shares);
         let mut stretches = cheapest_stretches(&costs, change);
         let finer = |stretch: &Range<usize>| finer_stretches(&like.shares, stretch, change, length);
@@ -55,13 +53,24 @@ impl Runs {
         }
         stretches.retain(|stretch| stretch.len() as f64 > length - 1.0);
         drop_rests(&mut stretches, &like);
-        let residual = if stretches.is_empty() { 1.0 } else { like.residual(&stretches) };
+        let residual = if stretches.is_empty() {
+            1.0
+        } else {
+            like.residual(&stretches)
+        };
         let runs = in_samples(&stretches, period, stride, channels);
+        let runs = without_breaks(channels, &runs, period, stride);
         let power = mean_power(&runs, &like);
-        let present = |run: &Range<usize>| n_present(channels, run.clone(), stride);
-        let covered = runs.iter().map(present).sum();
+        let covered = n_present(channels, &runs, stride);
         let left_out = left_out(&runs, &like, period, channels, power);
-        Self { period, runs, residual, power, left_out, covered }
+        Self {
+            period,
+            runs,
+            residual,
+            power,
+            left_out,
+            covered,
+        }
     }
 
     /// Whether it repeats well enough, and more of what moves is in runs than out of them.
@@ -71,20 +80,12 @@ impl Runs {
 }
 
 /// What a share costs in a run, where it is below the strange one: less than nothing.
-fn costs(shares: &[f64], length: f64) -> Vec<f64> {
+fn costs(shares: &[f64]) -> Vec<f64> {
     let cost = |share: &f64| match share.is_nan() {
         true => 0.0,
         false => (share / STRANGE).min(CAP) - 1.0,
     };
-    let mut costs: Vec<f64> = shares.iter().map(cost).collect();
-    let mut start = 0;
-    for hole in shares.chunk_by(|a, b| a.is_nan() == b.is_nan()) {
-        if hole[0].is_nan() && hole.len() as f64 > HOLE * length {
-            costs[start..start + hole.len()].fill(CAP - 1.0);
-        }
-        start += hole.len();
-    }
-    costs
+    shares.iter().map(cost).collect()
 }
 
 fn share_present(shares: &[f64]) -> f64 {
@@ -94,23 +95,36 @@ fn share_present(shares: &[f64]) -> f64 {
 
 /// Parts of a stretch that stay close to the level of its quieter half: where rows are lost, a slow
 /// signal goes on little changed, but far more than noise changes it.
-fn finer_stretches(shares: &[f64], stretch: &Range<usize>, change: f64, length: f64) -> Vec<Range<usize>> {
+fn finer_stretches(
+    shares: &[f64],
+    stretch: &Range<usize>,
+    change: f64,
+    length: f64,
+) -> Vec<Range<usize>> {
     let quiet = quieter_half(&shares[stretch.clone()], length);
     let most = LIMIT.max(quiet * STRANGE / LIMIT);
     let level = (GROWTH * quiet).clamp(EXACT, most);
-    let scaled: Vec<f64> = shares[stretch.clone()].iter().map(|share| share * STRANGE / level).collect();
-    let parts = cheapest_stretches(&costs(&scaled, length), change);
-    let shifted = parts.into_iter().map(|part| part.start + stretch.start..part.end + stretch.start);
+    let scaled: Vec<f64> = shares[stretch.clone()]
+        .iter()
+        .map(|share| share * STRANGE / level)
+        .collect();
+    let parts = cheapest_stretches(&costs(&scaled), change);
+    let shifted = parts
+        .into_iter()
+        .map(|part| part.start + stretch.start..part.end + stretch.start);
     shifted.collect()
 }
 
 /// A constant repeats, and so does a hum: neither is a run.
 fn drop_rests(stretches: &mut Vec<Range<usize>>, like: &Likeness) {
     let mean = |stretch: &Range<usize>| {
-        like.power.mean(&(stretch.start * like.stride..stretch.end * like.stride))
+        like.power
+            .mean(&(stretch.start * like.stride..stretch.end * like.stride))
     };
     let energy = |stretch: &&Range<usize>| mean(stretch) * stretch.len() as f64;
-    let strongest = stretches.iter().max_by(|a, b| energy(a).total_cmp(&energy(b)));
+    let strongest = stretches
+        .iter()
+        .max_by(|a, b| energy(a).total_cmp(&energy(b)));
     if let Some(power) = strongest.map(mean) {
         stretches.retain(|stretch| mean(stretch) >= REST * power);
     }
@@ -145,29 +159,49 @@ fn boundary(before: &Range<usize>, after: Range<usize>, period: f64) -> usize {
         whole(at - before.start) + whole(after.end - at)
     };
     let candidates = [after.start, before.end, after.start.midpoint(before.end)];
-    let valid = candidates.into_iter().filter(|&at| at >= before.start && at <= after.end);
-    valid.max_by(|&a, &b| periods(a).total_cmp(&periods(b))).unwrap_or(after.start)
+    let valid = candidates
+        .into_iter()
+        .filter(|&at| at >= before.start && at <= after.end);
+    valid
+        .max_by(|&a, &b| periods(a).total_cmp(&periods(b)))
+        .unwrap_or(after.start)
 }
 
-/// How many samples of a range any channel has.
-fn n_present(channels: &[Channel], range: Range<usize>, stride: usize) -> usize {
-    let is_present = |k: &usize| channels.iter().any(|channel| !channel.values()[*k].is_nan());
-    stride * range.step_by(stride).filter(is_present).count()
+/// How many samples of the runs are not lost in all channels.
+pub(super) fn n_present(channels: &[Channel], runs: &[Range<usize>], stride: usize) -> usize {
+    let is_present = |k: &usize| {
+        channels
+            .iter()
+            .any(|channel| !channel.values()[*k].is_nan())
+    };
+    let places = runs.iter().flat_map(|run| run.clone().step_by(stride));
+    stride * places.filter(is_present).count()
 }
 
 fn mean_power(runs: &[Range<usize>], like: &Likeness) -> f64 {
-    let energy: f64 = runs.iter().map(|run| like.power.mean(run) * run.len() as f64).sum();
+    let energy: f64 = runs
+        .iter()
+        .map(|run| like.power.mean(run) * run.len() as f64)
+        .sum();
     energy / runs.iter().map(Range::len).sum::<usize>().max(1) as f64
 }
 
 /// Samples between the runs whose surroundings have a tenth of `power`.
-fn left_out(runs: &[Range<usize>], like: &Likeness, period: f64, channels: &[Channel], power: f64) -> usize {
+fn left_out(
+    runs: &[Range<usize>],
+    like: &Likeness,
+    period: f64,
+    channels: &[Channel],
+    power: f64,
+) -> usize {
     let n_samples = channels.first().map_or(0, |channel| channel.values().len());
     let step = (period / 4.0).ceil() as usize;
     let count = |gap: &Range<usize>| {
         let window = (period as usize).min(gap.len());
         let starts = (gap.start..gap.end - window + 1).step_by(step);
-        let loud = starts.filter(|&k| like.power.from(k) > LIMIT * power).count();
+        let loud = starts
+            .filter(|&k| like.power.from(k) > LIMIT * power)
+            .count();
         (loud * step).min(gap.len())
     };
     gaps(runs, n_samples).iter().map(count).sum()
@@ -177,5 +211,9 @@ fn left_out(runs: &[Range<usize>], like: &Likeness, period: f64, channels: &[Cha
 pub(super) fn gaps(runs: &[Range<usize>], n_samples: usize) -> Vec<Range<usize>> {
     let starts = std::iter::once(0).chain(runs.iter().map(|run| run.end));
     let ends = runs.iter().map(|run| run.start).chain([n_samples]);
-    starts.zip(ends).filter(|(start, end)| start < end).map(|(start, end)| start..end).collect()
+    starts
+        .zip(ends)
+        .filter(|(start, end)| start < end)
+        .map(|(start, end)| start..end)
+        .collect()
 }

@@ -10,10 +10,15 @@ const BEYOND: f64 = 0.5;
 /// Whether the signal crosses its mean more and more often, from each eighth of it to the next.
 pub(super) fn is_single_sweep(values: &[f64]) -> bool {
     let active = active(values);
-    let counts: Vec<usize> = active.chunks(active.len().div_ceil(PARTS).max(1)).map(crossings).collect();
+    let counts: Vec<usize> = active
+        .chunks(active.len().div_ceil(PARTS).max(1))
+        .map(crossings)
+        .collect();
     let rises = counts.windows(2).all(|pair| pair[0] < pair[1]);
     let (first, last) = (counts.first().copied(), counts.last().copied());
-    let rise = first.zip(last).is_some_and(|(first, last)| last as f64 >= RISE * first as f64);
+    let rise = first
+        .zip(last)
+        .is_some_and(|(first, last)| last as f64 >= RISE * first as f64);
     counts.len() == PARTS && rises && rise
 }
 
@@ -31,7 +36,9 @@ fn crossings(part: &[f64]) -> usize {
     let count = present().count().max(1) as f64;
     let mean = present().sum::<f64>() / count;
     let rms = (present().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
-    let clear = present().map(|value| value - mean).filter(|value| value.abs() > BEYOND * rms);
+    let clear = present()
+        .map(|value| value - mean)
+        .filter(|value| value.abs() > BEYOND * rms);
     let signs: Vec<bool> = clear.map(|value| value > 0.0).collect();
     signs.windows(2).filter(|pair| pair[0] != pair[1]).count()
 }

@@ -45,7 +45,10 @@ mod tests {
     fn cost(costs: &[f64], change: f64, bits: u32) -> f64 {
         let is_inside = |place: usize| bits >> place & 1 == 1;
         let counted = |place: &usize| is_inside(*place);
-        let inside: f64 = (0..costs.len()).filter(counted).map(|place| costs[place]).sum();
+        let inside: f64 = (0..costs.len())
+            .filter(counted)
+            .map(|place| costs[place])
+            .sum();
         let changes = (1..costs.len()).filter(|&place| is_inside(place) != is_inside(place - 1));
         inside + change * changes.count() as f64
     }
@@ -57,10 +60,16 @@ mod tests {
             for change in [0.1, 0.7, 2.0] {
                 let costs: Vec<f64> = (0..length).map(|_| normal(&mut rng)).collect();
                 let found = cheapest_stretches(&costs, change);
-                let bits = found.into_iter().flatten().fold(0, |bits, place| bits | 1 << place);
+                let bits = found
+                    .into_iter()
+                    .flatten()
+                    .fold(0, |bits, place| bits | 1 << place);
                 let least = (0..1_u32 << length).map(|bits| cost(&costs, change, bits));
                 let least = least.fold(f64::INFINITY, f64::min);
-                assert!((cost(&costs, change, bits) - least).abs() < 1e-12, "{costs:?}");
+                assert!(
+                    (cost(&costs, change, bits) - least).abs() < 1e-12,
+                    "{costs:?}"
+                );
             }
         }
     }

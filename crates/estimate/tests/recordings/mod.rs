@@ -48,7 +48,12 @@ pub(crate) struct Multisine {
 }
 
 impl Multisine {
-    pub(crate) fn new(period: f64, lines: &[usize], amplitude: impl Fn(usize) -> f64, seed: u64) -> Self {
+    pub(crate) fn new(
+        period: f64,
+        lines: &[usize],
+        amplitude: impl Fn(usize) -> f64,
+        seed: u64,
+    ) -> Self {
         let mut rng = stream(seed, "phases", &[]);
         Self {
             period,
@@ -59,12 +64,19 @@ impl Multisine {
     }
 
     pub(crate) fn rms(&self) -> f64 {
-        (self.amplitudes.iter().map(|amplitude| 0.5 * amplitude * amplitude).sum::<f64>()).sqrt()
+        (self
+            .amplitudes
+            .iter()
+            .map(|amplitude| 0.5 * amplitude * amplitude)
+            .sum::<f64>())
+        .sqrt()
     }
 
     pub(crate) fn samples(&self, n_samples: usize) -> Vec<f64> {
         if self.period == self.period.round() {
-            let one: Vec<f64> = (0..self.period as usize).map(|k| self.at(k as f64)).collect();
+            let one: Vec<f64> = (0..self.period as usize)
+                .map(|k| self.at(k as f64))
+                .collect();
             return (0..n_samples).map(|k| one[k % one.len()]).collect();
         }
         (0..n_samples).map(|k| self.at(k as f64)).collect()
@@ -92,7 +104,10 @@ pub(crate) fn lines(kind: usize, highest: usize, chance: &mut Chance) -> Vec<usi
             let odd: Vec<usize> = (1..=highest).step_by(2).collect();
             let dropped: Vec<usize> = odd.chunks(4).map(|_| chance.whole(0..4)).collect();
             let kept = |&index: &usize| index < 4 || index % 4 != dropped[index / 4];
-            (0..odd.len()).filter(kept).map(|index| odd[index]).collect()
+            (0..odd.len())
+                .filter(kept)
+                .map(|index| odd[index])
+                .collect()
         }
         _ => {
             let mut lines: Vec<usize> = (0..30)
@@ -135,8 +150,15 @@ impl Plan {
         samples.resize(samples.len() + self.rests[self.periods.len()], 0.0);
         let noise = noise(samples.len(), self.seed);
         let level = self.noise * rms;
-        let noisy: Vec<f64> = samples.iter().zip(noise).map(|(x, e)| x + level * e).collect();
+        let noisy: Vec<f64> = samples
+            .iter()
+            .zip(noise)
+            .map(|(x, e)| x + level * e)
+            .collect();
         let shape = (1, noisy.len());
-        (Array2::from_shape_vec(shape, noisy).expect("one channel"), runs)
+        (
+            Array2::from_shape_vec(shape, noisy).expect("one channel"),
+            runs,
+        )
     }
 }
