@@ -29,6 +29,7 @@ mod recording {
     mod decay_shapes;
     mod decay_test;
     pub(crate) mod input_changes;
+    mod holes;
     mod lag;
     mod likeness;
     pub(crate) mod lines;
@@ -40,9 +41,11 @@ mod recording {
     pub(crate) mod repetition;
     mod rests;
     pub(crate) mod run_periods;
+    mod run_ends;
     mod runs;
     pub(crate) mod settling;
     mod single_sweep;
+    mod slips;
     pub(crate) mod transient;
     pub(crate) mod trend;
     pub(crate) mod trend_model;

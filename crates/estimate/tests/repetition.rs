@@ -26,6 +26,14 @@ fn plan(seed: u64) -> Plan {
 }
 
 #[test]
+fn one_seed() {
+    let p = plan(290);
+    let (record, runs) = p.record();
+    println!("{runs:?}");
+    println!("{:?}", find_repetition(record.view(), None));
+}
+
+#[test]
 fn campaigns() {
     let mut bad = 0;
     for seed in 0..300 {

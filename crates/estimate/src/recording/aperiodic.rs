@@ -143,9 +143,8 @@ fn residual(channels: &[Channel], period: usize) -> f64 {
 /// What repeats of the channel that repeats most, and how many samples that are.
 fn partly(channels: &[Channel], period: usize) -> Option<(usize, Aperiodic)> {
     let runs = |channel: &Channel| Runs::find(std::slice::from_ref(channel), period as f64, 1);
-    let runs = channels.iter().map(runs).max_by_key(Runs::covered)?;
-    let is_chance =
-        (runs.covered() as f64) < CHANCE * runs.left_out as f64 || runs.residual > LIMIT;
+    let runs = channels.iter().map(runs).max_by_key(|runs| runs.covered)?;
+    let is_chance = (runs.covered as f64) < CHANCE * runs.left_out as f64 || runs.residual > LIMIT;
     let longest = runs
         .runs
         .iter()
@@ -153,7 +152,7 @@ fn partly(channels: &[Channel], period: usize) -> Option<(usize, Aperiodic)> {
         .filter(|_| !is_chance)?;
     let n_periods = (longest.len() as f64 / period as f64 + 1e-9) as usize;
     Some((
-        runs.covered(),
+        runs.covered,
         Aperiodic::Partly {
             first: longest.start,
             end: longest.end,

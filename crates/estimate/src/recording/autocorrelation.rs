@@ -6,6 +6,8 @@ use crate::recording::channel::Channel;
 
 /// Lags that are looked at for each width of a peak.
 const PEAKS_PER_WIDTH: usize = 3;
+/// Two periods of a fraction each are up to so many samples shorter than twice the next whole lag.
+const BEYOND_HALF: usize = 3;
 /// Shortest period that is looked for, in samples.
 pub(super) const SHORTEST: usize = 4;
 
@@ -13,7 +15,7 @@ pub(super) const SHORTEST: usize = 4;
 /// left out, and made up for by those that are there.
 pub(super) fn autocorrelation(channel: &Channel) -> Vec<f64> {
     let values = channel.values();
-    let lags = values.len() / 2 + 1;
+    let lags = (values.len() / 2 + BEYOND_HALF).min(values.len());
     let present = values
         .iter()
         .map(|value| if value.is_nan() { 0.0 } else { *value });
@@ -75,12 +77,17 @@ fn smooth_length(least: usize) -> usize {
 
 /// Lags at which the correlation has a peak, the highest for each width of a peak (1, 2, 4, ...
 /// samples): the height is that above its surroundings, so that a level that shifts once, which
-/// correlates with itself over all lags, does not count.
+/// correlates with itself over all lags, does not count. As it is and for as many pairs at each
+/// lag, since the peaks of a narrow band hardly differ.
 pub(super) fn peaks(correlation: &[f64]) -> Vec<usize> {
+    let n_samples = 2.0 * correlation.len() as f64;
+    let per_pair = |(lag, value): (usize, &f64)| value * n_samples / (n_samples - lag as f64);
+    let per_pair: Vec<f64> = correlation.iter().enumerate().map(per_pair).collect();
     let mut found = Vec::new();
     let mut width = 1;
     while 3 * width < correlation.len() {
         found.extend(highest(correlation, width));
+        found.extend(highest(&per_pair, width));
         width *= 2;
     }
     found.sort_unstable();

@@ -39,7 +39,9 @@ impl Channel {
     }
 
     /// The channel at another scale.
-    pub(super) fn scale(&mut self, factor: f64) {
-        self.values.iter_mut().for_each(|value| *value *= factor);
+    pub(super) fn scaled(&self, factor: f64) -> Self {
+        Self {
+            values: self.values.iter().map(|value| value * factor).collect(),
+        }
     }
 }

@@ -13,6 +13,8 @@ pub(super) struct Lag {
     first: usize,
     /// Weights from there on.
     taps: Vec<f64>,
+    /// Place of the nearest sample among them.
+    nearest: usize,
 }
 
 impl Lag {
@@ -21,27 +23,38 @@ impl Lag {
         let fraction = lag - lag.floor();
         if (lag - lag.round()).abs() < WHOLE || lag < HALF as f64 {
             let (first, taps) = (lag.round().max(0.0) as usize, vec![1.0]);
-            return Self { first, taps };
+            return Self {
+                first,
+                taps,
+                nearest: 0,
+            };
         }
         Self {
             first: lag.floor() as usize + 1 - HALF,
             taps: taps(fraction).to_vec(),
+            nearest: HALF - 1 + fraction.round() as usize,
         }
     }
 
-    /// How many of `n_samples` have a later partner.
+    /// How many of `n_samples` have a partner that is not beyond the last.
     pub(super) fn n_pairs(&self, n_samples: usize) -> usize {
-        (n_samples + 1).saturating_sub(self.first + self.taps.len())
+        let beyond = self.taps.len() / 2;
+        (n_samples + beyond + 1).saturating_sub(self.first + self.taps.len())
     }
 
-    /// The value one lag after sample `k`, which must have a partner.
+    /// The value one lag after sample `k`; that of the nearest sample where others are lost, NaN
+    /// where that is lost, too, and close to the ends.
     pub(super) fn later(&self, values: &[f64], k: usize) -> f64 {
         let from = k + self.first;
-        if let [_] = self.taps[..] {
-            return values[from];
+        let Some(near) = values.get(from..from + self.taps.len()) else {
+            return f64::NAN;
+        };
+        let between: f64 = self.taps.iter().zip(near).map(|(tap, x)| tap * x).sum();
+        if between.is_nan() {
+            near[self.nearest]
+        } else {
+            between
         }
-        let near = &values[from..from + self.taps.len()];
-        self.taps.iter().zip(near).map(|(tap, x)| tap * x).sum()
     }
 }
 

@@ -10,7 +10,7 @@ use crate::recording::lag::Lag;
 use crate::recording::local_power::LocalPower;
 
 /// Power below this share of that of the channel is rounding.
-const ROUNDING: f64 = 1e-20;
+const ROUNDING: f64 = 1e-12;
 
 /// The shares `d[k]` of every `stride`-th sample; NaN where a sample is lost, infinite where nothing
 /// moves.
@@ -27,9 +27,9 @@ impl Likeness {
         let lag = Lag::new(period);
         let n_samples = channels.first().map_or(0, |channel| channel.values().len());
         let share = |k: usize| {
-            let between = power.from(k);
-            match between > ROUNDING {
-                true => 0.5 * squared_difference(channels, &lag, k) / between,
+            let (difference, between) = (squared_difference(channels, &lag, k), power.from(k));
+            match between > ROUNDING || difference.is_nan() {
+                true => 0.5 * difference / between.max(ROUNDING),
                 false => f64::INFINITY,
             }
         };
@@ -67,4 +67,20 @@ fn squared_difference(channels: &[Channel], lag: &Lag, k: usize) -> f64 {
     });
     let present = differences.filter(|difference| !difference.is_nan());
     present.reduce(|a, b| a + b).unwrap_or(f64::NAN)
+}
+
+/// Median of the mean shares of sixteenths of a period.
+pub(super) fn quieter_half(shares: &[f64], length: f64) -> f64 {
+    let part = (length / 16.0).ceil().max(1.0) as usize;
+    let mean = |part: &[f64]| {
+        let present: Vec<f64> = part
+            .iter()
+            .copied()
+            .filter(|share| !share.is_nan())
+            .collect();
+        (!present.is_empty()).then(|| present.iter().sum::<f64>() / present.len() as f64)
+    };
+    let mut means: Vec<f64> = shares.chunks(part).filter_map(mean).collect();
+    means.sort_unstable_by(f64::total_cmp);
+    means.get(means.len() / 2).copied().unwrap_or(0.0)
 }

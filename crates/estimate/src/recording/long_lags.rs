@@ -10,6 +10,10 @@ use crate::recording::lag::Lag;
 const RISE: f64 = 0.1;
 /// Pairs must reach over half a period.
 const LEAST: f64 = 0.5;
+/// Or as wide as it rises by so many times what is least.
+const CLEAR: f64 = 30.0;
+/// Lags between samples that are compared, in samples.
+const FINE: f64 = 0.125;
 /// How often a valley is looked for at its own place.
 const RECENTRED: usize = 3;
 /// A period that is whole to within this many samples over the whole run is whole.
@@ -71,27 +75,72 @@ impl Pairs<'_> {
         if excess > chance { period } else { rounded }
     }
 
-    /// The least difference around a lag, by a parabola that is as wide as the valley: a slow signal
-    /// under noise hardly differs from one sample to the next.
+    /// The least difference around a lag.
     fn valley(&self, centre: usize) -> Valley {
-        let (mut centre, mut step) = (centre, 1);
-        let mut parabola = self.parabola(centre, step);
-        while parabola.rise < RISE && 8 * step < centre {
-            step *= 2;
-            parabola = self.parabola(centre, step);
+        let parabola = self.around(centre);
+        match parabola.step {
+            1 => self.fine(parabola.lag()),
+            _ => {
+                let whole = self.share(parabola.lag().round() as usize).0;
+                let least = self.residual(parabola.lag()).min(parabola.least).min(whole);
+                Valley {
+                    lag: parabola.lag(),
+                    least,
+                }
+            }
+        }
+    }
+
+    /// The lag of the least difference, and how far chance may move it.
+    pub(super) fn local_lag(&self, centre: usize) -> LocalLag {
+        let parabola = self.around(centre);
+        let n_pairs = self.share(centre).1.max(1.0);
+        let bend = 0.5 * parabola.bend / (parabola.step as f64).powi(2);
+        let variance = parabola.least.max(ROUNDING) / (bend.max(f64::MIN_POSITIVE) * n_pairs);
+        LocalLag {
+            lag: parabola.lag(),
+            deviation: variance.sqrt(),
+        }
+    }
+
+    /// A parabola through the differences around a lag, as wide as the valley: a slow signal under
+    /// noise hardly differs from one sample to the next.
+    fn around(&self, centre: usize) -> Parabola {
+        let mut parabola = self.parabola(centre, 1);
+        while parabola.is_flat() && 8 * parabola.step < centre {
+            parabola = self.parabola(centre, 2 * parabola.step);
         }
         for _ in 0..RECENTRED {
-            if parabola.offset.abs() < 0.5 * step as f64 {
+            if parabola.offset.abs() < 0.5 * parabola.step as f64 {
                 break;
             }
-            centre = (centre as f64 + parabola.offset)
-                .round()
-                .max(2.0 * step as f64) as usize;
-            parabola = self.parabola(centre, step);
+            let centre = parabola.lag().round().max(2.0 * parabola.step as f64);
+            parabola = self.parabola(centre as usize, parabola.step);
         }
-        let lag = centre as f64 + parabola.offset;
-        let least = self.residual(lag).min(self.share(lag.round() as usize).0);
-        Valley { lag, least }
+        parabola
+    }
+
+    /// The least difference close to a lag, between samples.
+    fn fine(&self, lag: f64) -> Valley {
+        let whole = self.share(lag.round() as usize).0;
+        if whole < ROUNDING {
+            return Valley {
+                lag: lag.round(),
+                least: whole,
+            };
+        }
+        let [left, middle, right] = [-FINE, 0.0, FINE].map(|offset| self.residual(lag + offset));
+        let bend = left - 2.0 * middle + right;
+        let offset = if bend > 0.0 {
+            0.5 * (left - right) / bend
+        } else {
+            0.0
+        };
+        let lag = lag + FINE * offset.clamp(-2.0, 2.0);
+        Valley {
+            lag,
+            least: self.residual(lag).min(middle).min(whole),
+        }
     }
 
     /// Through the differences at two steps on either side; at the steps next to it alone where
@@ -104,6 +153,7 @@ impl Pairs<'_> {
         let shares: [f64; 5] = std::array::from_fn(at);
         let [far_left, left, middle, right, far_right] = shares;
         let rise = 0.5 * (far_left + far_right) - middle;
+        let least = shares.into_iter().fold(f64::INFINITY, f64::min);
         let (slope, bend) = match step {
             1 => (0.5 * (right - left), left - 2.0 * middle + right),
             _ => (
@@ -113,7 +163,11 @@ impl Pairs<'_> {
         };
         let offset = if bend > 0.0 { -slope / bend } else { 0.0 };
         Parabola {
+            centre,
+            step,
             rise,
+            bend,
+            least,
             offset: offset.clamp(-2.0, 2.0) * step as f64,
         }
     }
@@ -158,11 +212,36 @@ struct Valley {
     least: f64,
 }
 
+/// Where a stretch repeats best.
+pub(super) struct LocalLag {
+    pub(super) lag: f64,
+    /// Standard deviation, from white noise of the power that does not repeat.
+    pub(super) deviation: f64,
+}
+
 struct Parabola {
+    centre: usize,
+    step: usize,
+    /// Its second difference over steps.
+    bend: f64,
     /// How much the differences rise over two steps.
     rise: f64,
+    /// The least of them.
+    least: f64,
     /// Its vertex, in samples from the centre.
     offset: f64,
+}
+
+impl Parabola {
+    /// Its vertex.
+    fn lag(&self) -> f64 {
+        self.centre as f64 + self.offset
+    }
+
+    /// Whether chance may move the vertex: noise and little difference.
+    fn is_flat(&self) -> bool {
+        self.rise < RISE.min(CLEAR * self.least.max(ROUNDING))
+    }
 }
 
 /// Variances of differences and of the signals, each times the number of pairs.

@@ -1,9 +1,10 @@
 //! Repetition in a recording that frfid did not make: its period, the runs in which it repeats, and
 //! the rests around them.
 
+use std::iter::zip;
 use std::ops::Range;
 
-use frfid_signals::{check_finite, checks::positive};
+use frfid_signals::check_finite;
 use ndarray::ArrayView2;
 
 use crate::error::EstimateError;
@@ -12,7 +13,8 @@ use crate::recording::autocorrelation::{SHORTEST, autocorrelation, peaks};
 use crate::recording::channel::Channel;
 use crate::recording::long_lags::Pairs;
 use crate::recording::rests::{find_rests, single_periods};
-use crate::recording::runs::{LIMIT, Runs, gaps};
+use crate::recording::runs::{Runs, gaps, n_present};
+use crate::recording::slips::without_slips;
 
 /// Places that are looked at while periods are compared; more tell no more.
 const PLACES: usize = 200_000;
@@ -20,6 +22,10 @@ const PLACES: usize = 200_000;
 const PLACES_PER_PERIOD: usize = 64;
 /// Over many periods a machine drifts: so much may fail to repeat there (6 dB below the signal).
 const LONG_LIMIT: f64 = 0.25;
+/// Periods that are refined, those after which the signal repeats best.
+const REFINED: usize = 6;
+/// Neighbours that are climbed over at most.
+const CLIMB: usize = 64;
 /// Ends of runs are not compared, in periods.
 const EDGE: f64 = 0.125;
 /// A period that covers so much of what the best one covers is as good.
@@ -68,43 +74,33 @@ pub fn find_repetition(
     }
     let channels = Channel::moving(reference);
     match period {
-        Some(period) => given(channels, period),
-        None => search(channels),
+        Some(period) => given(&channels, period),
+        None => search(&channels),
     }
 }
 
 /// The shortest period of the channels that repeat.
-fn search(channels: Vec<Channel>) -> Result<Repetition, EstimateError> {
-    let excited: Vec<Channel> = channels
-        .iter()
-        .filter_map(|channel| excited(channel))
-        .collect();
-    let mut sum = vec![
-        0.0;
-        channels
-            .first()
-            .map_or(0, |channel| channel.values().len() / 2 + 1)
-    ];
-    for channel in &excited {
+fn search(channels: &[Channel]) -> Result<Repetition, EstimateError> {
+    let mut excited: Vec<Channel> = Vec::new();
+    let mut sum: Vec<f64> = Vec::new();
+    let mut best = None;
+    for channel in channels {
         let correlation = autocorrelation(channel);
-        sum.iter_mut()
-            .zip(correlation)
-            .for_each(|(sum, value)| *sum += value);
+        if let Some(alone) = best_of(std::slice::from_ref(channel), &correlation) {
+            excited.push(channel.scaled(alone.runs.power.sqrt().recip()));
+            sum.resize(correlation.len(), 0.0);
+            zip(&mut sum, correlation).for_each(|(sum, value)| *sum += value);
+            best = Some(alone);
+        }
     }
-    let Some(best) = best_of(&excited, &sum) else {
-        return Err(why(&channels, None));
+    if excited.len() > 1 {
+        best = best_of(&excited, &sum);
+    }
+    let Some(best) = best else {
+        return Err(why(channels, None));
     };
     let best = shortest(&excited, best, &sum);
-    found(&excited, best.runs.period)
-}
-
-/// The channel, its runs at unit power, if it repeats.
-fn excited(channel: &Channel) -> Option<Channel> {
-    let alone = std::slice::from_ref(channel);
-    let best = best_of(alone, &autocorrelation(channel))?;
-    let mut scaled = channel.clone();
-    scaled.scale(best.runs.power.sqrt().recip());
-    Some(scaled)
+    found(&excited, best.runs.period).ok_or_else(|| why(channels, None))
 }
 
 /// A period and what it explains.
@@ -116,24 +112,38 @@ struct Candidate {
 
 impl Candidate {
     fn new(channels: &[Channel], period: f64) -> Option<Self> {
-        let stride = stride(channels, period);
-        let runs = Runs::find(channels, period, stride);
-        if runs.residual > LIMIT || !runs.covers_most() {
+        let longest = channels.first()?.values().len() as f64;
+        if !(SHORTEST as f64..=longest).contains(&period) {
             return None;
         }
-        let inner: Vec<Range<usize>> = runs.runs.iter().map(|run| inner(run, period)).collect();
+        let runs = Runs::find(channels, period, stride(channels, period));
+        if runs.is_sound() {
+            Self::refined(channels, runs)
+        } else {
+            None
+        }
+    }
+
+    /// Unless the signal does not repeat over many periods.
+    fn refined(channels: &[Channel], runs: Runs) -> Option<Self> {
+        let stride = stride(channels, runs.period);
+        let (period, parts) = without_slips(channels, &runs.runs, runs.period, stride);
+        let inner: Vec<Range<usize>> = parts.iter().map(|run| inner(run, period)).collect();
         let pairs = Pairs {
             channels,
             runs: &inner,
             stride,
         };
         let long = pairs.refine(period);
-        if long.residual > LONG_LIMIT {
+        if long.residual > LONG_LIMIT || parts.is_empty() {
             return None;
         }
         let residual = long.residual.max(pairs.residual(long.period));
+        let covered = n_present(channels, &parts, stride);
         let runs = Runs {
             period: long.period,
+            runs: parts,
+            covered,
             ..runs
         };
         Some(Self { runs, residual })
@@ -166,20 +176,54 @@ fn stride(channels: &[Channel], period: f64) -> usize {
 
 /// Of the periods that cover most, the one after which the signal repeats best.
 fn best_of(channels: &[Channel], correlation: &[f64]) -> Option<Candidate> {
-    let periods = peaks(correlation);
-    let tried = periods
+    let runs = |&lag: &usize| {
+        let period = vertex(correlation, lag);
+        Runs::find(channels, period, stride(channels, period))
+    };
+    let mut runs: Vec<Runs> = peaks(correlation)
         .iter()
-        .filter_map(|&lag| Candidate::new(channels, vertex(correlation, lag)));
-    let tried: Vec<Candidate> = tried.collect();
-    let most = tried
+        .map(runs)
+        .filter(Runs::is_sound)
+        .collect();
+    runs.sort_by(|a, b| a.residual.total_cmp(&b.residual));
+    let refined = runs
+        .into_iter()
+        .filter_map(|runs| Candidate::refined(channels, runs));
+    let refined: Vec<Candidate> = refined.take(REFINED).collect();
+    let most = refined
         .iter()
-        .map(|candidate| candidate.runs.covered())
+        .map(|candidate| candidate.runs.covered)
         .max()?;
-    let enough = |candidate: &Candidate| candidate.runs.covered() as f64 >= AS_MUCH * most as f64;
-    tried
+    let enough = |candidate: &Candidate| candidate.runs.covered as f64 >= AS_MUCH * most as f64;
+    let best = refined
         .into_iter()
         .filter(enough)
-        .min_by(|a, b| a.residual.total_cmp(&b.residual))
+        .min_by(|a, b| a.residual.total_cmp(&b.residual))?;
+    Some(climbed(channels, best, correlation))
+}
+
+/// The best of the neighbours: the peaks of a narrow band lie one cycle apart and hardly differ.
+fn climbed(channels: &[Channel], best: Candidate, correlation: &[f64]) -> Candidate {
+    let at = |lag: usize| correlation.get(lag).copied().unwrap_or(0.0);
+    let like_best = 0.8 * at(best.runs.period.round() as usize);
+    let highest = peaks(correlation)
+        .into_iter()
+        .find(|&lag| at(lag) > like_best);
+    let Some(cycle) = highest.filter(|&lag| 4.0 * lag as f64 <= best.runs.period) else {
+        return best;
+    };
+    let cycle = vertex(correlation, cycle);
+    let mut best = best;
+    for step in [cycle, -cycle] {
+        for _ in 0..CLIMB {
+            let next = Candidate::new(channels, best.runs.period + step);
+            let Some(next) = next.filter(|next| next.residual < best.residual) else {
+                break;
+            };
+            best = next;
+        }
+    }
+    best
 }
 
 /// Top of the parabola through a peak.
@@ -194,7 +238,7 @@ fn vertex(correlation: &[f64], lag: usize) -> f64 {
     } else {
         0.0
     };
-    if offset.abs() < 0.05 {
+    if offset.abs() < 0.1 {
         lag as f64
     } else {
         lag as f64 + offset
@@ -239,49 +283,44 @@ fn part(
         return None;
     }
     let part = Candidate::new(channels, period)?;
-    let covers = part.runs.covered() as f64 >= AS_MUCH * best.runs.covered() as f64;
+    let covers = part.runs.covered as f64 >= AS_MUCH * best.runs.covered as f64;
     (covers && part.residual <= best.as_good(part.runs.period)).then_some(part)
 }
 
 /// The runs of a period, sample by sample.
-fn found(channels: &[Channel], period: f64) -> Result<Repetition, EstimateError> {
-    let runs = Runs::find(channels, period, 1);
-    if runs.runs.is_empty() {
-        return Err(why(channels, Some(period)));
-    }
+fn found(channels: &[Channel], period: f64) -> Option<Repetition> {
+    let mut runs = Runs::find(channels, period, 1);
+    runs.runs = without_slips(channels, &runs.runs, period, stride(channels, period)).1;
     let rests = find_rests(channels, &runs);
-    Ok(Repetition {
+    let (is_empty, residual) = (runs.runs.is_empty(), runs.residual);
+    (!is_empty).then_some(Repetition {
         period,
         runs: runs.runs,
         rests,
-        residual: runs.residual,
+        residual,
     })
 }
 
 /// The runs of a period that somebody gave: where nothing repeats, one period is enough.
-fn given(channels: Vec<Channel>, period: f64) -> Result<Repetition, EstimateError> {
-    positive("period", period)?;
-    let repeats = |channel: &&Channel| {
-        let alone = std::slice::from_ref(*channel);
-        let runs = Runs::find(alone, period, stride(alone, period));
-        runs.residual <= LIMIT && runs.covers_most()
-    };
+fn given(channels: &[Channel], period: f64) -> Result<Repetition, EstimateError> {
+    let n_samples = channels.first().map_or(0, |channel| channel.values().len());
+    if !(SHORTEST as f64..=n_samples as f64).contains(&period) {
+        let needed = "a number of samples from 4 to the length of the recording";
+        return Err(EstimateError::parameter("period", period, needed));
+    }
+    let runs = |channels: &[Channel]| Runs::find(channels, period, stride(channels, period));
+    let repeats = |channel: &&Channel| runs(std::slice::from_ref(*channel)).is_sound();
     let excited: Vec<Channel> = channels.iter().filter(repeats).cloned().collect();
-    if !excited.is_empty() {
-        let runs = Runs::find(&excited, period, stride(&excited, period));
-        let inner: Vec<Range<usize>> = runs.runs.iter().map(|run| inner(run, period)).collect();
-        let pairs = Pairs {
-            channels: &excited,
-            runs: &inner,
-            stride: 1,
-        };
-        return found(&excited, pairs.refine(period).period);
+    let sound = Some(runs(&excited)).filter(Runs::is_sound);
+    if let Some(candidate) = sound.and_then(|runs| Candidate::refined(&excited, runs)) {
+        let found = found(&excited, candidate.runs.period);
+        return found.ok_or_else(|| why(channels, Some(period)));
     }
-    let runs = single_periods(&channels, period);
+    let runs = single_periods(channels, period);
     if runs.is_empty() || runs.iter().any(|run| run.len() as f64 >= 2.0 * period) {
-        return Err(why(&channels, Some(period)));
+        return Err(why(channels, Some(period)));
     }
-    let rests = gaps(&runs, channels[0].values().len());
+    let rests = gaps(&runs, n_samples);
     Ok(Repetition {
         period,
         runs,

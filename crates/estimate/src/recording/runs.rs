@@ -3,7 +3,9 @@
 use std::ops::Range;
 
 use crate::recording::channel::Channel;
-use crate::recording::likeness::Likeness;
+use crate::recording::holes::without_breaks;
+use crate::recording::likeness::{Likeness, quieter_half};
+use crate::recording::run_ends::settled_ends;
 use crate::recording::two_states::cheapest_stretches;
 
 /// Largest share of the power that may be noise: 10 dB below the signal.
@@ -15,23 +17,12 @@ const CAP: f64 = 4.0;
 /// A run begins or ends where it pays for an eighth of a period: slow signals are alike for so
 /// long by chance.
 const CHANGE: f64 = 0.125;
-/// A hole of so much of a period breaks a run: what is left of the period between both sides does
-/// not show that they belong together.
-const HOLE: f64 = 0.75;
 /// Power below this share of that of the strongest run is rest, whatever repeats in it (30 dB).
 const REST: f64 = 1e-3;
-/// A run is stretched to whole periods by at most this share of one: so much noise hides at its ends.
-const STRETCH: f64 = 1.0 / 64.0;
-/// Share of the samples in a rest, of which only one of the two moves.
-const STRANGER: f64 = 0.5;
-/// Ends are looked at that far, in periods.
-const EDGE: f64 = 0.25;
-/// A share at an end counts for at most so much: more than within, where one bad sample may pass.
-const EDGE_CAP: f64 = 30.0;
 /// The share that ends a run, over that in its quieter half (14 dB): noise may grow as much.
 const GROWTH: f64 = 25.0;
 /// Smallest share that ends a run: rounding to six digits.
-const EXACT: f64 = 1e-6;
+pub(super) const EXACT: f64 = 1e-6;
 
 /// Runs with one period, as compared at every `stride`-th sample.
 pub(super) struct Runs {
@@ -43,6 +34,8 @@ pub(super) struct Runs {
     /// being in one.
     pub(super) power: f64,
     pub(super) left_out: usize,
+    /// Samples in the runs that are not lost.
+    pub(super) covered: usize,
 }
 
 impl Runs {
@@ -50,17 +43,15 @@ impl Runs {
     pub(super) fn find(channels: &[Channel], period: f64, stride: usize) -> Self {
         let like = Likeness::new(channels, period, stride);
         let length = period / stride as f64;
-        let costs = costs(&like.shares, length);
+        let costs = costs(&like.shares);
         let change = CHANGE * length * share_present(&like.shares);
         let mut stretches = cheapest_stretches(&costs, change);
         let finer = |stretch: &Range<usize>| finer_stretches(&like.shares, stretch, change, length);
         stretches = stretches.iter().flat_map(finer).collect();
-        let slack = (STRETCH * length).max(4.0);
-        stretches.retain(|stretch| stretch.len() as f64 >= length - slack);
         for stretch in &mut stretches {
-            *stretch = trimmed(&like.shares, stretch, length);
-            *stretch = whole_periods(&costs, stretch, length, slack as usize);
+            *stretch = settled_ends(&like.shares, stretch, length);
         }
+        stretches.retain(|stretch| stretch.len() as f64 > length - 1.0);
         drop_rests(&mut stretches, &like);
         let residual = if stretches.is_empty() {
             1.0
@@ -68,7 +59,9 @@ impl Runs {
             like.residual(&stretches)
         };
         let runs = in_samples(&stretches, period, stride, channels);
+        let runs = without_breaks(channels, &runs, period, stride);
         let power = mean_power(&runs, &like);
+        let covered = n_present(channels, &runs, stride);
         let left_out = left_out(&runs, &like, period, channels, power);
         Self {
             period,
@@ -76,35 +69,23 @@ impl Runs {
             residual,
             power,
             left_out,
+            covered,
         }
     }
 
-    /// Samples in the runs.
-    pub(super) fn covered(&self) -> usize {
-        self.runs.iter().map(Range::len).sum()
-    }
-
-    /// Whether more of what moves is in runs than out of them.
-    pub(super) fn covers_most(&self) -> bool {
-        self.covered() > self.left_out
+    /// Whether it repeats well enough, and more of what moves is in runs than out of them.
+    pub(super) fn is_sound(&self) -> bool {
+        self.residual <= LIMIT && self.covered > self.left_out
     }
 }
 
 /// What a share costs in a run, where it is below the strange one: less than nothing.
-fn costs(shares: &[f64], length: f64) -> Vec<f64> {
+fn costs(shares: &[f64]) -> Vec<f64> {
     let cost = |share: &f64| match share.is_nan() {
         true => 0.0,
         false => (share / STRANGE).min(CAP) - 1.0,
     };
-    let mut costs: Vec<f64> = shares.iter().map(cost).collect();
-    let mut start = 0;
-    for hole in shares.chunk_by(|a, b| a.is_nan() == b.is_nan()) {
-        if hole[0].is_nan() && hole.len() as f64 > HOLE * length {
-            costs[start..start + hole.len()].fill(CAP - 1.0);
-        }
-        start += hole.len();
-    }
-    costs
+    shares.iter().map(cost).collect()
 }
 
 fn share_present(shares: &[f64]) -> f64 {
@@ -127,77 +108,11 @@ fn finer_stretches(
         .iter()
         .map(|share| share * STRANGE / level)
         .collect();
-    let parts = cheapest_stretches(&costs(&scaled, length), change);
+    let parts = cheapest_stretches(&costs(&scaled), change);
     let shifted = parts
         .into_iter()
         .map(|part| part.start + stretch.start..part.end + stretch.start);
     shifted.collect()
-}
-
-/// Median of the mean shares of sixteenths of a period.
-fn quieter_half(shares: &[f64], length: f64) -> f64 {
-    let part = (length / 16.0).ceil().max(1.0) as usize;
-    let mean = |part: &[f64]| {
-        let present: Vec<f64> = part
-            .iter()
-            .copied()
-            .filter(|share| !share.is_nan())
-            .collect();
-        (!present.is_empty()).then(|| present.iter().sum::<f64>() / present.len() as f64)
-    };
-    let mut means: Vec<f64> = shares.chunks(part).filter_map(mean).collect();
-    means.sort_unstable_by(f64::total_cmp);
-    means.get(means.len() / 2).copied().unwrap_or(0.0)
-}
-
-/// The stretch without what is likelier not to repeat, up to a quarter of a period at either end.
-fn trimmed(shares: &[f64], stretch: &Range<usize>, length: f64) -> Range<usize> {
-    let inside = &shares[stretch.clone()];
-    let level = quieter_half(inside, length).clamp(EXACT, LIMIT);
-    let strange = (STRANGER / level).ln() / (1.0 / level - 1.0 / STRANGER);
-    let most = (EDGE * length) as usize;
-    let start = costly(inside.iter().take(most), strange);
-    let end = costly(inside.iter().rev().take(most), strange);
-    stretch.start + start..stretch.end - end.min(inside.len() - start)
-}
-
-/// How many of the first shares cost most to keep.
-fn costly<'a>(shares: impl Iterator<Item = &'a f64>, strange: f64) -> usize {
-    let (mut sum, mut most, mut count) = (0.0, 0.0, 0);
-    for (index, share) in shares.enumerate() {
-        sum += if share.is_nan() {
-            0.0
-        } else {
-            (share / strange).min(EDGE_CAP) - 1.0
-        };
-        if sum > most {
-            (most, count) = (sum, index + 1);
-        }
-    }
-    count
-}
-
-/// The stretch, made longer to whole periods where little is missing: to the cheaper side.
-fn whole_periods(costs: &[f64], stretch: &Range<usize>, length: f64, slack: usize) -> Range<usize> {
-    let whole = (stretch.len() as f64 / length).ceil() * length;
-    let wanted = whole.floor() as usize;
-    let missing = wanted.saturating_sub(stretch.len());
-    if missing == 0 || missing > slack || wanted > costs.len() {
-        return stretch.clone();
-    }
-    let first = stretch.start.saturating_sub(missing);
-    let last = stretch.start.min(costs.len() - wanted);
-    let added = |start: usize| -> f64 {
-        costs[start..stretch.start]
-            .iter()
-            .chain(&costs[stretch.end..start + wanted])
-            .sum()
-    };
-    let starts = first..=last.max(first);
-    let best = starts
-        .filter(|start| start + wanted >= stretch.end)
-        .min_by(|&a, &b| added(a).total_cmp(&added(b)));
-    best.map_or(stretch.clone(), |start| start..start + wanted)
 }
 
 /// A constant repeats, and so does a hum: neither is a run.
@@ -223,20 +138,14 @@ fn in_samples(
     channels: &[Channel],
 ) -> Vec<Range<usize>> {
     let n_samples = channels.first().map_or(0, |channel| channel.values().len());
-    let is_lost = |k: usize| channels.iter().all(|channel| channel.values()[k].is_nan());
     let mut runs: Vec<Range<usize>> = Vec::new();
     for stretch in stretches {
         let end = ((stretch.end * stride) as f64 + period).round() as usize;
-        let (mut start, mut end) = (stretch.start * stride, end.min(n_samples));
+        let (mut start, end) = (stretch.start * stride, end.min(n_samples));
         if let Some(before) = runs.last_mut().filter(|before| before.end > start) {
             start = boundary(before, start..end, period);
             before.end = before.end.min(start);
         }
-        start = (start..end).find(|&k| !is_lost(k)).unwrap_or(end);
-        end = (start..end)
-            .rev()
-            .find(|&k| !is_lost(k))
-            .map_or(end, |k| k + 1);
         runs.push(start..end);
     }
     runs
@@ -256,6 +165,17 @@ fn boundary(before: &Range<usize>, after: Range<usize>, period: f64) -> usize {
     valid
         .max_by(|&a, &b| periods(a).total_cmp(&periods(b)))
         .unwrap_or(after.start)
+}
+
+/// How many samples of the runs are not lost in all channels.
+pub(super) fn n_present(channels: &[Channel], runs: &[Range<usize>], stride: usize) -> usize {
+    let is_present = |k: &usize| {
+        channels
+            .iter()
+            .any(|channel| !channel.values()[*k].is_nan())
+    };
+    let places = runs.iter().flat_map(|run| run.clone().step_by(stride));
+    stride * places.filter(is_present).count()
 }
 
 fn mean_power(runs: &[Range<usize>], like: &Likeness) -> f64 {

@@ -8,39 +8,39 @@ use frfid_signals::random::{normal, phase, stream, uniform};
 use ndarray::Array2;
 
 /// Uniform choices, one after the other, by seed.
-pub struct Chance {
+pub(crate) struct Chance {
     seed: u64,
     drawn: u64,
 }
 
 impl Chance {
-    pub fn new(seed: u64) -> Self {
+    pub(crate) fn new(seed: u64) -> Self {
         Self { seed, drawn: 0 }
     }
 
-    pub fn uniform(&mut self) -> f64 {
+    pub(crate) fn uniform(&mut self) -> f64 {
         self.drawn += 1;
         uniform(&mut stream(self.seed, "chance", &[self.drawn]))
     }
 
     /// A whole number of the range.
-    pub fn whole(&mut self, range: Range<usize>) -> usize {
+    pub(crate) fn whole(&mut self, range: Range<usize>) -> usize {
         range.start + (self.uniform() * range.len() as f64) as usize
     }
 
-    pub fn one_of<T: Copy>(&mut self, of: &[T]) -> T {
+    pub(crate) fn one_of<T: Copy>(&mut self, of: &[T]) -> T {
         of[self.whole(0..of.len())]
     }
 }
 
 /// Standard normal samples.
-pub fn noise(n_samples: usize, seed: u64) -> Vec<f64> {
+pub(crate) fn noise(n_samples: usize, seed: u64) -> Vec<f64> {
     let mut rng = stream(seed, "noise", &[]);
     (0..n_samples).map(|_| normal(&mut rng)).collect()
 }
 
 /// A random-phase multisine, whose period need not be whole.
-pub struct Multisine {
+pub(crate) struct Multisine {
     period: f64,
     lines: Vec<usize>,
     amplitudes: Vec<f64>,
@@ -48,7 +48,12 @@ pub struct Multisine {
 }
 
 impl Multisine {
-    pub fn new(period: f64, lines: &[usize], amplitude: impl Fn(usize) -> f64, seed: u64) -> Self {
+    pub(crate) fn new(
+        period: f64,
+        lines: &[usize],
+        amplitude: impl Fn(usize) -> f64,
+        seed: u64,
+    ) -> Self {
         let mut rng = stream(seed, "phases", &[]);
         Self {
             period,
@@ -58,7 +63,7 @@ impl Multisine {
         }
     }
 
-    pub fn rms(&self) -> f64 {
+    pub(crate) fn rms(&self) -> f64 {
         (self
             .amplitudes
             .iter()
@@ -67,7 +72,7 @@ impl Multisine {
         .sqrt()
     }
 
-    pub fn samples(&self, n_samples: usize) -> Vec<f64> {
+    pub(crate) fn samples(&self, n_samples: usize) -> Vec<f64> {
         if self.period == self.period.round() {
             let one: Vec<f64> = (0..self.period as usize)
                 .map(|k| self.at(k as f64))
@@ -89,7 +94,7 @@ impl Multisine {
 }
 
 /// Odd lines, all lines of a band, every third, random-grid odd, log-spaced.
-pub fn lines(kind: usize, highest: usize, chance: &mut Chance) -> Vec<usize> {
+pub(crate) fn lines(kind: usize, highest: usize, chance: &mut Chance) -> Vec<usize> {
     let highest = highest.max(9);
     match kind {
         0 => (1..=highest).step_by(2).collect(),
@@ -117,21 +122,21 @@ pub fn lines(kind: usize, highest: usize, chance: &mut Chance) -> Vec<usize> {
 }
 
 /// What is put into a recording.
-pub struct Plan {
-    pub period: usize,
-    pub lines: Vec<usize>,
+pub(crate) struct Plan {
+    pub(crate) period: usize,
+    pub(crate) lines: Vec<usize>,
     /// Periods of each run.
-    pub periods: Vec<usize>,
+    pub(crate) periods: Vec<usize>,
     /// Samples of rest before each run, and after the last.
-    pub rests: Vec<usize>,
+    pub(crate) rests: Vec<usize>,
     /// Amplitude of white noise over that of the signal.
-    pub noise: f64,
-    pub seed: u64,
+    pub(crate) noise: f64,
+    pub(crate) seed: u64,
 }
 
 impl Plan {
     /// The recording `(1, sample)` and its true runs.
-    pub fn record(&self) -> (Array2<f64>, Vec<Range<usize>>) {
+    pub(crate) fn record(&self) -> (Array2<f64>, Vec<Range<usize>>) {
         let (mut samples, mut runs) = (Vec::new(), Vec::new());
         let mut rms = 1.0;
         for (run, &n_periods) in self.periods.iter().enumerate() {
