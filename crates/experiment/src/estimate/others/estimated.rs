@@ -1,6 +1,5 @@
 //! Estimate from the runs of recordings.
 
-use super::stub::{Roughness, roughness};
 use frfid_estimate::{EqualDraws, FrfEstimate, LineDft};
 use frfid_files::LogMap;
 
@@ -18,8 +17,6 @@ pub(super) struct Estimated {
     pub(super) equal: Vec<EqualDraws>,
     /// Periods that are left out because another experiment lacks them.
     pub(super) n_incomplete: usize,
-    /// How much rougher than its noise the FRF is, where the distortion was not measured.
-    pub(super) roughness: Option<Roughness>,
 }
 
 impl Found {
@@ -51,7 +48,6 @@ impl Found {
             run.judge(&estimate.frf, &self.runs[0].lines)?;
         }
         Ok(Estimated {
-            roughness: roughness(&estimate.frf),
             runs,
             estimate,
             equal: placed.equal,

@@ -18,7 +18,6 @@ mod recording;
 mod runs;
 mod sample_clock;
 mod settled;
-mod stub;
 
 use std::path::PathBuf;
 

@@ -15,8 +15,6 @@ use crate::estimate::outcome::{Outcome, condition_check, left_out_check};
 /// Levels of one input that differ by more than this are told: a nonlinear machine has another FRF
 /// at each.
 const LIKE_LEVELS: f64 = 1.5;
-/// So much rougher than its noise an FRF may be from line to line.
-const ROUGH: f64 = 3.0;
 
 impl Found {
     /// The FRF with its checks and warnings.
@@ -90,7 +88,6 @@ impl Found {
         warnings.extend(draws.map(|draws| same_draw(draws, estimated)));
         warnings.extend(self.lines_left_out());
         warnings.extend(estimated.estimate.warnings());
-        warnings.extend(rough(estimated));
         warnings
     }
 
@@ -152,19 +149,6 @@ fn same_draw(draws: &EqualDraws, estimated: &Estimated) -> String {
         names.join(", "),
         draws.residual_rad
     )
-}
-
-/// Says that the FRF is rougher from line to line than its noise explains.
-fn rough(estimated: &Estimated) -> Option<String> {
-    let roughness = estimated.roughness.as_ref()?;
-    (roughness.over_noise > ROUGH).then(|| {
-        format!(
-            "distortion is not measured: from line to line the FRF scatters by {} %, {} times what its noise explains; record other \
-             phases, and the total variance will have it",
-            significant(100.0 * roughness.relative, 2),
-            significant(roughness.over_noise, 2)
-        )
-    })
 }
 
 impl Recording {
