@@ -133,7 +133,7 @@ fn other_clocks_in_whole_ms_too() {
 
 #[test]
 fn whole_ms_of_800_hz_with_losses() {
-    for seed in 0..20 {
+    for seed in 0..5 {
         for step in [1.25e6, 1.2e6, 1.6e6, 1.75e6] {
             let is_lost = |k| k > 0 && uniform(seed, k) < 0.07;
             let stamp = |k: usize| (step * k as f64 / 1e6 + uniform(seed, 1)).floor() * 1e6;
