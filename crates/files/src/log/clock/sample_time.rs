@@ -65,15 +65,16 @@ impl Guess {
         if unit <= COARSE * step_ns {
             return typical;
         }
-        let lossless = lossless(stamps_ns, unit).filter(|lossless| match stated_ns {
-            Some(stated_ns) => (lossless.step_ns / stated_ns - 1.0).abs() <= STATED_TOLERANCE,
-            None => stamps_ns.len() as f64 * (lossless.step_ns / unit).ln() >= EVIDENCE,
-        });
+        let is_likely = |step_ns: f64| match stated_ns {
+            Some(stated_ns) => (step_ns / stated_ns - 1.0).abs() <= STATED_TOLERANCE,
+            None => stamps_ns.len() as f64 * (step_ns / unit).ln() >= EVIDENCE,
+        };
+        let lossless = || lossless(stamps_ns, unit, is_likely);
         let searched = || match stated_ns {
             Some(_) => None,
             None => searched(stamps_ns, unit),
         };
-        lossless.or_else(searched).unwrap_or(typical)
+        lossless().or_else(searched).unwrap_or(typical)
     }
 }
 
@@ -99,7 +100,7 @@ fn typical_step_ns(stamps_ns: &[i64]) -> f64 {
 
 /// The even clock without a lost sample that the stamps are the whole units of: the strip of the
 /// least height that holds all points (row, stamp), if that is no higher than a unit.
-fn lossless(stamps_ns: &[i64], unit: f64) -> Option<Guess> {
+fn lossless(stamps_ns: &[i64], unit: f64, is_likely: impl Fn(f64) -> bool) -> Option<Guess> {
     let middle = straight_step_ns(stamps_ns);
     let count = stamps_ns.len() as f64;
     let height = |step: f64| {
@@ -107,13 +108,13 @@ fn lossless(stamps_ns: &[i64], unit: f64) -> Option<Guess> {
         high - low
     };
     // least squares are less than 1.5 units off the best strip at the ends
-    if height(middle) > 4.0 * unit {
+    let reach = 4.0 * unit / count;
+    if !is_likely(middle + reach) || height(middle) > 4.0 * unit {
         return None;
     }
-    let reach = 4.0 * unit / count;
     let (mut least, mut most) = (middle - reach, middle + reach);
-    // the height is convex in the step: 60 thirds are 1e-10 of the reach
-    for _ in 0..60 {
+    // the height is convex in the step: 40 thirds are 1e-7 of the reach
+    for _ in 0..40 {
         let third = (most - least) / 3.0;
         if height(least + third) < height(most - third) {
             most -= third;
@@ -125,7 +126,7 @@ fn lossless(stamps_ns: &[i64], unit: f64) -> Option<Guess> {
     let (low, high) = strip(stamps_ns, step_ns);
     // an even clock of k units has a strip without height, a rounded one of up to a unit
     let is_within = high - low <= unit * (1.0 + 1e-6);
-    is_within.then_some(Guess {
+    (is_within && is_likely(step_ns)).then_some(Guess {
         step_ns,
         stamps: Place::OnEvery,
     })

@@ -86,7 +86,14 @@ fn an_even_clock_is_exact_to_the_last_bit() {
 #[test]
 fn gaps_are_found_and_jitter_is_measured() {
     let is_lost = |k| (400..=410).contains(&k) || k == 700;
-    let early = |k: usize| 1e6 * k as f64 + if k % 2 == 0 { 50_001.0 } else { -50_000.0 };
+    let early = |k: usize| {
+        1e6 * k as f64
+            + if k.is_multiple_of(2) {
+                50_001.0
+            } else {
+                -50_000.0
+            }
+    };
     let (clock, _) = clock_of(&rows(1000, is_lost, early), None).expect("5 % of jitter");
     assert!((clock.jitter - 0.05).abs() < 1e-3 && (clock.sample_time_s - 1e-3).abs() < 1e-6);
     assert_eq!(
@@ -258,6 +265,14 @@ fn bursts_of_late_messages_are_put_in_order() {
         );
         assert_eq!(clock.n_out, 50 * length);
     }
+}
+
+#[test]
+fn a_recording_that_begins_with_a_burst_begins_where_it_did() {
+    let late = |k: usize| if k < 9 { 8.1 } else { k as f64 };
+    let stamp = |k: usize| 1e6 * late(k) + 1e3 * k as f64;
+    let (clock, misplaced) = misplaced(&rows(500, |_| false, stamp), None);
+    assert_eq!((misplaced, clock.n_slots()), (0, 500));
 }
 
 #[test]
