@@ -46,7 +46,8 @@ pub struct LogMap {
     /// has its header stamps.
     #[serde(default)]
     pub time: Option<Signal>,
-    /// Sample time in s of a CSV or NPZ without sample times.
+    /// Sample time in s, of a CSV or NPZ without sample times; beside stamps, what these are too
+    /// coarse or too late to tell.
     #[serde(default)]
     pub sample_time_s: Option<f64>,
     /// From when on the recordings are used, in s after their first sample; from there without it.

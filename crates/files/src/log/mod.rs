@@ -92,13 +92,15 @@ pub fn read_log(path: &Path, map: &LogMap) -> Result<Log, FileError> {
         .map_err(|error| of_damaged(error, &recording.damages))
 }
 
-/// Refuses a map without inputs or outputs, and roles of other sizes.
+/// Refuses a map without inputs or outputs, roles of other sizes, and what is no sample time.
 fn check(map: &LogMap) -> Result<(), FileError> {
     if map.u.is_empty() || map.y.is_empty() {
         let found = format!("{} inputs, {} outputs", map.u.len(), map.y.len());
         let needed = "at least one signal for u and for y";
         return Err(FileError::shape("log map", found, needed));
     }
+    map.sample_time_s
+        .map_or(Ok(()), header::check_sample_time)?;
     check_size("r", &map.r, map.u.len())?;
     check_size("position", &map.position, map.y.len())
 }

@@ -6,7 +6,6 @@ use crate::error::FileError;
 use crate::log::decimal::scaled_integer;
 use crate::log::map::{LogMap, Signal};
 use crate::log::units::si_of;
-use crate::run::header::check_sample_time;
 
 /// Where the sample times of a recording without stamps come from.
 pub(crate) enum SampleTimes {
@@ -33,7 +32,6 @@ impl SampleTimes {
         map: &LogMap,
         place: impl FnOnce(&str) -> Result<usize, FileError>,
     ) -> Result<Self, FileError> {
-        map.sample_time_s.map_or(Ok(()), check_sample_time)?;
         match (&map.time, map.sample_time_s) {
             (Some(time), _) => Ok(Self::Column(TimeColumn {
                 place: place(&time.source)?,

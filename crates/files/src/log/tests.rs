@@ -1,6 +1,8 @@
 //! Foreign recordings: the real ones where they are at hand, and small ones with every flaw that a
 //! log can have.
 
+mod time;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

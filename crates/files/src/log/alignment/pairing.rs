@@ -192,7 +192,7 @@ pub(crate) fn stamp_warnings(topic: &Paced) -> Vec<String> {
     });
     let out = (topic.clock.n_out > 0).then(|| {
         format!(
-            "{name}: {} stamps are off by more than half a sample, up to {:.1} samples, as of messages that came late; their samples are taken in their order",
+            "{name}: {} stamps are off by more than half a sample, up to {:.1} samples, as of messages that came late: samples are taken in their order; next to lost ones they may be one off",
             topic.clock.n_out, topic.clock.largest_jitter
         )
     });

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::log::clock::line::{Line, Points};
 use crate::log::clock::slots::Slots;
-use crate::log::clock::{Flaw, NOTABLE_JITTER, ROUNDING, flaw};
+use crate::log::clock::{Clock, Flaw, NOTABLE_JITTER, ROUNDING, flaw};
 use crate::log::text::{duration, seconds_after};
 
 /// This share of the stamps must lie within plus and minus `MOST_JITTER` of the sample time; the
@@ -29,6 +29,9 @@ const CHANCE: f64 = 1e3;
 const SHORTEST_STRETCH: usize = 4;
 /// Share of rows that are out of their slots at random, at most: more are in stretches themselves.
 const MOST_OUT: f64 = 0.3;
+/// Share of late stamps times share of lost samples: about that many rows, up to twice as many, are
+/// next to a lost sample and taken for it.
+const MOST_UNSURE: f64 = 0.01;
 /// Share of the rows that may stand in such stretches.
 const MOST_IN_STRETCHES: f64 = 0.01;
 
@@ -97,21 +100,23 @@ pub(crate) fn is_rounded(points: Points, line: Line, unit_ns: f64) -> bool {
     unit > NOTABLE_JITTER && within as f64 >= MOST_ROUNDED * count as f64
 }
 
-/// Refuses stamps that are spread too far about the line; rounding explains a part of its unit.
-pub(crate) fn check_even(points: Points, line: Line, unit_ns: f64) -> Result<(), Flaw> {
-    let deviations = (0..points.slots.len()).map(|k| line.deviation(points, k));
-    let deviations: Vec<f64> = deviations.collect();
-    let largest = deviations.iter().copied().map(f64::abs).fold(0.0, f64::max);
-    let spread = half_spread(deviations);
-    let is_rounded = is_rounded(points, line, unit_ns);
-    let rounding = if is_rounded {
-        0.25 * unit_ns / line.step_ns
-    } else {
-        0.0
+/// Whether the stamps are not spread too far about the line; rounding explains a part of its unit.
+pub(crate) fn is_even(points: Points, line: Line, unit_ns: f64) -> bool {
+    let rounding = match is_rounded(points, line, unit_ns) {
+        true => 0.5 * TYPICAL * unit_ns / line.step_ns,
+        false => 0.0,
     };
-    if spread <= MOST_JITTER + rounding {
+    half_spread(points, line) <= MOST_JITTER + rounding
+}
+
+/// Refuses stamps that are not even.
+pub(crate) fn check_even(points: Points, line: Line, unit_ns: f64) -> Result<(), Flaw> {
+    if is_even(points, line, unit_ns) {
         return Ok(());
     }
+    let deviations = (0..points.slots.len()).map(|k| line.deviation(points, k).abs());
+    let largest = deviations.fold(0.0, f64::max);
+    let spread = half_spread(points, line);
     let step = duration(line.step_ns);
     flaw(
         format!(
@@ -127,12 +132,31 @@ pub(crate) fn check_even(points: Points, line: Line, unit_ns: f64) -> Result<(),
 }
 
 /// Half of the shortest span that holds the typical stamps.
-fn half_spread(mut deviations: Vec<f64>) -> f64 {
+pub(crate) fn half_spread(points: Points, line: Line) -> f64 {
+    let deviations = (0..points.slots.len()).map(|k| line.deviation(points, k));
+    let mut deviations: Vec<f64> = deviations.collect();
     deviations.sort_unstable_by(f64::total_cmp);
     let count = (TYPICAL * deviations.len() as f64).ceil().max(2.0) as usize;
     let spans = deviations.windows(count.min(deviations.len()));
     let spans = spans.filter_map(|span| Some(span.last()? - span.first()?));
     0.5 * spans.min_by(f64::total_cmp).unwrap_or(0.0)
+}
+
+/// Refuses so many late stamps among so many losses that it is not known which samples are lost.
+pub(crate) fn check_sure(clock: &Clock) -> Result<(), Flaw> {
+    let (n_rows, n_slots) = (clock.slots.len(), clock.n_slots());
+    let n_lost = n_slots.saturating_sub(n_rows);
+    let unsure = clock.n_out as f64 / n_rows as f64 * n_lost as f64 / n_slots as f64;
+    if unsure <= MOST_UNSURE {
+        return Ok(());
+    }
+    flaw(
+        format!(
+            "{} of {n_rows} stamps off by more than half a sample while {n_lost} of {n_slots} samples are lost: which ones cannot be told",
+            clock.n_out
+        ),
+        "stamps that are late or samples that are lost, but not both so often: record the robot's own stamps, and all samples",
+    )
 }
 
 /// Refuses many rows in a row that are out of their slots by the same number of samples: two

@@ -6,6 +6,7 @@ pub(crate) mod evenness;
 pub(crate) mod line;
 pub(crate) mod order;
 pub(crate) mod phase;
+pub(crate) mod rounded;
 pub(crate) mod sample_time;
 pub(crate) mod slots;
 #[cfg(test)]
@@ -73,11 +74,11 @@ impl Clock {
         if series.stamps_ns.len() < 2 {
             return flaw(format!("{} samples", series.stamps_ns.len()), "at least 2");
         }
-        let unit_ns = resolution_ns(&series.stamps_ns);
+        let unit_ns = resolution_ns(&series.stamps_ns) as f64;
         order.check_few()?;
         let guess = Guess::of(&series.stamps_ns, unit_ns, stated_ns);
         evenness::check_amount(&series.stamps_ns, guess.step_ns)?;
-        let fitted = Self::fit(series, guess, unit_ns as f64, stated_ns);
+        let fitted = Self::fit(series, guess, unit_ns, stated_ns);
         let clock = order.checked(&series.stamps_ns, fitted)?;
         warnings.extend(order.warnings(&series.topic));
         Ok(clock)
@@ -112,7 +113,9 @@ impl Clock {
         }
         evenness::check_even(points, line, unit_ns)?;
         let contested = contested.slots(stamps_ns, line);
-        Ok(Self::along(line, points, reach, unit_ns, contested))
+        let clock = Self::along(line, points, reach, unit_ns, contested);
+        evenness::check_sure(&clock)?;
+        Ok(clock)
     }
 
     /// The clock of a line.

@@ -155,7 +155,7 @@ fn first_backwards(stamps_ns: &[i64]) -> Option<String> {
     let back = duration(stamps_ns[row - 1].abs_diff(stamps_ns[row]) as f64);
     let after = seconds_after(stamps_ns, row - 1);
     Some(format!(
-        "the first one by {back} in sample {}, {after}",
+        "the first is that of sample {}, {back} before that of sample {row}, {after}",
         row + 1
     ))
 }

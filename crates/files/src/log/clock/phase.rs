@@ -10,19 +10,19 @@ use crate::log::clock::sample_time::{Guess, Place};
 
 /// Stamps in a window, from the coarsest to the finest correction of the step: the first follows a
 /// step that is up to 3 % off (half a sample in 16), the last averages 25 % of jitter to 0.02.
-const WIDTHS: [usize; 3] = [16, 64, 256];
+pub(crate) const WIDTHS: [usize; 3] = [16, 64, 256];
 /// Windows whose stamps agree less than this share of the usual are left out: they hold bursts.
 const LEAST_AGREEMENT: f64 = 0.5;
 
 /// Mean of the stamps of a window.
 #[derive(Debug, Clone, Copy)]
-struct Window {
+pub(crate) struct Window {
     /// Place of its middle, in steps after the first stamp.
     at: f64,
     /// Where the stamps lie between two samples, in steps.
     phase: f64,
     /// Length of the mean of `exp(2 pi i t / step)`: 1 if all stamps agree.
-    agreement: f64,
+    pub(crate) agreement: f64,
 }
 
 /// The phase against the place in the recording.
@@ -74,7 +74,7 @@ impl Phase {
 }
 
 /// The means over windows of so many stamps; what is left over belongs to the last one.
-fn windows(stamps_ns: &[i64], step_ns: f64, width: usize) -> Vec<Window> {
+pub(crate) fn windows(stamps_ns: &[i64], step_ns: f64, width: usize) -> Vec<Window> {
     let count = (stamps_ns.len() / width).max(1);
     let bounds = |k: usize| {
         (

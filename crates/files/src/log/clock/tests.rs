@@ -86,7 +86,14 @@ fn an_even_clock_is_exact_to_the_last_bit() {
 #[test]
 fn gaps_are_found_and_jitter_is_measured() {
     let is_lost = |k| (400..=410).contains(&k) || k == 700;
-    let early = |k: usize| 1e6 * k as f64 + if k % 2 == 0 { 50_001.0 } else { -50_000.0 };
+    let early = |k: usize| {
+        1e6 * k as f64
+            + if k.is_multiple_of(2) {
+                50_001.0
+            } else {
+                -50_000.0
+            }
+    };
     let (clock, _) = clock_of(&rows(1000, is_lost, early), None).expect("5 % of jitter");
     assert!((clock.jitter - 0.05).abs() < 1e-3 && (clock.sample_time_s - 1e-3).abs() < 1e-6);
     assert_eq!(
@@ -133,7 +140,7 @@ fn other_clocks_in_whole_ms_too() {
 
 #[test]
 fn whole_ms_of_800_hz_with_losses() {
-    for seed in 0..20 {
+    for seed in 0..5 {
         for step in [1.25e6, 1.2e6, 1.6e6, 1.75e6] {
             let is_lost = |k| k > 0 && uniform(seed, k) < 0.07;
             let stamp = |k: usize| (step * k as f64 / 1e6 + uniform(seed, 1)).floor() * 1e6;
@@ -261,6 +268,14 @@ fn bursts_of_late_messages_are_put_in_order() {
 }
 
 #[test]
+fn a_recording_that_begins_with_a_burst_begins_where_it_did() {
+    let late = |k: usize| if k < 9 { 8.1 } else { k as f64 };
+    let stamp = |k: usize| 1e6 * late(k) + 1e3 * k as f64;
+    let (clock, misplaced) = misplaced(&rows(500, |_| false, stamp), None);
+    assert_eq!((misplaced, clock.n_slots()), (0, 500));
+}
+
+#[test]
 fn the_longest_delays_that_are_taken() {
     for seed in 0..10 {
         let delay = |k: usize| -0.3 * (1.0 - uniform(seed, 3 * k)).ln();
@@ -312,7 +327,10 @@ fn a_clock_that_was_set_back_is_refused_with_its_place() {
     for back in [5.0, 5.5] {
         let stamp = |k: usize| 1e6 * (k as f64 - if k < 3000 { 0.0 } else { back });
         let found = found(&rows(6000, |_| false, stamp));
-        assert!(found.contains("in sample 3001, 2.999 s"), "{back}: {found}");
+        assert!(
+            found.contains("that of sample 3001, ") && found.contains("2.999 s"),
+            "{back}: {found}"
+        );
     }
     let restarted = rows(
         6000,
