@@ -7,6 +7,7 @@ import frfid
 
 RNG = np.random.default_rng(7)
 U, Y = RNG.standard_normal((2, 2, 3, 4, 2, 50))
+U = np.repeat(U[:, :, :1], 4, axis=2)  # periods repeat
 LINES = [1, 4, 7]
 
 
@@ -77,6 +78,14 @@ def test_float32_and_integers_are_converted():
 def test_what_cannot_be_right_is_refused(u, says):
     with pytest.raises(ValueError, match=says):
         estimate(u)
+
+
+def test_masked_entries_are_refused_and_a_mask_without_any_is_not():
+    masked = np.ma.masked_greater(U, 2.0)
+    for u in (masked, list(masked)):
+        with pytest.raises(ValueError, match=r"u is a masked array with \d+ masked entries, .*u\.filled"):
+            estimate(u)
+    np.testing.assert_array_equal(estimate(np.ma.array(U)).response, estimate().response)
 
 
 @pytest.mark.parametrize("shape", [(0, 3, 4, 2, 50), (2, 3, 0, 2, 50), (2, 3, 4, 0, 50), (2, 3, 4, 2, 0)])

@@ -15,7 +15,8 @@ RNG = np.random.default_rng(3)
 @pytest.fixture
 def frf():
     """Two outputs, three inputs, with both variances."""
-    u, y = RNG.standard_normal((4, 3, 2, 3, 64)), RNG.standard_normal((4, 3, 2, 2, 64))
+    u, y = RNG.standard_normal((4, 3, 1, 3, 64)), RNG.standard_normal((4, 3, 2, 2, 64))
+    u = np.repeat(u, 2, axis=2)
     return frfid.estimate_bla(u, y, sample_time_s=1e-2, harmonics=[2, 3, 5, 8, 13])
 
 
@@ -58,6 +59,28 @@ def test_python_control_evaluates_it_in_rad_per_s(frf):
     assert converted.input_labels == frf.input_names
     for line, hz in enumerate(frf.frequency_hz):
         np.testing.assert_array_equal(converted.eval(2 * np.pi * hz), frf.response[line])
+
+
+def test_lines_without_an_estimate_stay_unknown(frf, tmp_path):
+    response = np.array(frf.response)
+    response[1] = np.nan
+    gapped = frfid.Frf(
+        frequency_hz=frf.frequency_hz,
+        response=response,
+        noise_covariance=np.where(np.arange(5)[:, None, None] == 1, np.nan, frf.noise_covariance),
+        noise_degrees_of_freedom=4,
+        condition=np.where(np.arange(5) == 1, np.nan, frf.condition),
+    )
+    gapped.save(tmp_path / "gapped.json")
+    back = frfid.load(tmp_path / "gapped.json")
+    np.testing.assert_array_equal(back.response, response)
+    assert np.isnan(back.noise_variance[1]).all() and np.isfinite(back.noise_variance[2]).all()
+    assert "nan" not in back.to_svg().lower()
+    assert "lines without an estimate" in back._repr_html_() and "nan" not in back._repr_html_().split("base64")[0]
+    compared = frfid.compare(frf, gapped)
+    assert compared.unknown_lines == (0, 1)
+    pytest.importorskip("control")
+    assert len(back.to_control().omega) == 4
 
 
 def test_xarray_knows_dimensions_units_and_only_what_was_measured(frf):

@@ -286,8 +286,8 @@ impl fmt::Display for Deficiency {
             ),
             Self::InputNoisy { input, snr_db } => write!(
                 f,
-                "input {input} cannot be told from its noise there (signal to noise {snr_db:.0} dB); \
-                 excite the line more strongly or record more periods"
+                "input {input} cannot be told from its noise there (signal to noise {snr_db:.0} dB): it does \
+                 not repeat from period to period; excite the line more strongly or record more periods"
             ),
             Self::ExperimentsAlike {
                 pair: (m, n),

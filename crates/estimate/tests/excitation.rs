@@ -119,7 +119,7 @@ fn noisy_campaign(snr_db: f64, channels: usize, seed: u64) -> Campaign {
 }
 
 /// Lines at 0 and -6 dB with 10 x 10 periods are kept; what is not excited passes once in a
-/// thousand times.
+/// thousand times, through the reference never.
 #[test]
 fn weak_lines_are_kept_and_absent_ones_left_out_as_often_as_stated() {
     let left_out =
@@ -135,19 +135,15 @@ fn weak_lines_are_kept_and_absent_ones_left_out_as_often_as_stated() {
             assert_eq!(left_out(0.0, channels, method), 0);
             let absent = left_out(f64::NEG_INFINITY, channels, method);
             // each input alone must be found out: all of three pass once in 1e9 times
-            let expected = if channels == 1 {
-                994..=1000
-            } else {
-                1000..=1000
-            };
+            let is_direct = channels == 1 && method == Method::MeanOfSpectra;
+            let expected = if is_direct { 994..=1000 } else { 1000..=1000 };
             assert!(expected.contains(&absent), "{method:?}: {absent}");
         }
         assert_eq!(left_out(-6.0, channels, Method::JointInputOutput), 0);
     }
-    // noncentral F with 20 and 180 degrees of freedom (scipy: ncf.cdf(f.isf(1e-3, 20, 180), 20, 180,
-    // 50.2)): 88 of 1000 stay below, with a standard error of 9
-    let direct = left_out(-6.0, 1, Method::MeanOfSpectra);
-    assert!((60..116).contains(&direct), "{direct}");
+    // 88 of 1000 are not significant by themselves (noncentral F, scipy: ncf.cdf(f.isf(1e-3, 20, 180),
+    // 20, 180, 50.2)), but like those beside them
+    assert!(left_out(-6.0, 1, Method::MeanOfSpectra) < 5);
     assert_eq!(left_out(-6.0, 3, Method::MeanOfSpectra), 0);
 }
 

@@ -6,7 +6,7 @@ use frfid_report::{
     Spectrogram, Style, TimePanel, Trace, bode, bode_matrix, convergence, spectrogram, spectrum,
     time_series,
 };
-use frfid_signals::Frf;
+use frfid_signals::{Frf, Uncertainty};
 use ndarray::{Array1, Array2, Array3, array, aview1};
 use num_complex::Complex64;
 
@@ -121,6 +121,40 @@ fn holes_zeros_and_single_lines_are_drawn() {
     assert!(!svg.contains("NaN") && !svg.contains("inf"));
     let svg = draw(&joint(vec![5.0]), "one line").svg();
     assert!(!svg.contains("NaN") && !svg.contains("inf"));
+}
+
+/// Lines without an estimate part curve and region; the region does not fall to zero there.
+#[test]
+fn a_region_has_gaps_where_nothing_is_known() {
+    let fill = |gaps: &[usize]| {
+        let mut frf = joint(band());
+        let mut covariance = frf
+            .response
+            .mapv(|value| 1e-4 * value.norm_sqr() * Complex64::ONE);
+        for &k in gaps {
+            frf.response[[k, 0, 0]] = Complex64::new(f64::NAN, f64::NAN);
+            covariance[[k, 0, 0]] = Complex64::new(f64::NAN, f64::NAN);
+        }
+        frf.noise = Some(Uncertainty {
+            covariance,
+            degrees_of_freedom: 10,
+        });
+        let curve = Curve {
+            band: Band::Noise,
+            ..Curve::new("G", &frf, Style::Line)
+        };
+        let labels = Labels::torque_to_velocity(1, 1);
+        let svg = bode(&[curve], 0, 0, &labels)
+            .expect("300 lines are known")
+            .svg();
+        assert!(!svg.contains("NaN") && !svg.contains("inf"));
+        svg.matches("opacity=\"0.22\"").count()
+    };
+    let whole = fill(&[]);
+    assert!(whole > 0, "the opacity of a region is named");
+    assert_eq!(fill(&[150]), whole + 2); // magnitude and phase
+    fill(&(0..301).step_by(2).collect::<Vec<_>>());
+    fill(&(0..301).collect::<Vec<_>>());
 }
 
 #[test]

@@ -2,16 +2,20 @@
 //! it, and of its own noise.
 //!
 //! With the means over n_q periods `U_pm` of every realization and experiment, and the noise `s^2`
-//! of one period from the spread around them, an input that is not excited has
+//! of one period from the spread around them, an input that is not excited on a line has
 //!
 //! ```text
-//! F = sum_pm n_q |U_pm|^2 / (n_p n_ex s^2)      2 n_p n_ex and 2 n_p n_ex (n_q - 1) degrees of freedom
-//! F = T M^-1 T^H / (n_r s^2)                    2 n_r instead, through the reference
-//! T = sum_p n_q U_p R_p^H,   M = sum_p n_q R_p R_p^H
+//! F = sum_pm n_q |U_pm|^2 / (n_p n_ex s^2),   2 n_p n_ex and 2 n_p n_ex (n_q - 1) degrees of freedom
 //! ```
 //!
-//! R. Pintelon, J. Schoukens, System Identification, 2nd ed., section 2.5. Through the reference the
-//! sum comes before the square, so that weaker lines are told from noise.
+//! (R. Pintelon, J. Schoukens, System Identification, 2nd ed., section 2.5). Where the estimate goes
+//! through the reference, that is what must be excited; a machine may answer it with little input on
+//! some lines, where the estimate is as uncertain as it says. Only an input that follows the reference
+//! on no line is not excited: over all lines together
+//!
+//! ```text
+//! F = sum T M^-1 T^H / sum n_r s^2,   T = sum_p n_q U_p R_p^H,   M = sum_p n_q R_p R_p^H
+//! ```
 
 use std::iter::zip;
 use std::ops::Range;
@@ -23,6 +27,7 @@ use rayon::prelude::*;
 
 use crate::error::Deficiency;
 use crate::frf::f_distribution::f_tail;
+use crate::frf::matrices::Matrix;
 use crate::frf::right_division::MAX_CONDITION;
 use crate::frf::singular::condition_of_finite;
 use crate::spectra::campaign::Block;
@@ -36,8 +41,13 @@ const ROUNDING: f64 = 1e-8;
 const WEAK_DB: f64 = -60.0;
 /// Asked lines on either side that count as beside a line: few enough for a steep spectrum.
 const BESIDE: usize = 5;
-/// Chance that a line without excitation is taken for excited: below one line of an FRF.
+/// Chance that a line without excitation is significant: below one line of an FRF.
 const SIGNIFICANCE: f64 = 1e-3;
+/// The same of a line that speaks for those beside it: below one line of all FRFs of a day.
+const SURE: f64 = 1e-6;
+/// A line that is not significant but has this share of the excitation of a significant one beside it
+/// (-13 dB) is taken for weakly excited: a resonance in a closed loop leaves that little of the input.
+const SHARE_OF_BESIDE: f64 = 0.05;
 /// Complex degrees of freedom that a noise level should have: it is then known to a quarter, and
 /// more neighbours need not be like the line.
 const ENOUGH_FREEDOM: usize = 20;
@@ -45,8 +55,8 @@ const ENOUGH_FREEDOM: usize = 20;
 /// What is known of the excitation of every input on every line.
 pub(crate) struct Excitation {
     u: Tested,
-    /// The reference, where the estimate goes through it.
-    r: Option<Tested>,
+    /// The reference, where the estimate goes through it, and whether each input follows it.
+    r: Option<(Tested, Vec<bool>)>,
 }
 
 /// A signal against its noise, `(channel, line)`.
@@ -54,43 +64,48 @@ struct Tested {
     spread: Spread,
     /// Power of the means.
     power: Array2<f64>,
-    /// What stands out if a channel is excited, to be compared with the noise.
+    /// The same, each mean times its number of periods: to be compared with the noise.
     evidence: Array2<f64>,
-    /// Number of complex terms in the evidence of every line; 0 where it is not known.
-    terms: Vec<usize>,
 }
 
 impl Excitation {
     /// Of complete blocks, by realization and period.
     pub(crate) fn of(realizations: &[Vec<Block>], through_reference: bool) -> Self {
-        let mut u = Tested::of(Spread::of(realizations, |run| Some(&run.u)));
+        let u = Tested::of(Spread::of(realizations, |run| Some(&run.u)));
         let r = through_reference.then(|| {
             let r = Tested::of(Spread::of(realizations, |run| run.r.as_ref()));
-            u.take_evidence_along(&r.spread);
-            r
+            let follows = u.follows(&r.spread);
+            (r, follows)
         });
         Self { u, r }
     }
 
     /// Why the line cannot be used, by the first input that is not excited on it.
     pub(crate) fn deficiency(&self, line: usize) -> Option<Deficiency> {
-        let commanded = self.r.as_ref().unwrap_or(&self.u);
-        let signals = || self.r.iter().chain([&self.u]);
+        let commanded = self.r.as_ref().map_or(&self.u, |(r, _)| r);
         (0..self.u.power.nrows()).find_map(|input| {
-            if signals().any(|signal| signal.is_silent(input, line)) {
+            if self.u.is_silent(input, line) || commanded.is_silent(input, line) {
                 return Some(Deficiency::InputSilent { input });
             }
             let weak = commanded.weak(input, line);
-            weak.or_else(|| signals().find_map(|signal| signal.noisy(input, line)))
+            let noisy = || commanded.noisy(input, line);
+            weak.or_else(noisy).or_else(|| self.unmoved(input, line))
         })
+    }
+
+    /// Whether an input does not follow the reference.
+    fn unmoved(&self, input: usize, line: usize) -> Option<Deficiency> {
+        let (_, follows) = self.r.as_ref()?;
+        let snr_db = self.u.snr_db(input, line);
+        (!follows[input]).then_some(Deficiency::InputNoisy { input, snr_db })
     }
 
     /// Power of the excitation of U over that of its noise in one period, `(input, line)`, in dB;
     /// `None` with one period.
     pub(crate) fn snr_db(&self) -> Option<Array2<f64>> {
-        let shape = self.u.power.dim();
-        let place = |(input, line)| self.u.snr_db(input, line);
-        (self.u.spread.freedom > 0).then(|| Array2::from_shape_fn(shape, place))
+        let is_known = self.u.spread.freedom > 0;
+        let at = |(input, line)| self.u.snr_db(input, line);
+        is_known.then(|| Array2::from_shape_fn(self.u.power.dim(), at))
     }
 }
 
@@ -105,23 +120,31 @@ impl Tested {
             power += &powers;
         }
         Self {
-            terms: vec![spread.means.len(); power.ncols()],
+            spread,
             power,
             evidence,
-            spread,
         }
     }
 
-    /// Takes the power along a reference as evidence instead.
-    fn take_evidence_along(&mut self, r: &Spread) {
+    /// Whether each channel follows a reference, over all lines together; taken for granted with
+    /// one period.
+    fn follows(&self, r: &Spread) -> Vec<bool> {
         let lines = (0..self.power.ncols()).into_par_iter();
         let along = lines.map(|line| power_along(&self.spread, r, line));
-        for (line, along) in along.collect::<Vec<_>>().into_iter().enumerate() {
-            self.terms[line] = along.len();
-            for (input, power) in along.into_iter().enumerate() {
-                self.evidence[[input, line]] = power;
-            }
-        }
+        let along: Vec<Vec<f64>> = along.filter(|powers| !powers.is_empty()).collect();
+        let n_channels = self.power.nrows();
+        let (terms, freedom) = (
+            along.len() * n_channels,
+            self.power.ncols() * self.spread.freedom,
+        );
+        let stands_out = |channel: usize| {
+            let power: f64 = along.iter().map(|powers| powers[channel]).sum();
+            let noise = self.spread.squares.row(channel).sum() / freedom as f64;
+            noise <= 0.0 || f_tail(power / (terms as f64 * noise), terms, freedom) <= SIGNIFICANCE
+        };
+        (0..n_channels)
+            .map(|channel| terms == 0 || freedom == 0 || stands_out(channel))
+            .collect()
     }
 
     /// Whether a channel is nothing but rounding on a line.
@@ -136,17 +159,32 @@ impl Tested {
         let powers = self.power.row(input);
         let beside = window(line, BESIDE, powers.len());
         let strongest = beside.map(|k| powers[k]).fold(0.0, f64::max);
-        let level_db = 10.0 * (powers[line] / strongest).log10();
+        let level_db = decibels(powers[line] / strongest);
         (level_db < WEAK_DB).then_some(Deficiency::InputWeak { input, level_db })
     }
 
-    /// Whether a channel cannot be told from its noise.
+    /// Whether a channel cannot be told from its noise, neither by itself nor by what stands beside.
     fn noisy(&self, input: usize, line: usize) -> Option<Deficiency> {
-        let (terms, (noise, freedom)) = (self.terms[line], self.noise(input, line)?);
-        let ratio = self.evidence[[input, line]] / (terms as f64 * noise);
-        let is_noise = noise > 0.0 && terms > 0 && f_tail(ratio, terms, freedom) > SIGNIFICANCE;
-        let snr_db = self.snr_db(input, line);
-        is_noise.then_some(Deficiency::InputNoisy { input, snr_db })
+        if self.stands_out(input, line, SIGNIFICANCE)? {
+            return None;
+        }
+        let beside = window(line, BESIDE, self.power.ncols());
+        let significant = beside.filter(|&k| self.stands_out(input, k, SURE) == Some(true));
+        let strongest = significant
+            .filter_map(|k| self.snr(input, k))
+            .fold(0.0, f64::max);
+        let snr = self.snr(input, line)?;
+        let is_like_others = strongest > 0.0 && snr >= SHARE_OF_BESIDE * strongest;
+        let snr_db = decibels(snr);
+        (!is_like_others).then_some(Deficiency::InputNoisy { input, snr_db })
+    }
+
+    /// Whether a line is significant at this chance; `None` with one period.
+    fn stands_out(&self, channel: usize, line: usize, chance: f64) -> Option<bool> {
+        let (noise, freedom) = self.noise(channel, line)?;
+        let terms = self.spread.means.len();
+        let ratio = self.evidence[[channel, line]] / (terms as f64 * noise);
+        Some(noise <= 0.0 || f_tail(ratio, terms, freedom) <= chance)
     }
 
     /// Noise power of one period with its complex degrees of freedom, neighbours taken in until
@@ -162,15 +200,24 @@ impl Tested {
         (freedom > 0).then(|| (sum / freedom as f64, freedom))
     }
 
-    /// Excitation over noise in one period in dB, the noise's own share of the evidence taken off;
-    /// not a number with one period.
-    fn snr_db(&self, channel: usize, line: usize) -> f64 {
-        let Some((noise, _)) = self.noise(channel, line) else {
-            return f64::NAN;
-        };
-        let excited = self.evidence[[channel, line]] - self.terms[line] as f64 * noise;
-        10.0 * (excited.max(0.0) / (self.spread.n_runs as f64 * noise)).log10()
+    /// Power of the excitation over that of the noise in one period, the noise's own share of the
+    /// evidence taken off; `None` with one period.
+    fn snr(&self, channel: usize, line: usize) -> Option<f64> {
+        let (noise, _) = self.noise(channel, line)?;
+        let own = self.spread.means.len() as f64 * noise;
+        let excited = (self.evidence[[channel, line]] - own).max(0.0);
+        Some(excited / (self.spread.n_runs as f64 * noise))
     }
+
+    /// The same in dB; not a number with one period.
+    fn snr_db(&self, channel: usize, line: usize) -> f64 {
+        decibels(self.snr(channel, line).unwrap_or(f64::NAN))
+    }
+}
+
+/// A ratio of powers in dB.
+fn decibels(ratio: f64) -> f64 {
+    10.0 * ratio.log10()
 }
 
 /// Lines within `reach` of a line.
@@ -181,30 +228,32 @@ fn window(line: usize, reach: usize, n_lines: usize) -> Range<usize> {
 /// Power of every channel of u along the references, `T M^-1 T^H`; empty where the references do not
 /// span their space.
 fn power_along(u: &Spread, r: &Spread, line: usize) -> Vec<f64> {
-    let n = u.squares.nrows();
-    let (mut m, mut t) = (DMatrix::zeros(n, n), DMatrix::zeros(n, n));
-    for ((u, n_periods), (r, _)) in zip(&u.means, &r.means) {
-        let [u, r] = [u, r].map(|x| DVector::from_iterator(n, x.column(line).iter().copied()));
-        let weight = Complex64::from(*n_periods as f64);
-        m.gerc(weight, &r, &r, Complex64::ONE);
-        t.gerc(weight, &r, &u, Complex64::ONE);
-    }
-    if m.diagonal().iter().any(|power: &Complex64| power.re <= 0.0) {
+    let (mut t, mut m) = (moment(r, u, line), moment(r, r, line));
+    let sizes = m.diagonal().map(|power| Complex64::from(power.re.sqrt()));
+    if sizes.iter().any(|size| size.re <= 0.0) {
         return Vec::new();
     }
-    // rows to equal size first: channels may have different units
-    let scale = m
-        .diagonal()
-        .map(|power| Complex64::from(1.0 / power.re.sqrt()));
-    let scaled = DMatrix::from_fn(n, n, |i, j| m[(i, j)] * scale[i] * scale[j]);
-    let t = DMatrix::from_fn(n, n, |i, j| t[(i, j)] * scale[i]);
-    if condition_of_finite(&scaled) > MAX_CONDITION {
-        return Vec::new();
-    }
-    let Some(cholesky) = scaled.cholesky() else {
+    // channels to equal size first: they may have different units
+    m = DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| {
+        m[(i, j)] / (sizes[i] * sizes[j])
+    });
+    t = DMatrix::from_fn(t.nrows(), t.ncols(), |i, j| t[(i, j)] / sizes[i]);
+    let spans = condition_of_finite(&m) <= MAX_CONDITION;
+    let Some(inverse) = m.cholesky().filter(|_| spans) else {
         return Vec::new();
     };
-    let solved = cholesky.solve(&t);
-    let power = |input: usize| t.column(input).dotc(&solved.column(input)).re;
-    (0..n).map(power).collect()
+    let solved = inverse.solve(&t);
+    let along = zip(t.column_iter(), solved.column_iter());
+    along.map(|(t, solved)| t.dotc(&solved).re).collect()
+}
+
+/// `sum n_q A B^H` of the means of two signals on a line.
+fn moment(a: &Spread, b: &Spread, line: usize) -> Matrix {
+    let mut sum = DMatrix::zeros(a.squares.nrows(), b.squares.nrows());
+    for ((a, n_periods), (b, _)) in zip(&a.means, &b.means) {
+        let [a, b] =
+            [a, b].map(|x| DVector::from_iterator(x.nrows(), x.column(line).into_iter().copied()));
+        sum.gerc(Complex64::from(*n_periods as f64), &a, &b, Complex64::ONE);
+    }
+    sum
 }

@@ -8,6 +8,8 @@
 //! not move it. The least of all m is taken, over frequency and over its logarithm, and only if the
 //! higher m agree with it: a curve that still bends between its lines says nothing.
 
+use std::f64::consts::LN_2;
+
 use frfid_signals::{Frf, median};
 use num_complex::Complex64;
 
@@ -127,31 +129,34 @@ fn scatter(lines: &[Line]) -> Option<Roughness> {
 /// Scatter by predictions of every degree over a function of frequency.
 fn levels(lines: &[Line], abscissa: fn(f64) -> f64) -> [Level; DEGREES] {
     let places: Vec<f64> = lines.iter().map(|line| abscissa(line.hz)).collect();
-    std::array::from_fn(|degree| level(lines, &places, degree + 1))
+    [1, 2, 3, 4, 5].map(|degree| level(lines, &places, degree))
 }
 
 /// Scatter by predictions of one degree.
 fn level(lines: &[Line], places: &[f64], degree: usize) -> Level {
-    let errors = (0..lines.len()).map(|k| {
-        let others = nearest(k, degree + 1, lines.len());
-        let (mut error, mut weights) = (Complex64::ZERO, 1.0);
-        let mut noise = lines[k].relative_variance();
-        for &i in &others {
-            let weight = lagrange_weight(places, k, i, &others);
-            // logarithm of the ratio: the phase between neighbours is less than half a turn
-            error += weight * (lines[i].response / lines[k].response).ln();
-            weights += weight * weight;
-            noise += weight * weight * lines[i].relative_variance();
-        }
-        (error.norm_sqr() / weights, error.norm_sqr() / noise)
-    });
+    let errors = (0..lines.len()).map(|k| squared_error(lines, places, k, degree));
     let (scatter, over_noise): (Vec<f64>, Vec<f64>) = errors.unzip();
     // |error|^2 is exponentially distributed: its median is ln 2 times its mean
-    let middle = |values: Vec<f64>| median(values).unwrap_or(f64::NAN) / std::f64::consts::LN_2;
+    let middle = |values: Vec<f64>| median(values).unwrap_or(f64::NAN) / LN_2;
     Level {
         scatter: middle(scatter),
         over_noise: middle(over_noise),
     }
+}
+
+/// Squared error of the prediction of a line, over `1 + sum w^2` and over its noise.
+fn squared_error(lines: &[Line], places: &[f64], k: usize, degree: usize) -> (f64, f64) {
+    let others = nearest(k, degree + 1, lines.len());
+    let (mut error, mut weights) = (Complex64::ZERO, 1.0);
+    let mut noise = lines[k].relative_variance();
+    for &i in &others {
+        let weight = lagrange_weight(places, k, i, &others);
+        // logarithm of the ratio: the phase between neighbours is less than half a turn
+        error += weight * (lines[i].response / lines[k].response).ln();
+        weights += weight * weight;
+        noise += weight * weight * lines[i].relative_variance();
+    }
+    (error.norm_sqr() / weights, error.norm_sqr() / noise)
 }
 
 /// The numbers of the lines nearest to line k, itself left out.

@@ -88,13 +88,9 @@ impl<'a> DelaySearch<'a> {
 
     /// Standard deviation of the frequencies, in spacings.
     pub(super) fn spread(&self, differences: &[PhaseDifference]) -> f64 {
-        let middle_hz = self.middle_hz(differences);
-        let weights: f64 = differences.iter().map(|difference| difference.weight).sum();
-        let squares = differences.iter().map(|difference| {
-            let hz = self.frequency_hz[difference.line] - middle_hz;
-            difference.weight * hz * hz
-        });
-        (squares.sum::<f64>() / weights).sqrt() / self.spacing_hz
+        let middle_hz = self.mean(differences, |hz, _| hz);
+        let square = self.mean(differences, |hz, _| (hz - middle_hz).powi(2));
+        square.sqrt() / self.spacing_hz
     }
 
     /// Delays at the highest peaks of the search, highest first.
@@ -146,52 +142,34 @@ impl<'a> DelaySearch<'a> {
         for _ in 0..STEPS {
             shift = self.improved(differences, shift);
         }
-        (shift, self.mean_square(differences, shift))
+        let square = |hz: f64, angle: f64| shift.residual(hz, angle).powi(2);
+        (shift, self.mean(differences, square))
     }
 
     /// One Newton step: a straight line through what is left over frequency.
     fn improved(&self, differences: &[PhaseDifference], shift: Shift) -> Shift {
-        let (mut w, mut wx, mut wxx, mut we, mut wxe) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        let middle_hz = self.middle_hz(differences);
-        for difference in differences {
-            let hz = self.frequency_hz[difference.line];
-            let (x, weight) = (TAU * (hz - middle_hz), difference.weight);
-            let left = shift.residual(hz, difference.angle);
-            w += weight;
-            wx += weight * x;
-            wxx += weight * x * x;
-            we += weight * left;
-            wxe += weight * x * left;
-        }
-        let determinant = w * wxx - wx * wx;
-        let slope = if determinant > 0.0 {
-            (w * wxe - wx * we) / determinant
-        } else {
-            0.0
-        };
-        let mean = (we - slope * wx) / w;
+        let middle_hz = self.mean(differences, |hz, _| hz);
+        let place = |hz: f64| TAU * (hz - middle_hz);
+        let left = |hz: f64, angle: f64| shift.residual(hz, angle);
+        let width = self.mean(differences, |hz, _| place(hz).powi(2));
+        let tilt = self.mean(differences, |hz, angle| place(hz) * left(hz, angle));
+        let slope = if width > 0.0 { tilt / width } else { 0.0 };
+        let constant = self.mean(differences, left) - TAU * middle_hz * slope;
         Shift {
             delay_s: shift.delay_s - slope,
-            constant_rad: wrapped(shift.constant_rad + mean - TAU * middle_hz * slope),
+            constant_rad: wrapped(shift.constant_rad + constant),
         }
     }
 
-    /// Weighted mean of the frequencies.
-    fn middle_hz(&self, differences: &[PhaseDifference]) -> f64 {
-        let weights: f64 = differences.iter().map(|difference| difference.weight).sum();
-        let moments = differences
-            .iter()
-            .map(|difference| difference.weight * self.frequency_hz[difference.line]);
-        moments.sum::<f64>() / weights
-    }
-
-    fn mean_square(&self, differences: &[PhaseDifference], shift: Shift) -> f64 {
-        let weights: f64 = differences.iter().map(|difference| difference.weight).sum();
-        let squares = differences.iter().map(|difference| {
+    /// Weighted mean of something of the frequencies and angles.
+    fn mean(&self, differences: &[PhaseDifference], of: impl Fn(f64, f64) -> f64) -> f64 {
+        let (mut sum, mut weights) = (0.0, 0.0);
+        for difference in differences {
             let hz = self.frequency_hz[difference.line];
-            difference.weight * shift.residual(hz, difference.angle).powi(2)
-        });
-        squares.sum::<f64>() / weights
+            sum += difference.weight * of(hz, difference.angle);
+            weights += difference.weight;
+        }
+        sum / weights
     }
 }
 
@@ -201,25 +179,28 @@ fn wrapped(angle: f64) -> f64 {
     if turned <= -PI { turned + TAU } else { turned }
 }
 
-/// The largest spacing of which all distances from the lowest frequency are multiples (Euclid's
-/// algorithm); a fraction of the smallest distance where there is none.
+/// The largest spacing of which all distances from the lowest frequency are multiples; a fraction of
+/// the smallest distance where there is none.
 fn common_spacing_hz(frequency_hz: &[f64]) -> f64 {
     let distances = frequency_hz.iter().map(|hz| hz - frequency_hz[0]);
-    let distances: Vec<f64> = distances.filter(|distance| *distance > 0.0).collect();
-    let Some(&span) = distances.last() else {
-        return frequency_hz[0].abs().max(f64::MIN_POSITIVE);
-    };
+    let span = distances.clone().fold(0.0, f64::max);
+    if span <= 0.0 {
+        return 1.0; // a single line: any spacing will do
+    }
     let nothing = 1e-3 * span / MOST_BINS;
-    let common = distances.iter().fold(span, |common, &distance| {
-        let (mut large, mut small) = (common.max(distance), common.min(distance));
-        while small > nothing {
-            (large, small) = (small, (large - small * (large / small).round()).abs());
-        }
-        large
-    });
+    let common = distances.fold(span, |a, b| common_divisor(a, b, nothing));
     if common * MOST_BINS >= span {
         return common;
     }
     let steps = frequency_hz.windows(2).map(|pair| pair[1] - pair[0]);
     (0.25 * steps.fold(span, f64::min)).max(span / MOST_BINS)
+}
+
+/// Greatest common divisor of two lengths (Euclid), what is smaller than `nothing` being rounding.
+fn common_divisor(a: f64, b: f64, nothing: f64) -> f64 {
+    let (mut large, mut small) = (a.max(b), a.min(b));
+    while small > nothing {
+        (large, small) = (small, (large - small * (large / small).round()).abs());
+    }
+    large
 }

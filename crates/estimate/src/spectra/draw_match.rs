@@ -8,6 +8,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::{E, PI};
+use std::iter::zip;
 
 use ndarray::{Array2, ArrayView1};
 use num_complex::Complex64;
@@ -58,8 +59,8 @@ struct Phases {
     differences: Vec<PhaseDifference>,
     /// Logarithm of the amplitude ratios.
     levels: Vec<f64>,
-    /// Weighted mean square of what noise does to the differences.
-    noise: f64,
+    /// What noise does to each difference, in rad^2.
+    variances: Vec<f64>,
 }
 
 impl Drawn {
@@ -78,9 +79,6 @@ impl Drawn {
 
     /// Largest amplitude of every channel.
     pub(super) fn peaks(&self) -> Vec<f64> {
-        let largest = |channel: ArrayView1<Complex64>| {
-            channel.iter().map(|value| value.norm()).fold(0.0, f64::max)
-        };
         self.mean.rows().into_iter().map(largest).collect()
     }
 
@@ -118,33 +116,48 @@ impl Drawn {
     }
 }
 
+/// Largest amplitude of a channel.
+fn largest(channel: ArrayView1<Complex64>) -> f64 {
+    channel.iter().map(|value| value.norm()).fold(0.0, f64::max)
+}
+
 impl Phases {
     /// Of `b` against `a`, on the channels and lines that both excite.
     fn of(a: &Drawn, b: &Drawn, peaks: &[f64]) -> Self {
-        let (mut differences, mut levels) = (Vec::new(), Vec::new());
-        let (mut noise, mut weights) = (0.0, 0.0);
+        let mut phases = Self {
+            differences: Vec::new(),
+            levels: Vec::new(),
+            variances: Vec::new(),
+        };
         for ((entry, x), y) in a.mean.indexed_iter().zip(&b.mean) {
-            if x.norm().min(y.norm()) <= EXCITED * peaks[entry.0] {
-                continue;
+            if x.norm().min(y.norm()) > EXCITED * peaks[entry.0] {
+                let variance = a.phase_variance(entry) + b.phase_variance(entry);
+                phases.push(entry.1, y / x, variance);
             }
-            let variance = a.phase_variance(entry) + b.phase_variance(entry);
-            // beyond a full turn a phase says nothing, whatever the noise
-            let variance = variance.min(PI * PI / 3.0);
-            let weight = 1.0 / (SAME_RAD * SAME_RAD + variance);
-            differences.push(PhaseDifference {
-                line: entry.1,
-                angle: (y * x.conj()).arg(),
-                weight,
-            });
-            levels.push((y.norm() / x.norm()).ln());
-            noise += weight * variance;
-            weights += weight;
         }
-        Self {
-            differences,
-            levels,
-            noise: noise / weights,
-        }
+        phases
+    }
+
+    /// Adds a ratio of spectra.
+    fn push(&mut self, line: usize, ratio: Complex64, variance: f64) {
+        // beyond a full turn a phase says nothing, whatever the noise
+        let variance = variance.min(PI * PI / 3.0);
+        self.differences.push(PhaseDifference {
+            line,
+            angle: ratio.arg(),
+            weight: 1.0 / (SAME_RAD * SAME_RAD + variance),
+        });
+        self.levels.push(ratio.norm().ln());
+        self.variances.push(variance);
+    }
+
+    /// Rms of what noise does to the differences, in rad.
+    fn noise_rad(&self) -> f64 {
+        let weights = self.differences.iter().map(|difference| difference.weight);
+        let sum: f64 = zip(weights.clone(), &self.variances)
+            .map(|(w, v)| w * v)
+            .sum();
+        (sum / weights.sum::<f64>()).sqrt()
     }
 
     /// Whether a residual shows the same draw, where lines lie `spread` of their spacings around
@@ -155,7 +168,7 @@ impl Phases {
             return self.level_spread() < SAME_RAD; // whatever the phases, a delay makes them equal
         }
         let by_chance = |chance: f64| chance_limit_rad(chance, n_lines, spread);
-        let noise_rad = self.noise.sqrt();
+        let noise_rad = self.noise_rad();
         let sure = SAME_RAD
             .max(NOISE_FACTOR * noise_rad)
             .min(by_chance(CHANCE));
@@ -170,8 +183,8 @@ impl Phases {
         for difference in &self.differences {
             *weights.entry(difference.line).or_insert(0.0) += difference.weight;
         }
-        let squares: f64 = weights.values().map(|weight| weight * weight).sum();
-        weights.values().sum::<f64>().powi(2) / squares
+        let squares = weights.values().map(|weight| weight * weight);
+        weights.values().sum::<f64>().powi(2) / squares.sum::<f64>()
     }
 
     /// Standard deviation of the logarithmic amplitude ratios: a level that all lines share does
@@ -190,6 +203,6 @@ impl Phases {
 /// the cube of phases times the ball across it.
 fn chance_limit_rad(chance: f64, n_lines: f64, spread: f64) -> f64 {
     let free = n_lines - 2.0;
-    let chance = chance / (n_lines * spread.max(1.0));
+    let chance = chance / (n_lines * spread);
     (2.0 * PI / E * free / n_lines).sqrt() * (chance.ln() / free).exp()
 }
