@@ -24,10 +24,10 @@ pub struct Settling {
     pub n_transient: usize,
     /// Lines that are not settled in the rest; empty if all are.
     pub unsettled: Vec<UnsettledLine>,
-    /// Periods in which the slowest part that was found falls to 1/e; `None` where none decays.
+    /// Periods in which the part that stands out most falls to 1/e; `None` where none decays.
     pub decay_periods: Option<f64>,
-    /// Factor from period to period by which the recording grows, as in an unstable loop; infinite
-    /// beyond what numbers hold.
+    /// Factor from period to period by which the recording grows, as in an unstable loop; 1e8 stands
+    /// for more.
     pub growth_per_period: Option<f64>,
 }
 
@@ -194,11 +194,11 @@ impl<'a> Series<'a> {
 
     fn settling(&self, judgement: Judgement) -> Settling {
         let Judgement { dropped, found } = judgement;
-        let slowest = found
-            .iter()
-            .filter_map(Part::decay_periods)
-            .reduce(f64::max);
-        let strongest = found.iter().filter_map(Part::growth).reduce(f64::max);
+        let of_clearest = |value: fn(&Part) -> Option<f64>| {
+            let clearest = found.iter().filter(|part| value(part).is_some());
+            let clearest = clearest.max_by(|a, b| a.evidence.total_cmp(&b.evidence));
+            clearest.and_then(value)
+        };
         let unsettled = |part: &Part| UnsettledLine {
             channel: part.channel,
             line: self.lines[part.place],
@@ -212,8 +212,8 @@ impl<'a> Series<'a> {
                 self.numbers[dropped]
             },
             unsettled: found.iter().map(unsettled).collect(),
-            decay_periods: slowest,
-            growth_per_period: strongest,
+            decay_periods: of_clearest(Part::decay_periods),
+            growth_per_period: of_clearest(Part::growth),
         }
     }
 }

@@ -12,9 +12,11 @@ const SHORTEST_PERIODS: f64 = 0.2;
 /// .. to this multiple of the run, over which an exponential is a slope but for a tenth.
 const LONGEST_RUNS: f64 = 5.0;
 /// Ratio between time constants that are tried; the sum of squares has no narrower valleys.
-const STEP: f64 = 1.5;
+const STEP: f64 = 2.0;
 /// Golden sections of the best interval: the time constant to 1e-4.
 const SECTIONS: usize = 20;
+/// Products before an exponential is computed anew: they cost a unit of rounding each.
+const RESTART: usize = 256;
 
 /// An exponential decay.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -156,10 +158,28 @@ impl<'a> Trendless<'a> {
 
     /// `exp(-t/tau)` without its periodic part.
     fn decaying(&self, time_constant: f64) -> Vec<f64> {
-        let value = |time: &f64| (-time / time_constant).exp();
         self.phases
-            .without(self.phases.times.iter().map(value).collect())
+            .without(exponential(&self.phases.times, time_constant))
     }
+}
+
+/// `exp(-t/tau)` at whole times; step by step, which is faster than an exponential each.
+fn exponential(times: &[f64], time_constant: f64) -> Vec<f64> {
+    let step = (-1.0 / time_constant).exp();
+    let mut values = Vec::with_capacity(times.len());
+    for block in times.chunks(RESTART) {
+        let (mut before, mut value) = (block[0], (-block[0] / time_constant).exp());
+        for &time in block {
+            value *= match time - before {
+                0.0 => 1.0,
+                1.0 => step,
+                gap => (-gap / time_constant).exp(),
+            };
+            values.push(value);
+            before = time;
+        }
+    }
+    values
 }
 
 /// Where a function is highest: the best of a grid, then golden sections around it (Kiefer, Proc.
@@ -173,12 +193,20 @@ fn highest(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let at = best.map_or(low, |(at, _)| at);
     let (mut low, mut high) = ((at - step).max(low), (at + step).min(high));
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let cuts = |low: f64, high: f64| (high - golden * (high - low), low + golden * (high - low));
+    let (mut left, mut right) = cuts(low, high);
+    let (mut at_left, mut at_right) = (function(left), function(right));
     for _ in 0..SECTIONS {
-        let cut = golden * (high - low);
-        if function(high - cut) > function(low + cut) {
-            high = low + cut;
+        if at_left > at_right {
+            high = right;
+            (right, at_right) = (left, at_left);
+            left = cuts(low, high).0;
+            at_left = function(left);
         } else {
-            low = high - cut;
+            low = left;
+            (left, at_left) = (right, at_right);
+            right = cuts(low, high).1;
+            at_right = function(right);
         }
     }
     0.5 * (low + high)
