@@ -7,6 +7,7 @@
 use std::f64::consts::TAU;
 use std::iter::zip;
 
+use frfid_signals::SignalError;
 use frfid_signals::checks::{all_finite, positive, require_shape};
 use ndarray::{ArrayView3, Axis};
 use num_complex::Complex64;
@@ -49,19 +50,9 @@ pub fn find_clock_ratio(
     lines: &[usize],
     n_samples: usize,
 ) -> Result<Option<ClockRatio>, EstimateError> {
-    let (n_periods, n_channels, n_lines) = spectra.dim();
-    let needed = format_args!(
-        "(period, channel, {}), period and channel not 0",
-        lines.len()
-    );
-    let fits = n_lines == lines.len() && n_periods * n_channels > 0;
-    require_shape("spectra", spectra.shape(), fits, needed)?;
-    let bad = (spectra.indexed_iter()).filter(|(_, value)| !value.is_finite());
-    all_finite(
-        "spectra",
-        bad.map(|((_, channel, line), _)| (channel, line)),
-    )?;
+    check_spectra(spectra, lines.len())?;
     positive("n_samples", n_samples as f64)?;
+    let n_periods = spectra.len_of(Axis(0));
     if n_periods < FEWEST {
         return Ok(None);
     }
@@ -81,6 +72,18 @@ pub fn find_clock_ratio(
         period_samples,
         standard_error_samples,
     }))
+}
+
+/// Refuses spectra of another number of lines, empty ones, and values that are not finite.
+fn check_spectra(spectra: ArrayView3<Complex64>, n_lines: usize) -> Result<(), SignalError> {
+    let fits = spectra.len_of(Axis(2)) == n_lines && !spectra.is_empty();
+    let needed = format_args!("(period, channel, {n_lines}), none of them 0");
+    require_shape("spectra", spectra.shape(), fits, needed)?;
+    let bad = (spectra.indexed_iter()).filter(|(_, value)| !value.is_finite());
+    all_finite(
+        "spectra",
+        bad.map(|((_, channel, line), _)| (channel, line)),
+    )
 }
 
 /// Standard errors that are exceeded as rarely by chance when they come from few values: Student's
@@ -188,9 +191,10 @@ impl Turns {
 impl Line {
     /// Values with the turn of a drift taken off.
     fn turned_back(&self, drift: f64) -> Vec<Complex64> {
-        let turned =
-            |(q, value): (usize, &Complex64)| value * Complex64::cis(-self.rate * drift * q as f64);
-        self.values.iter().enumerate().map(turned).collect()
+        let back = |q: usize| Complex64::cis(-self.rate * drift * q as f64);
+        zip(0.., &self.values)
+            .map(|(q, value)| value * back(q))
+            .collect()
     }
 }
 

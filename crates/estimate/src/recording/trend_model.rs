@@ -4,7 +4,7 @@ use std::iter::zip;
 
 use ndarray::ArrayView1;
 
-use crate::recording::phase_means::PhaseMeans;
+use crate::recording::phase_means::{PhaseMeans, numbers};
 
 /// Time constants that are tried: from this share of a period on, faster ones being over before they
 /// matter, ..
@@ -49,13 +49,17 @@ impl Model {
     pub(super) fn squares(&self) -> f64 {
         dot(&self.residual, &self.residual)
     }
+
+    /// Variance of so many degrees of freedom that are left, less those of the model.
+    pub(super) fn variance(&self, n_free: usize) -> f64 {
+        self.squares() / (n_free - self.n_parameters) as f64
+    }
 }
 
 impl<'a> Trendless<'a> {
     pub(super) fn of(signal: ArrayView1<f64>, phases: &'a PhaseMeans) -> Self {
-        let values = signal.iter().copied().filter(|value| value.is_finite());
         Self {
-            values: phases.without(values.collect()),
+            values: phases.without(numbers(signal)),
             ramp: phases.without(phases.times.clone()),
             phases,
         }
@@ -126,20 +130,8 @@ impl<'a> Trendless<'a> {
     /// Trends at `times` by which a model may be off: each by one standard deviation of the noise
     /// that a sample has, none correlated with another.
     pub(super) fn uncertainty(&self, model: &Model, times: &[f64]) -> Vec<Vec<f64>> {
-        let mut kinds: Vec<Box<dyn Fn(f64) -> f64>> = Vec::new();
-        if model.slope != 0.0 {
-            kinds.push(Box::new(|time| time));
-        }
-        if let Some(Decay {
-            time_constant_samples: tau,
-            ..
-        }) = model.decay
-        {
-            kinds.push(Box::new(move |time| (-time / tau).exp()));
-            kinds.push(Box::new(move |time| time / tau * (-time / tau).exp()));
-        }
         let mut found: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
-        for kind in kinds {
+        for kind in directions(model) {
             let of = |times: &[f64]| times.iter().map(|&time| kind(time)).collect();
             let (mut seen, mut whole) = (self.phases.without(of(&self.phases.times)), of(times));
             for (other, trend) in &found {
@@ -163,6 +155,20 @@ impl<'a> Trendless<'a> {
     }
 }
 
+/// Derivatives of a model by its parameters, over time.
+fn directions(model: &Model) -> Vec<Box<dyn Fn(f64) -> f64>> {
+    let mut found: Vec<Box<dyn Fn(f64) -> f64>> = Vec::new();
+    if model.slope != 0.0 {
+        found.push(Box::new(|time| time));
+    }
+    if let Some(decay) = model.decay {
+        let tau = decay.time_constant_samples;
+        found.push(Box::new(move |time| (-time / tau).exp()));
+        found.push(Box::new(move |time| time / tau * (-time / tau).exp()));
+    }
+    found
+}
+
 /// `exp(-t/tau)` at whole times; step by step, which is faster than an exponential each.
 fn exponential(times: &[f64], time_constant: f64) -> Vec<f64> {
     let step = (-1.0 / time_constant).exp();
@@ -182,8 +188,7 @@ fn exponential(times: &[f64], time_constant: f64) -> Vec<f64> {
     values
 }
 
-/// Where a function is highest: the best of a grid, then golden sections around it (Kiefer, Proc.
-/// AMS 4 (1953) 502).
+/// Where a function is highest: the best of a grid, then golden sections around it.
 fn highest(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let n_steps = ((high - low) / STEP.ln()).ceil().max(1.0);
     let step = (high - low) / n_steps;
@@ -191,22 +196,24 @@ fn highest(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let rated = grid.map(|at| (at, function(at)));
     let best = rated.max_by(|a, b| a.1.total_cmp(&b.1));
     let at = best.map_or(low, |(at, _)| at);
-    let (mut low, mut high) = ((at - step).max(low), (at + step).min(high));
+    golden_section(function, (at - step).max(low), (at + step).min(high))
+}
+
+/// Where a function with one peak is highest (Kiefer, Proc. AMS 4 (1953) 502).
+fn golden_section(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
-    let cuts = |low: f64, high: f64| (high - golden * (high - low), low + golden * (high - low));
-    let (mut left, mut right) = cuts(low, high);
-    let (mut at_left, mut at_right) = (function(left), function(right));
+    let rated = |at: f64| (at, function(at));
+    let (mut left, mut right) = (
+        rated(high - golden * (high - low)),
+        rated(low + golden * (high - low)),
+    );
     for _ in 0..SECTIONS {
-        if at_left > at_right {
-            high = right;
-            (right, at_right) = (left, at_left);
-            left = cuts(low, high).0;
-            at_left = function(left);
+        if left.1 > right.1 {
+            (high, right) = (right.0, left);
+            left = rated(high - golden * (high - low));
         } else {
-            low = left;
-            (left, at_left) = (right, at_right);
-            right = cuts(low, high).1;
-            at_right = function(right);
+            (low, left) = (left.0, right);
+            right = rated(low + golden * (high - low));
         }
     }
     0.5 * (low + high)
