@@ -7,17 +7,21 @@
 use std::f64::consts::TAU;
 use std::iter::zip;
 
+use frfid_signals::SignalError;
 use frfid_signals::checks::{all_finite, positive, require_shape};
 use ndarray::{ArrayView3, Axis};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
 
-/// A difference must be so many standard errors to be told ..
-const STANDARD_ERRORS: f64 = 3.0;
+/// A difference must be so many standard errors of a known noise to be told: 0.1 % by chance ..
+const STANDARD_ERRORS: f64 = 3.3;
 /// .. and at least this, below which a hundred periods turn line 1000 by a twentieth of a turn and
 /// move no amplitude by 0.1 %.
 const SMALLEST: f64 = 0.2e-6;
+/// A line must be so many times as strong as the noise of a period (10 dB) for its phase to mean
+/// anything.
+const STRONG: f64 = 10.0;
 /// Fewest periods: two show a turn and not its error.
 const FEWEST: usize = 3;
 /// Gauss-Newton steps; from the turn over half the record the first one is right to a percent.
@@ -35,8 +39,8 @@ pub struct ClockRatio {
 /// The true period from spectra `(period, channel, line)` of windows of `n_samples` back to back,
 /// where it is not whole; of the input or better the reference, on its excited `lines`.
 ///
-/// `None` where the period does not differ from whole by three standard errors or by 0.2 ppm, and
-/// with less than three periods, which show no error.
+/// `None` where the period does not differ from whole by 3.3 standard errors or by 0.2 ppm, where no
+/// line stands 10 dB above the noise, and with less than three periods, which show no error.
 ///
 /// # Errors
 /// [`frfid_signals::SignalError::Shape`] for spectra that do not fit the lines,
@@ -46,25 +50,21 @@ pub fn find_clock_ratio(
     lines: &[usize],
     n_samples: usize,
 ) -> Result<Option<ClockRatio>, EstimateError> {
-    let (n_periods, n_channels, n_lines) = spectra.dim();
-    let needed = format_args!(
-        "(period, channel, {}), period and channel not 0",
-        lines.len()
-    );
-    let fits = n_lines == lines.len() && n_periods * n_channels > 0;
-    require_shape("spectra", spectra.shape(), fits, needed)?;
-    let bad = (spectra.indexed_iter()).filter(|(_, value)| !value.is_finite());
-    all_finite(
-        "spectra",
-        bad.map(|((_, channel, line), _)| (channel, line)),
-    )?;
+    check_spectra(spectra, lines.len())?;
     positive("n_samples", n_samples as f64)?;
+    let n_periods = spectra.len_of(Axis(0));
     if n_periods < FEWEST {
         return Ok(None);
     }
-    let turns = Turns::of(spectra, lines);
-    let (drift, error) = turns.drift();
-    let enough = (STANDARD_ERRORS * error).max(SMALLEST);
+    let Estimate {
+        drift,
+        error,
+        n_lines,
+    } = Turns::of(spectra, lines).estimate();
+    // neighbouring lines leak in, and their turns differ: second order in the drift
+    let error = error.hypot(drift * drift);
+    let n_free = n_lines * (n_periods - 2) as f64;
+    let enough = (standard_errors(n_free) * error).max(SMALLEST);
     // N/P = 1 + drift
     let period_samples = n_samples as f64 / (1.0 + drift);
     let standard_error_samples = n_samples as f64 * error;
@@ -72,6 +72,34 @@ pub fn find_clock_ratio(
         period_samples,
         standard_error_samples,
     }))
+}
+
+/// Refuses spectra of another number of lines, empty ones, and values that are not finite.
+fn check_spectra(spectra: ArrayView3<Complex64>, n_lines: usize) -> Result<(), SignalError> {
+    let fits = spectra.len_of(Axis(2)) == n_lines && !spectra.is_empty();
+    let needed = format_args!("(period, channel, {n_lines}), none of them 0");
+    require_shape("spectra", spectra.shape(), fits, needed)?;
+    let bad = (spectra.indexed_iter()).filter(|(_, value)| !value.is_finite());
+    all_finite(
+        "spectra",
+        bad.map(|((_, channel, line), _)| (channel, line)),
+    )
+}
+
+/// Standard errors that are exceeded as rarely by chance when they come from few values: Student's
+/// quantile (Wallace, Ann. Math. Stat. 30 (1959) 1124).
+fn standard_errors(n_free: f64) -> f64 {
+    let normal = STANDARD_ERRORS * (8.0 * n_free + 3.0) / (8.0 * n_free + 1.0);
+    (n_free * (normal * normal / n_free).exp_m1()).sqrt()
+}
+
+/// Drift `N/P - 1` by the turns of lines.
+struct Estimate {
+    drift: f64,
+    /// Standard error, by the spread of each line about its own turn; infinite where no line is strong.
+    error: f64,
+    /// As many lines of equal weight would be worth as much (Kish).
+    n_lines: f64,
 }
 
 /// Lines of all channels whose turns are looked at.
@@ -104,8 +132,8 @@ impl Turns {
         }
     }
 
-    /// `N/P - 1` and its standard error.
-    fn drift(&self) -> (f64, f64) {
+    /// `N/P - 1`.
+    fn estimate(&self) -> Estimate {
         let n_periods = self.lines.first().map_or(0, |line| line.values.len());
         let mut drift = 0.0;
         let mut lag = 1;
@@ -114,13 +142,8 @@ impl Turns {
             drift += self.turn_over(lag, drift);
             lag *= 2;
         }
-        let mut error = f64::INFINITY;
-        for _ in 0..STEPS {
-            let (step, found) = self.step(drift);
-            drift += step;
-            error = found;
-        }
-        (drift, error)
+        let first = self.refined(drift);
+        (1..STEPS).fold(first, |last, _| self.refined(last.drift))
     }
 
     /// Drift that is left over, from the turns over so many periods.
@@ -137,31 +160,50 @@ impl Turns {
         product / power
     }
 
-    /// Step of Gauss and Newton, and the standard error by the spread of the line's own residuals.
-    fn step(&self, drift: f64) -> (f64, f64) {
-        let (mut product, mut power, mut noise) = (0.0, f64::MIN_POSITIVE, 0.0);
-        for line in &self.lines {
-            let values = line.turned_back(drift);
-            let fit = PhaseFit::of(&values);
-            product += line.rate * fit.slope;
-            power += line.rate * line.rate * fit.weight;
-            noise += line.rate * line.rate * fit.variance;
+    /// A step of Gauss and Newton from a drift.
+    fn refined(&self, drift: f64) -> Estimate {
+        let fits: Vec<(f64, PhaseFit)> = (self.lines.iter())
+            .map(|line| (line.rate, PhaseFit::of(&line.turned_back(drift))))
+            .collect();
+        let noise = fits.iter().map(|(_, fit)| fit.noise).sum::<f64>() / fits.len() as f64;
+        let (mut product, mut power, mut variance) = (0.0, f64::MIN_POSITIVE, 0.0);
+        let mut squares = f64::MIN_POSITIVE;
+        for (rate, fit) in fits.iter().filter(|(_, fit)| fit.power > STRONG * noise) {
+            let weight = rate * rate * fit.weight;
+            product += rate * fit.slope;
+            power += weight;
+            squares += weight * weight;
+            variance += rate * rate * fit.variance;
         }
-        (product / power, noise.sqrt() / power)
+        let is_known = power > f64::MIN_POSITIVE;
+        Estimate {
+            drift: drift + product / power,
+            error: if is_known {
+                variance.sqrt() / power
+            } else {
+                f64::INFINITY
+            },
+            n_lines: (power * power / squares).max(1.0),
+        }
     }
 }
 
 impl Line {
     /// Values with the turn of a drift taken off.
     fn turned_back(&self, drift: f64) -> Vec<Complex64> {
-        let turned =
-            |(q, value): (usize, &Complex64)| value * Complex64::cis(-self.rate * drift * q as f64);
-        self.values.iter().enumerate().map(turned).collect()
+        let back = |q: usize| Complex64::cis(-self.rate * drift * q as f64);
+        zip(0.., &self.values)
+            .map(|(q, value)| value * back(q))
+            .collect()
     }
 }
 
 /// Straight line through the phases of a line over the periods.
 struct PhaseFit {
+    /// Power of the mean over the periods.
+    power: f64,
+    /// Noise power of a period.
+    noise: f64,
     /// Slope times weight.
     slope: f64,
     /// Power of the line times the sum of squares of the period's number about its mean.
@@ -182,7 +224,13 @@ impl PhaseFit {
         let left = |(q, across): &(f64, f64)| (across - slope / spread * q).powi(2);
         // two degrees of freedom go to mean and slope
         let left = across.iter().map(left).sum::<f64>() / (n_periods - 2.0);
+        let noise = values
+            .iter()
+            .map(|value| (value - mean).norm_sqr())
+            .sum::<f64>();
         Self {
+            power: mean.norm_sqr(),
+            noise: noise / (n_periods - 1.0),
             slope,
             weight: spread * mean.norm_sqr(),
             variance: spread * left,

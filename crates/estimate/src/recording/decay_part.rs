@@ -22,9 +22,10 @@ pub(super) struct Part {
     pub(super) place: usize,
     pub(super) bias_over_noise: f64,
     pub(super) bias_over_line: f64,
+    /// -ln of the chance that noise does it.
+    pub(super) evidence: f64,
     mode: Mode,
-    /// Standard deviation of the mean for each number of further periods dropped, over the bias
-    /// then.
+    /// Bias over the standard deviation of the mean for each number of further periods dropped.
     later: Vec<f64>,
 }
 
@@ -46,6 +47,7 @@ impl Part {
             place: line.place,
             bias_over_noise: later[0],
             bias_over_line: size * mode.bias(&shape.values) / deviations.level(line.place),
+            evidence: line.evidence,
             mode,
             later,
         }
@@ -89,7 +91,8 @@ fn refined(line: &Unsteady, deviations: &Deviations) -> Mode {
         let explained = deviations.along(&mode.over(deviations.numbers), line.place);
         deviations.left(line.place, explained.norm_sqr())
     };
-    let coarse = (4..60).map(|i| 10.0_f64.powf(-0.25 * f64::from(i)));
+    // sums of squares hold ratios of amplitudes to 1e-8
+    let coarse = (4..=32).map(|i| 10.0_f64.powf(-0.25 * f64::from(i)));
     let fine = (0..100).map(|i| 0.01 * f64::from(i));
     let best = (coarse.chain(fine))
         .map(|modulus| line.mode.with_modulus(modulus))

@@ -121,17 +121,19 @@ pub(super) fn shapes(numbers: &[usize]) -> [Vec<Shape>; 2] {
         0..FEWEST_TURNING => 1,
         n_periods => OVERSAMPLING * n_periods,
     };
-    let turning = (1..n_turns).flat_map(|i| of_turn(TAU * i as f64 / n_turns as f64));
+    let turning = fractions_of_a_turn(n_turns).flat_map(of_turn);
     let over = |mode: Mode| mode.over(numbers);
     [steady.map(over).collect(), turning.map(over).collect()]
 }
 
+/// Angles between none and a full turn in rad, in so many steps.
+fn fractions_of_a_turn(n_steps: usize) -> impl Iterator<Item = f64> {
+    (1..n_steps).map(move |i| TAU * i as f64 / n_steps as f64)
+}
+
 /// Steady turns by any angle, of a disturbance beside the lines: not a transient.
 pub(super) fn steady_turns(numbers: &[usize]) -> Vec<Shape> {
-    let n_turns = 4 * numbers.len();
-    let turn = |i: usize| Mode::Decay {
-        factor: 1.0,
-        turn: TAU * i as f64 / n_turns as f64,
-    };
-    (1..n_turns).map(|i| turn(i).over(numbers)).collect()
+    let turns = fractions_of_a_turn(4 * numbers.len());
+    let steady = |turn| Mode::Decay { factor: 1.0, turn };
+    turns.map(|turn| steady(turn).over(numbers)).collect()
 }

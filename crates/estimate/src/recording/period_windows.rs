@@ -8,6 +8,7 @@ use ndarray::{Array2, Axis};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
+use crate::recording::trend_model::Model;
 use crate::spectra::Transform;
 use crate::spectra::line_dft::LineDft;
 
@@ -60,19 +61,14 @@ impl PeriodWindows {
 
     /// Noise variance of a sample as slow trends meet it: the largest of those from the spread over
     /// periods on the lowest lines, and of the periods' means where there are enough of them.
-    pub(super) fn slow_variance(
-        &self,
-        times: &[f64],
-        residual: &[f64],
-        n_parameters: usize,
-    ) -> Result<f64, EstimateError> {
-        let windows = self.cut(times, residual);
+    pub(super) fn slow_variance(&self, times: &[f64], model: &Model) -> Result<f64, EstimateError> {
+        let windows = self.cut(times, &model.residual);
         let length = self.excited.n_samples() as f64;
         let spectra = self.lowest.transform("run", windows.view())?;
         let power: f64 = spectra.iter().map(Complex64::norm_sqr).sum();
         let n_values = (self.n_periods - 1) * spectra.ncols();
         let of_lines = power / length / n_values as f64;
-        let n_free = self.n_periods.saturating_sub(1 + n_parameters);
+        let n_free = self.n_periods.saturating_sub(1 + model.n_parameters);
         if n_free == 0 {
             return Ok(of_lines);
         }

@@ -6,6 +6,11 @@
 
 use ndarray::ArrayView1;
 
+/// Samples that are numbers, in time order.
+pub(super) fn numbers(signal: ArrayView1<f64>) -> Vec<f64> {
+    signal.iter().copied().filter(|x| x.is_finite()).collect()
+}
+
 /// The samples of a run that are numbers, by their phase.
 pub(super) struct PhaseMeans {
     /// Time of every such sample, in samples.

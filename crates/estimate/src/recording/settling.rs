@@ -6,6 +6,7 @@
 //!
 //! [`count_transient_periods`]: crate::count_transient_periods
 
+use frfid_signals::SignalError;
 use frfid_signals::checks::{all_finite, require_shape};
 use ndarray::{Array2, ArrayView1, Axis, s, stack};
 use num_complex::Complex64;
@@ -24,10 +25,10 @@ pub struct Settling {
     pub n_transient: usize,
     /// Lines that are not settled in the rest; empty if all are.
     pub unsettled: Vec<UnsettledLine>,
-    /// Periods in which the slowest part that was found falls to 1/e; `None` where none decays.
+    /// Periods in which the part that stands out most falls to 1/e; `None` where none decays.
     pub decay_periods: Option<f64>,
-    /// Factor from period to period by which the recording grows, as in an unstable loop; infinite
-    /// beyond what numbers hold.
+    /// Factor from period to period by which the recording grows, as in an unstable loop; 1e8 stands
+    /// for more.
     pub growth_per_period: Option<f64>,
 }
 
@@ -78,6 +79,23 @@ struct Series<'a> {
     channels: Vec<Array2<Complex64>>,
 }
 
+/// Refuses spectra of another shape, and values that are not finite.
+fn check_spectra(spectra: &Array2<Complex64>, needed: (usize, usize)) -> Result<(), SignalError> {
+    let fits = spectra.dim() == needed;
+    let needed = format_args!("{needed:?} (channel, line)");
+    require_shape("periods", spectra.shape(), fits, needed)?;
+    let bad = (spectra.indexed_iter()).filter(|(_, value)| !value.is_finite());
+    all_finite("periods", bad.map(|(place, _)| place))
+}
+
+/// Spectra of a channel, `(period, line)`, in units of the largest value.
+fn scaled(periods: &[ArrayView1<Complex64>]) -> Array2<Complex64> {
+    let spectra = stack(Axis(0), periods).unwrap_or_default();
+    let parts = spectra.iter().map(|x| x.re.abs().max(x.im.abs()));
+    let largest = parts.fold(f64::MIN_POSITIVE, f64::max);
+    spectra.mapv(|x| Complex64::new(x.re / largest, x.im / largest))
+}
+
 /// What was found after some periods were dropped.
 struct Judgement {
     /// Periods dropped, of those that are there.
@@ -95,22 +113,11 @@ impl<'a> Series<'a> {
             .collect();
         let n_channels = present.first().map_or(0, |(_, spectra)| spectra.nrows());
         for (_, spectra) in &present {
-            let fits = spectra.dim() == (n_channels, lines.len());
-            let needed = format_args!("({n_channels}, {}) (channel, line)", lines.len());
-            require_shape("periods", spectra.shape(), fits, needed)?;
-            let bad = spectra
-                .indexed_iter()
-                .filter(|(_, value)| !value.is_finite());
-            all_finite("periods", bad.map(|(place, _)| place))?;
+            check_spectra(spectra, (n_channels, lines.len()))?;
         }
         let channel = |channel: usize| {
-            let rows: Vec<ArrayView1<Complex64>> = (present.iter())
-                .map(|(_, spectra)| spectra.row(channel))
-                .collect();
-            let rows = stack(Axis(0), &rows).unwrap_or_default();
-            let parts = rows.iter().map(|value| value.re.abs().max(value.im.abs()));
-            let largest = parts.fold(f64::MIN_POSITIVE, f64::max);
-            rows.mapv(|value| Complex64::new(value.re / largest, value.im / largest))
+            let rows = present.iter().map(|(_, spectra)| spectra.row(channel));
+            scaled(&rows.collect::<Vec<_>>())
         };
         Ok(Self {
             lines,
@@ -194,28 +201,35 @@ impl<'a> Series<'a> {
 
     fn settling(&self, judgement: Judgement) -> Settling {
         let Judgement { dropped, found } = judgement;
-        let slowest = found
-            .iter()
-            .filter_map(Part::decay_periods)
-            .reduce(f64::max);
-        let strongest = found.iter().filter_map(Part::growth).reduce(f64::max);
-        let unsettled = |part: &Part| UnsettledLine {
-            channel: part.channel,
-            line: self.lines[part.place],
-            bias_over_noise: part.bias_over_noise,
-            bias_over_line: part.bias_over_line,
-        };
         Settling {
             n_transient: if dropped == 0 {
                 0
             } else {
                 self.numbers[dropped]
             },
-            unsettled: found.iter().map(unsettled).collect(),
-            decay_periods: slowest,
-            growth_per_period: strongest,
+            decay_periods: of_clearest(&found, Part::decay_periods),
+            growth_per_period: of_clearest(&found, Part::growth),
+            unsettled: found.iter().map(|part| self.unsettled(part)).collect(),
         }
     }
+
+    fn unsettled(&self, part: &Part) -> UnsettledLine {
+        UnsettledLine {
+            channel: part.channel,
+            line: self.lines[part.place],
+            bias_over_noise: part.bias_over_noise,
+            bias_over_line: part.bias_over_line,
+        }
+    }
+}
+
+/// A value of the part that stands out most among those that have it.
+fn of_clearest(found: &[Part], value: fn(&Part) -> Option<f64>) -> Option<f64> {
+    let having = found
+        .iter()
+        .filter_map(|part| Some((part.evidence, value(part)?)));
+    let clearest = having.max_by(|a, b| a.0.total_cmp(&b.0));
+    clearest.map(|(_, value)| value)
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use num_complex::Complex64;
 
 use crate::error::EstimateError;
 use crate::recording::period_windows::PeriodWindows;
-use crate::recording::phase_means::PhaseMeans;
+use crate::recording::phase_means::{PhaseMeans, numbers};
 use crate::recording::trend_model::{Decay, Model, Trendless};
 
 /// A slope must explain this many times the noise variance: four standard deviations, 6e-5 by
@@ -127,11 +127,8 @@ impl Search<'_> {
 
     /// Noise variance of a sample as a slow trend meets it.
     fn variance(&self, model: &Model) -> Result<f64, EstimateError> {
-        let white = model.squares() / (self.phases.n_free - model.n_parameters) as f64;
-        let slow =
-            self.windows
-                .slow_variance(&self.phases.times, &model.residual, model.n_parameters)?;
-        Ok(white.max(slow))
+        let slow = self.windows.slow_variance(&self.phases.times, model)?;
+        Ok(slow.max(model.variance(self.phases.n_free)))
     }
 
     /// The trend, if it matters.
@@ -151,22 +148,17 @@ impl Search<'_> {
         let values: Vec<f64> = times.iter().map(|&time| trend.at(time, 0.0)).collect();
         let effect = self.mean_spectrum(&times, &values)?;
         let noise = self.variance_of_mean(model)?;
-        let signal: Vec<f64> = run.iter().copied().filter(|x| x.is_finite()).collect();
-        let signal = self.mean_spectrum(&self.phases.times, &signal)?;
-        let rated = zip(&effect, zip(&noise, &signal)).map(|(effect, (noise, signal))| {
-            let is_rounding = effect.norm() < ROUNDING * signal.norm();
-            if is_rounding {
-                0.0
-            } else {
-                effect.norm() / noise.sqrt()
-            }
-        });
-        trend.effect_over_noise = rated.fold(0.0, f64::max);
+        trend.effect_over_noise = largest_ratio(&effect, &noise, &self.signal(run)?);
         if trend.effect_over_noise < MATERIAL {
             return Ok(None);
         }
         trend.variance_share = self.variance_share(model, variance, &times, &noise)?;
         Ok(Some(trend))
+    }
+
+    /// Mean spectrum of the run as it is.
+    fn signal(&self, run: ArrayView1<f64>) -> Result<Array1<Complex64>, EstimateError> {
+        self.mean_spectrum(&self.phases.times, &numbers(run))
     }
 
     /// What the uncertainty of a model adds to the variance of a line's mean, as a share of that.
@@ -204,6 +196,20 @@ impl Search<'_> {
         let n = self.windows.n_periods as f64;
         Ok(spectra.mapv(|value| value.norm_sqr()).sum_axis(Axis(0)) / (n * (n - 1.0)))
     }
+}
+
+/// Effect over the standard deviation of the noise on the line where that is most, where it is more
+/// than rounding of the signal.
+fn largest_ratio(
+    effect: &Array1<Complex64>,
+    noise: &Array1<f64>,
+    signal: &Array1<Complex64>,
+) -> f64 {
+    let lines = zip(effect, zip(noise, signal));
+    let lines = lines.filter(|(effect, (_, signal))| effect.norm() > ROUNDING * signal.norm());
+    lines
+        .map(|(effect, (noise, _))| effect.norm() / noise.sqrt())
+        .fold(0.0, f64::max)
 }
 
 #[cfg(test)]

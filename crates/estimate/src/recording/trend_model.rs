@@ -4,7 +4,7 @@ use std::iter::zip;
 
 use ndarray::ArrayView1;
 
-use crate::recording::phase_means::PhaseMeans;
+use crate::recording::phase_means::{PhaseMeans, numbers};
 
 /// Time constants that are tried: from this share of a period on, faster ones being over before they
 /// matter, ..
@@ -12,9 +12,11 @@ const SHORTEST_PERIODS: f64 = 0.2;
 /// .. to this multiple of the run, over which an exponential is a slope but for a tenth.
 const LONGEST_RUNS: f64 = 5.0;
 /// Ratio between time constants that are tried; the sum of squares has no narrower valleys.
-const STEP: f64 = 1.5;
+const STEP: f64 = 2.0;
 /// Golden sections of the best interval: the time constant to 1e-4.
 const SECTIONS: usize = 20;
+/// Products before an exponential is computed anew: they cost a unit of rounding each.
+const RESTART: usize = 256;
 
 /// An exponential decay.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,13 +49,17 @@ impl Model {
     pub(super) fn squares(&self) -> f64 {
         dot(&self.residual, &self.residual)
     }
+
+    /// Variance of so many degrees of freedom that are left, less those of the model.
+    pub(super) fn variance(&self, n_free: usize) -> f64 {
+        self.squares() / (n_free - self.n_parameters) as f64
+    }
 }
 
 impl<'a> Trendless<'a> {
     pub(super) fn of(signal: ArrayView1<f64>, phases: &'a PhaseMeans) -> Self {
-        let values = signal.iter().copied().filter(|value| value.is_finite());
         Self {
-            values: phases.without(values.collect()),
+            values: phases.without(numbers(signal)),
             ramp: phases.without(phases.times.clone()),
             phases,
         }
@@ -124,20 +130,8 @@ impl<'a> Trendless<'a> {
     /// Trends at `times` by which a model may be off: each by one standard deviation of the noise
     /// that a sample has, none correlated with another.
     pub(super) fn uncertainty(&self, model: &Model, times: &[f64]) -> Vec<Vec<f64>> {
-        let mut kinds: Vec<Box<dyn Fn(f64) -> f64>> = Vec::new();
-        if model.slope != 0.0 {
-            kinds.push(Box::new(|time| time));
-        }
-        if let Some(Decay {
-            time_constant_samples: tau,
-            ..
-        }) = model.decay
-        {
-            kinds.push(Box::new(move |time| (-time / tau).exp()));
-            kinds.push(Box::new(move |time| time / tau * (-time / tau).exp()));
-        }
         let mut found: Vec<(Vec<f64>, Vec<f64>)> = Vec::new();
-        for kind in kinds {
+        for kind in directions(model) {
             let of = |times: &[f64]| times.iter().map(|&time| kind(time)).collect();
             let (mut seen, mut whole) = (self.phases.without(of(&self.phases.times)), of(times));
             for (other, trend) in &found {
@@ -156,14 +150,45 @@ impl<'a> Trendless<'a> {
 
     /// `exp(-t/tau)` without its periodic part.
     fn decaying(&self, time_constant: f64) -> Vec<f64> {
-        let value = |time: &f64| (-time / time_constant).exp();
         self.phases
-            .without(self.phases.times.iter().map(value).collect())
+            .without(exponential(&self.phases.times, time_constant))
     }
 }
 
-/// Where a function is highest: the best of a grid, then golden sections around it (Kiefer, Proc.
-/// AMS 4 (1953) 502).
+/// Derivatives of a model by its parameters, over time.
+fn directions(model: &Model) -> Vec<Box<dyn Fn(f64) -> f64>> {
+    let mut found: Vec<Box<dyn Fn(f64) -> f64>> = Vec::new();
+    if model.slope != 0.0 {
+        found.push(Box::new(|time| time));
+    }
+    if let Some(decay) = model.decay {
+        let tau = decay.time_constant_samples;
+        found.push(Box::new(move |time| (-time / tau).exp()));
+        found.push(Box::new(move |time| time / tau * (-time / tau).exp()));
+    }
+    found
+}
+
+/// `exp(-t/tau)` at whole times; step by step, which is faster than an exponential each.
+fn exponential(times: &[f64], time_constant: f64) -> Vec<f64> {
+    let step = (-1.0 / time_constant).exp();
+    let mut values = Vec::with_capacity(times.len());
+    for block in times.chunks(RESTART) {
+        let (mut before, mut value) = (block[0], (-block[0] / time_constant).exp());
+        for &time in block {
+            value *= match time - before {
+                0.0 => 1.0,
+                1.0 => step,
+                gap => (-gap / time_constant).exp(),
+            };
+            values.push(value);
+            before = time;
+        }
+    }
+    values
+}
+
+/// Where a function is highest: the best of a grid, then golden sections around it.
 fn highest(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let n_steps = ((high - low) / STEP.ln()).ceil().max(1.0);
     let step = (high - low) / n_steps;
@@ -171,14 +196,24 @@ fn highest(function: impl Fn(f64) -> f64, low: f64, high: f64) -> f64 {
     let rated = grid.map(|at| (at, function(at)));
     let best = rated.max_by(|a, b| a.1.total_cmp(&b.1));
     let at = best.map_or(low, |(at, _)| at);
-    let (mut low, mut high) = ((at - step).max(low), (at + step).min(high));
+    golden_section(function, (at - step).max(low), (at + step).min(high))
+}
+
+/// Where a function with one peak is highest (Kiefer, Proc. AMS 4 (1953) 502).
+fn golden_section(function: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let rated = |at: f64| (at, function(at));
+    let (mut left, mut right) = (
+        rated(high - golden * (high - low)),
+        rated(low + golden * (high - low)),
+    );
     for _ in 0..SECTIONS {
-        let cut = golden * (high - low);
-        if function(high - cut) > function(low + cut) {
-            high = low + cut;
+        if left.1 > right.1 {
+            (high, right) = (right.0, left);
+            left = rated(high - golden * (high - low));
         } else {
-            low = high - cut;
+            (low, left) = (left.0, right);
+            right = rated(low + golden * (high - low));
         }
     }
     0.5 * (low + high)

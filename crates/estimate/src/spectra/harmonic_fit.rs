@@ -21,6 +21,9 @@ use crate::spectra::harmonic_gram::Gram;
 use crate::spectra::harmonic_sums::harmonic_sums;
 use crate::spectra::line_dft::check_rising;
 
+/// Longest period: as long as the longest signal that a design may ask for.
+const LONGEST: f64 = (1_u64 << 26) as f64;
+
 /// Harmonic least squares in one window, of one or several periods; from any thread.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HarmonicFit {
@@ -39,19 +42,9 @@ impl HarmonicFit {
     /// [`EstimateError::NotRising`], [`EstimateError::EmptyList`],
     /// [`SignalError::Parameter`] for a length that is not above zero.
     pub fn new(cycles: &[f64], lines: &[usize], n_samples: f64) -> Result<Self, EstimateError> {
-        positive("n_samples", n_samples)?;
-        let highest = ((n_samples / 2.0).ceil() as usize).saturating_sub(1);
-        if let Some(&line) = lines.iter().find(|&&line| line == 0 || line > highest) {
-            return Err(SignalError::LineOffGrid {
-                line,
-                highest,
-                n_samples: n_samples.round() as usize,
-            }
-            .into());
-        }
-        check_rising("lines", lines.iter().map(|&line| line as f64))?;
+        check_lines(lines, n_samples)?;
         check_rising("cycles", cycles.iter().copied())?;
-        for end in [cycles.first(), cycles.last()].into_iter().flatten() {
+        for end in cycles.first().into_iter().chain(cycles.last()) {
             finite("cycles", *end)?;
         }
         Ok(Self {
@@ -134,6 +127,27 @@ impl HarmonicFit {
         let right = (0..values.len()).map(of_channel).collect();
         (Gram::new(harmonics, &gram), right)
     }
+}
+
+/// Refuses lines that are no rising DFT bins below Nyquist of a period of so many samples.
+fn check_lines(lines: &[usize], n_samples: f64) -> Result<(), EstimateError> {
+    positive("n_samples", n_samples)?;
+    if n_samples > LONGEST {
+        let needed = "at most 2^26, the samples of a period";
+        return Err(EstimateError::parameter("n_samples", n_samples, needed));
+    }
+    let highest = ((n_samples / 2.0).ceil() as usize).saturating_sub(1);
+    let off_grid = lines.iter().find(|&&line| line == 0 || line > highest);
+    if let Some(&line) = off_grid {
+        let n_samples = n_samples.round() as usize;
+        let error = SignalError::LineOffGrid {
+            line,
+            highest,
+            n_samples,
+        };
+        return Err(error.into());
+    }
+    check_rising("lines", lines.iter().map(|&line| line as f64))
 }
 
 /// Samples that are there.

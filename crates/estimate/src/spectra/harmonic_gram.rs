@@ -124,9 +124,10 @@ impl Gram {
         let has_converged = power <= enough;
         Solution {
             coefficients: found,
-            condition: has_converged
-                .then(|| condition(&steps))
-                .unwrap_or(f64::INFINITY),
+            condition: match has_converged {
+                true => condition(&steps),
+                false => f64::INFINITY,
+            },
         }
     }
 

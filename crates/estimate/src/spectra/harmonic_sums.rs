@@ -56,10 +56,10 @@ fn add_block(cycles: &[f64], values: &[&[f64]], start: usize, sums: &mut [Vec<Co
 
 /// `e^{-2 pi i h t}`, the whole turns taken off before they cost digits.
 fn turn(harmonic: usize, cycle: f64) -> Complex64 {
-    let (harmonic, fraction) = (harmonic as f64, cycle - cycle.floor());
+    let (harmonic, fraction) = (harmonic as f64, cycle.rem_euclid(1.0));
     let product = harmonic * fraction;
     let lost = harmonic.mul_add(fraction, -product);
-    Complex64::cis(-TAU * (product - product.floor() + lost))
+    Complex64::cis(-TAU * (product.fract() + lost))
 }
 
 /// Sum of products, four sums side by side.

@@ -200,6 +200,12 @@ fn bad_windows_are_refused() {
         (vec![0.0, f64::INFINITY], vec![1], 64.0, "cycles is inf"),
         (vec![], vec![1], 64.0, "cycles: none was given"),
         (vec![0.0, 0.1], vec![1], f64::NAN, "n_samples is NaN"),
+        (
+            vec![0.0, 0.1],
+            vec![1],
+            1e9,
+            "n_samples is 1000000000, needed: at most 2^26",
+        ),
     ] {
         let found = refusal(HarmonicFit::new(&cycles, &lines, n));
         assert!(found.starts_with(said), "{found}");
