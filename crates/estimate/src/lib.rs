@@ -17,6 +17,7 @@ mod glide {
     pub(crate) mod torque_table;
 }
 mod harmonics;
+mod look;
 mod period_index;
 /// Properties found in a recording that frfid did not make: its period, lines and transient.
 mod recording {
@@ -36,6 +37,7 @@ pub use compare::verdict::Verdict;
 pub use compare::{CompareOptions, Comparison, EntryComparison, compare};
 pub use error::{Deficiency, DeficientLine, EstimateError};
 pub use excitation_strength::pooling::pooled_strength;
+pub use excitation_strength::stuck::standing_share;
 pub use excitation_strength::warnings::strength_warnings;
 pub use excitation_strength::{AxisStrength, BandStrength, strength};
 pub use frf::excerpts::estimate_chirp;
@@ -46,6 +48,9 @@ pub use glide::by_position::RippleTorque;
 pub use glide::in_time::subtract_glide;
 pub use glide::ripple_residual::{FreeLines, ResidualLevel};
 pub use harmonics::harmonic_levels;
+pub use look::look;
+pub use look::oddity::{Consequence, Level, Oddity};
+pub use look::wrapped::unwrapped;
 pub use period_index::PeriodIndex;
 pub use recording::lines::{find_lines, lines_at};
 pub use recording::period::find_period;

@@ -16,7 +16,7 @@ use crate::exit::{Exit, Failure};
 use crate::options::{Options, existing_path};
 use crate::progress::watched;
 use crate::text::load::{excess_in_words, load_as_text};
-use crate::text::strength::strength_rows;
+use crate::text::strength::{share_as_text, strength_rows};
 
 /// Do the runs of a description or a plan in simulation, one MCAP each; runs that are there already
 /// are skipped
@@ -167,16 +167,16 @@ fn reached(summary: &RunSummary, load: &Load, limits: &Limits) -> String {
     load_as_text("reached", load, limits, &others)
 }
 
-/// Share of the time in which friction held the joint, the largest of all runs, one for each axis.
+/// Share of the time in which friction held the joint, the largest of all runs that know it, one for
+/// each axis.
 fn standing_still(summary: &RunSummary) -> Vec<String> {
     let runs = &summary.written;
     let n_axes = runs.first().map_or(0, |run| run.standing_share.len());
     let share = |axis: usize| {
-        let shares = runs.iter().filter_map(|run| run.standing_share.get(axis));
-        100.0 * shares.fold(0.0, |a: f64, b| a.max(*b))
+        let shares = runs.iter().filter_map(|run| *run.standing_share.get(axis)?);
+        shares.reduce(f64::max)
     };
-    let shares = (0..n_axes).map(|axis| format!("{:.1} %", share(axis)));
-    shares.collect()
+    (0..n_axes).map(|axis| share_as_text(share(axis))).collect()
 }
 
 /// An event in words.

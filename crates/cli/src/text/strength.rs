@@ -32,7 +32,12 @@ fn rms_over_friction(axis: &AxisStrength) -> Option<String> {
 }
 
 fn stuck(axis: &AxisStrength) -> Option<String> {
-    Some(format!("{:.1} %", 100.0 * axis.stuck_share))
+    Some(share_as_text(axis.stuck_share))
+}
+
+/// A share in %, or that it is not known.
+pub(crate) fn share_as_text(share: Option<f64>) -> String {
+    share.map_or("unknown".into(), |share| format!("{:.1} %", 100.0 * share))
 }
 
 /// `None` without a constant velocity.

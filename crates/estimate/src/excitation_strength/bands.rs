@@ -8,7 +8,8 @@ use frfid_signals::{Plan, Record};
 use ndarray::{Array2, ArrayView1, s};
 
 use crate::error::EstimateError;
-use crate::excitation_strength::{BandStrength, rms_about_mean, share};
+use crate::excitation_strength::stuck::Readings;
+use crate::excitation_strength::{BandStrength, rms_about_mean};
 use crate::spectra::Evaluation;
 
 /// A band in Hz and the samples in which the excitation passes it.
@@ -40,7 +41,7 @@ fn samples_in(plan: &Plan, end: usize, band_hz: [f64; 2]) -> Option<Range<usize>
 /// Bands of every axis from the time in which the excitation passes them.
 pub(super) fn swept_bands(
     record: &Record,
-    stuck: &Array2<bool>,
+    readings: &[Readings],
     passages: &[Passage],
 ) -> Vec<Vec<BandStrength>> {
     let band = |axis: usize, &([low_hz, high_hz], ref time): &Passage| BandStrength {
@@ -48,7 +49,7 @@ pub(super) fn swept_bands(
         high_hz,
         rms_nm: rms_about_mean(record.u.slice(s![axis, time.clone()])),
         rms_over_coulomb: None,
-        stuck_share: Some(share(stuck.slice(s![axis, time.clone()]))),
+        stuck_share: readings[axis].stuck_share(time.clone()),
     };
     let passed = || passages.iter().filter(|(_, time)| time.len() > 1);
     (0..record.u.nrows())

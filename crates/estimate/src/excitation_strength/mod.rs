@@ -4,20 +4,21 @@
 
 mod bands;
 pub(crate) mod pooling;
+pub(crate) mod stuck;
 #[cfg(test)]
 mod tests;
 pub(crate) mod warnings;
 
-use std::iter::zip;
 use std::ops::Range;
 
 use frfid_signals::power::{about_mean, rms};
 use frfid_signals::{Plan, Record, SignalError, checks::require_shape};
-use ndarray::{Array2, ArrayView1, s};
+use ndarray::{ArrayView1, s};
 use serde::Serialize;
 
 use crate::error::EstimateError;
 use crate::excitation_strength::bands::{line_bands, passages, swept_bands};
+use crate::excitation_strength::stuck::Readings;
 
 /// How one axis moved and was driven while the excitation lasted.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -26,8 +27,8 @@ pub struct AxisStrength {
     pub rms_nm: f64,
     /// The same over the Coulomb friction; `None` where that is not known or 0.
     pub rms_over_coulomb: Option<f64>,
-    /// Share of the samples in which the motor was stuck.
-    pub stuck_share: f64,
+    /// Share of the samples in which the motor was stuck; `None` where the readings cannot tell.
+    pub stuck_share: Option<f64>,
     /// Smallest |measured velocity| in rad/s.
     pub slowest_rad_s: f64,
     /// Whether the measured velocity ever is 0 or has the other sign than the constant velocity of
@@ -50,16 +51,16 @@ pub struct BandStrength {
     /// The same over the Coulomb friction; `None` where that is not known or 0.
     pub rms_over_coulomb: Option<f64>,
     /// Share of the samples in which the motor was stuck while a chirp passed the band; `None` for
-    /// a multisine, which is in all bands at once.
+    /// a multisine, which is in all bands at once, and where the readings cannot tell.
     pub stuck_share: Option<f64>,
 }
 
 /// [`AxisStrength`] of every axis in the record of a run of `plan`, by `bands_hz` (each low, high).
 ///
 /// A sample counts as stuck when the position reading is that of the sample before, or the velocity
-/// reading is 0. Limits of that: an encoder too coarse for the motion reads as stuck what moves by
-/// less than an increment per sample, noise on position and velocity hides what is stuck, and the
-/// turning points of a free motion take a sample now and then.
+/// reading is 0. Whether an axis sticks is not known where noise keeps the readings from repeating
+/// (unless the velocity is clearly away from 0 all the time), and where an encoder too coarse for the
+/// motion makes them repeat. The turning points of a free motion take a sample now and then.
 ///
 /// # Errors
 /// [`frfid_signals::SignalError`] for a record or plan that does not hold together, and for a record
@@ -73,9 +74,10 @@ pub fn strength(
     plan.check()?;
     let window = window(record, plan)?;
     check_axes(record, plan.n_inputs)?;
-    let stuck = stuck_samples(record, 0.0);
+    let readings = (0..plan.n_inputs).map(|axis| Readings::of(record, axis));
+    let readings: Vec<Readings> = readings.collect();
     let bands = match passages(plan, &window, bands_hz) {
-        Some(passages) => swept_bands(record, &stuck, &passages),
+        Some(passages) => swept_bands(record, &readings, &passages),
         None => line_bands(record, &window, plan, bands_hz)?,
     };
     let axis = |(axis, bands): (usize, Vec<BandStrength>)| {
@@ -84,7 +86,7 @@ pub fn strength(
         AxisStrength {
             rms_nm: rms_about_mean(record.u.slice(of_axis)),
             rms_over_coulomb: None,
-            stuck_share: share(stuck.slice(of_axis)),
+            stuck_share: readings[axis].stuck_share(window.clone()),
             slowest_rad_s: slowest(record.y.slice(of_axis)),
             crosses_zero: crosses_zero(record.y.slice(of_axis), gliding),
             bands,
@@ -124,26 +126,6 @@ fn window(record: &Record, plan: &Plan) -> Result<Range<usize>, EstimateError> {
     );
     require_shape("u", record.u.shape(), samples >= least, needed)?;
     Ok(start..start + samples)
-}
-
-/// Samples in which the position reading does not change, or the velocity reading is at most
-/// `still_rad_s`, `(axis, sample)`.
-pub(crate) fn stuck_samples(record: &Record, still_rad_s: f64) -> Array2<bool> {
-    let mut stuck = record.y.mapv(|y| y.abs() <= still_rad_s);
-    let Some(position_rad) = &record.position_rad else {
-        return stuck;
-    };
-    for (mut stuck, position) in zip(stuck.rows_mut(), position_rad.rows()) {
-        for k in 1..position.len() {
-            stuck[k] |= position[k] == position[k - 1];
-        }
-    }
-    stuck
-}
-
-/// Share of the samples that are stuck.
-fn share(stuck: ArrayView1<bool>) -> f64 {
-    stuck.iter().filter(|&&stuck| stuck).count() as f64 / stuck.len().max(1) as f64
 }
 
 fn rms_about_mean(signal: ArrayView1<f64>) -> f64 {

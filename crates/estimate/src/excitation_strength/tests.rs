@@ -69,7 +69,9 @@ fn record(plan: &Plan) -> Record {
         repetition: 0,
     };
     let u = plan.run(id).expect("in the plan").reference + 300.0;
-    let position = Array2::from_shape_fn(u.dim(), |(_, k)| 1e-3 * k as f64);
+    let position = Array2::from_shape_fn(u.dim(), |(_, k)| {
+        1e-3 * k as f64 + 1e-2 * (1e-2 * k as f64).sin()
+    });
     Record {
         sample_time_s: 1e-3,
         y: Array2::ones(u.dim()),
@@ -130,7 +132,10 @@ fn a_multisines_bands_add_up_to_its_power() {
     let total: f64 = axes[0].bands.iter().map(|band| band.rms_nm.powi(2)).sum();
     assert!((total.sqrt() / axes[0].rms_nm - 1.0).abs() < 1e-12);
     assert!(axes[0].bands.iter().all(|band| band.stuck_share.is_none()));
-    assert_eq!((axes[0].stuck_share, axes[0].crosses_zero), (0.0, None));
+    assert_eq!(
+        (axes[0].stuck_share, axes[0].crosses_zero),
+        (Some(0.0), None)
+    );
     let said = strength_warnings(&axes, &["a".into()], Some(&[200.0]));
     assert!(
         said.len() == 1 && said[0].contains("below its friction"),
@@ -185,4 +190,24 @@ fn records_too_short_or_of_other_axes_are_refused() {
         strength(&two, &plan, &[]),
         Err(EstimateError::Signal(SignalError::Shape { name: "y", .. }))
     ));
+}
+
+#[test]
+fn what_is_not_known_is_no_warning_and_is_left_out_of_the_mean() {
+    let plan = plan(multisine(), 1);
+    let mut known = strength(&record(&plan), &plan, &[]).expect("sound");
+    let mut unknown = known.clone();
+    (known[0].stuck_share, unknown[0].stuck_share) = (Some(0.6), None);
+    let names = ["a".into()];
+    assert!(strength_warnings(&unknown, &names, None).is_empty());
+    assert!(strength_warnings(&unknown, &names, Some(&[0.0])).is_empty());
+    let said = strength_warnings(&known, &names, Some(&[0.0]));
+    assert_eq!(said, ["a sticks: 60 % of the time, torque 31 N m rms"]);
+    let pooled = pooled_strength(&[unknown.clone(), known], Some(&[0.0])).expect("two runs");
+    assert_eq!(
+        (pooled[0].stuck_share, pooled[0].rms_over_coulomb),
+        (Some(0.6), None)
+    );
+    let pooled = pooled_strength(&[unknown.clone(), unknown], None).expect("two runs");
+    assert_eq!(pooled[0].stuck_share, None);
 }

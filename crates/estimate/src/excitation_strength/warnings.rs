@@ -12,7 +12,7 @@ const STUCK: f64 = 0.15;
 /// empty if all is well.
 ///
 /// `names` of the axes as the user knows them, and their Coulomb friction F_c in N m where it is
-/// known. With a chirp the torque is given as the amplitude of a sine, sqrt(2) rms.
+/// known and not 0. With a chirp the torque is given as the amplitude of a sine, sqrt(2) rms.
 #[must_use]
 pub fn strength_warnings(
     axes: &[AxisStrength],
@@ -21,6 +21,7 @@ pub fn strength_warnings(
 ) -> Vec<String> {
     let of_axis = |(index, (axis, name)): (usize, (&AxisStrength, &String))| {
         let coulomb_nm = coulomb_nm.and_then(|coulomb_nm| coulomb_nm.get(index).copied());
+        let coulomb_nm = coulomb_nm.filter(|nm| *nm > 0.0);
         let mut warnings = sticking(axis, name, coulomb_nm);
         if warnings.is_empty() && axis.crosses_zero.is_none() {
             warnings.extend(too_weak(axis, name, coulomb_nm));
@@ -58,8 +59,9 @@ fn sticking(axis: &AxisStrength, name: &str, coulomb_nm: Option<f64>) -> Vec<Str
             format!("{name} sticks{place}: {percent:.0} % of the time, {torque}")
         })
         .collect();
-    if warnings.is_empty() && axis.stuck_share > STUCK {
-        let percent = 100.0 * axis.stuck_share;
+    let share = axis.stuck_share.filter(|share| *share > STUCK);
+    if let (true, Some(share)) = (warnings.is_empty(), share) {
+        let percent = 100.0 * share;
         let torque = format!("torque {:.0} N m rms", axis.rms_nm);
         let torque = against_friction(torque, axis.rms_nm, coulomb_nm);
         warnings.push(format!(

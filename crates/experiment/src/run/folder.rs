@@ -2,10 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use frfid_estimate::AxisStrength;
+use frfid_estimate::{AxisStrength, standing_share};
 use frfid_files::{Overwrite, RunFile, create_folder, read_run, write_run};
 use frfid_signals::{Event, EventKind, Plan, Record, RunId, RunKind, Testbed};
-use ndarray::ArrayView1;
 use serde::Serialize;
 
 use crate::error::ExperimentError;
@@ -50,8 +49,9 @@ pub struct RunReport {
     #[serde(rename = "peaks")]
     pub load: Load,
     /// Share of the samples at which the measured velocity is exactly zero, one for each axis: with
-    /// an ideal sensor the time in which friction holds the joint.
-    pub standing_share: Vec<f64>,
+    /// an ideal sensor the time in which friction holds the joint; `None` where noise or a coarse
+    /// resolution hides it.
+    pub standing_share: Vec<Option<f64>>,
     /// Limits that were hit and stops, without the starts of periods.
     pub events: Vec<Event>,
 }
@@ -237,10 +237,4 @@ fn report(path: PathBuf, load: Load, record: &Record) -> RunReport {
         standing_share: record.y.rows().into_iter().map(standing_share).collect(),
         events,
     }
-}
-
-/// Share of the samples that are exactly zero.
-fn standing_share(velocity_rad_s: ArrayView1<f64>) -> f64 {
-    let standing = velocity_rad_s.iter().filter(|&&y| y == 0.0);
-    standing.count() as f64 / velocity_rad_s.len().max(1) as f64
 }

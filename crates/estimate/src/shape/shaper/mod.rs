@@ -9,7 +9,7 @@ use frfid_signals::checks::require_shape;
 use frfid_signals::{Peaks, Record, Run, RunId, SignalError};
 use ndarray::{Array2, Array3, ArrayView2, Axis};
 
-use crate::excitation_strength::stuck_samples;
+use crate::excitation_strength::stuck::stuck_samples;
 use crate::frf::matrices::Matrix;
 use crate::shape::error::ShapeError;
 use crate::shape::iteration::{Estimate, Iteration};
