@@ -58,25 +58,44 @@ impl Unsettled {
         for run in runs.values() {
             let rest = without_input_changes(run, frf).into_iter();
             let rest: Vec<Option<Array2<Complex64>>> = rest.map(Some).collect();
-            if let Some(settling) = judge_settling(&rest, &multisine.grid.excited)? {
-                unsettled.add(&settling);
+            match judge_settling(&rest, &multisine.grid.excited) {
+                Ok(settling) => unsettled.add(settling.as_ref()),
+                Err(EstimateError::NotSettled { .. }) => unsettled.add_transient(&rest),
+                Err(error) => return Err(error.into()),
             }
         }
         Ok(unsettled)
     }
 
-    fn add(&mut self, settling: &Settling) {
-        self.n_judged += 1;
+    fn add(&mut self, settling: Option<&Settling>) {
+        let Some(settling) = settling else { return };
         let biases = settling.unsettled.iter().map(|line| line.bias_over_line);
         let bias = biases.fold(0.0, f64::max);
-        if bias > WORTH_IT {
-            self.n_unsettled += 1;
-            self.bias_over_line = self.bias_over_line.max(bias);
-        }
+        self.add_bias(bias);
         if let Some(growth) = settling.growth_per_period.filter(|_| bias > WORTH_IT) {
             self.n_growing += 1;
             self.growth_per_period = self.growth_per_period.max(growth);
         }
+    }
+
+    fn add_bias(&mut self, bias: f64) {
+        self.n_judged += 1;
+        if bias > WORTH_IT {
+            self.n_unsettled += 1;
+            self.bias_over_line = self.bias_over_line.max(bias);
+        }
+    }
+
+    /// A run whose first half differs from the rest: what the first period adds to the mean.
+    fn add_transient(&mut self, periods: &[Option<Array2<Complex64>>]) {
+        let mut present = periods.iter().flatten();
+        let (Some(first), Some(last)) = (present.next(), present.next_back()) else {
+            return;
+        };
+        let norm = |spectra: &Array2<Complex64>| {
+            spectra.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt()
+        };
+        self.add_bias(norm(&(first - last)) / norm(last) / periods.len() as f64);
     }
 
     /// A check that fails where runs grow or have not settled; `None` where nothing is known, and

@@ -11,25 +11,19 @@ use frfid_signals::Record;
 use frfid_signals::power::rms;
 use ndarray::{Array2, ArrayView1};
 
-/// Share of the samples that an encoder may make repeat without a word: a tenth of what is warned
-/// of.
+/// Share of the samples that may be in doubt: a tenth of what is warned of.
 const NEGLIGIBLE: f64 = 0.02;
-/// Where the encoder makes more of them repeat, this many times as many must do so before the axis
-/// is known to stick.
-const BEYOND_THE_ENCODER: f64 = 3.0;
-/// A motion of mean size m in a sample repeats a reading of step s for about s/(2 m) of the time:
-/// s/(5 m) in a sine, s/(3 m) in Gaussian noise, more where its size varies.
-const REPEATS: f64 = 0.5;
-/// Parts of a run in which the size of the motion is taken; a chirp changes it by a tenth from one
-/// to the next ...
-const PARTS: usize = 32;
-/// ... but none shorter than this, so that an axis moves and rests within a part.
-const SHORTEST_PART: usize = 256;
-/// How much smaller than usual a free motion may be in a part: torque of one size moves an axis at
-/// velocities as 1 to 1/f, and through resonances. What is stiller than that stands.
-const SMALLEST_MOTION: f64 = 1e-3;
-/// Changes of up to so many steps in a reading are those of one that flickers while it stands.
-const FLICKER: f64 = 2.5;
+/// ... or this part of all that repeat.
+const SMALL_PART: f64 = 1.0 / 3.0;
+/// Changes of a reading on either side of a stretch without one that tell how fast the axis moves.
+const BESIDE: usize = 3;
+/// An axis that moves at a constant acceleration a, and turns back, repeats its reading of step s for
+/// up to 2 sqrt(2 s/a), six times what it then takes for each step of the next three. Beyond eight
+/// times it stands.
+const TURNS_BACK: f64 = 8.0;
+/// ... if the three changes lead away by so many steps: a reading that flickers, or a vibration
+/// within a step, leads nowhere.
+const FEWEST_STEPS: f64 = 2.0;
 /// Share of samples close to standstill up to which an axis is said to stick for 0.0 % of the time.
 const HIDDEN: f64 = 0.005;
 /// Where noise is to be seen, velocities below so many of its standard deviations are close to
@@ -65,29 +59,27 @@ pub fn standing_share(velocity_rad_s: ArrayView1<f64>) -> Option<f64> {
 }
 
 /// What the sensors of an axis say about its motion in each sample.
-pub(super) struct Readings<'a> {
-    velocity_rad_s: ArrayView1<'a, f64>,
+pub(super) struct Readings {
     velocity: Reading,
     position: Option<Reading>,
 }
 
-impl<'a> Readings<'a> {
+impl Readings {
     /// Of an axis of a record that is sound.
-    pub(super) fn of(record: &'a Record, axis: usize) -> Self {
+    pub(super) fn of(record: &Record, axis: usize) -> Self {
         let position_rad = record.position_rad.as_ref();
         let position_rad = position_rad.map(|position_rad| position_rad.row(axis));
         Self::new(record.y.row(axis), position_rad)
     }
 
-    fn new(velocity_rad_s: ArrayView1<'a, f64>, position_rad: Option<ArrayView1<f64>>) -> Self {
+    fn new(velocity_rad_s: ArrayView1<f64>, position_rad: Option<ArrayView1<f64>>) -> Self {
         let way = |q: ArrayView1<f64>| {
-            let ways = zip(q.iter().skip(1), q).map(|(q, before)| (q - before).abs());
+            let ways = zip(q.iter().skip(1), q).map(|(q, before)| q - before);
             // nothing is known of the motion before the first sample
             Reading::new(iter::once(f64::NAN).chain(ways).collect())
         };
         Self {
-            velocity_rad_s,
-            velocity: Reading::new(velocity_rad_s.iter().map(|y| y.abs()).collect()),
+            velocity: Reading::new(velocity_rad_s.to_vec()),
             position: position_rad.map(way),
         }
     }
@@ -96,113 +88,131 @@ impl<'a> Readings<'a> {
     /// velocity is clearly away from standstill; `None` where that cannot be known.
     pub(super) fn stuck_share(&self, samples: Range<usize>) -> Option<f64> {
         let velocity = self.velocity.within(&samples);
-        let position = self.position.as_ref().map(|q| q.within(&samples));
-        let position_tells = position.is_some_and(Motion::tells);
-        let hidden = close_to_standstill(&self.velocity_within(&samples));
-        let velocity_tells = velocity.tells()
-            && (position_tells || hidden <= HIDDEN.max(0.1 * velocity.still_share()));
-        let telling = [
-            position.filter(|_| position_tells),
-            Some(velocity).filter(|_| velocity_tells),
-        ];
-        if position_tells || velocity_tells {
-            let stands = |told: &Motion, k| told.size.get(k) == Some(&0.0);
-            let is_stuck = |&k: &usize| telling.iter().flatten().any(|told| stands(told, k));
+        let all = iter::once(velocity).chain(self.position.as_ref().map(|q| q.within(&samples)));
+        let telling: Vec<Part> = all.clone().filter(Part::tells).collect();
+        if !telling.is_empty() {
+            let repeats =
+                |part: &Part, k: usize| part.stands.get(k).is_some_and(|told| told.repeats());
+            let is_stuck = |&k: &usize| telling.iter().any(|part| repeats(part, k));
             let stuck = (0..samples.len()).filter(is_stuck).count();
             return Some(stuck as f64 / samples.len() as f64);
         }
-        let repeats = |motion: Motion| motion.still_share() > 0.0;
-        let is_away = !repeats(velocity) && !position.is_some_and(repeats) && hidden <= HIDDEN;
-        (is_away && !samples.is_empty()).then_some(0.0)
-    }
-
-    fn velocity_within(&self, samples: &Range<usize>) -> Vec<f64> {
-        let velocity = self.velocity_rad_s.iter().copied();
-        velocity.skip(samples.start).take(samples.len()).collect()
+        let mut repeating = all.map(|part| part.share(Stand::repeats));
+        let is_away = repeating.all(|share| share == 0.0)
+            && close_to_standstill(velocity.change) <= HIDDEN
+            && !velocity.change.is_empty();
+        is_away.then_some(0.0)
     }
 }
 
-/// Motion in each sample by one sensor.
+/// What one sensor says in a sample.
+#[derive(Clone, Copy, PartialEq)]
+enum Stand {
+    /// The reading changes.
+    Moves,
+    /// It repeats, as that of a slow motion may.
+    Repeats,
+    /// It repeats for longer than its step explains.
+    Stands,
+}
+
+impl Stand {
+    fn repeats(self) -> bool {
+        self != Self::Moves
+    }
+}
+
+/// What one sensor says in each sample.
 struct Reading {
-    /// Its size; 0 where the reading repeats, NaN where it is not known.
-    size: Vec<f64>,
-    /// The step in which it comes; 0 for a continuous one, infinite where it never changes.
-    step: f64,
-    /// Its smallest mean size in a free motion.
-    smallest: f64,
+    /// How far the axis moved, in any unit; NaN where that is not known.
+    change: Vec<f64>,
+    stands: Vec<Stand>,
 }
 
 impl Reading {
-    fn new(size: Vec<f64>) -> Self {
-        let moving = size.iter().filter(|&&size| size > 0.0);
-        let usual = moving.clone().sum::<f64>() / moving.count().max(1) as f64;
-        Self {
-            step: step(&size),
-            smallest: SMALLEST_MOTION * usual,
-            size,
-        }
+    fn new(change: Vec<f64>) -> Self {
+        let stands = stands(&change);
+        Self { change, stands }
     }
 
-    fn within(&self, samples: &Range<usize>) -> Motion<'_> {
-        Motion {
-            size: self.size.get(samples.clone()).unwrap_or_default(),
-            step: self.step,
-            smallest: self.smallest,
+    fn within(&self, samples: &Range<usize>) -> Part<'_> {
+        Part {
+            change: self.change.get(samples.clone()).unwrap_or_default(),
+            stands: self.stands.get(samples.clone()).unwrap_or_default(),
         }
     }
 }
 
 /// A part of a reading.
 #[derive(Clone, Copy)]
-struct Motion<'a> {
-    size: &'a [f64],
-    step: f64,
-    smallest: f64,
+struct Part<'a> {
+    change: &'a [f64],
+    stands: &'a [Stand],
 }
 
-impl Motion<'_> {
-    /// Whether the reading repeats because the axis stands.
-    fn tells(self) -> bool {
-        let still = self.still_share();
-        let by_encoder = self.repeats_by_encoder();
-        let flicker = FLICKER * self.step;
-        let flickers = share(self.size, |size| size > 0.0 && size <= flicker);
-        still > 0.0
-            && (by_encoder <= NEGLIGIBLE || still >= BEYOND_THE_ENCODER * by_encoder)
-            && flickers <= NEGLIGIBLE + BEYOND_THE_ENCODER * by_encoder
+impl Part<'_> {
+    /// Whether the samples that repeat do so because the axis stands, and no others are hidden.
+    fn tells(&self) -> bool {
+        let repeating = self.share(Stand::repeats);
+        let unexplained = self.share(|stand| stand == Stand::Repeats);
+        let in_doubt = unexplained + close_to_standstill(self.change);
+        repeating > 0.0 && in_doubt <= NEGLIGIBLE.max(SMALL_PART * repeating)
     }
 
-    fn still_share(self) -> f64 {
-        share(self.size, |size| size == 0.0)
-    }
-
-    /// Share of the samples in which a free motion of this size would repeat the reading.
-    fn repeats_by_encoder(self) -> f64 {
-        if self.step == 0.0 {
-            return 0.0;
-        }
-        let length = SHORTEST_PART.max(self.size.len() / PARTS);
-        let parts = self.size.chunks(length);
-        let known = |part: &[f64]| part.iter().filter(|size| size.is_finite()).sum::<f64>();
-        let mean = |part: &[f64]| known(part) / part.len() as f64;
-        let means: Vec<f64> = parts.clone().map(mean).collect();
-        let repeats = parts.enumerate().map(|(place, part)| {
-            let near = means.iter().skip(place.saturating_sub(1)).take(3);
-            let mean = near.copied().fold(self.smallest, f64::max);
-            (REPEATS * self.step / mean).min(1.0) * part.len() as f64
-        });
-        repeats.sum::<f64>() / self.size.len() as f64
+    fn share(&self, counts: impl Fn(Stand) -> bool) -> f64 {
+        let count = self.stands.iter().filter(|&&stand| counts(stand)).count();
+        count as f64 / self.stands.len().max(1) as f64
     }
 }
 
-/// The smallest size but 0, if all sizes are multiples of it; else 0. Infinite where nothing ever
-/// moves: that may be for any step.
-fn step(sizes: &[f64]) -> f64 {
-    let moving = || sizes.iter().copied().filter(|&size| size > 0.0);
-    let smallest = moving().fold(f64::INFINITY, f64::min);
+/// What the changes of a reading say in each sample.
+fn stands(change: &[f64]) -> Vec<Stand> {
+    let mut stands = vec![Stand::Moves; change.len()];
+    let step = step(change);
+    let changes = change.iter().copied().enumerate();
+    let changes: Vec<(usize, f64)> = changes.filter(|&(_, by)| by.abs() > 0.0).collect();
+    for place in 0..=changes.len() {
+        let (before, after) = changes.split_at(place);
+        let from = before.last().map_or(0, |(k, _)| k + 1);
+        let to = after.first().map_or(change.len(), |&(k, _)| k);
+        let near = [
+            &before[before.len().saturating_sub(BESIDE)..],
+            &after[..after.len().min(BESIDE)],
+        ];
+        let is_stand = stands_between(near, to - from, step);
+        let stand = [Stand::Repeats, Stand::Stands][usize::from(is_stand)];
+        stands[from..to].fill(stand);
+    }
+    for (stand, _) in zip(&mut stands, change).filter(|(_, by)| by.is_nan()) {
+        *stand = Stand::Moves;
+    }
+    stands
+}
+
+/// Whether `length` samples without a change between two groups of changes (place and size) are more
+/// than a reading of this `step` makes of a motion as fast as they show; an end of the record shows
+/// nothing.
+fn stands_between(near: [&[(usize, f64)]; 2], length: usize, step: f64) -> bool {
+    let is_longer = |changes: &&[(usize, f64)]| {
+        let (Some(first), Some(last)) = (changes.first(), changes.last()) else {
+            return true;
+        };
+        let way = changes.iter().map(|(_, by)| by).sum::<f64>().abs();
+        let samples = (last.0 - first.0 + 1) as f64;
+        let is_far = way > (FEWEST_STEPS - 0.5) * step;
+        is_far && length as f64 * way > TURNS_BACK * samples * step
+    };
+    step == 0.0 || step.is_finite() && near.iter().all(is_longer)
+}
+
+/// The smallest size of a change, if all are multiples of it; else 0. Infinite where nothing ever
+/// changes: that may be for any step.
+fn step(change: &[f64]) -> f64 {
+    let sizes = || change.iter().map(|by| by.abs()).filter(|&size| size > 0.0);
+    let smallest = sizes().fold(f64::INFINITY, f64::min);
     let is_multiple = |size: f64| (size / smallest - (size / smallest).round()).abs() < 0.05;
-    let stride = sizes.len() / SAMPLED + 1;
-    let in_steps = moving().step_by(stride).all(is_multiple);
+    let stride = change.len() / SAMPLED + 1;
+    let in_steps = sizes().step_by(stride).all(is_multiple);
     if in_steps { smallest } else { 0.0 }
 }
 
@@ -228,9 +238,4 @@ fn close_to_standstill(velocity: &[f64]) -> f64 {
     let slow = stretches.filter(|stretch| stretch.len() >= IN_A_ROW && is_slow(&stretch[0]));
     let moving = slow.flatten().filter(|&&y| y != 0.0).count();
     moving as f64 / velocity.len().max(1) as f64
-}
-
-fn share(sizes: &[f64], counts: impl Fn(f64) -> bool) -> f64 {
-    let count = sizes.iter().filter(|&&size| counts(size)).count();
-    count as f64 / sizes.len().max(1) as f64
 }

@@ -115,7 +115,8 @@ pub(super) fn settled(measured: &[Measured]) -> Check {
 /// In what way a run has not settled: found, needed, advice.
 fn unsettled(run: &Measured) -> Option<(String, &'static str, &'static str)> {
     let settled = "all lines settled: the machine still changed from period to period, and no variance tells that";
-    let wait = "wait longer before the first period that is used (--start), or until the machine is warm";
+    let wait =
+        "wait longer before the first period that is used (--start), or until the machine is warm";
     if run.never_settles {
         let found = format!(
             "{}: the first half of its periods differs from the rest",
