@@ -28,8 +28,8 @@ mod recording {
     mod decay_part;
     mod decay_shapes;
     mod decay_test;
-    pub(crate) mod input_changes;
     mod holes;
+    pub(crate) mod input_changes;
     mod lag;
     mod likeness;
     pub(crate) mod lines;
@@ -40,8 +40,8 @@ mod recording {
     mod phase_means;
     pub(crate) mod repetition;
     mod rests;
-    pub(crate) mod run_periods;
     mod run_ends;
+    pub(crate) mod run_periods;
     mod runs;
     pub(crate) mod settling;
     mod single_sweep;

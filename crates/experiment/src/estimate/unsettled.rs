@@ -2,7 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use frfid_estimate::{PeriodIndex, RunSpectra, Settling, judge_settling, without_input_changes};
+use frfid_estimate::{
+    EstimateError, PeriodIndex, RunSpectra, Settling, judge_settling, without_input_changes,
+};
 use frfid_files::Check;
 use frfid_signals::format::{count, significant};
 use frfid_signals::{Excitation, Frf, Plan};
