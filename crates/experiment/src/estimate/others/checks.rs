@@ -73,7 +73,7 @@ fn odd_signal(name: String, odd: &Odd, recording: &Recording) -> Check {
         name,
         passed: false,
         found: format!("{}: it {}", recording.name, odd.oddity.found()),
-        needed: format!("none of it: {}", odd.oddity.meaning()),
+        needed: odd.meaning(),
         advice: odd.oddity.advice(),
     }
 }

@@ -104,7 +104,7 @@ impl Recording {
             taken.map(|time_s| time_s - first_s).collect()
         });
         for odd in &mut self.odd {
-            odd.is_cured |= matches!(odd.oddity, Oddity::Held { .. });
+            odd.is_cured |= odd.is_held();
         }
     }
 
@@ -125,12 +125,29 @@ impl Recording {
 
 impl Odd {
     /// What follows for the estimate: a reference or a position that is odd spoils nothing by itself.
+    /// A signal that is taken at its true rate is still one that was sampled too slowly to see what
+    /// folds back.
     pub(super) fn consequence(&self) -> Consequence {
         match (self.oddity.consequence(), self.role) {
-            _ if self.is_cured => Consequence::Cured,
             (Consequence::Flagged, Role::Reference | Role::Position) => Consequence::Told,
             (consequence, _) => consequence,
         }
+    }
+
+    /// What it does to the FRF.
+    pub(super) fn meaning(&self) -> String {
+        match self.is_held() && self.is_cured {
+            true => {
+                "every row a new sample; the new ones alone are taken, and what lies above half of \
+                     their rate folds back unseen"
+                    .into()
+            }
+            false => format!("a sound signal: {}", self.oddity.meaning()),
+        }
+    }
+
+    fn is_held(&self) -> bool {
+        matches!(self.oddity, Oddity::Held { .. })
     }
 
     /// The signal and what is odd about it.
