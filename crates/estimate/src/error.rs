@@ -7,6 +7,7 @@ use thiserror::Error;
 
 use crate::period_index::PeriodIndex;
 use crate::recording::aperiodic::Aperiodic;
+use crate::recording::unlined::Unlined;
 
 /// Errors of the `estimate` crate. Every variant says what was found and what was needed. Channels,
 /// experiments, periods and realizations count from 0.
@@ -75,16 +76,11 @@ pub enum EstimateError {
         /// What seems to be the reason.
         cause: Aperiodic,
     },
-    /// A periodic reference whose amplitudes have no gap between excited lines and the rest.
-    #[error(
-        "no set of excited lines stands out: the widest gap between amplitudes is a factor {gap:.1}, and they fall by a factor {range:.1e}; \
-         the reference is no multisine"
-    )]
+    /// A periodic reference of which no set of lines stands out.
+    #[error("no set of excited lines stands out: {cause}; the reference is no multisine, or --lines names its lines")]
     NoLines {
-        /// Widest ratio between successive amplitudes; 4 is needed.
-        gap: f64,
-        /// How far amplitudes fall above the gap (1e3 is allowed) or below it (1e4).
-        range: f64,
+        /// What seems to be the reason.
+        cause: Unlined,
     },
     /// The response has not settled within the first half of the recording.
     #[error("the first {transient} of {n_periods} periods are still transient; record at least {} periods", 4 * .transient)]

@@ -23,9 +23,12 @@ mod recording {
     pub(crate) mod aperiodic;
     mod autocorrelation;
     mod channel;
+    mod cycle;
+    mod few_events;
     mod holes;
     mod lag;
     mod likeness;
+    mod line_levels;
     pub(crate) mod lines;
     mod local_power;
     mod long_lags;
@@ -38,6 +41,7 @@ mod recording {
     mod slips;
     pub(crate) mod transient;
     mod two_states;
+    pub(crate) mod unlined;
 }
 mod shape;
 mod spectra;
@@ -67,6 +71,7 @@ pub use recording::lines::{find_lines, lines_at};
 pub use recording::period::find_period;
 pub use recording::repetition::{Repetition, find_repetition};
 pub use recording::transient::count_transient_periods;
+pub use recording::unlined::Unlined;
 pub use shape::error::ShapeError;
 pub use shape::iteration::{Estimate, Iteration};
 pub use shape::note::Note;

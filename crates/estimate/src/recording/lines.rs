@@ -1,78 +1,43 @@
 //! Excited lines: found in a periodic reference, or checked against the grid of a period.
 
 use frfid_signals::checks::positive;
-use ndarray::{Array2, ArrayView1, ArrayView2};
+use frfid_signals::check_finite;
+use ndarray::{ArrayView1, ArrayView2, Axis};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
+use crate::recording::cycle::{Cycle, synthesised};
+use crate::recording::few_events::{endless_fall, is_few_events};
+use crate::recording::line_levels::LineLevels;
+use crate::recording::unlined::Unlined;
+use crate::spectra::Transform;
 use crate::spectra::line_dft::{LineDft, check_rising};
 
-/// Smallest gap between the weakest excited line and the strongest other one, as a ratio of
-/// amplitudes (12 dB).
-const GAP: f64 = 4.0;
-/// A gap above fewer than `FEW` lines must be this wide: the smallest values of a noise floor lie
-/// far apart by chance.
-const GAP_ABOVE_FEW: f64 = 1e4;
-const FEW: usize = 8;
-/// Largest ratio between excited lines (60 dB); a spectrum that falls further without a gap is no
-/// set of lines.
-const RANGE: f64 = 1e3;
-/// Largest ratio between the strongest line below the gap and the middle of what lies there (80
-/// dB).
-const FALL: f64 = 1e4;
-/// Amplitudes below this share of the strongest are rounding.
-const ROUNDING: f64 = 1e-10;
+/// How often what is lost in all periods is filled in by the lines found so far.
+const FILLED: usize = 12;
 
-/// Lines (DFT bins of the period) that a periodic reference `(channel, sample)` excites: those
-/// above the widest gap between the amplitudes, mean over whole periods, strongest channel.
+/// Lines (DFT bins of the period) that a periodic reference `(channel, sample)` excites, NaN where
+/// samples are lost: those that stand 12 dB above the others in their neighbourhood and above the
+/// noise, in the mean over whole periods, in any channel. The period is in samples and may have a
+/// fraction; then the lines are those of the next whole one, by interpolation.
 ///
 /// # Errors
-/// [`EstimateError::NoLines`] if the amplitudes fall without a gap (noise, or a reference that is
-/// periodic but no multisine), [`frfid_signals::SignalError`] for a reference shorter than a period
-/// and for samples that are not finite.
-pub fn find_lines(reference: ArrayView2<f64>, period: usize) -> Result<Vec<usize>, EstimateError> {
-    let n_periods = reference.ncols().checked_div(period).unwrap_or(0);
-    if n_periods == 0 || reference.nrows() == 0 {
-        let needed = format!("(channel, {} or more)", period.max(1));
+/// [`EstimateError::NoLines`] with the reason (noise, or a reference that is periodic but no
+/// multisine), [`frfid_signals::SignalError`] for a reference shorter than a period and one without
+/// a single sample.
+pub fn find_lines(reference: ArrayView2<f64>, period: f64) -> Result<Vec<usize>, EstimateError> {
+    let n_samples = if period.is_finite() { period.round().max(0.0) as usize } else { 0 };
+    if n_samples == 0 || reference.nrows() == 0 || (reference.ncols() as f64) < period - 0.5 {
+        let needed = format!("(channel, {} or more)", n_samples.max(1));
         return Err(EstimateError::shape("reference", reference.shape(), needed));
     }
-    let candidates: Vec<usize> = (1..period.div_ceil(2)).collect();
-    let dft = LineDft::new(period, &candidates)?;
-    let periods = reference.exact_chunks((reference.nrows(), period));
-    let spectra = dft.transform_each("reference", periods)?;
-    let (amplitude, floor) = amplitude_above_noise(&spectra, candidates.len());
-    let threshold = threshold(&amplitude, floor)?;
-    let excited = candidates.into_iter().zip(amplitude);
-    Ok(excited
-        .filter(|(_, amplitude)| *amplitude > threshold)
-        .map(|(line, _)| line)
-        .collect())
-}
-
-/// Amplitude of every line over that of the strongest, largest of the channels, which may have
-/// different units; what is within four standard deviations of zero, known from the differences
-/// between periods, counts as that level, the floor.
-fn amplitude_above_noise(spectra: &[Array2<Complex64>], n_lines: usize) -> (Vec<f64>, f64) {
-    let (mut amplitude, mut floor) = (vec![0.0_f64; n_lines], ROUNDING);
-    for channel in 0..spectra[0].nrows() {
-        let rows: Vec<_> = spectra
-            .iter()
-            .map(|spectrum| spectrum.row(channel))
-            .collect();
-        let (mean, deviation) = mean_and_deviation(&rows);
-        let strongest = mean
-            .iter()
-            .map(|value| value.norm())
-            .fold(f64::MIN_POSITIVE, f64::max);
-        floor = floor.max(4.0 * deviation / strongest);
-        for (largest, value) in amplitude.iter_mut().zip(&mean) {
-            *largest = largest.max(value.norm() / strongest);
-        }
+    if !reference.iter().any(|value| value.is_finite()) {
+        check_finite("reference", reference)?;
     }
-    for value in &mut amplitude {
-        *value = value.max(floor);
-    }
-    (amplitude, floor)
+    let lines: Vec<usize> = (1..n_samples.div_ceil(2)).collect();
+    let dft = LineDft::new(n_samples, &lines)?;
+    let found = reference.rows().into_iter().map(|channel| excited(channel, period, &dft));
+    union(found.collect::<Result<_, _>>()?)
 }
 
 /// Mean of the spectra of several periods, line by line.
@@ -84,55 +49,69 @@ pub(super) fn mean_spectrum(periods: &[ArrayView1<Complex64>]) -> Vec<Complex64>
     (0..periods[0].len()).map(of_line).collect()
 }
 
-/// Mean of the spectra of several periods, and its standard deviation over all lines.
-fn mean_and_deviation(periods: &[ArrayView1<Complex64>]) -> (Vec<Complex64>, f64) {
-    let (n, n_lines) = (periods.len() as f64, periods[0].len());
-    let mean = mean_spectrum(periods);
-    let squares: f64 = periods
-        .iter()
-        .flat_map(|period| period.iter().zip(&mean))
-        .map(|(x, mean)| (x - mean).norm_sqr())
-        .sum();
-    let deviation = (squares / (n_lines as f64 * n * (n - 1.0).max(1.0))).sqrt();
-    (mean, deviation)
+/// What a channel excites.
+enum Found {
+    Lines(Vec<usize>),
+    /// All lines alike in the only period: a signal, or noise.
+    Uniform(Vec<usize>),
+    Nothing(Unlined),
 }
 
-/// The middle of the widest gap between amplitudes, or just below the smallest where all are
-/// excited.
-fn threshold(amplitude: &[f64], floor: f64) -> Result<f64, EstimateError> {
-    let mut levels = amplitude.to_vec();
-    levels.sort_by(|a, b| b.total_cmp(a));
-    let widest = widest_gap(&levels);
-    let split = widest
-        .filter(|&split| gap(&levels, split) >= GAP)
-        .unwrap_or(levels.len());
-    let (excited, rest) = levels.split_at(split);
-    let weakest = excited.last().copied().unwrap_or(floor);
-    // a floor is level, give or take; harmonics that go on below the gap are not one
-    let fall = rest.first().map_or(1.0, |top| top / rest[rest.len() / 2]);
-    let below = rest.first().copied().unwrap_or(floor);
-    if weakest >= GAP * below && weakest * RANGE >= 1.0 && fall <= FALL {
-        return Ok((weakest * below).sqrt());
+/// The lines of all channels; those that are alike on all lines count if no other has any.
+fn union(found: Vec<Found>) -> Result<Vec<usize>, EstimateError> {
+    let (mut lines, mut uniform, mut cause) = (Vec::new(), Vec::new(), Unlined::Silent);
+    for channel in found {
+        match channel {
+            Found::Lines(found) => lines.extend(found),
+            Found::Uniform(found) => uniform.extend(found),
+            Found::Nothing(found) => cause = cause.or(found),
+        }
     }
-    Err(EstimateError::NoLines {
-        gap: widest.map_or(1.0, |split| gap(&levels, split)),
-        range: fall.max(1.0 / weakest),
-    })
+    let mut lines = if lines.is_empty() { uniform } else { lines };
+    lines.sort_unstable();
+    lines.dedup();
+    if lines.is_empty() { Err(EstimateError::NoLines { cause }) } else { Ok(lines) }
 }
 
-/// The gap below the first `split` of the falling levels, as a ratio.
-fn gap(levels: &[f64], split: usize) -> f64 {
-    levels[split - 1] / levels[split]
+/// The lines of one channel.
+fn excited(channel: ArrayView1<f64>, period: f64, dft: &LineDft) -> Result<Found, EstimateError> {
+    let cycle = Cycle::new(channel, period, dft)?;
+    let mut present = cycle.mean.iter().filter(|value| !value.is_nan());
+    let first = present.next();
+    if present.all(|value| Some(value) == first) {
+        return Ok(Found::Nothing(Unlined::Silent));
+    }
+    let (spectrum, levels) = settled(&cycle, dft)?;
+    let excited = levels.excited();
+    if excited.is_empty() {
+        return Ok(Found::Nothing(Unlined::Noise));
+    }
+    if let Some(fall_db) = endless_fall(&levels, &excited) {
+        if is_few_events(fall_db, &spectrum, &excited, dft.n_samples()) {
+            let range = 10_f64.powf(fall_db / 20.0);
+            return Ok(Found::Nothing(Unlined::Endless { range }));
+        }
+    }
+    let lines = excited.iter().map(|index| index + 1).collect();
+    Ok(if levels.is_uniform() && !cycle.is_repeated { Found::Uniform(lines) } else { Found::Lines(lines) })
 }
 
-/// How many of the falling levels lie above their widest gap; a gap above few others must be wider.
-fn widest_gap(levels: &[f64]) -> Option<usize> {
-    let counts = |&split: &usize| {
-        levels.len() - split >= FEW || levels[split - 1] >= GAP_ABOVE_FEW * levels[split]
-    };
-    (1..levels.len())
-        .filter(counts)
-        .max_by(|&a, &b| gap(levels, a).total_cmp(&gap(levels, b)))
+/// Spectrum of the mean period and levels of its lines; what is lost in all periods is what the
+/// lines say that are found without it, again and again.
+fn settled(cycle: &Cycle, dft: &LineDft) -> Result<(Vec<Complex64>, LineLevels), EstimateError> {
+    let mut mean = cycle.interpolated();
+    let is_whole = cycle.mean.iter().all(|value| !value.is_nan());
+    for left in (0..if is_whole { 1 } else { FILLED }).rev() {
+        let spectrum = dft.transform("reference", mean.view().insert_axis(Axis(0)))?;
+        let spectrum = spectrum.into_flat().to_vec();
+        let power: Vec<f64> = spectrum.iter().map(Complex64::norm_sqr).collect();
+        let levels = LineLevels::new(&power, &cycle.noise);
+        if left == 0 {
+            return Ok((spectrum, levels));
+        }
+        mean = cycle.filled(&synthesised(&spectrum, &levels.excited(), dft.n_samples(), 0));
+    }
+    Err(EstimateError::NoLines { cause: Unlined::Silent })
 }
 
 /// Lines of a period of `n_samples` at `frequencies_hz`, which must rise.
@@ -212,7 +191,7 @@ mod tests {
         ] {
             let found = find_lines(
                 multisine(lines, |h| (h as f64).powf(slope), noise).view(),
-                1000,
+                1000.0,
             );
             assert_eq!(found.as_ref(), Ok(lines), "slope {slope}, noise {noise}");
         }
@@ -221,15 +200,15 @@ mod tests {
     #[test]
     fn references_without_lines_are_refused() {
         assert!(matches!(
-            find_lines(multisine(&[], |_| 1.0, 1.0).view(), 1000),
+            find_lines(multisine(&[], |_| 1.0, 1.0).view(), 1000.0),
             Err(EstimateError::NoLines { .. })
         ));
         // triangle wave: odd lines that fall with the square of the frequency, no end to them
         let triangle = Array2::from_shape_fn((1, 4000), |(_, k)| ((k % 1000) as f64 - 500.0).abs());
         assert!(
-            matches!(find_lines(triangle.view(), 1000), Err(EstimateError::NoLines { range, .. }) if range > 1e4)
+            matches!(find_lines(triangle.view(), 1000.0), Err(EstimateError::NoLines { cause: Unlined::Endless { range } }) if range > 1e4)
         );
-        for (period, needed) in [(5000, 5000), (0, 1)] {
+        for (period, needed) in [(5000.0, 5000), (0.0, 1), (f64::NAN, 1)] {
             let needed = format!("(channel, {needed} or more)");
             let expected = EstimateError::shape("reference", &[1, 4000], needed);
             assert_eq!(find_lines(triangle.view(), period), Err(expected));
