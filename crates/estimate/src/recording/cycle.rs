@@ -19,12 +19,15 @@ pub(super) struct Cycle {
     pub(super) noise: Vec<f64>,
     /// Whether there is a place that several periods have.
     pub(super) is_repeated: bool,
+    /// Whether samples were interpolated, since the period has a fraction.
+    pub(super) is_interpolated: bool,
 }
 
 impl Cycle {
     /// Of samples with NaN where they are lost, on the `dft` of the period next to `period`.
     pub(super) fn new(samples: ArrayView1<f64>, period: f64, dft: &LineDft) -> Result<Self, EstimateError> {
         let periods = folded(samples, period, dft.n_samples());
+        let is_interpolated = period != dft.n_samples() as f64;
         let counts = periods.map_axis(Axis(0), |phase| phase.iter().filter(|x| !x.is_nan()).count() as f64);
         let sums = periods.map_axis(Axis(0), |phase| phase.iter().filter(|x| !x.is_nan()).sum::<f64>());
         let mean = &sums / &counts;
@@ -36,7 +39,7 @@ impl Cycle {
             .filter(|&&count| count > 0.0)
             .fold((0.0, 0.0), |(kept, lost), count| (kept + 1.0 / count, lost + count - 1.0));
         if lost == 0.0 {
-            return Ok(Self { mean, noise, is_repeated: false });
+            return Ok(Self { mean, noise, is_repeated: false, is_interpolated });
         }
         for period in periods.rows() {
             let mut difference = &period - &mean;
@@ -45,7 +48,7 @@ impl Cycle {
             let power = spectrum.iter().map(|value| value.norm_sqr() * kept / lost);
             noise.iter_mut().zip(power).for_each(|(sum, power)| *sum += power);
         }
-        Ok(Self { mean, noise: smoothed(&noise), is_repeated: true })
+        Ok(Self { mean, noise: smoothed(&noise), is_repeated: true, is_interpolated })
     }
 
     /// The mean, straight between the places around those that are lost.

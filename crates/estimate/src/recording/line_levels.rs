@@ -14,8 +14,6 @@ const ABOVE_DB: f64 = 14.0;
 /// A line counts above so many times the power of the noise in it: one of 10^8 that hold nothing
 /// else does.
 const ABOVE_NOISE: f64 = 20.0;
-/// Amplitudes below this share of the strongest are rounding.
-const ROUNDING: f64 = 1e-10;
 /// Lines in a window at least, and as a share of its first line.
 const WINDOW: usize = 48;
 const SHARE: usize = 8;
@@ -24,6 +22,8 @@ const SHARE: usize = 8;
 const SMOOTH_DB: f64 = 2.5;
 /// Fewer lines are smooth by chance.
 const FEW: usize = 6;
+/// So few lines tell a power law.
+const FEWEST: usize = 4;
 /// In a steep spectrum the lowest lines lie far apart.
 const LOWEST: usize = 4;
 
@@ -36,10 +36,11 @@ pub(super) struct LineLevels {
 }
 
 impl LineLevels {
-    /// From the power of each line and that of the noise in it.
-    pub(super) fn new(power: &[f64], noise: &[f64]) -> Self {
+    /// From the power of each line and that of the noise in it; `inexact` is the share of the power
+    /// of the strongest line that may be an error.
+    pub(super) fn new(power: &[f64], noise: &[f64], inexact: f64) -> Self {
         let strongest = power.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        let floor = |noise: f64| (ABOVE_NOISE * noise).max(ROUNDING * ROUNDING * strongest);
+        let floor = |noise: f64| (ABOVE_NOISE * noise).max(inexact * strongest);
         let level = |(power, noise): (&f64, &f64)| 10.0 * power.max(floor(*noise)).log10();
         let is_above = |(power, noise): (&f64, &f64)| *power > floor(*noise);
         let mut levels = Self {
@@ -57,6 +58,19 @@ impl LineLevels {
     pub(super) fn excited(&self) -> Vec<usize> {
         let lines = 0..self.level_db.len();
         lines.filter(|&line| self.is_above_noise[line] && self.is_excited[line] != Some(false)).collect()
+    }
+
+    /// Indices of the excited lines that are not weaker than the strongest by more.
+    pub(super) fn strongest(&self, range_db: f64) -> Vec<usize> {
+        let top = self.level_db.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let mut lines = self.excited();
+        lines.retain(|&line| self.level_db[line] >= top - range_db);
+        lines
+    }
+
+    /// Indices of all lines above the noise.
+    pub(super) fn above_noise(&self) -> Vec<usize> {
+        (0..self.level_db.len()).filter(|&line| self.is_above_noise[line]).collect()
     }
 
     /// Whether nothing sets any line apart from the others.
@@ -93,16 +107,52 @@ impl LineLevels {
         Some(low.fold(least, f64::min))
     }
 
-    /// The lowest level above the first gap below which nothing is smooth.
+    /// The lowest level above the gap: the first one of 12 dB, or, below lines that are smooth, of half
+    /// of that if the others lie 12 dB below in the middle. Smooth lines beside those above, as
+    /// opposed to between them, are a step of the excitation.
     fn gap(&self, lines: &[usize]) -> Option<f64> {
+        if self.is_power_law(lines) {
+            return None;
+        }
         let mut falling = lines.to_vec();
         falling.sort_by(|&a, &b| self.level_db[b].total_cmp(&self.level_db[a]));
-        let is_joined = |a: &usize, b: &usize| self.level_db[*a] - self.level_db[*b] < GAP_DB;
-        let groups: Vec<&[usize]> = falling.chunk_by(is_joined).collect();
-        let last = groups.iter().rposition(|group| self.is_smooth(group)).unwrap_or(0);
-        let below: usize = groups.iter().skip(last + 1).map(|group| group.len()).sum();
-        let is_gap = below >= FEW || below > 0 && (self.is_smooth(groups[last]) || groups[last].len() < FEW);
-        is_gap.then(|| groups[last].last().map(|&line| self.level_db[line]))?
+        let apart = |gap: f64| {
+            let is_joined = move |a: &usize, b: &usize| self.level_db[*a] - self.level_db[*b] < gap;
+            let groups = falling.chunk_by(is_joined);
+            groups.scan(0, |end, group| {
+                *end += group.len();
+                Some((*end - group.len(), *end))
+            })
+        };
+        let is_step = |&(start, end): &(usize, usize)| {
+            self.is_smooth(&falling[start..end]) && is_beside(&falling[..start], &falling[start..end])
+        };
+        let step = apart(GAP_DB / 2.0).filter(is_step).last().map(|(_, end)| end);
+        let (above, below) = match step.map(|end| falling.split_at(end)) {
+            Some((above, below)) if self.middle_of(above)? - self.middle_of(below)? >= GAP_DB => (above, below),
+            _ => falling.split_at(apart(GAP_DB).next()?.1),
+        };
+        let is_gap = below.len() >= FEW || above.len() < FEW || step.is_some();
+        (is_gap && !below.is_empty()).then(|| above.last().map(|&line| self.level_db[line]))?
+    }
+
+    /// Whether levels fall, or rise, by so many dB per octave, and no line is off.
+    fn is_power_law(&self, lines: &[usize]) -> bool {
+        let points = || lines.iter().map(|&line| (((line + 1) as f64).ln(), self.level_db[line]));
+        let n = lines.len() as f64;
+        let (x, y) = points().fold((0.0, 0.0), |(x, y), point| (x + point.0 / n, y + point.1 / n));
+        let (xx, xy) = points().fold((0.0, 0.0), |(xx, xy), point| {
+            (xx + (point.0 - x).powi(2), xy + (point.0 - x) * (point.1 - y))
+        });
+        let off = points().map(|point| (point.1 - y - xy / xx * (point.0 - x)).powi(2)).sum::<f64>();
+        lines.len() >= FEWEST && (off / (n - 2.0)).sqrt() <= SMOOTH_DB
+    }
+
+    /// Median level, none of no lines.
+    fn middle_of(&self, lines: &[usize]) -> Option<f64> {
+        let mut levels: Vec<f64> = lines.iter().map(|&line| self.level_db[line]).collect();
+        levels.sort_unstable_by(f64::total_cmp);
+        levels.get(levels.len() / 2).copied()
     }
 
     fn is_smooth(&self, lines: &[usize]) -> bool {
@@ -133,12 +183,15 @@ impl LineLevels {
         }
     }
 
-    /// Lines that do not stand above the floor are not excited.
+    /// Lines that do not stand above the floor, in the middle of those that are judged alike, are not
+    /// excited.
     fn below(&mut self, lines: &[usize], floor: Option<f64>) {
         let Some(floor) = floor else { return };
-        for &line in lines {
-            if self.level_db[line] < floor + ABOVE_DB {
-                self.is_excited[line] = Some(false);
+        for judged in [None, Some(true)] {
+            let alike = lines.iter().copied().filter(|&line| self.is_excited[line] == judged);
+            let alike: Vec<usize> = alike.collect();
+            if self.middle_of(&alike).is_some_and(|middle| middle < floor + ABOVE_DB) {
+                alike.iter().for_each(|&line| self.is_excited[line] = Some(false));
             }
         }
     }
@@ -146,10 +199,16 @@ impl LineLevels {
     /// Median level of the lines that are not excited, of three at least.
     fn middle(&self, lines: &[usize]) -> Option<f64> {
         let not_excited = lines.iter().filter(|&&line| self.is_excited[line] == Some(false));
-        let mut levels: Vec<f64> = not_excited.map(|&line| self.level_db[line]).collect();
-        levels.sort_unstable_by(f64::total_cmp);
-        (levels.len() >= 3).then(|| levels[levels.len() / 2])
+        let not_excited: Vec<usize> = not_excited.copied().collect();
+        self.middle_of(&not_excited).filter(|_| not_excited.len() >= 3)
     }
+}
+
+/// Whether no more than one in ten of the lines lies between the others.
+fn is_beside(others: &[usize], lines: &[usize]) -> bool {
+    let (Some(&first), Some(&last)) = (others.iter().min(), others.iter().max()) else { return true };
+    let between = lines.iter().filter(|&&line| first < line && line < last).count();
+    10 * between <= lines.len()
 }
 
 /// Windows of neighbouring lines, each half over the next.

@@ -7,14 +7,20 @@ use num_complex::Complex64;
 
 use crate::error::EstimateError;
 use crate::recording::cycle::{Cycle, synthesised};
-use crate::recording::few_events::{endless_fall, is_few_events};
+use crate::recording::few_events::few_events;
 use crate::recording::line_levels::LineLevels;
 use crate::recording::unlined::Unlined;
 use crate::spectra::Transform;
 use crate::spectra::line_dft::{LineDft, check_rising};
 
+/// Power below this share of that of the strongest line is rounding, ...
+const ROUNDING: f64 = 1e-20;
+/// ... or, where the period has a fraction, lost between samples.
+const BETWEEN_SAMPLES: f64 = 1e-5;
 /// How often what is lost in all periods is filled in by the lines found so far.
-const FILLED: usize = 12;
+const FILLED: usize = 24;
+/// Each time lines count that are so much weaker: at first what is lost looks like weak lines.
+const FILLED_DB: f64 = 6.0;
 
 /// Lines (DFT bins of the period) that a periodic reference `(channel, sample)` excites, NaN where
 /// samples are lost: those that stand 12 dB above the others in their neighbourhood and above the
@@ -86,11 +92,8 @@ fn excited(channel: ArrayView1<f64>, period: f64, dft: &LineDft) -> Result<Found
     if excited.is_empty() {
         return Ok(Found::Nothing(Unlined::Noise));
     }
-    if let Some(fall_db) = endless_fall(&levels, &excited) {
-        if is_few_events(fall_db, &spectrum, &excited, dft.n_samples()) {
-            let range = 10_f64.powf(fall_db / 20.0);
-            return Ok(Found::Nothing(Unlined::Endless { range }));
-        }
+    if let Some(range) = few_events(&levels, &spectrum, dft.n_samples()) {
+        return Ok(Found::Nothing(Unlined::Endless { range }));
     }
     let lines = excited.iter().map(|index| index + 1).collect();
     Ok(if levels.is_uniform() && !cycle.is_repeated { Found::Uniform(lines) } else { Found::Lines(lines) })
@@ -100,16 +103,18 @@ fn excited(channel: ArrayView1<f64>, period: f64, dft: &LineDft) -> Result<Found
 /// lines say that are found without it, again and again.
 fn settled(cycle: &Cycle, dft: &LineDft) -> Result<(Vec<Complex64>, LineLevels), EstimateError> {
     let mut mean = cycle.interpolated();
+    let inexact = if cycle.is_interpolated { BETWEEN_SAMPLES } else { ROUNDING };
     let is_whole = cycle.mean.iter().all(|value| !value.is_nan());
     for left in (0..if is_whole { 1 } else { FILLED }).rev() {
         let spectrum = dft.transform("reference", mean.view().insert_axis(Axis(0)))?;
         let spectrum = spectrum.into_flat().to_vec();
         let power: Vec<f64> = spectrum.iter().map(Complex64::norm_sqr).collect();
-        let levels = LineLevels::new(&power, &cycle.noise);
+        let levels = LineLevels::new(&power, &cycle.noise, inexact);
         if left == 0 {
             return Ok((spectrum, levels));
         }
-        mean = cycle.filled(&synthesised(&spectrum, &levels.excited(), dft.n_samples(), 0));
+        let strong = levels.strongest((FILLED - left) as f64 * FILLED_DB);
+        mean = cycle.filled(&synthesised(&spectrum, &strong, dft.n_samples(), 0));
     }
     Err(EstimateError::NoLines { cause: Unlined::Silent })
 }
