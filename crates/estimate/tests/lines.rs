@@ -40,6 +40,11 @@ fn statistics() {
 }
 
 #[test]
+fn dbg() {
+    let odd: Vec<usize> = (5..160).step_by(2).collect();
+    for slope in [0.0f64, -1.0] { let r = 2; let m = Multisine::new(2000.0, &odd, |h| (h as f64).powf(slope), 5); let mut c = Chance::new(3); check(&format!("lost slope {slope}"), &row(m.samples(r * 2000).iter().map(|x| if c.uniform() < 0.4 { f64::NAN } else { *x }).collect()), 2000.0, &odd); }
+}
+#[test]
 fn kinds() {
     let odd: Vec<usize> = (5..160).step_by(2).collect();
     let m = Multisine::new(2000.0, &odd, |_| 1.0, 1);

@@ -51,27 +51,25 @@ impl Cycle {
         Ok(Self { mean, noise: smoothed(&noise), is_repeated: true, is_interpolated })
     }
 
-    /// The mean, straight between the places around those that are lost.
-    pub(super) fn interpolated(&self) -> Array1<f64> {
-        let n = self.mean.len();
-        let present: Vec<usize> = (0..n).filter(|&k| !self.mean[k].is_nan()).collect();
-        let mut mean = self.mean.clone();
-        for (place, &before) in present.iter().enumerate() {
-            let after = present.get(place + 1).copied().unwrap_or(present[0] + n);
-            let rise = (self.mean[after % n] - self.mean[before]) / (after - before) as f64;
-            for k in before + 1..after {
-                mean[k % n] = self.mean[before] + rise * (k - before) as f64;
-            }
-        }
-        mean
+    /// Whether every place is there in some period.
+    pub(super) fn is_whole(&self) -> bool {
+        self.mean.iter().all(|value| !value.is_nan())
     }
 
-    /// The mean, with a model of its alternating part where it is lost.
+    /// The mean; where it is lost, the model, and what it misses at the places around, straight
+    /// between them.
     pub(super) fn filled(&self, model: &[f64]) -> Array1<f64> {
-        let present = || self.mean.iter().zip(model).filter(|(mean, _)| !mean.is_nan());
-        let level = present().map(|(mean, model)| mean - model).sum::<f64>() / present().count() as f64;
-        let fill = |(&mean, model): (&f64, &f64)| if mean.is_nan() { level + model } else { mean };
-        self.mean.iter().zip(model).map(fill).collect()
+        let n = self.mean.len();
+        let mut missed: Array1<f64> = self.mean.iter().zip(model).map(|(x, model)| x - model).collect();
+        let present: Vec<usize> = (0..n).filter(|&k| !missed[k].is_nan()).collect();
+        for (place, &before) in present.iter().enumerate() {
+            let after = present.get(place + 1).copied().unwrap_or(present[0] + n);
+            let rise = (missed[after % n] - missed[before]) / (after - before) as f64;
+            for k in before + 1..after {
+                missed[k % n] = missed[before] + rise * (k - before) as f64;
+            }
+        }
+        missed.iter().zip(model).map(|(missed, model)| missed + model).collect()
     }
 }
 

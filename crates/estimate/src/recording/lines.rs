@@ -100,21 +100,23 @@ fn excited(channel: ArrayView1<f64>, period: f64, dft: &LineDft) -> Result<Found
 }
 
 /// Spectrum of the mean period and levels of its lines; what is lost in all periods is what the
-/// lines say that are found without it, again and again.
+/// lines say that are found without it, and so on until they are the same again.
 fn settled(cycle: &Cycle, dft: &LineDft) -> Result<(Vec<Complex64>, LineLevels), EstimateError> {
-    let mut mean = cycle.interpolated();
     let inexact = if cycle.is_interpolated { BETWEEN_SAMPLES } else { ROUNDING };
-    let is_whole = cycle.mean.iter().all(|value| !value.is_nan());
-    for left in (0..if is_whole { 1 } else { FILLED }).rev() {
-        let spectrum = dft.transform("reference", mean.view().insert_axis(Axis(0)))?;
-        let spectrum = spectrum.into_flat().to_vec();
+    let n_samples = dft.n_samples();
+    let (mut model, mut before) = (vec![0.0; n_samples], None);
+    for filled in 1.. {
+        let mean = cycle.filled(&model).insert_axis(Axis(0));
+        let spectrum = dft.transform("reference", mean.view())?.into_flat().to_vec();
         let power: Vec<f64> = spectrum.iter().map(Complex64::norm_sqr).collect();
         let levels = LineLevels::new(&power, &cycle.noise, inexact);
-        if left == 0 {
+        let (excited, strong) = (levels.excited(), levels.strongest(filled as f64 * FILLED_DB));
+        let is_same = excited == strong && before.as_ref() == Some(&excited);
+        if cycle.is_whole() || is_same || filled == FILLED {
             return Ok((spectrum, levels));
         }
-        let strong = levels.strongest((FILLED - left) as f64 * FILLED_DB);
-        mean = cycle.filled(&synthesised(&spectrum, &strong, dft.n_samples(), 0));
+        model = synthesised(&spectrum, &strong, n_samples, 0);
+        before = Some(excited);
     }
     Err(EstimateError::NoLines { cause: Unlined::Silent })
 }
