@@ -37,7 +37,7 @@ mod recording {
     mod rests;
     mod run_ends;
     mod runs;
-    mod single_sweep;
+    pub(crate) mod single_sweep;
     mod slips;
     pub(crate) mod transient;
     mod two_states;
@@ -70,6 +70,7 @@ pub use recording::aperiodic::Aperiodic;
 pub use recording::lines::{find_lines, lines_at};
 pub use recording::period::find_period;
 pub use recording::repetition::{Repetition, find_repetition};
+pub use recording::single_sweep::Sweep;
 pub use recording::transient::count_transient_periods;
 pub use recording::unlined::Unlined;
 pub use shape::error::ShapeError;

@@ -7,10 +7,10 @@ use crate::recording::autocorrelation::{autocorrelation, peaks};
 use crate::recording::channel::Channel;
 use crate::recording::long_lags::Pairs;
 use crate::recording::runs::{LIMIT, Runs};
-use crate::recording::single_sweep::is_single_sweep;
+use crate::recording::single_sweep::{Sweep, single_sweep};
 
 /// A repetition that covers less than this share of what moves is chance.
-const CHANCE: f64 = 0.1;
+const CHANCE: f64 = 0.2;
 /// Lags that are compared for the message, the highest peaks of the correlation.
 const TRIED: usize = 12;
 
@@ -19,8 +19,11 @@ const TRIED: usize = 12;
 pub enum Aperiodic {
     /// No channel moves.
     Silent,
-    /// The frequency of the signal rises once from beginning to end.
-    SingleSweep,
+    /// The frequency of the signal rises, or falls, once from beginning to end.
+    SingleSweep(
+        /// Which way it goes.
+        Sweep,
+    ),
     /// Some of it repeats, but most of what moves does not.
     Partly {
         /// First sample of the longest run that repeats.
@@ -43,9 +46,14 @@ impl fmt::Display for Aperiodic {
                 f,
                 "no channel moves; record the excitation itself, or name the channel that holds it"
             ),
-            Self::SingleSweep => write!(
+            Self::SingleSweep(Sweep::Up) => write!(
                 f,
                 "it looks like one sweep, for which the Python package has `estimate_chirp`"
+            ),
+            Self::SingleSweep(Sweep::Down) => write!(
+                f,
+                "it looks like one sweep that falls; let it rise, for which the Python package has `estimate_chirp`, \
+                 or repeat it back to back"
             ),
             Self::Partly {
                 first,
@@ -96,11 +104,9 @@ fn cause(channels: &[Channel], given: Option<f64>, periods: &[usize]) -> Aperiod
     if given.is_some() {
         return Aperiodic::OtherPeriod;
     }
-    if channels
-        .iter()
-        .any(|channel| is_single_sweep(channel.values()))
-    {
-        return Aperiodic::SingleSweep;
+    let sweep = |channel: &Channel| single_sweep(channel.values());
+    if let Some(sweep) = channels.iter().find_map(sweep) {
+        return Aperiodic::SingleSweep(sweep);
     }
     let partly = periods
         .iter()

@@ -22,6 +22,8 @@ const SHARE: usize = 8;
 const SMOOTH_DB: f64 = 2.5;
 /// Fewer lines are smooth by chance.
 const FEW: usize = 6;
+/// Excitations fall by this much per octave at most: with the fourth power of the frequency.
+const STEEP_DB: f64 = 24.0;
 /// So few lines tell a power law.
 const FEWEST: usize = 4;
 /// In a steep spectrum the lowest lines lie far apart.
@@ -51,6 +53,7 @@ impl LineLevels {
         levels.split_windows();
         levels.spread_floor(false);
         levels.spread_floor(true);
+        levels.drop_strays();
         levels
     }
 
@@ -79,19 +82,19 @@ impl LineLevels {
         lines.clone().all(|line| self.is_above_noise[line] && self.is_excited[line].is_none())
     }
 
-    /// In each window, the lines above and below a gap.
+    /// In each window, the lines above and below a gap; a line is judged by the window in which it is
+    /// closest to the middle.
     fn split_windows(&mut self) {
-        for window in windows(self.level_db.len()) {
-            let quarter = window.len() / 4;
-            let inner = match (window.start, window.end) {
-                (0, end) if end == self.level_db.len() => window.clone(),
-                (0, end) => 0..end - quarter,
-                (start, end) if end == self.level_db.len() => start + quarter..end,
-                (start, end) => start + quarter..end - quarter,
-            };
-            let lines: Vec<usize> = window.filter(|&line| self.is_above_noise[line]).collect();
+        let windows = windows(self.level_db.len());
+        let mut first = 0;
+        for (index, window) in windows.iter().enumerate() {
+            // the middle of what this window and the next have in common
+            let next = windows.get(index + 1).map(|next| next.start.midpoint(window.end));
+            let judged = first..next.unwrap_or(window.end);
+            first = judged.end;
+            let lines: Vec<usize> = window.clone().filter(|&line| self.is_above_noise[line]).collect();
             let Some(least) = self.least_excited(&lines) else { continue };
-            for line in lines.into_iter().filter(|line| inner.contains(line)) {
+            for line in lines.into_iter().filter(|line| judged.contains(line)) {
                 self.is_excited[line] = Some(self.level_db[line] >= least);
             }
         }
@@ -196,6 +199,35 @@ impl LineLevels {
         }
     }
 
+    /// A line alone that is far below the nearest ones, as a hum or an overtone is, is not excited.
+    fn drop_strays(&mut self) {
+        loop {
+            let lines = self.excited();
+            let strays: Vec<usize> = (0..lines.len()).filter(|&at| self.is_stray(&lines, at)).collect();
+            if strays.is_empty() {
+                return;
+            }
+            strays.iter().for_each(|&at| self.is_excited[lines[at]] = Some(false));
+        }
+    }
+
+    /// Whether the line falls off its neighbours more steeply than any excitation, and few others
+    /// are like it.
+    fn is_stray(&self, lines: &[usize], at: usize) -> bool {
+        let (line, level) = (lines[at], self.level_db[lines[at]]);
+        let reach = length(line) / 2;
+        let is_near = |&&other: &&usize| other.abs_diff(line) <= reach;
+        let is_alike = |other: &&usize| (self.level_db[**other] - level).abs() < GAP_DB;
+        let around = lines[..at].iter().rev().take_while(is_near).chain(lines[at + 1..].iter().take_while(is_near));
+        let falls = |other: &usize| {
+            let octaves = ((other + 1) as f64 / (line + 1) as f64).log2().abs();
+            self.level_db[*other] - level > GAP_DB + STEEP_DB * octaves
+        };
+        let neighbours = [at.checked_sub(1), Some(at + 1)];
+        let mut neighbours = neighbours.into_iter().flatten().filter_map(|at| lines.get(at));
+        neighbours.any(falls) && around.filter(is_alike).count() < FEW
+    }
+
     /// Median level of the lines that are not excited, of three at least.
     fn middle(&self, lines: &[usize]) -> Option<f64> {
         let not_excited = lines.iter().filter(|&&line| self.is_excited[line] == Some(false));
@@ -215,13 +247,15 @@ fn is_beside(others: &[usize], lines: &[usize]) -> bool {
 fn windows(n_lines: usize) -> Vec<Range<usize>> {
     let mut windows = Vec::new();
     let mut start = 0;
-    loop {
-        let length = WINDOW.max(start / SHARE);
-        if start + length >= n_lines {
-            windows.push(n_lines.saturating_sub(length)..n_lines);
-            return windows;
-        }
-        windows.push(start..start + length);
-        start += length / 2;
+    while start + length(start) < n_lines {
+        windows.push(start..start + length(start));
+        start += length(start) / 2;
     }
+    windows.push(n_lines.saturating_sub(length(start))..n_lines);
+    windows
+}
+
+/// Length of the window that begins with a line.
+fn length(first: usize) -> usize {
+    WINDOW.max(first / SHARE)
 }

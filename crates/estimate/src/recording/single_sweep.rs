@@ -1,25 +1,39 @@
-//! Sweep that is there once: its frequency rises from part to part of the signal.
+//! Sweep that is there once: its frequency rises, or falls, from part to part of the signal.
 
 /// Parts that are compared.
 const PARTS: usize = 8;
-/// The last part must cross zero so many times more often than the first.
+/// The part at the fast end must cross zero so many times more often than the one at the slow end.
 const RISE: f64 = 2.0;
 /// A crossing counts when the signal goes as far beyond its mean, in rms: noise crosses more often.
 const BEYOND: f64 = 0.5;
 
-/// Whether the signal crosses its mean more and more often, from each eighth of it to the next.
-pub(super) fn is_single_sweep(values: &[f64]) -> bool {
+/// Which way the frequency of a sweep goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Sweep {
+    /// It rises.
+    Up,
+    /// It falls.
+    Down,
+}
+
+/// The way of a signal that crosses its mean more and more often, or less and less, from each eighth
+/// of it to the next.
+pub(super) fn single_sweep(values: &[f64]) -> Option<Sweep> {
     let active = active(values);
-    let counts: Vec<usize> = active
-        .chunks(active.len().div_ceil(PARTS).max(1))
-        .map(crossings)
-        .collect();
-    let rises = counts.windows(2).all(|pair| pair[0] < pair[1]);
-    let (first, last) = (counts.first().copied(), counts.last().copied());
-    let rise = first
-        .zip(last)
-        .is_some_and(|(first, last)| last as f64 >= RISE * first as f64);
-    counts.len() == PARTS && rises && rise
+    let part = active.len().div_ceil(PARTS).max(1);
+    let counts: Vec<usize> = active.chunks(part).map(crossings).collect();
+    let backward: Vec<usize> = counts.iter().rev().copied().collect();
+    match (rises(&counts), rises(&backward)) {
+        (true, _) => Some(Sweep::Up),
+        (_, true) => Some(Sweep::Down),
+        _ => None,
+    }
+}
+
+fn rises(counts: &[usize]) -> bool {
+    let ends = counts.first().zip(counts.last());
+    let rise = ends.is_some_and(|(&first, &last)| last as f64 >= RISE * first as f64);
+    counts.len() == PARTS && rise && counts.windows(2).all(|pair| pair[0] < pair[1])
 }
 
 /// What lies between the first and the last sample beyond half the rms.
