@@ -77,7 +77,9 @@ pub enum EstimateError {
         cause: Aperiodic,
     },
     /// A periodic reference of which no set of lines stands out.
-    #[error("no set of excited lines stands out: {cause}; the reference is no multisine, or --lines names its lines")]
+    #[error(
+        "no set of excited lines stands out: {cause}; the reference is no multisine, or --lines names its lines"
+    )]
     NoLines {
         /// What seems to be the reason.
         cause: Unlined,

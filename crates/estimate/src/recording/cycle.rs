@@ -25,11 +25,19 @@ pub(super) struct Cycle {
 
 impl Cycle {
     /// Of samples with NaN where they are lost, on the `dft` of the period next to `period`.
-    pub(super) fn new(samples: ArrayView1<f64>, period: f64, dft: &LineDft) -> Result<Self, EstimateError> {
+    pub(super) fn new(
+        samples: ArrayView1<f64>,
+        period: f64,
+        dft: &LineDft,
+    ) -> Result<Self, EstimateError> {
         let periods = folded(samples, period, dft.n_samples());
         let is_interpolated = period != dft.n_samples() as f64;
-        let counts = periods.map_axis(Axis(0), |phase| phase.iter().filter(|x| !x.is_nan()).count() as f64);
-        let sums = periods.map_axis(Axis(0), |phase| phase.iter().filter(|x| !x.is_nan()).sum::<f64>());
+        let counts = periods.map_axis(Axis(0), |phase| {
+            phase.iter().filter(|x| !x.is_nan()).count() as f64
+        });
+        let sums = periods.map_axis(Axis(0), |phase| {
+            phase.iter().filter(|x| !x.is_nan()).sum::<f64>()
+        });
         let mean = &sums / &counts;
         let mut noise = vec![0.0; dft.lines().len()];
         // of the squares at a place that `count` periods have, `count - 1` parts are noise; the mean
@@ -37,18 +45,33 @@ impl Cycle {
         let (kept, lost): (f64, f64) = counts
             .iter()
             .filter(|&&count| count > 0.0)
-            .fold((0.0, 0.0), |(kept, lost), count| (kept + 1.0 / count, lost + count - 1.0));
+            .fold((0.0, 0.0), |(kept, lost), count| {
+                (kept + 1.0 / count, lost + count - 1.0)
+            });
         if lost == 0.0 {
-            return Ok(Self { mean, noise, is_repeated: false, is_interpolated });
+            return Ok(Self {
+                mean,
+                noise,
+                is_repeated: false,
+                is_interpolated,
+            });
         }
         for period in periods.rows() {
             let mut difference = &period - &mean;
             difference.mapv_inplace(|value| if value.is_nan() { 0.0 } else { value });
             let spectrum = dft.transform("reference", difference.insert_axis(Axis(0)).view())?;
             let power = spectrum.iter().map(|value| value.norm_sqr() * kept / lost);
-            noise.iter_mut().zip(power).for_each(|(sum, power)| *sum += power);
+            noise
+                .iter_mut()
+                .zip(power)
+                .for_each(|(sum, power)| *sum += power);
         }
-        Ok(Self { mean, noise: smoothed(&noise), is_repeated: true, is_interpolated })
+        Ok(Self {
+            mean,
+            noise: smoothed(&noise),
+            is_repeated: true,
+            is_interpolated,
+        })
     }
 
     /// Whether every place is there in some period.
@@ -60,7 +83,12 @@ impl Cycle {
     /// between them.
     pub(super) fn filled(&self, model: &[f64]) -> Array1<f64> {
         let n = self.mean.len();
-        let mut missed: Array1<f64> = self.mean.iter().zip(model).map(|(x, model)| x - model).collect();
+        let mut missed: Array1<f64> = self
+            .mean
+            .iter()
+            .zip(model)
+            .map(|(x, model)| x - model)
+            .collect();
         let present: Vec<usize> = (0..n).filter(|&k| !missed[k].is_nan()).collect();
         for (place, &before) in present.iter().enumerate() {
             let after = present.get(place + 1).copied().unwrap_or(present[0] + n);
@@ -69,7 +97,11 @@ impl Cycle {
                 missed[k % n] = missed[before] + rise * (k - before) as f64;
             }
         }
-        missed.iter().zip(model).map(|(missed, model)| missed + model).collect()
+        missed
+            .iter()
+            .zip(model)
+            .map(|(missed, model)| missed + model)
+            .collect()
     }
 }
 
@@ -90,17 +122,29 @@ fn between(samples: ArrayView1<f64>, place: f64) -> f64 {
     let (whole, fraction) = (place.floor(), place - place.floor());
     let at = |offset: isize| {
         let index = (whole as usize).checked_add_signed(offset);
-        index.and_then(|index| samples.get(index)).copied().unwrap_or(f64::NAN)
+        index
+            .and_then(|index| samples.get(index))
+            .copied()
+            .unwrap_or(f64::NAN)
     };
     let taps = taps(fraction);
     let near = taps.iter().zip(1 - taps.len() as isize / 2..);
     let value: f64 = near.map(|(tap, offset)| tap * at(offset)).sum();
-    if value.is_nan() { (1.0 - fraction) * at(0) + fraction * at(1) } else { value }
+    if value.is_nan() {
+        (1.0 - fraction) * at(0) + fraction * at(1)
+    } else {
+        value
+    }
 }
 
 /// The samples of a period that has these lines of `spectrum`, which begins with line 1, and no
 /// other, differentiated `order` times, per turn.
-pub(super) fn synthesised(spectrum: &[Complex64], lines: &[usize], n_samples: usize, order: i32) -> Vec<f64> {
+pub(super) fn synthesised(
+    spectrum: &[Complex64],
+    lines: &[usize],
+    n_samples: usize,
+    order: i32,
+) -> Vec<f64> {
     let inverse = RealFftPlanner::<f64>::new().plan_fft_inverse(n_samples);
     let (mut bins, mut samples) = (inverse.make_input_vec(), inverse.make_output_vec());
     for &index in lines {
@@ -121,7 +165,10 @@ fn smoothed(noise: &[f64]) -> Vec<f64> {
         sums[line + 1] = sums[line] + value;
     }
     let mean = |line: usize| {
-        let (first, end) = (line.saturating_sub(SMOOTHED), (line + SMOOTHED + 1).min(noise.len()));
+        let (first, end) = (
+            line.saturating_sub(SMOOTHED),
+            (line + SMOOTHED + 1).min(noise.len()),
+        );
         ((sums[end] - sums[first]) / (end - first) as f64).max(noise[line])
     };
     (0..noise.len()).map(mean).collect()

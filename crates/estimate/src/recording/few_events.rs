@@ -24,11 +24,19 @@ const DERIVATIVES: i32 = 4;
 
 /// How far the lines fall, as a ratio of amplitudes, if the signal moves by a few jumps or kinks, so
 /// that it has no set of lines.
-pub(super) fn few_events(levels: &LineLevels, spectrum: &[Complex64], n_samples: usize) -> Option<f64> {
+pub(super) fn few_events(
+    levels: &LineLevels,
+    spectrum: &[Complex64],
+    n_samples: usize,
+) -> Option<f64> {
     let excited = levels.excited();
     let all = levels.above_noise();
     // one line alone may be the first harmonic of many
-    let lines = if is_first_of_many(levels, &excited, &all) { &all } else { &excited };
+    let lines = if is_first_of_many(levels, &excited, &all) {
+        &all
+    } else {
+        &excited
+    };
     let fall_db = endless_fall(levels, lines)?;
     let concentrated = |order| concentration(spectrum, lines, n_samples, order) > FEW_EVENTS;
     let is_few = fall_db >= RANGE_DB || fall_db >= FALL_DB && (1..=DERIVATIVES).any(concentrated);
@@ -52,7 +60,11 @@ fn endless_fall(levels: &LineLevels, lines: &[usize]) -> Option<f64> {
     ends.sort_unstable_by(f64::total_cmp);
     let end = ends[ends.len() / 2];
     let spacing = lines.iter().rev().nth(1).map_or(1, |before| last - before);
-    let behind = levels.level_db.iter().skip(last + 1).take((last / 4).max(24));
+    let behind = levels
+        .level_db
+        .iter()
+        .skip(last + 1)
+        .take((last / 4).max(24));
     let strongest = behind.clone().copied().fold(f64::NEG_INFINITY, f64::max);
     let has_end = behind.len() > 2 * spacing && end - strongest >= END_DB;
     let top = lines.iter().map(level).fold(f64::NEG_INFINITY, f64::max);

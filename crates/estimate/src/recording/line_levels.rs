@@ -60,12 +60,18 @@ impl LineLevels {
     /// Indices of the excited lines: those above the noise that no comparison speaks against.
     pub(super) fn excited(&self) -> Vec<usize> {
         let lines = 0..self.level_db.len();
-        lines.filter(|&line| self.is_above_noise[line] && self.is_excited[line] != Some(false)).collect()
+        lines
+            .filter(|&line| self.is_above_noise[line] && self.is_excited[line] != Some(false))
+            .collect()
     }
 
     /// Indices of the excited lines that are not weaker than the strongest by more.
     pub(super) fn strongest(&self, range_db: f64) -> Vec<usize> {
-        let top = self.level_db.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let top = self
+            .level_db
+            .iter()
+            .copied()
+            .fold(f64::NEG_INFINITY, f64::max);
         let mut lines = self.excited();
         lines.retain(|&line| self.level_db[line] >= top - range_db);
         lines
@@ -73,13 +79,17 @@ impl LineLevels {
 
     /// Indices of all lines above the noise.
     pub(super) fn above_noise(&self) -> Vec<usize> {
-        (0..self.level_db.len()).filter(|&line| self.is_above_noise[line]).collect()
+        (0..self.level_db.len())
+            .filter(|&line| self.is_above_noise[line])
+            .collect()
     }
 
     /// Whether nothing sets any line apart from the others.
     pub(super) fn is_uniform(&self) -> bool {
         let lines = 0..self.level_db.len();
-        lines.clone().all(|line| self.is_above_noise[line] && self.is_excited[line].is_none())
+        lines
+            .clone()
+            .all(|line| self.is_above_noise[line] && self.is_excited[line].is_none())
     }
 
     /// In each window, the lines above and below a gap; a line is judged by the window in which it is
@@ -89,11 +99,18 @@ impl LineLevels {
         let mut first = 0;
         for (index, window) in windows.iter().enumerate() {
             // the middle of what this window and the next have in common
-            let next = windows.get(index + 1).map(|next| next.start.midpoint(window.end));
+            let next = windows
+                .get(index + 1)
+                .map(|next| next.start.midpoint(window.end));
             let judged = first..next.unwrap_or(window.end);
             first = judged.end;
-            let lines: Vec<usize> = window.clone().filter(|&line| self.is_above_noise[line]).collect();
-            let Some(least) = self.least_excited(&lines) else { continue };
+            let lines: Vec<usize> = window
+                .clone()
+                .filter(|&line| self.is_above_noise[line])
+                .collect();
+            let Some(least) = self.least_excited(&lines) else {
+                continue;
+            };
             for line in lines.into_iter().filter(|line| judged.contains(line)) {
                 self.is_excited[line] = Some(self.level_db[line] >= least);
             }
@@ -102,11 +119,17 @@ impl LineLevels {
 
     /// The level from which on lines are excited, if there is a gap below it.
     fn least_excited(&self, lines: &[usize]) -> Option<f64> {
-        let (lowest, others): (Vec<usize>, Vec<usize>) = lines.iter().partition(|&&line| line < LOWEST);
-        let Some(least) = self.gap(&others) else { return self.gap(lines) };
+        let (lowest, others): (Vec<usize>, Vec<usize>) =
+            lines.iter().partition(|&&line| line < LOWEST);
+        let Some(least) = self.gap(&others) else {
+            return self.gap(lines);
+        };
         let nearest = others.iter().find(|&&line| self.level_db[line] >= least)?;
         let reach = self.level_db[*nearest] - GAP_DB;
-        let low = lowest.iter().map(|&line| self.level_db[line]).filter(|&level| level >= reach);
+        let low = lowest
+            .iter()
+            .map(|&line| self.level_db[line])
+            .filter(|&level| level >= reach);
         Some(low.fold(least, f64::min))
     }
 
@@ -128,11 +151,17 @@ impl LineLevels {
             })
         };
         let is_step = |&(start, end): &(usize, usize)| {
-            self.is_smooth(&falling[start..end]) && is_beside(&falling[..start], &falling[start..end])
+            self.is_smooth(&falling[start..end])
+                && is_beside(&falling[..start], &falling[start..end])
         };
-        let step = apart(GAP_DB / 2.0).filter(is_step).last().map(|(_, end)| end);
+        let step = apart(GAP_DB / 2.0)
+            .filter(is_step)
+            .last()
+            .map(|(_, end)| end);
         let (above, below) = match step.map(|end| falling.split_at(end)) {
-            Some((above, below)) if self.middle_of(above)? - self.middle_of(below)? >= GAP_DB => (above, below),
+            Some((above, below)) if self.middle_of(above)? - self.middle_of(below)? >= GAP_DB => {
+                (above, below)
+            }
             _ => falling.split_at(apart(GAP_DB).next()?.1),
         };
         let is_gap = below.len() >= FEW || above.len() < FEW || step.is_some();
@@ -141,13 +170,24 @@ impl LineLevels {
 
     /// Whether levels fall, or rise, by so many dB per octave, and no line is off.
     fn is_power_law(&self, lines: &[usize]) -> bool {
-        let points = || lines.iter().map(|&line| (((line + 1) as f64).ln(), self.level_db[line]));
+        let points = || {
+            lines
+                .iter()
+                .map(|&line| (((line + 1) as f64).ln(), self.level_db[line]))
+        };
         let n = lines.len() as f64;
-        let (x, y) = points().fold((0.0, 0.0), |(x, y), point| (x + point.0 / n, y + point.1 / n));
-        let (xx, xy) = points().fold((0.0, 0.0), |(xx, xy), point| {
-            (xx + (point.0 - x).powi(2), xy + (point.0 - x) * (point.1 - y))
+        let (x, y) = points().fold((0.0, 0.0), |(x, y), point| {
+            (x + point.0 / n, y + point.1 / n)
         });
-        let off = points().map(|point| (point.1 - y - xy / xx * (point.0 - x)).powi(2)).sum::<f64>();
+        let (xx, xy) = points().fold((0.0, 0.0), |(xx, xy), point| {
+            (
+                xx + (point.0 - x).powi(2),
+                xy + (point.0 - x) * (point.1 - y),
+            )
+        });
+        let off = points()
+            .map(|point| (point.1 - y - xy / xx * (point.0 - x)).powi(2))
+            .sum::<f64>();
         lines.len() >= FEWEST && (off / (n - 2.0)).sqrt() <= SMOOTH_DB
     }
 
@@ -162,7 +202,10 @@ impl LineLevels {
         let mut rising = lines.to_vec();
         rising.sort_unstable();
         let levels: Vec<f64> = rising.iter().map(|&line| self.level_db[line]).collect();
-        let bends: Vec<f64> = levels.windows(3).map(|l| l[0] - 2.0 * l[1] + l[2]).collect();
+        let bends: Vec<f64> = levels
+            .windows(3)
+            .map(|l| l[0] - 2.0 * l[1] + l[2])
+            .collect();
         let mean = bends.iter().map(|bend| bend * bend).sum::<f64>() / bends.len() as f64;
         lines.len() >= FEW && (mean / 6.0).sqrt() <= SMOOTH_DB
     }
@@ -191,10 +234,18 @@ impl LineLevels {
     fn below(&mut self, lines: &[usize], floor: Option<f64>) {
         let Some(floor) = floor else { return };
         for judged in [None, Some(true)] {
-            let alike = lines.iter().copied().filter(|&line| self.is_excited[line] == judged);
+            let alike = lines
+                .iter()
+                .copied()
+                .filter(|&line| self.is_excited[line] == judged);
             let alike: Vec<usize> = alike.collect();
-            if self.middle_of(&alike).is_some_and(|middle| middle < floor + ABOVE_DB) {
-                alike.iter().for_each(|&line| self.is_excited[line] = Some(false));
+            if self
+                .middle_of(&alike)
+                .is_some_and(|middle| middle < floor + ABOVE_DB)
+            {
+                alike
+                    .iter()
+                    .for_each(|&line| self.is_excited[line] = Some(false));
             }
         }
     }
@@ -203,43 +254,55 @@ impl LineLevels {
     fn drop_strays(&mut self) {
         loop {
             let lines = self.excited();
-            let strays: Vec<usize> = (0..lines.len()).filter(|&at| self.is_stray(&lines, at)).collect();
+            let is_stray = |&at: &usize| is_alone(&lines, at) && self.falls_off(&lines, at);
+            let strays: Vec<usize> = (0..lines.len()).filter(is_stray).collect();
             if strays.is_empty() {
                 return;
             }
-            strays.iter().for_each(|&at| self.is_excited[lines[at]] = Some(false));
+            strays
+                .iter()
+                .for_each(|&at| self.is_excited[lines[at]] = Some(false));
         }
     }
 
-    /// Whether the line falls off its neighbours more steeply than any excitation, and few others
-    /// are like it.
-    fn is_stray(&self, lines: &[usize], at: usize) -> bool {
-        let (line, level) = (lines[at], self.level_db[lines[at]]);
-        let reach = length(line) / 2;
-        let is_near = |&&other: &&usize| other.abs_diff(line) <= reach;
-        let is_alike = |other: &&usize| (self.level_db[**other] - level).abs() < GAP_DB;
-        let around = lines[..at].iter().rev().take_while(is_near).chain(lines[at + 1..].iter().take_while(is_near));
-        let falls = |other: &usize| {
-            let octaves = ((other + 1) as f64 / (line + 1) as f64).log2().abs();
-            self.level_db[*other] - level > GAP_DB + STEEP_DB * octaves
+    /// Whether one of the lines is below a neighbour by more than any excitation falls.
+    fn falls_off(&self, lines: &[usize], at: usize) -> bool {
+        let steep = |other: &usize| {
+            let octaves = ((other + 1) as f64 / (lines[at] + 1) as f64).log2().abs();
+            self.level_db[*other] - self.level_db[lines[at]] > GAP_DB + STEEP_DB * octaves
         };
-        let neighbours = [at.checked_sub(1), Some(at + 1)];
-        let mut neighbours = neighbours.into_iter().flatten().filter_map(|at| lines.get(at));
-        neighbours.any(falls) && around.filter(is_alike).count() < FEW
+        let before = at.checked_sub(1).and_then(|before| lines.get(before));
+        before.is_some_and(steep) || lines.get(at + 1).is_some_and(steep)
     }
 
     /// Median level of the lines that are not excited, of three at least.
     fn middle(&self, lines: &[usize]) -> Option<f64> {
-        let not_excited = lines.iter().filter(|&&line| self.is_excited[line] == Some(false));
+        let not_excited = lines
+            .iter()
+            .filter(|&&line| self.is_excited[line] == Some(false));
         let not_excited: Vec<usize> = not_excited.copied().collect();
-        self.middle_of(&not_excited).filter(|_| not_excited.len() >= 3)
+        self.middle_of(&not_excited)
+            .filter(|_| not_excited.len() >= 3)
     }
+}
+
+/// Whether few of the lines lie around one of them.
+fn is_alone(lines: &[usize], at: usize) -> bool {
+    let reach = length(lines[at]) / 2;
+    let is_near = |other: &&usize| other.abs_diff(lines[at]) <= reach;
+    let before = lines[..at].iter().rev().take_while(is_near).count();
+    before + lines[at + 1..].iter().take_while(is_near).count() < FEW
 }
 
 /// Whether no more than one in ten of the lines lies between the others.
 fn is_beside(others: &[usize], lines: &[usize]) -> bool {
-    let (Some(&first), Some(&last)) = (others.iter().min(), others.iter().max()) else { return true };
-    let between = lines.iter().filter(|&&line| first < line && line < last).count();
+    let (Some(&first), Some(&last)) = (others.iter().min(), others.iter().max()) else {
+        return true;
+    };
+    let between = lines
+        .iter()
+        .filter(|&&line| first < line && line < last)
+        .count();
     10 * between <= lines.len()
 }
 

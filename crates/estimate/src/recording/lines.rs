@@ -1,7 +1,7 @@
 //! Excited lines: found in a periodic reference, or checked against the grid of a period.
 
-use frfid_signals::checks::positive;
 use frfid_signals::check_finite;
+use frfid_signals::checks::positive;
 use ndarray::{ArrayView1, ArrayView2, Axis};
 use num_complex::Complex64;
 
@@ -32,7 +32,11 @@ const FILLED_DB: f64 = 6.0;
 /// multisine), [`frfid_signals::SignalError`] for a reference shorter than a period and one without
 /// a single sample.
 pub fn find_lines(reference: ArrayView2<f64>, period: f64) -> Result<Vec<usize>, EstimateError> {
-    let n_samples = if period.is_finite() { period.round().max(0.0) as usize } else { 0 };
+    let n_samples = if period.is_finite() {
+        period.round().max(0.0) as usize
+    } else {
+        0
+    };
     if n_samples == 0 || reference.nrows() == 0 || (reference.ncols() as f64) < period - 0.5 {
         let needed = format!("(channel, {} or more)", n_samples.max(1));
         return Err(EstimateError::shape("reference", reference.shape(), needed));
@@ -42,7 +46,10 @@ pub fn find_lines(reference: ArrayView2<f64>, period: f64) -> Result<Vec<usize>,
     }
     let lines: Vec<usize> = (1..n_samples.div_ceil(2)).collect();
     let dft = LineDft::new(n_samples, &lines)?;
-    let found = reference.rows().into_iter().map(|channel| excited(channel, period, &dft));
+    let found = reference
+        .rows()
+        .into_iter()
+        .map(|channel| excited(channel, period, &dft));
     union(found.collect::<Result<_, _>>()?)
 }
 
@@ -76,7 +83,11 @@ fn union(found: Vec<Found>) -> Result<Vec<usize>, EstimateError> {
     let mut lines = if lines.is_empty() { uniform } else { lines };
     lines.sort_unstable();
     lines.dedup();
-    if lines.is_empty() { Err(EstimateError::NoLines { cause }) } else { Ok(lines) }
+    if lines.is_empty() {
+        Err(EstimateError::NoLines { cause })
+    } else {
+        Ok(lines)
+    }
 }
 
 /// The lines of one channel.
@@ -96,21 +107,35 @@ fn excited(channel: ArrayView1<f64>, period: f64, dft: &LineDft) -> Result<Found
         return Ok(Found::Nothing(Unlined::Endless { range }));
     }
     let lines = excited.iter().map(|index| index + 1).collect();
-    Ok(if levels.is_uniform() && !cycle.is_repeated { Found::Uniform(lines) } else { Found::Lines(lines) })
+    Ok(if levels.is_uniform() && !cycle.is_repeated {
+        Found::Uniform(lines)
+    } else {
+        Found::Lines(lines)
+    })
 }
 
 /// Spectrum of the mean period and levels of its lines; what is lost in all periods is what the
 /// lines say that are found without it, and so on until they are the same again.
 fn settled(cycle: &Cycle, dft: &LineDft) -> Result<(Vec<Complex64>, LineLevels), EstimateError> {
-    let inexact = if cycle.is_interpolated { BETWEEN_SAMPLES } else { ROUNDING };
+    let inexact = if cycle.is_interpolated {
+        BETWEEN_SAMPLES
+    } else {
+        ROUNDING
+    };
     let n_samples = dft.n_samples();
     let (mut model, mut before) = (vec![0.0; n_samples], None);
     for filled in 1.. {
         let mean = cycle.filled(&model).insert_axis(Axis(0));
-        let spectrum = dft.transform("reference", mean.view())?.into_flat().to_vec();
+        let spectrum = dft
+            .transform("reference", mean.view())?
+            .into_flat()
+            .to_vec();
         let power: Vec<f64> = spectrum.iter().map(Complex64::norm_sqr).collect();
         let levels = LineLevels::new(&power, &cycle.noise, inexact);
-        let (excited, strong) = (levels.excited(), levels.strongest(filled as f64 * FILLED_DB));
+        let (excited, strong) = (
+            levels.excited(),
+            levels.strongest(filled as f64 * FILLED_DB),
+        );
         let is_same = excited == strong && before.as_ref() == Some(&excited);
         if cycle.is_whole() || is_same || filled == FILLED {
             return Ok((spectrum, levels));
@@ -118,7 +143,9 @@ fn settled(cycle: &Cycle, dft: &LineDft) -> Result<(Vec<Complex64>, LineLevels),
         model = synthesised(&spectrum, &strong, n_samples, 0);
         before = Some(excited);
     }
-    Err(EstimateError::NoLines { cause: Unlined::Silent })
+    Err(EstimateError::NoLines {
+        cause: Unlined::Silent,
+    })
 }
 
 /// Lines of a period of `n_samples` at `frequencies_hz`, which must rise.
@@ -167,6 +194,7 @@ mod tests {
     use super::*;
     use crate::testing::refusal;
     use frfid_signals::random::{normal, phase, stream};
+    use ndarray::Array2;
     use std::f64::consts::TAU;
 
     fn multisine(lines: &[usize], amplitude: impl Fn(usize) -> f64, noise: f64) -> Array2<f64> {

@@ -24,13 +24,6 @@ const DEVIATIONS: f64 = 25.0;
 /// A difference below this share of the power is rounding or interpolation.
 const ROUNDING: f64 = 1e-9;
 
-/// A period, and how well it holds over many of them.
-pub(super) struct LongLags {
-    pub(super) period: f64,
-    /// Largest share of the power that does not repeat over 1, 2, 4, ... periods.
-    pub(super) residual: f64,
-}
-
 /// Pairs of samples of `runs`, every `stride`-th.
 pub(super) struct Pairs<'a> {
     pub(super) channels: &'a [Channel],
@@ -39,24 +32,18 @@ pub(super) struct Pairs<'a> {
 }
 
 impl Pairs<'_> {
-    /// Refines `period`, which must be right to two samples.
-    pub(super) fn refine(&self, period: f64) -> LongLags {
-        let mut best = LongLags {
-            period,
-            residual: 0.0,
-        };
-        let (mut count, mut last) = (1, None);
-        while self.longest() >= (count as f64 + LEAST) * best.period {
-            let valley = self.valley((count as f64 * best.period).round() as usize);
-            best.period = valley.lag / count as f64;
-            best.residual = best.residual.max(valley.least);
+    /// The period to a fraction of a sample; `period` must be right to two samples.
+    pub(super) fn refine(&self, period: f64) -> f64 {
+        let (mut refined, mut count, mut last) = (period, 1, None);
+        while self.longest() >= (count as f64 + LEAST) * refined {
+            let valley = self.valley((count as f64 * refined).round() as usize);
+            refined = valley.lag / count as f64;
             last = Some((valley, count));
             count *= 2;
         }
-        if let Some((valley, count)) = last {
-            best.period = self.whole(best.period, &valley, count);
-        }
-        best
+        last.map_or(refined, |(valley, count)| {
+            self.whole(refined, &valley, count)
+        })
     }
 
     fn longest(&self) -> f64 {
@@ -185,6 +172,16 @@ impl Pairs<'_> {
             sums.difference / sums.power.max(f64::MIN_POSITIVE),
             sums.count,
         )
+    }
+
+    /// Share of the power that does not repeat after 1, 2, 4, ... periods, the largest.
+    pub(super) fn worst(&self, period: f64) -> f64 {
+        let (mut worst, mut count) = (0.0_f64, 1);
+        while self.longest() >= (count as f64 + LEAST) * period {
+            worst = worst.max(self.residual(count as f64 * period));
+            count *= 2;
+        }
+        worst
     }
 
     /// Share of the power that does not repeat after a lag that may have a fraction.

@@ -128,25 +128,27 @@ impl Candidate {
     fn refined(channels: &[Channel], runs: Runs) -> Option<Self> {
         let stride = stride(channels, runs.period);
         let (period, parts) = without_slips(channels, &runs.runs, runs.period, stride);
-        let inner: Vec<Range<usize>> = parts.iter().map(|run| inner(run, period)).collect();
+        let inner = inner(&parts, period);
         let pairs = Pairs {
             channels,
             runs: &inner,
             stride,
         };
-        let long = pairs.refine(period);
-        if long.residual > LONG_LIMIT || parts.is_empty() {
+        let period = pairs.refine(period);
+        let residual = pairs.worst(period);
+        if residual > LONG_LIMIT || parts.is_empty() {
             return None;
         }
-        let residual = long.residual.max(pairs.residual(long.period));
         let covered = n_present(channels, &parts, stride);
+        let left_out = runs.left_out + runs.covered.saturating_sub(covered);
         let runs = Runs {
-            period: long.period,
+            period,
             runs: parts,
             covered,
+            left_out,
             ..runs
         };
-        Some(Self { runs, residual })
+        Some(Self { runs, residual }).filter(|found| found.runs.is_sound())
     }
 
     /// Residual below which another period explains as much.
@@ -160,10 +162,11 @@ impl Candidate {
     }
 }
 
-/// The run without its ends, whose place noise may hide: an eighth of a period each.
-fn inner(run: &Range<usize>, period: f64) -> Range<usize> {
+/// The runs without their ends, whose place noise may hide: an eighth of a period each.
+fn inner(runs: &[Range<usize>], period: f64) -> Vec<Range<usize>> {
     let edge = (EDGE * period) as usize;
-    run.start + edge..run.end - edge
+    let inner = |run: &Range<usize>| run.start + edge..run.end - edge;
+    runs.iter().map(inner).collect()
 }
 
 /// Places are that far apart.
@@ -284,18 +287,31 @@ fn part(
     }
     let part = Candidate::new(channels, period)?;
     let covers = part.runs.covered as f64 >= AS_MUCH * best.runs.covered as f64;
-    (covers && part.residual <= best.as_good(part.runs.period)).then_some(part)
+    let pairs = Pairs {
+        channels,
+        runs: &inner(&best.runs.runs, best.runs.period),
+        stride: stride(channels, period),
+    };
+    let is_as_good = pairs.worst(part.runs.period) <= best.as_good(part.runs.period);
+    (covers && is_as_good).then_some(part)
 }
 
 /// The runs of a period, sample by sample.
 fn found(channels: &[Channel], period: f64) -> Option<Repetition> {
     let mut runs = Runs::find(channels, period, 1);
-    runs.runs = without_slips(channels, &runs.runs, period, stride(channels, period)).1;
+    let stride = stride(channels, period);
+    runs.runs = without_slips(channels, &runs.runs, period, stride).1;
     let rests = find_rests(channels, &runs);
-    let (is_empty, residual) = (runs.runs.is_empty(), runs.residual);
-    (!is_empty).then_some(Repetition {
+    let runs = Some(runs.runs).filter(|runs| !runs.is_empty())?;
+    let pairs = Pairs {
+        channels,
+        runs: &runs,
+        stride,
+    };
+    let residual = pairs.residual(period);
+    Some(Repetition {
         period,
-        runs: runs.runs,
+        runs,
         rests,
         residual,
     })

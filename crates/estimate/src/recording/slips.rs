@@ -13,6 +13,11 @@ use crate::recording::long_lags::{LocalLag, Pairs};
 const LEAST: f64 = 0.5;
 /// ... and by so many standard deviations.
 const DEVIATIONS: f64 = 8.0;
+/// Lags disagree if half of them are further from the usual one than a quarter of a sample, or so
+/// much of a short period, ...
+const DISAGREE: f64 = 0.004;
+/// ... and than so many standard deviations, of which half lie within 0.67.
+const SCATTER: f64 = 2.5;
 /// A run is looked at in windows of one period that are so far apart, in periods.
 const STEP: f64 = 0.5;
 
@@ -35,18 +40,34 @@ pub(super) fn without_slips(
     };
     let lags = |run: &Range<usize>| starts(run, period).map(lag).collect();
     let lags: Vec<Vec<(usize, LocalLag)>> = runs.iter().map(lags).collect();
-    let mut sorted: Vec<f64> = lags.iter().flatten().map(|(_, local)| local.lag).collect();
-    sorted.sort_unstable_by(f64::total_cmp);
-    let usual = sorted.get(sorted.len() / 2).copied().unwrap_or(period);
+    let usual = median(lags.iter().flatten().map(|(_, local)| local.lag)).unwrap_or(period);
+    if !agree(&lags, usual) {
+        return (usual, Vec::new());
+    }
     let parts = runs.iter().zip(&lags).flat_map(|(run, lags)| {
         let slips = slips(lags, usual).into_iter();
-        let places: Vec<usize> = slips
+        let places = slips
             .map(|slip| place(channels, run, usual, &slip))
             .collect();
         parts(run, places)
     });
     let is_long = |part: &Range<usize>| part.len() as f64 > 2.0 * period - 1.0;
     (usual, parts.filter(is_long).collect())
+}
+
+/// Whether most windows have the usual lag: cycles of a narrow band, or of a sweep, are alike from one
+/// to the next, but each has a length of its own.
+fn agree(lags: &[Vec<(usize, LocalLag)>], usual: f64) -> bool {
+    let all = || lags.iter().flatten().map(|(_, local)| local);
+    let off = median(all().map(|local| (local.lag - usual).abs())).unwrap_or(0.0);
+    let chance = median(all().map(|local| local.deviation)).unwrap_or(0.0);
+    off <= (DISAGREE * usual).min(LEAST / 2.0).max(SCATTER * chance)
+}
+
+fn median(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.collect();
+    values.sort_unstable_by(f64::total_cmp);
+    values.get(values.len() / 2).copied()
 }
 
 /// Where the windows of a run begin.
