@@ -143,3 +143,8 @@ fn silver() {
             .collect::<Vec<_>>()
     );
 }
+
+#[test]
+fn emps() {
+    show("qg", &load("data_emps.qg"));
+}

@@ -6,8 +6,8 @@
 
 use std::ops::Range;
 
-/// Smallest gap between the weakest excited line of a window and the strongest other one (12 dB).
-const GAP_DB: f64 = 12.0;
+use crate::recording::level_gap::{FEW, GAP_DB, least_excited, middle};
+
 /// An excited line stands as far above the middle of the lines that are not, of its own parity: of
 /// random ones, one in ten million does.
 const ABOVE_DB: f64 = 14.0;
@@ -17,18 +17,8 @@ const ABOVE_NOISE: f64 = 20.0;
 /// Lines in a window at least, and as a share of its first line.
 const WINDOW: usize = 48;
 const SHARE: usize = 8;
-/// Levels are smooth if second differences, over those of independent numbers of the same spread,
-/// are below this; random lines have 5.6 dB.
-const SMOOTH_DB: f64 = 2.5;
-/// Fewer lines are smooth by chance.
-const FEW: usize = 6;
 /// Excitations fall by this much per octave at most: with the fourth power of the frequency.
 const STEEP_DB: f64 = 24.0;
-/// So few lines tell a power law.
-const FEWEST: usize = 4;
-/// In a steep spectrum the lowest lines lie far apart.
-const LOWEST: usize = 4;
-
 /// Levels of the lines from 1 on, and what is known of each.
 pub(super) struct LineLevels {
     /// In dB; that of the noise where it is higher.
@@ -108,106 +98,13 @@ impl LineLevels {
                 .clone()
                 .filter(|&line| self.is_above_noise[line])
                 .collect();
-            let Some(least) = self.least_excited(&lines) else {
+            let Some(least) = least_excited(&self.level_db, &lines) else {
                 continue;
             };
             for line in lines.into_iter().filter(|line| judged.contains(line)) {
                 self.is_excited[line] = Some(self.level_db[line] >= least);
             }
         }
-    }
-
-    /// The level from which on lines are excited, if there is a gap below it.
-    fn least_excited(&self, lines: &[usize]) -> Option<f64> {
-        let (lowest, others): (Vec<usize>, Vec<usize>) =
-            lines.iter().partition(|&&line| line < LOWEST);
-        let Some(least) = self.gap(&others) else {
-            return self.gap(lines);
-        };
-        let nearest = others.iter().find(|&&line| self.level_db[line] >= least)?;
-        let reach = self.level_db[*nearest] - GAP_DB;
-        let low = lowest
-            .iter()
-            .map(|&line| self.level_db[line])
-            .filter(|&level| level >= reach);
-        Some(low.fold(least, f64::min))
-    }
-
-    /// The lowest level above the gap: the first one of 12 dB, or, below lines that are smooth, of half
-    /// of that if the others lie 12 dB below in the middle. Smooth lines beside those above, as
-    /// opposed to between them, are a step of the excitation.
-    fn gap(&self, lines: &[usize]) -> Option<f64> {
-        if self.is_power_law(lines) {
-            return None;
-        }
-        let mut falling = lines.to_vec();
-        falling.sort_by(|&a, &b| self.level_db[b].total_cmp(&self.level_db[a]));
-        let apart = |gap: f64| {
-            let is_joined = move |a: &usize, b: &usize| self.level_db[*a] - self.level_db[*b] < gap;
-            let groups = falling.chunk_by(is_joined);
-            groups.scan(0, |end, group| {
-                *end += group.len();
-                Some((*end - group.len(), *end))
-            })
-        };
-        let is_step = |&(start, end): &(usize, usize)| {
-            self.is_smooth(&falling[start..end])
-                && is_beside(&falling[..start], &falling[start..end])
-        };
-        let step = apart(GAP_DB / 2.0)
-            .filter(is_step)
-            .last()
-            .map(|(_, end)| end);
-        let (above, below) = match step.map(|end| falling.split_at(end)) {
-            Some((above, below)) if self.middle_of(above)? - self.middle_of(below)? >= GAP_DB => {
-                (above, below)
-            }
-            _ => falling.split_at(apart(GAP_DB).next()?.1),
-        };
-        let is_gap = below.len() >= FEW || above.len() < FEW || step.is_some();
-        (is_gap && !below.is_empty()).then(|| above.last().map(|&line| self.level_db[line]))?
-    }
-
-    /// Whether levels fall, or rise, by so many dB per octave, and no line is off.
-    fn is_power_law(&self, lines: &[usize]) -> bool {
-        let points = || {
-            lines
-                .iter()
-                .map(|&line| (((line + 1) as f64).ln(), self.level_db[line]))
-        };
-        let n = lines.len() as f64;
-        let (x, y) = points().fold((0.0, 0.0), |(x, y), point| {
-            (x + point.0 / n, y + point.1 / n)
-        });
-        let (xx, xy) = points().fold((0.0, 0.0), |(xx, xy), point| {
-            (
-                xx + (point.0 - x).powi(2),
-                xy + (point.0 - x) * (point.1 - y),
-            )
-        });
-        let off = points()
-            .map(|point| (point.1 - y - xy / xx * (point.0 - x)).powi(2))
-            .sum::<f64>();
-        lines.len() >= FEWEST && (off / (n - 2.0)).sqrt() <= SMOOTH_DB
-    }
-
-    /// Median level, none of no lines.
-    fn middle_of(&self, lines: &[usize]) -> Option<f64> {
-        let mut levels: Vec<f64> = lines.iter().map(|&line| self.level_db[line]).collect();
-        levels.sort_unstable_by(f64::total_cmp);
-        levels.get(levels.len() / 2).copied()
-    }
-
-    fn is_smooth(&self, lines: &[usize]) -> bool {
-        let mut rising = lines.to_vec();
-        rising.sort_unstable();
-        let levels: Vec<f64> = rising.iter().map(|&line| self.level_db[line]).collect();
-        let bends: Vec<f64> = levels
-            .windows(3)
-            .map(|l| l[0] - 2.0 * l[1] + l[2])
-            .collect();
-        let mean = bends.iter().map(|bend| bend * bend).sum::<f64>() / bends.len() as f64;
-        lines.len() >= FEW && (mean / 6.0).sqrt() <= SMOOTH_DB
     }
 
     /// Carries the level of lines that are not excited on to windows in which nothing else is seen.
@@ -234,20 +131,21 @@ impl LineLevels {
     fn below(&mut self, lines: &[usize], floor: Option<f64>) {
         let Some(floor) = floor else { return };
         for judged in [None, Some(true)] {
-            let alike = lines
-                .iter()
-                .copied()
-                .filter(|&line| self.is_excited[line] == judged);
-            let alike: Vec<usize> = alike.collect();
-            if self
-                .middle_of(&alike)
-                .is_some_and(|middle| middle < floor + ABOVE_DB)
-            {
-                alike
-                    .iter()
-                    .for_each(|&line| self.is_excited[line] = Some(false));
+            let alike = lines.iter().copied();
+            let alike: Vec<usize> = alike
+                .filter(|&line| self.is_excited[line] == judged)
+                .collect();
+            let middle = middle(&self.level_db, &alike);
+            if middle.is_some_and(|middle| middle < floor + ABOVE_DB) {
+                self.reject(&alike);
             }
         }
+    }
+
+    fn reject(&mut self, lines: &[usize]) {
+        lines
+            .iter()
+            .for_each(|&line| self.is_excited[line] = Some(false));
     }
 
     /// A line alone that is far below the nearest ones, as a hum or an overtone is, is not excited.
@@ -255,13 +153,12 @@ impl LineLevels {
         loop {
             let lines = self.excited();
             let is_stray = |&at: &usize| is_alone(&lines, at) && self.falls_off(&lines, at);
-            let strays: Vec<usize> = (0..lines.len()).filter(is_stray).collect();
+            let strays = (0..lines.len()).filter(is_stray).map(|at| lines[at]);
+            let strays: Vec<usize> = strays.collect();
             if strays.is_empty() {
                 return;
             }
-            strays
-                .iter()
-                .for_each(|&at| self.is_excited[lines[at]] = Some(false));
+            self.reject(&strays);
         }
     }
 
@@ -281,8 +178,7 @@ impl LineLevels {
             .iter()
             .filter(|&&line| self.is_excited[line] == Some(false));
         let not_excited: Vec<usize> = not_excited.copied().collect();
-        self.middle_of(&not_excited)
-            .filter(|_| not_excited.len() >= 3)
+        middle(&self.level_db, &not_excited).filter(|_| not_excited.len() >= 3)
     }
 }
 
@@ -292,18 +188,6 @@ fn is_alone(lines: &[usize], at: usize) -> bool {
     let is_near = |other: &&usize| other.abs_diff(lines[at]) <= reach;
     let before = lines[..at].iter().rev().take_while(is_near).count();
     before + lines[at + 1..].iter().take_while(is_near).count() < FEW
-}
-
-/// Whether no more than one in ten of the lines lies between the others.
-fn is_beside(others: &[usize], lines: &[usize]) -> bool {
-    let (Some(&first), Some(&last)) = (others.iter().min(), others.iter().max()) else {
-        return true;
-    };
-    let between = lines
-        .iter()
-        .filter(|&&line| first < line && line < last)
-        .count();
-    10 * between <= lines.len()
 }
 
 /// Windows of neighbouring lines, each half over the next.

@@ -15,7 +15,7 @@ const CLEAR: f64 = 30.0;
 /// Lags between samples that are compared, in samples.
 const FINE: f64 = 0.125;
 /// How often a valley is looked for at its own place.
-const RECENTRED: usize = 3;
+const RECENTRED: usize = 8;
 /// A period that is whole to within this many samples over the whole run is whole.
 const WHOLE: f64 = 0.1;
 /// So many standard deviations (of white noise, in power) a fraction must lie from the next whole
@@ -174,14 +174,15 @@ impl Pairs<'_> {
         )
     }
 
-    /// Share of the power that does not repeat after 1, 2, 4, ... periods, the largest.
-    pub(super) fn worst(&self, period: f64) -> f64 {
-        let (mut worst, mut count) = (0.0_f64, 1);
-        while self.longest() >= (count as f64 + LEAST) * period {
-            worst = worst.max(self.residual(count as f64 * period));
-            count *= 2;
+    /// Share of the power that does not repeat after 1, 2, 4, ... periods up to the lag `last`, the
+    /// largest, and the last lag there was.
+    pub(super) fn worst(&self, period: f64, last: f64) -> (f64, f64) {
+        let (mut worst, mut lag) = (0.0_f64, period);
+        while lag <= last.min(self.longest() - LEAST * period) {
+            worst = worst.max(self.residual(lag));
+            lag *= 2.0;
         }
-        worst
+        (worst, lag / 2.0)
     }
 
     /// Share of the power that does not repeat after a lag that may have a fraction.
