@@ -129,7 +129,7 @@ fn motor_bench() {
 
     let period = find_period(r).expect("twenty periods");
     assert_eq!(period, 2500);
-    let lines = find_lines(r, period).expect("a multisine");
+    let lines = find_lines(r, period as f64).expect("a multisine");
     assert_eq!(lines, (11..=250).collect::<Vec<_>>(), "240 lines");
     let (all_u, all_y) = (periods(u, period, 0), periods(y.view(), period, 0));
     assert_eq!(
@@ -180,7 +180,7 @@ fn silverbox() {
     let (u, y) = (cut(&u), cut(&y));
     let odd: Vec<usize> = (1..=2683).step_by(2).collect();
     for p in 0..10 {
-        let mut found = find_lines(u.slice(s![p, 0, 0, .., ..]), 8192).expect("a multisine");
+        let mut found = find_lines(u.slice(s![p, 0, 0, .., ..]), 8192.0).expect("a multisine");
         // mains at 150 Hz is as strong as a line; one period cannot tell them apart
         found.retain(|&line| line != 2014);
         assert_eq!(found, odd, "1342 odd lines in realization {p}");
@@ -216,7 +216,7 @@ fn f16(level: usize) -> Option<Frf> {
     );
     let period = find_period(reference.view()).expect("nine periods");
     assert_eq!(period, 8192);
-    let lines = find_lines(reference.view(), period).expect("a multisine");
+    let lines = find_lines(reference.view(), period as f64).expect("a multisine");
     assert_eq!(lines, (41..=307).collect::<Vec<_>>());
     let transient =
         count_transient_periods(periods(y.view(), period, 0).view(), &lines).expect("it settles");
@@ -290,7 +290,7 @@ fn recordings_without_lines_or_period_are_refused() {
             let reference = npz(&path, name);
             let period = find_period(reference.view());
             assert_eq!(period, Ok(6240), "{name}");
-            let lines = find_lines(reference.view(), 6240);
+            let lines = find_lines(reference.view(), 6240.0);
             println!("EMPS {name}: {lines:.0?}");
             assert!(
                 matches!(lines, Err(EstimateError::NoLines { .. })),

@@ -5,6 +5,15 @@
 //! units and the DFT follow `frfid_signals`. Nothing here knows files, clocks or chance.
 
 mod compare;
+/// Correlation of a signal with itself: power that repeats after a lag, over holes and rests.
+mod correlation {
+    pub(crate) mod autocorrelation;
+    pub(crate) mod channel;
+    pub(crate) mod lag;
+    pub(crate) mod likeness;
+    pub(crate) mod local_power;
+    pub(crate) mod long_lags;
+}
 mod error;
 mod excitation_strength;
 mod frf;
@@ -17,52 +26,32 @@ mod glide {
     pub(crate) mod torque_table;
 }
 mod harmonics;
+mod lines;
 mod look;
 mod period_index;
-/// Properties found in a recording that frfid did not make: its period, lines and transient.
+/// Runs of a recording: the spectra of their periods, the clock of who played them.
 mod recording {
-    pub(crate) mod aperiodic;
-    mod autocorrelation;
-    mod channel;
     pub(crate) mod clock_ratio;
-    mod decay_part;
-    mod decay_shapes;
-    mod decay_test;
-    mod holes;
-    pub(crate) mod input_changes;
-    mod lag;
-    mod likeness;
-    pub(crate) mod lines;
-    mod local_power;
-    mod long_lags;
-    pub(crate) mod period;
-    mod period_windows;
-    mod phase_means;
-    pub(crate) mod repetition;
-    mod rests;
-    mod run_ends;
     pub(crate) mod run_periods;
-    mod runs;
-    pub(crate) mod settling;
-    mod single_sweep;
-    mod slips;
-    pub(crate) mod transient;
-    pub(crate) mod trend;
-    pub(crate) mod trend_model;
-    mod two_states;
-    pub(crate) mod unexcited_lines;
 }
+mod repetition;
+mod settling;
 mod shape;
 mod spectra;
 mod spectrogram;
 #[cfg(test)]
 mod testing;
+mod trend;
 
 pub use compare::change::{Change, Side, Sides};
 pub use compare::resonance::{Feature, FeatureKind, find_features};
 pub use compare::verdict::Verdict;
 pub use compare::{CompareOptions, Comparison, EntryComparison, compare};
-pub use error::{Deficiency, DeficientLine, EstimateError};
+pub use error::EstimateError;
+pub use error::aperiodic::Aperiodic;
+pub use error::aperiodic::Sweep;
+pub use error::deficient_line::{Deficiency, DeficientLine};
+pub use error::unlined::Unlined;
 pub use excitation_strength::pooling::pooled_strength;
 pub use excitation_strength::stuck::standing_share;
 pub use excitation_strength::warnings::strength_warnings;
@@ -77,22 +66,19 @@ pub use glide::by_position::RippleTorque;
 pub use glide::in_time::subtract_glide;
 pub use glide::ripple_residual::{FreeLines, ResidualLevel};
 pub use harmonics::harmonic_levels;
+pub use lines::unexcited_lines::unexcited_lines;
+pub use lines::{find_lines, lines_at};
 pub use look::look;
 pub use look::oddity::{Consequence, Level, Oddity};
 pub use look::wrapped::unwrapped;
 pub use period_index::PeriodIndex;
-pub use recording::aperiodic::Aperiodic;
 pub use recording::clock_ratio::{ClockRatio, find_clock_ratio};
-pub use recording::input_changes::without_input_changes;
-pub use recording::lines::{find_lines, lines_at};
-pub use recording::period::find_period;
-pub use recording::repetition::{Repetition, find_repetition};
 pub use recording::run_periods::RunPeriods;
-pub use recording::settling::{Settling, UnsettledLine, judge_settling};
-pub use recording::transient::count_transient_periods;
-pub use recording::trend::{Trend, find_trend};
-pub use recording::trend_model::Decay;
-pub use recording::unexcited_lines::unexcited_lines;
+pub use repetition::period::find_period;
+pub use repetition::{Repetition, find_repetition};
+pub use settling::input_changes::without_input_changes;
+pub use settling::transient::count_transient_periods;
+pub use settling::{Settling, UnsettledLine, judge_settling};
 pub use shape::error::ShapeError;
 pub use shape::iteration::{Estimate, Iteration};
 pub use shape::note::Note;
@@ -108,3 +94,5 @@ pub use spectra::harmonic_fit::HarmonicFit;
 pub use spectra::line_dft::LineDft;
 pub use spectra::{Evaluation, Transform};
 pub use spectrogram::{Spectrogram, SpectrogramOptions, spectrogram};
+pub use trend::trend_model::Decay;
+pub use trend::{Trend, find_trend};

@@ -19,7 +19,8 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::error::{Deficiency, DeficientLine, EstimateError};
+use crate::error::EstimateError;
+use crate::error::deficient_line::{Deficiency, DeficientLine};
 use crate::frf::excitation::Excitation;
 use crate::frf::matrices::{Matrix, stacked};
 use crate::frf::right_division::{check_excited, check_rank};

@@ -4,7 +4,7 @@
 use frfid_signals::Frf;
 use ndarray::Array2;
 
-use crate::error::DeficientLine;
+use crate::error::deficient_line::DeficientLine;
 use crate::frf::roughness::roughness;
 use crate::spectra::draws::EqualDraws;
 

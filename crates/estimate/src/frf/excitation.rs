@@ -25,7 +25,7 @@ use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
-use crate::error::Deficiency;
+use crate::error::deficient_line::Deficiency;
 use crate::frf::f_distribution::f_tail;
 use crate::frf::matrices::Matrix;
 use crate::frf::right_division::MAX_CONDITION;

@@ -18,7 +18,7 @@ use std::iter::zip;
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 
-use crate::error::DeficientLine;
+use crate::error::deficient_line::DeficientLine;
 use crate::frf::blocks::{BlockEstimates, BlockMethod, Invertible, LineBlock, map_blocks};
 use crate::frf::matrices::Matrix;
 use crate::frf::right_division::right_divide;

@@ -15,7 +15,7 @@
 
 use num_complex::Complex64;
 
-use crate::error::DeficientLine;
+use crate::error::deficient_line::DeficientLine;
 use crate::frf::blocks::{
     BlockEstimates, BlockMethod, Invertible, LineBlock, map_blocks, mean, means_over_periods,
 };

@@ -1,7 +1,7 @@
 //! Mean of FRFs, SK15 (13): the paper's arithmetic mean of (7), `T_pq = Y_pq U_pq^+`; unbiased where
 //! the input is known exactly.
 
-use crate::error::DeficientLine;
+use crate::error::deficient_line::DeficientLine;
 use crate::frf::blocks::{BlockEstimates, BlockMethod, Invertible, LineBlock};
 use crate::frf::right_division::right_divide;
 

@@ -4,7 +4,7 @@
 //! `G_p = Y_p U_p^+`, and `T_pq = G_p + (Y_pq - G_p U_pq) U_p^+`, which is what period q contributes
 //! to G_p to first order in the noise.
 
-use crate::error::DeficientLine;
+use crate::error::deficient_line::DeficientLine;
 use crate::frf::blocks::{BlockEstimates, BlockMethod, Invertible, LineBlock, mean};
 use crate::frf::right_division::right_divide;
 

@@ -9,7 +9,7 @@
 use nalgebra::DMatrix;
 use num_complex::Complex64;
 
-use crate::error::{Deficiency, DeficientLine};
+use crate::error::deficient_line::{Deficiency, DeficientLine};
 use crate::frf::matrices::Matrix;
 use crate::frf::singular::condition_of_finite;
 

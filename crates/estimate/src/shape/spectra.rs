@@ -11,7 +11,8 @@ use nalgebra::DMatrix;
 use ndarray::{Array2, Array3, ArrayView2, Axis, aview1, s};
 use realfft::{ComplexToReal, RealFftPlanner};
 
-use crate::error::{Deficiency, DeficientLine, EstimateError};
+use crate::error::EstimateError;
+use crate::error::deficient_line::{Deficiency, DeficientLine};
 use crate::frf::matrices::Matrix;
 use crate::frf::right_division::MAX_CONDITION;
 use crate::shape::options::ShapeOptions;

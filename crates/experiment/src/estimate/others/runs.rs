@@ -60,7 +60,7 @@ pub(super) fn runs_of(
         let stretch = reference.slice(s![.., samples.clone()]);
         let lines = match &map.lines {
             Some(lines) => lines.clone(),
-            None => find_lines(stretch, period.round() as usize)?,
+            None => find_lines(stretch, period)?,
         };
         Ok(Run {
             recording: number,

@@ -1,0 +1,75 @@
+//! Why a recording is not periodic, as advice.
+
+use std::fmt;
+
+/// Why a recording is not periodic.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Aperiodic {
+    /// No channel moves.
+    Silent,
+    /// The frequency of the signal rises, or falls, once from beginning to end.
+    SingleSweep(
+        /// Which way it goes.
+        Sweep,
+    ),
+    /// Some of it repeats, but most of what moves does not.
+    Partly {
+        /// First sample of the longest run that repeats.
+        first: usize,
+        /// One past its last sample.
+        end: usize,
+        /// Periods in it.
+        n_periods: usize,
+    },
+    /// A period that was given is not that of the recording.
+    OtherPeriod,
+    /// Nothing repeats.
+    Nothing,
+}
+
+impl fmt::Display for Aperiodic {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Silent => write!(
+                f,
+                "no channel moves; record the excitation itself, or name the channel that holds it"
+            ),
+            Self::SingleSweep(Sweep::Up) => write!(
+                f,
+                "it looks like one sweep, for which the Python package has `estimate_chirp`"
+            ),
+            Self::SingleSweep(Sweep::Down) => write!(
+                f,
+                "it looks like one sweep that falls; let it rise, for which the Python package has `estimate_chirp`, \
+                 or repeat it back to back"
+            ),
+            Self::Partly {
+                first,
+                end,
+                n_periods,
+            } => write!(
+                f,
+                "samples {first} to {end} hold {n_periods} periods, but most of what moves lies outside of them; \
+                 cut it off with --start and --end"
+            ),
+            Self::OtherPeriod => write!(
+                f,
+                "the period that was given is not that of the recording; without --period it is searched for"
+            ),
+            Self::Nothing => write!(
+                f,
+                "no stretch is followed by its repetition; repeat the excitation back to back, \
+                 or give --period if the recording holds one period"
+            ),
+        }
+    }
+}
+
+/// Which way the frequency of a sweep goes.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Sweep {
+    /// It rises.
+    Up,
+    /// It falls.
+    Down,
+}

@@ -1,0 +1,175 @@
+//! Mean period of one channel of a recording, with the noise that is left in it.
+
+use ndarray::{Array1, Array2, ArrayView1, Axis};
+use num_complex::Complex64;
+use realfft::RealFftPlanner;
+
+use crate::correlation::lag::taps;
+use crate::error::EstimateError;
+use crate::spectra::Transform;
+use crate::spectra::line_dft::LineDft;
+
+/// Lines on either side over which the noise is averaged: two periods alone tell it to a factor only.
+const SMOOTHED: usize = 25;
+
+/// The mean over periods; NaN where all of them lack a sample.
+pub(super) struct Cycle {
+    pub(super) mean: Array1<f64>,
+    /// Power of the noise in the mean, line by line from 1 on; 0 where it is unknown.
+    pub(super) noise: Vec<f64>,
+    /// Whether there is a place that several periods have.
+    pub(super) is_repeated: bool,
+    /// Whether samples were interpolated, since the period has a fraction.
+    pub(super) is_interpolated: bool,
+}
+
+impl Cycle {
+    /// Of samples with NaN where they are lost, on the `dft` of the period next to `period`.
+    pub(super) fn new(
+        samples: ArrayView1<f64>,
+        period: f64,
+        dft: &LineDft,
+    ) -> Result<Self, EstimateError> {
+        let periods = folded(samples, period, dft.n_samples());
+        let is_interpolated = period != dft.n_samples() as f64;
+        let counts = periods.map_axis(Axis(0), |phase| {
+            phase.iter().filter(|x| !x.is_nan()).count() as f64
+        });
+        let sums = periods.map_axis(Axis(0), |phase| {
+            phase.iter().filter(|x| !x.is_nan()).sum::<f64>()
+        });
+        let mean = &sums / &counts;
+        let mut noise = vec![0.0; dft.lines().len()];
+        // of the squares at a place that `count` periods have, `count - 1` parts are noise; the mean
+        // keeps one of `count`
+        let (kept, lost): (f64, f64) = counts
+            .iter()
+            .filter(|&&count| count > 0.0)
+            .fold((0.0, 0.0), |(kept, lost), count| {
+                (kept + 1.0 / count, lost + count - 1.0)
+            });
+        if lost == 0.0 {
+            return Ok(Self {
+                mean,
+                noise,
+                is_repeated: false,
+                is_interpolated,
+            });
+        }
+        for period in periods.rows() {
+            let mut difference = &period - &mean;
+            difference.mapv_inplace(|value| if value.is_nan() { 0.0 } else { value });
+            let spectrum = dft.transform("reference", difference.insert_axis(Axis(0)).view())?;
+            let power = spectrum.iter().map(|value| value.norm_sqr() * kept / lost);
+            noise
+                .iter_mut()
+                .zip(power)
+                .for_each(|(sum, power)| *sum += power);
+        }
+        Ok(Self {
+            mean,
+            noise: smoothed(&noise),
+            is_repeated: true,
+            is_interpolated,
+        })
+    }
+
+    /// Whether every place is there in some period.
+    pub(super) fn is_whole(&self) -> bool {
+        self.mean.iter().all(|value| !value.is_nan())
+    }
+
+    /// The mean; where it is lost, the model, and what it misses at the places around, straight
+    /// between them.
+    pub(super) fn filled(&self, model: &[f64]) -> Array1<f64> {
+        let n = self.mean.len();
+        let mut missed: Array1<f64> = self
+            .mean
+            .iter()
+            .zip(model)
+            .map(|(x, model)| x - model)
+            .collect();
+        let present: Vec<usize> = (0..n).filter(|&k| !missed[k].is_nan()).collect();
+        for (place, &before) in present.iter().enumerate() {
+            let after = present.get(place + 1).copied().unwrap_or(present[0] + n);
+            let rise = (missed[after % n] - missed[before]) / (after - before) as f64;
+            for k in before + 1..after {
+                missed[k % n] = missed[before] + rise * (k - before) as f64;
+            }
+        }
+        missed
+            .iter()
+            .zip(model)
+            .map(|(missed, model)| missed + model)
+            .collect()
+    }
+}
+
+/// Periods one below the other, on the grid of `n_samples` per period.
+fn folded(samples: ArrayView1<f64>, period: f64, n_samples: usize) -> Array2<f64> {
+    let n_periods = (samples.len() as f64 / period + 1e-9).floor() as usize;
+    if period == n_samples as f64 {
+        return Array2::from_shape_fn((n_periods, n_samples), |(q, k)| samples[q * n_samples + k]);
+    }
+    let step = period / n_samples as f64;
+    Array2::from_shape_fn((n_periods, n_samples), |(q, k)| {
+        between(samples, q as f64 * period + k as f64 * step)
+    })
+}
+
+/// The value at a place between samples: by their 16 neighbours, by two where others are lost.
+fn between(samples: ArrayView1<f64>, place: f64) -> f64 {
+    let (whole, fraction) = (place.floor(), place - place.floor());
+    let at = |offset: isize| {
+        let index = (whole as usize).checked_add_signed(offset);
+        index
+            .and_then(|index| samples.get(index))
+            .copied()
+            .unwrap_or(f64::NAN)
+    };
+    let taps = taps(fraction);
+    let near = taps.iter().zip(1 - taps.len() as isize / 2..);
+    let value: f64 = near.map(|(tap, offset)| tap * at(offset)).sum();
+    if value.is_nan() {
+        (1.0 - fraction) * at(0) + fraction * at(1)
+    } else {
+        value
+    }
+}
+
+/// The samples of a period that has these lines of `spectrum`, which begins with line 1, and no
+/// other, differentiated `order` times, per turn.
+pub(super) fn synthesised(
+    spectrum: &[Complex64],
+    lines: &[usize],
+    n_samples: usize,
+    order: i32,
+) -> Vec<f64> {
+    let inverse = RealFftPlanner::<f64>::new().plan_fft_inverse(n_samples);
+    let (mut bins, mut samples) = (inverse.make_input_vec(), inverse.make_output_vec());
+    for &index in lines {
+        let h = (index + 1) as f64;
+        bins[index + 1] = spectrum[index] * Complex64::new(0.0, h).powi(order) / n_samples as f64;
+    }
+    inverse
+        .process(&mut bins, &mut samples)
+        .expect("the plan made the buffers; both ends of the spectrum are zero");
+    samples
+}
+
+/// The mean over the neighbours, or the value of a line itself if it is larger: a hum that does not
+/// repeat.
+fn smoothed(noise: &[f64]) -> Vec<f64> {
+    let mut sums = vec![0.0; noise.len() + 1];
+    for (line, value) in noise.iter().enumerate() {
+        sums[line + 1] = sums[line] + value;
+    }
+    let mean = |line: usize| {
+        let (first, end) = (
+            line.saturating_sub(SMOOTHED),
+            (line + SMOOTHED + 1).min(noise.len()),
+        );
+        ((sums[end] - sums[first]) / (end - first) as f64).max(noise[line])
+    };
+    (0..noise.len()).map(mean).collect()
+}
