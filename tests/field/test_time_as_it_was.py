@@ -11,7 +11,7 @@ def write(path, t, torque, speed, **how):
 
 @pytest.mark.parametrize(("lost", "cost"), [(0.075, 1.04), (0.41, 1.30)])
 def test_scattered_losses_cost_what_they_must(tmp_path, lost, cost):
-    deviations = []
+    deviations, inside = [], []
     for seed in range(12):
         t, torque, speed = steady(seed, 6, level=1e-2)
         keep = np.random.default_rng(seed).random(len(t)) > lost
@@ -19,10 +19,11 @@ def test_scattered_losses_cost_what_they_must(tmp_path, lost, cost):
         write(tmp_path / "whole.csv", t, torque, speed)
         write(tmp_path / "holes.csv", t[keep], torque[keep], speed[keep])
         whole, holes = (estimate(tmp_path, [f"{name}.csv"], *MAP) for name in ("whole", "holes"))
-        assert len(holes.hz) == len(ODD) and holes.inside() > 0.85
+        assert len(holes.hz) == len(ODD)
+        inside.append(holes.inside())
         deviations.append([np.mean(outcome.error() ** 2 * np.abs(joint(outcome.hz)) ** 2) for outcome in (whole, holes)])
     ratio = np.sqrt(np.divide(*np.mean(deviations, axis=0)[::-1]))
-    assert ratio == pytest.approx(cost, rel=0.12)
+    assert ratio == pytest.approx(cost, rel=0.12) and np.mean(inside) > 0.92
 
 
 @pytest.mark.parametrize("ppm", [30, 200, -450])

@@ -13,8 +13,8 @@ const FEW: usize = 6;
 const NEAR_DB: f64 = 30.0;
 /// Lines that tell the level of the last ones.
 const LAST: usize = 5;
-/// Largest fall of excited lines without such an end (60 dB).
-const RANGE_DB: f64 = 60.0;
+/// Largest fall of excited lines without such an end; what is 60 dB down is not looked at.
+const ENDLESS_DB: f64 = 54.0;
 /// Fall from which on the shape of the signal is looked at.
 const FALL_DB: f64 = 20.0;
 /// Share of the energy of a derivative in its loudest tenth; 0.44 for normal numbers.
@@ -39,7 +39,7 @@ pub(super) fn few_events(
     };
     let fall_db = endless_fall(levels, lines)?;
     let concentrated = |order| concentration(spectrum, lines, n_samples, order) > FEW_EVENTS;
-    let is_few = fall_db >= RANGE_DB || fall_db >= FALL_DB && (1..=DERIVATIVES).any(concentrated);
+    let is_few = fall_db >= ENDLESS_DB || fall_db >= FALL_DB && (1..=DERIVATIVES).any(concentrated);
     is_few.then(|| 10_f64.powf(fall_db / 20.0))
 }
 

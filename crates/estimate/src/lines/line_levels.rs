@@ -17,6 +17,9 @@ const ABOVE_NOISE: f64 = 20.0;
 /// Lines in a window at least, and as a share of its first line.
 const WINDOW: usize = 48;
 const SHARE: usize = 8;
+/// Excited lines are no weaker than the strongest by more (60 dB): a converter's steps leave such
+/// lines anywhere.
+const RANGE_DB: f64 = 60.0;
 /// Excitations fall by this much per octave at most: with the fourth power of the frequency.
 const STEEP_DB: f64 = 24.0;
 /// Levels of the lines from 1 on, and what is known of each.
@@ -49,22 +52,19 @@ impl LineLevels {
 
     /// Indices of the excited lines: those above the noise that no comparison speaks against.
     pub(super) fn excited(&self) -> Vec<usize> {
-        let lines = 0..self.level_db.len();
-        lines
-            .filter(|&line| self.is_above_noise[line] && self.is_excited[line] != Some(false))
-            .collect()
+        self.strongest(RANGE_DB)
     }
 
     /// Indices of the excited lines that are not weaker than the strongest by more.
     pub(super) fn strongest(&self, range_db: f64) -> Vec<usize> {
-        let top = self
-            .level_db
-            .iter()
-            .copied()
-            .fold(f64::NEG_INFINITY, f64::max);
-        let mut lines = self.excited();
-        lines.retain(|&line| self.level_db[line] >= top - range_db);
-        lines
+        let levels = self.level_db.iter().copied();
+        let least = levels.fold(f64::NEG_INFINITY, f64::max) - range_db.min(RANGE_DB);
+        let is_excited = |&line: &usize| {
+            self.is_above_noise[line]
+                && self.is_excited[line] != Some(false)
+                && self.level_db[line] >= least
+        };
+        (0..self.level_db.len()).filter(is_excited).collect()
     }
 
     /// Indices of all lines above the noise.

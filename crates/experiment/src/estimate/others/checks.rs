@@ -26,7 +26,8 @@ pub(super) fn periods(measured: &[Measured], frf: &Frf) -> Check {
     let n_used: usize = measured.iter().map(Measured::n_used).sum();
     let n_transient: usize = measured.iter().map(|run| run.n_transient).sum();
     let n_lost: usize = measured.iter().map(|run| run.n_lost).sum();
-    let period_s = measured.first().map_or(0.0, |run| run.clock.period_s());
+    let clock = measured.first().map(|run| &run.clock);
+    let (period_s, samples) = clock.map_or((0.0, 0.0), |clock| (clock.period_s(), clock.period));
     let lost = match n_lost {
         0 => String::new(),
         n => format!(", {n} lost"),
@@ -35,8 +36,9 @@ pub(super) fn periods(measured: &[Measured], frf: &Frf) -> Check {
         name: "periods".into(),
         passed: frf.noise.is_some(),
         found: format!(
-            "{n_used} of {} s in {}, after {n_transient} transient{lost}",
+            "{n_used} of {} s ({} samples) in {}, after {n_transient} transient{lost}",
             significant(period_s, 6),
+            significant(samples, 9),
             count(measured.len(), "run"),
         ),
         needed: "2 or more whole ones in each run, for the noise to be known".into(),

@@ -35,7 +35,8 @@ impl Recording {
             for (channel, samples) in channels.into_iter().flatten().enumerate() {
                 let name = names.get(channel).cloned();
                 let signal = name.unwrap_or_else(|| role.name_of(channel));
-                odd.extend(look(samples).into_iter().map(|oddity| Odd {
+                let found = look(samples).into_iter().filter(is_news);
+                odd.extend(found.map(|oddity| Odd {
                     signal: signal.clone(),
                     channel,
                     role,
@@ -121,6 +122,11 @@ impl Recording {
         let refused = |odd: &&Odd| odd.consequence() == Consequence::Refused && is_alone(odd.role);
         self.odd.iter().find(refused).map(Odd::words)
     }
+}
+
+/// Whether it is not told by the losses of the recording already.
+fn is_news(oddity: &Oddity) -> bool {
+    !matches!(oddity, Oddity::Lost { share } if *share < 1.0)
 }
 
 impl Odd {

@@ -6,7 +6,7 @@ use frfid_estimate::{EstimateError, RunSpectra, Settling, judge_settling, withou
 use frfid_signals::Frf;
 use frfid_signals::format::{count, significant};
 use frfid_signals::power::{about_mean, rms};
-use ndarray::{Array2, ArrayView2, s};
+use ndarray::{Array1, Array2, ArrayView1, ArrayView2, s};
 use num_complex::Complex64;
 
 use crate::error::ExperimentError;
@@ -99,12 +99,7 @@ impl Measured {
             spectra,
             clock,
             n_periods: periods.n_periods(),
-            u_rms: signals
-                .u
-                .rows()
-                .into_iter()
-                .map(|u| rms(&about_mean(u)))
-                .collect(),
+            u_rms: signals.u.rows().into_iter().map(level).collect(),
             n_transient: settled.n_transient,
             settling: None,
             never_settles: false,
@@ -178,6 +173,12 @@ impl Measured {
         };
         self.trends.iter().map(words).collect()
     }
+}
+
+/// Rms about the mean of the samples that are there.
+fn level(signal: ArrayView1<f64>) -> f64 {
+    let present = signal.iter().copied().filter(|sample| sample.is_finite());
+    rms(&about_mean(Array1::from_iter(present).view()))
 }
 
 impl Recording {
