@@ -24,8 +24,8 @@ def test_arrays_with_lines_that_are_not_excited(level):
     frfid = pytest.importorskip("frfid")
     t, torque, speed = steady(1, 5)
     u = arrays(torque + noise(3, len(t), level), 5)
-    with pytest.warns(UserWarning, match="not excited"):
-        frf = frfid.estimate_bla(u, arrays(speed, 5), sample_time_s=SAMPLE_TIME_S, harmonics=np.arange(5, 120))
+    frf = frfid.estimate_bla(u, arrays(speed, 5), sample_time_s=SAMPLE_TIME_S, harmonics=np.arange(5, 120))
+    assert any("not excited" in check["found"] for check in frf.checks if not check["passed"])
     assert np.isnan(frf.response[1::2]).all() and np.isfinite(frf.response[0::2]).all()
     assert np.isnan(frf.noise_variance[1::2]).all()
 

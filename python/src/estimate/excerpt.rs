@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 
 use crate::array::{Axes, real};
 use crate::error;
-use crate::estimate::periods::{frf_options, method_for, warned};
+use crate::estimate::periods::{checked, frf_options, method_for};
 use crate::frf::matrix::Frf;
 use crate::signals::chirp::Chirp;
 
@@ -51,11 +51,6 @@ const RECORDINGS: [Axes; 2] = [
 ///     not pass.
 /// NumericalError
 ///     If U can be inverted at no frequency.
-///
-/// Warns
-/// -----
-/// UserWarning
-///     For frequencies at which an input is not excited, or U cannot be inverted: they are NaN.
 #[pyfunction]
 #[pyo3(signature = (u, y, *, chirp, sample_time_s, frequencies_hz, method = "excerpt", r = None, start_s = 0.0,
                     max_condition = None))]
@@ -88,7 +83,7 @@ pub(crate) fn estimate_chirp(
     );
     let (hz, signal) = (&frequencies_hz, &chirp.signal);
     let estimate = || estimate_repeats(u, y, r, signal, sample_time_s, hz, start_s, &options);
-    warned(py, py.detach(estimate).map_err(error::estimate)?)
+    Ok(checked(py.detach(estimate).map_err(error::estimate)?))
 }
 
 /// Recordings with the axis of repeats, which one recording leaves out.

@@ -1,10 +1,9 @@
 //! `frfid.estimate` and `frfid.estimate_bla`.
 
-use std::ffi::CString;
-
 use frfid_estimate::{FrfEstimate, FrfOptions, Method, estimate_periods};
+use frfid_files::Check;
 use ndarray::Ix5;
-use pyo3::exceptions::{PyUserWarning, PyValueError};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::array::{Axes, real};
@@ -20,10 +19,10 @@ const CAMPAIGN: Axes = &["realization", "experiment", "period", "channel", "samp
 /// realization.
 ///
 /// Realizations are measured, not believed: those whose phases are one draw, but for a shift in
-/// time, count as repetitions of it, and with one draw alone the total variance is None; a
-/// ``UserWarning`` names them. A realization that is another bit for bit, as in a simulation without
+/// time, count as repetitions of it, and with one draw alone the total variance is None; a failed
+/// check names them. A realization that is another bit for bit, as in a simulation without
 /// noise or where a recording is given twice, counts once. Lines on which an input is not excited,
-/// seen against its noise and against what stands beside it, are NaN; a ``UserWarning`` names them.
+/// seen against its noise and against what stands beside it, are NaN; a failed check names them.
 ///
 /// Parameters
 /// ----------
@@ -54,11 +53,6 @@ const CAMPAIGN: Axes = &["realization", "experiment", "period", "channel", "samp
 ///     fewer experiments than inputs.
 /// NumericalError
 ///     If U can be inverted on no line.
-///
-/// Warns
-/// -----
-/// UserWarning
-///     For lines that are left out, and realizations that are one draw.
 #[pyfunction]
 #[pyo3(signature = (u, y, *, sample_time_s, harmonics, r = None, average = "frfs", max_condition = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
@@ -91,7 +85,7 @@ pub(crate) fn estimate_bla(
 /// FRF with its variances from whole periods, by the method that is asked for.
 ///
 /// Realizations that are one draw of phases count as repetitions, and lines on which an input is
-/// not excited are NaN, both with a ``UserWarning``, as in ``estimate_bla``.
+/// not excited are NaN, both named by failed checks, as in ``estimate_bla``.
 ///
 /// Parameters
 /// ----------
@@ -123,11 +117,6 @@ pub(crate) fn estimate_bla(
 ///     For a reference that is missing or not used, and as ``estimate_bla``.
 /// NumericalError
 ///     If U can be inverted on no line.
-///
-/// Warns
-/// -----
-/// UserWarning
-///     For lines that are left out, and realizations that are one draw.
 #[pyfunction]
 #[pyo3(signature = (u, y, *, sample_time_s, harmonics, method = None, r = None, max_condition = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
@@ -174,16 +163,21 @@ fn estimated(
     let r = r.map(|r| real::<Ix5>("r", r, &[CAMPAIGN])).transpose()?;
     let (u, y, r) = (u.as_array(), y.as_array(), r.as_ref().map(|r| r.as_array()));
     let estimate = || estimate_periods(u, y, r, sample_time_s, harmonics, &options);
-    warned(py, py.detach(estimate).map_err(error::estimate)?)
+    Ok(checked(py.detach(estimate).map_err(error::estimate)?))
 }
 
-/// The FRF; what was left out or counted otherwise than given becomes warnings.
-pub(crate) fn warned(py: Python<'_>, estimate: FrfEstimate) -> PyResult<Frf> {
-    let category = py.get_type::<PyUserWarning>();
-    for warning in estimate.warnings() {
-        PyErr::warn(py, &category, &CString::new(warning)?, 1)?;
-    }
-    Ok(estimate.frf.into())
+/// The FRF; what was left out, counted otherwise than given or hides in one draw fails its check.
+pub(crate) fn checked(estimate: FrfEstimate) -> Frf {
+    let checks = estimate.findings().map(|(name, said)| Check {
+        name: name.into(),
+        passed: said.is_empty(),
+        found: said.join("; "),
+        needed: "nothing to say".into(),
+        advice: String::new(),
+    });
+    let mut result = Frf::from(estimate.frf).result;
+    result.checks = checks.into();
+    Frf::of(result)
 }
 
 /// The method where none is asked for: through the reference where there is one.

@@ -32,15 +32,30 @@ impl FrfEstimate {
     /// empty if nothing does.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let draws = self.equal_draws.iter().map(|draws| {
-            let lost = match self.frf.total {
-                Some(_) => "",
-                None => "; no total variance, record other phases for it",
-            };
-            format!("{draws}{lost}")
-        });
-        let rough = self.rough_words();
-        draws.chain(self.left_out_words()).chain(rough).collect()
+        self.findings()
+            .into_iter()
+            .flat_map(|(_, said)| said)
+            .collect()
+    }
+
+    /// The same by what was looked at.
+    #[must_use]
+    pub fn findings(&self) -> [(&'static str, Vec<String>); 3] {
+        [
+            ("draws of phases", self.equal_words()),
+            ("excited lines", self.left_out_words().into_iter().collect()),
+            ("distortion", self.rough_words().into_iter().collect()),
+        ]
+    }
+
+    /// Which realizations are one draw.
+    fn equal_words(&self) -> Vec<String> {
+        let lost = match self.frf.total {
+            Some(_) => "",
+            None => "; no total variance, record other phases for it",
+        };
+        let draws = self.equal_draws.iter();
+        draws.map(|draws| format!("{draws}{lost}")).collect()
     }
 
     /// Whether one draw of phases shows that there is distortion. Excerpts of a chirp have no phases.
