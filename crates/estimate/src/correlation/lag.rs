@@ -7,32 +7,33 @@ const HALF: usize = 8;
 /// A fraction below this is none: over a million periods it makes a tenth of a sample.
 const WHOLE: f64 = 1e-7;
 
-/// A lag, by which signals are read later.
+/// A lag, by which signals are compared with themselves.
 pub(crate) struct Lag {
     /// The first sample that counts, relative to the sample the lag starts from.
     first: usize,
-    /// Weights from there on.
+    /// Weights from there on, ...
     taps: Vec<f64>,
-    /// Place of the nearest sample among them.
-    nearest: usize,
+    gain: f64,
+    /// ... and those of the nearest four where others are lost.
+    cubic: [f64; 4],
+    straight: [f64; 4],
 }
 
 impl Lag {
     /// A lag in samples; a fraction of one needs more than eight samples and is rounded below.
     pub(crate) fn new(lag: f64) -> Self {
-        let fraction = lag - lag.floor();
-        if (lag - lag.round()).abs() < WHOLE || lag < HALF as f64 {
-            let (first, taps) = (lag.round().max(0.0) as usize, vec![1.0]);
-            return Self {
-                first,
-                taps,
-                nearest: 0,
-            };
-        }
+        let is_whole = (lag - lag.round()).abs() < WHOLE || lag < HALF as f64;
+        let fraction = if is_whole { 0.0 } else { lag - lag.floor() };
+        let (first, taps) = match is_whole {
+            true => (lag.round().max(0.0) as usize, vec![1.0]),
+            false => (lag.floor() as usize + 1 - HALF, taps(fraction).to_vec()),
+        };
         Self {
-            first: lag.floor() as usize + 1 - HALF,
-            taps: taps(fraction).to_vec(),
-            nearest: HALF - 1 + fraction.round() as usize,
+            first,
+            gain: gain(&taps),
+            taps,
+            cubic: cubic(fraction),
+            straight: [0.0, 1.0 - fraction, fraction, 0.0],
         }
     }
 
@@ -42,20 +43,50 @@ impl Lag {
         (n_samples + beyond + 1).saturating_sub(self.first + self.taps.len())
     }
 
-    /// The value one lag after sample `k`; that of the nearest sample where others are lost, NaN
-    /// where that is lost, too, and close to the ends.
-    pub(crate) fn later(&self, values: &[f64], k: usize) -> f64 {
+    /// The difference between the value one lag after sample `k` and that sample: by fewer neighbours
+    /// where others are lost, NaN where the nearest are lost, too, and close to the ends. It is as
+    /// large as that of two samples if they are noise, which interpolation averages away.
+    pub(crate) fn difference(&self, values: &[f64], k: usize) -> f64 {
         let from = k + self.first;
         let Some(near) = values.get(from..from + self.taps.len()) else {
             return f64::NAN;
         };
-        let between: f64 = self.taps.iter().zip(near).map(|(tap, x)| tap * x).sum();
-        if between.is_nan() {
-            near[self.nearest]
+        let now = values[k];
+        let difference = (weighted(&self.taps, near) - now) * self.gain;
+        if !difference.is_nan() || near.len() == 1 {
+            return difference;
+        }
+        let near = &near[HALF - 2..HALF + 2];
+        let between =
+            [&self.cubic, &self.straight].map(|taps| (weighted(taps, near) - now) * gain(taps));
+        if between[0].is_nan() {
+            between[1]
         } else {
-            between
+            between[0]
         }
     }
+}
+
+/// The sum of weighted samples; those without a weight may be lost.
+fn weighted(taps: &[f64], near: &[f64]) -> f64 {
+    let terms = taps.iter().zip(near).filter(|(tap, _)| **tap != 0.0);
+    terms.map(|(tap, x)| tap * x).sum()
+}
+
+/// Noise of two samples over that of one and an interpolated one.
+fn gain(taps: &[f64]) -> f64 {
+    (2.0 / (1.0 + taps.iter().map(|tap| tap * tap).sum::<f64>())).sqrt()
+}
+
+/// Weights of four samples for the value at `x` between the middle two, by a polynomial of third
+/// degree through all of them.
+fn cubic(x: f64) -> [f64; 4] {
+    [
+        -x * (x - 1.0) * (x - 2.0) / 6.0,
+        (x + 1.0) * (x - 1.0) * (x - 2.0) / 2.0,
+        -(x + 1.0) * x * (x - 2.0) / 2.0,
+        (x + 1.0) * x * (x - 1.0) / 6.0,
+    ]
 }
 
 /// Weights of the samples `-7 ..= 8` for the value at `fraction` after sample 0: a sinc under a

@@ -61,10 +61,9 @@ impl Likeness {
 
 /// Over the channels that have both samples; NaN if none has.
 fn squared_difference(channels: &[Channel], lag: &Lag, k: usize) -> f64 {
-    let differences = channels.iter().map(|channel| {
-        let values = channel.values();
-        (lag.later(values, k) - values[k]).powi(2)
-    });
+    let differences = channels
+        .iter()
+        .map(|channel| lag.difference(channel.values(), k).powi(2));
     let present = differences.filter(|difference| !difference.is_nan());
     present.reduce(|a, b| a + b).unwrap_or(f64::NAN)
 }

@@ -16,8 +16,10 @@ const CLEAR: f64 = 30.0;
 const FINE: f64 = 0.125;
 /// How often a valley is looked for at its own place.
 const RECENTRED: usize = 8;
-/// A period that is whole to within this many samples over the whole run is whole.
+/// A period that is whole to within this many samples over the whole run is whole, ...
 const WHOLE: f64 = 0.1;
+/// ... and to this share of itself.
+const WHOLE_SHARE: f64 = 1e-4;
 /// So many standard deviations (of white noise, in power) a fraction must lie from the next whole
 /// period.
 const DEVIATIONS: f64 = 25.0;
@@ -53,37 +55,35 @@ impl Pairs<'_> {
     /// The whole period unless the fraction is beyond chance.
     fn whole(&self, period: f64, valley: &Valley, count: usize) -> f64 {
         let (rounded, count) = (period.round(), count as f64);
-        if rounded == period || count * (period - rounded).abs() < WHOLE {
-            return rounded;
+        let off = (period - rounded).abs();
+        let (least, n_pairs) = self.share(valley.lag.round() as usize);
+        let excess = valley.curvature * (count * off).powi(2);
+        let chance = DEVIATIONS * least.max(ROUNDING) / n_pairs.max(1.0);
+        let is_small = count * off < WHOLE && off < WHOLE_SHARE * period;
+        if is_small || excess < chance {
+            rounded
+        } else {
+            period
         }
-        let (share, n_pairs) = self.share((count * rounded) as usize);
-        let excess = share - valley.least;
-        let chance = DEVIATIONS * valley.least.max(ROUNDING) / n_pairs.max(1.0);
-        if excess > chance { period } else { rounded }
     }
 
     /// The least difference around a lag.
     fn valley(&self, centre: usize) -> Valley {
         let parabola = self.around(centre);
-        match parabola.step {
+        let lag = match parabola.step {
             1 => self.fine(parabola.lag()),
-            _ => {
-                let whole = self.share(parabola.lag().round() as usize).0;
-                let least = self.residual(parabola.lag()).min(parabola.least).min(whole);
-                Valley {
-                    lag: parabola.lag(),
-                    least,
-                }
-            }
-        }
+            _ => parabola.lag(),
+        };
+        let curvature = parabola.curvature();
+        Valley { lag, curvature }
     }
 
     /// The lag of the least difference, and how far chance may move it.
     pub(crate) fn local_lag(&self, centre: usize) -> LocalLag {
         let parabola = self.around(centre);
         let n_pairs = self.share(centre).1.max(1.0);
-        let bend = 0.5 * parabola.bend / (parabola.step as f64).powi(2);
-        let variance = parabola.least.max(ROUNDING) / (bend.max(f64::MIN_POSITIVE) * n_pairs);
+        let curvature = parabola.curvature().max(f64::MIN_POSITIVE);
+        let variance = parabola.least.max(ROUNDING) / (curvature * n_pairs);
         LocalLag {
             lag: parabola.lag(),
             deviation: variance.sqrt(),
@@ -107,26 +107,16 @@ impl Pairs<'_> {
         parabola
     }
 
-    /// The least difference close to a lag, between samples.
-    fn fine(&self, lag: f64) -> Valley {
-        let whole = self.share(lag.round() as usize).0;
-        if whole < ROUNDING {
-            return Valley {
-                lag: lag.round(),
-                least: whole,
-            };
+    /// The lag of the least difference between samples.
+    fn fine(&self, lag: f64) -> f64 {
+        if self.share(lag.round() as usize).0 < ROUNDING {
+            return lag.round();
         }
         let [left, middle, right] = [-FINE, 0.0, FINE].map(|offset| self.residual(lag + offset));
         let bend = left - 2.0 * middle + right;
-        let offset = if bend > 0.0 {
-            0.5 * (left - right) / bend
-        } else {
-            0.0
-        };
-        let lag = lag + FINE * offset.clamp(-2.0, 2.0);
-        Valley {
-            lag,
-            least: self.residual(lag).min(middle).min(whole),
+        match bend > 0.0 {
+            true => lag + FINE * (0.5 * (left - right) / bend).clamp(-2.0, 2.0),
+            false => lag,
         }
     }
 
@@ -168,10 +158,7 @@ impl Pairs<'_> {
                 sums.add(&channel.values()[run.clone()], lag, self.stride);
             }
         }
-        (
-            sums.difference / sums.power.max(f64::MIN_POSITIVE),
-            sums.count,
-        )
+        (sums.share(), sums.count)
     }
 
     /// Share of the power that does not repeat after 1, 2, 4, ... periods up to the lag `last`, the
@@ -192,22 +179,19 @@ impl Pairs<'_> {
         for run in self.runs {
             for channel in self.channels {
                 let values = &channel.values()[run.clone()];
-                let pair = |k: usize| (values[k], lag.later(values, k));
-                sums.add_pairs(
-                    (0..lag.n_pairs(values.len()))
-                        .step_by(self.stride)
-                        .map(pair),
-                );
+                let pair = |k: usize| (values[k], lag.difference(values, k));
+                let places = (0..lag.n_pairs(values.len())).step_by(self.stride);
+                sums.add_pairs(places.map(pair));
             }
         }
-        sums.difference / sums.power.max(f64::MIN_POSITIVE)
+        sums.share()
     }
 }
 
 struct Valley {
     lag: f64,
-    /// Share that does not repeat there.
-    least: f64,
+    /// Rise of the share that does not repeat, per square of samples.
+    curvature: f64,
 }
 
 /// Where a stretch repeats best.
@@ -231,6 +215,11 @@ struct Parabola {
 }
 
 impl Parabola {
+    /// Rise per square of samples.
+    fn curvature(&self) -> f64 {
+        0.5 * self.bend / (self.step as f64).powi(2)
+    }
+
     /// Its vertex.
     fn lag(&self) -> f64 {
         self.centre as f64 + self.offset
@@ -242,7 +231,7 @@ impl Parabola {
     }
 }
 
-/// Variances of differences and of the signals, each times the number of pairs.
+/// Variances of differences and of the signal, each times the number of pairs.
 #[derive(Default)]
 struct Sums {
     difference: f64,
@@ -253,31 +242,29 @@ struct Sums {
 impl Sums {
     fn add(&mut self, values: &[f64], lag: usize, stride: usize) {
         let later = values.get(lag..).unwrap_or_default();
-        self.add_pairs(
-            values
-                .iter()
-                .copied()
-                .zip(later.iter().copied())
-                .step_by(stride),
-        );
+        let pairs = values.iter().zip(later).step_by(stride);
+        self.add_pairs(pairs.map(|(now, later)| (*now, later - now)));
     }
 
+    /// Samples and what they differ by later.
     fn add_pairs(&mut self, pairs: impl Iterator<Item = (f64, f64)>) {
-        let (mut n, mut x, mut y, mut xx, mut yy, mut d, mut dd) =
-            (0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0);
-        for (now, later) in pairs.filter(|(now, later)| !(now - later).is_nan()) {
+        let (mut n, mut x, mut xx, mut d, mut dd) = (0.0, 0.0, 0.0, 0.0, 0.0);
+        for (now, difference) in pairs.filter(|pair| !pair.1.is_nan()) {
             n += 1.0;
             x += now;
-            y += later;
             xx += now * now;
-            yy += later * later;
-            d += later - now;
-            dd += (later - now).powi(2);
+            d += difference;
+            dd += difference * difference;
         }
         if n > 0.0 {
             self.difference += dd - d * d / n;
-            self.power += xx - x * x / n + yy - y * y / n;
+            self.power += xx - x * x / n;
             self.count += n;
         }
+    }
+
+    /// Share of the power that does not repeat: that of two equal signals is in the difference.
+    fn share(&self) -> f64 {
+        0.5 * self.difference / self.power.max(f64::MIN_POSITIVE)
     }
 }

@@ -6,6 +6,7 @@ use realfft::RealFftPlanner;
 
 use crate::correlation::lag::taps;
 use crate::error::EstimateError;
+use crate::repetition::n_periods;
 use crate::spectra::Transform;
 use crate::spectra::line_dft::LineDft;
 
@@ -107,7 +108,7 @@ impl Cycle {
 
 /// Periods one below the other, on the grid of `n_samples` per period.
 fn folded(samples: ArrayView1<f64>, period: f64, n_samples: usize) -> Array2<f64> {
-    let n_periods = (samples.len() as f64 / period + 1e-9).floor() as usize;
+    let n_periods = n_periods(samples.len(), period);
     if period == n_samples as f64 {
         return Array2::from_shape_fn((n_periods, n_samples), |(q, k)| samples[q * n_samples + k]);
     }

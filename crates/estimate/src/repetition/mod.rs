@@ -29,6 +29,9 @@ use crate::repetition::rests::{find_rests, single_periods};
 use crate::repetition::runs::{Runs, gaps};
 use crate::repetition::slips::without_slips;
 
+/// Share of a period that is lost when lengths are divided.
+const ROUNDING: f64 = 1e-9;
+
 /// What repeats in a recording, and where.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Repetition {
@@ -41,6 +44,20 @@ pub struct Repetition {
     pub rests: Vec<Range<usize>>,
     /// Share of the power in the runs that does not repeat.
     pub residual: f64,
+}
+
+impl Repetition {
+    /// Whole periods in so many samples: a period of T holds the whole numbers in a stretch of
+    /// length T, one more or one less where T has a fraction.
+    #[must_use]
+    pub fn n_periods(&self, n_samples: usize) -> usize {
+        n_periods(n_samples, self.period)
+    }
+}
+
+/// The most periods of which all samples but a fraction of one are there.
+pub(super) fn n_periods(n_samples: usize, period: f64) -> usize {
+    ((n_samples + 1) as f64 / period - ROUNDING).ceil().max(1.0) as usize - 1
 }
 
 /// Finds the shortest period, in samples, after which a reference `(channel, sample)` repeats, and
@@ -84,7 +101,11 @@ fn found(channels: &[Channel], period: f64) -> Option<Repetition> {
     let stride = stride(channels, period);
     runs.runs = without_slips(channels, &runs.runs, period, stride).1;
     let rests = find_rests(channels, &runs);
-    let runs = Some(runs.runs).filter(|runs| !runs.is_empty())?;
+    let is_long = |run: &Range<usize>| n_periods(run.len(), period) > 1;
+    let runs: Vec<Range<usize>> = runs.runs.into_iter().filter(is_long).collect();
+    if runs.is_empty() {
+        return None;
+    }
     let pairs = Pairs {
         channels,
         runs: &runs,

@@ -13,7 +13,10 @@ const REFINED: usize = 6;
 const CLIMB: usize = 64;
 /// Parts of a period that are tried at most.
 const TRIED: usize = 64;
-/// A period that covers so much of what the best one covers is as good.
+/// A period that covers so much of what another one covers may be better: two runs may be alike by
+/// chance.
+const ENOUGH: f64 = 0.7;
+/// A part of a period explains as much if it covers so much of the same.
 const AS_MUCH: f64 = 0.95;
 /// Correlation of a part of the period, relative to that of the period, from which on it is tried.
 const WORTH_TRYING: f64 = 0.5;
@@ -57,15 +60,16 @@ pub(super) fn shortest_period(repeating: Vec<Repeating>) -> Option<(Vec<Channel>
 
 /// Of the periods that cover most, the one after which the signal repeats best.
 fn best_of(channels: &[Channel], correlation: &[f64]) -> Option<Candidate> {
+    let find = |period: f64| Runs::find(channels, period, stride(channels, period));
     let runs = |&lag: &usize| {
-        let period = vertex(correlation, lag);
-        Runs::find(channels, period, stride(channels, period))
+        let whole = find(lag as f64);
+        match vertex(correlation, lag) {
+            between if between != lag as f64 && !whole.is_sound() => find(between),
+            _ => whole,
+        }
     };
-    let mut runs: Vec<Runs> = peaks(correlation)
-        .iter()
-        .map(runs)
-        .filter(Runs::is_sound)
-        .collect();
+    let found = peaks(correlation);
+    let mut runs: Vec<Runs> = found.iter().map(runs).filter(Runs::is_sound).collect();
     runs.sort_by(|a, b| a.residual.total_cmp(&b.residual));
     let refined = runs
         .into_iter()
@@ -75,7 +79,7 @@ fn best_of(channels: &[Channel], correlation: &[f64]) -> Option<Candidate> {
         .iter()
         .map(|candidate| candidate.runs.covered)
         .max()?;
-    let enough = |candidate: &Candidate| candidate.runs.covered as f64 >= AS_MUCH * most as f64;
+    let enough = |candidate: &Candidate| candidate.runs.covered as f64 >= ENOUGH * most as f64;
     let best = refined
         .into_iter()
         .filter(enough)

@@ -18,6 +18,8 @@ const DEVIATIONS: f64 = 8.0;
 const DISAGREE: f64 = 0.004;
 /// ... and than so many standard deviations, of which half lie within 0.67.
 const SCATTER: f64 = 2.5;
+/// Runs of two periods may be so much of one shorter: their ends are rough before the period is found.
+const SHORT: f64 = 1.0 / 32.0;
 /// A run is looked at in windows of one period that are so far apart, in periods.
 const STEP: f64 = 0.5;
 
@@ -51,7 +53,7 @@ pub(super) fn without_slips(
             .collect();
         parts(run, places)
     });
-    let is_long = |part: &Range<usize>| part.len() as f64 > 2.0 * period - 1.0;
+    let is_long = |part: &Range<usize>| part.len() as f64 > (2.0 - SHORT) * period - 1.0;
     (usual, parts.filter(is_long).collect())
 }
 
