@@ -7,7 +7,7 @@ use frfid_signals::format::significant;
 use crate::error::ExperimentError;
 use crate::estimate::majority::majority;
 use crate::estimate::others::recording::{Recording, Unused};
-use crate::estimate::others::runs::Run;
+use crate::estimate::others::run::Run;
 
 /// Sample times and periods that differ by less than this are those of one machine, as several
 /// clocks tell them: quartzes differ by 1e-4, slewed host clocks by 5e-4.

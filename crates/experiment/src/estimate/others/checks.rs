@@ -6,8 +6,8 @@ use frfid_signals::Frf;
 use frfid_signals::format::{count, significant};
 
 use crate::estimate::others::found::Found;
-use crate::estimate::others::measured::Measured;
 use crate::estimate::others::recording::{Odd, Recording};
+use crate::estimate::others::run::measured::Measured;
 
 /// Whether every recording is used.
 pub(super) fn all_used(found: &Found) -> Check {

@@ -6,8 +6,8 @@ use frfid_files::LogMap;
 use crate::description::estimate::EstimateTable;
 use crate::error::ExperimentError;
 use crate::estimate::others::found::Found;
-use crate::estimate::others::measured::Measured;
 use crate::estimate::others::placing::{RunOf, as_stated, by_phases};
+use crate::estimate::others::run::measured::Measured;
 
 /// What came of the runs.
 pub(super) struct Estimated {

@@ -6,7 +6,7 @@ use frfid_files::LogMap;
 use crate::error::ExperimentError;
 use crate::estimate::others::agreement::{agreeing, keep_common_lines};
 use crate::estimate::others::recording::{Odd, Recording, Unused};
-use crate::estimate::others::runs::{Run, runs_of};
+use crate::estimate::others::run::{Run, runs_of};
 
 /// Recordings that were looked at, with the runs in them that belong together.
 pub(super) struct Found {

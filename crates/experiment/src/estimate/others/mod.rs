@@ -4,20 +4,13 @@
 
 mod agreement;
 mod checks;
-mod cut;
 mod estimated;
 mod found;
-mod looking;
-mod losses;
-mod measured;
 mod outcome;
 mod placing;
 mod provenance;
-mod reading;
 mod recording;
-mod runs;
-mod sample_clock;
-mod settled;
+mod run;
 
 use std::path::PathBuf;
 
@@ -26,7 +19,7 @@ use frfid_files::LogMap;
 use crate::description::estimate::EstimateTable;
 use crate::error::ExperimentError;
 use crate::estimate::others::found::Found;
-use crate::estimate::others::reading::{Read, hashes, read};
+use crate::estimate::others::recording::reading::{Read, hashes, read};
 use crate::estimate::outcome::Outcome;
 
 /// Estimates the FRF from recordings of a periodic excitation, one run for each experiment: the

@@ -6,7 +6,7 @@ use frfid_signals::format::significant;
 use crate::description::estimate::EstimateTable;
 use crate::estimate::others::estimated::Estimated;
 use crate::estimate::others::found::Found;
-use crate::estimate::others::measured::Measured;
+use crate::estimate::others::run::measured::Measured;
 use crate::run::provenance::{Metadata, metadata};
 
 impl Found {

@@ -8,7 +8,7 @@ use crate::estimate::others::recording::{Odd, Recording, Role};
 
 impl Recording {
     /// Looks at every signal and mends what can be.
-    pub(super) fn look(&mut self) {
+    pub(in crate::estimate::others) fn look(&mut self) {
         self.odd = self.oddities();
         self.unwrap();
         if let Some((samples, phase)) = self.held_alike() {
@@ -111,7 +111,7 @@ impl Recording {
 
     /// The signal that makes the recording useless, and why: an output or the reference of a single
     /// channel that says nothing.
-    pub(super) fn refusal(&self) -> Option<String> {
+    pub(in crate::estimate::others) fn refusal(&self) -> Option<String> {
         let record = &self.log.record;
         let is_alone = |role: Role| match role {
             Role::Input => record.r.is_none() && record.u.nrows() == 1,
@@ -133,7 +133,7 @@ impl Odd {
     /// What follows for the estimate: a reference or a position that is odd spoils nothing by itself.
     /// A signal that is taken at its true rate is still one that was sampled too slowly to see what
     /// folds back.
-    pub(super) fn consequence(&self) -> Consequence {
+    pub(in crate::estimate::others) fn consequence(&self) -> Consequence {
         match (self.oddity.consequence(), self.role) {
             (Consequence::Flagged, Role::Reference | Role::Position) => Consequence::Told,
             (consequence, _) => consequence,
@@ -141,7 +141,7 @@ impl Odd {
     }
 
     /// What it does to the FRF.
-    pub(super) fn meaning(&self) -> String {
+    pub(in crate::estimate::others) fn meaning(&self) -> String {
         match self.is_held() && self.is_cured {
             true => {
                 "every row a new sample; the new ones alone are taken, and what lies above half of \
@@ -157,14 +157,14 @@ impl Odd {
     }
 
     /// The signal and what is odd about it.
-    pub(super) fn words(&self) -> String {
+    pub(in crate::estimate::others) fn words(&self) -> String {
         format!("{} {}", self.signal, self.oddity.found())
     }
 }
 
 impl Role {
     /// What a channel without a name of its own is called.
-    pub(super) fn name_of(self, channel: usize) -> String {
+    pub(in crate::estimate::others) fn name_of(self, channel: usize) -> String {
         let role = match self {
             Self::Input => "input",
             Self::Output => "output",

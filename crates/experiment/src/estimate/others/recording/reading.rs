@@ -5,21 +5,24 @@ use std::path::PathBuf;
 use frfid_files::{Log, LogMap, read_log, sha256_file};
 
 use crate::error::ExperimentError;
-use crate::estimate::others::cut::cut;
+use crate::estimate::others::recording::cut::cut;
 use crate::estimate::others::recording::{Recording, Unused};
 use crate::run::provenance::Metadata;
 
 /// What was read.
-pub(super) struct Read {
-    pub(super) recordings: Vec<Recording>,
-    pub(super) unused: Vec<Unused>,
+pub(in crate::estimate::others) struct Read {
+    pub(in crate::estimate::others) recordings: Vec<Recording>,
+    pub(in crate::estimate::others) unused: Vec<Unused>,
 }
 
 /// Reads every recording. One that cannot be read does not stop the others.
 ///
 /// # Errors
 /// [`ExperimentError`] of the first recording if none can be read.
-pub(super) fn read(paths: &[PathBuf], map: &LogMap) -> Result<Read, ExperimentError> {
+pub(in crate::estimate::others) fn read(
+    paths: &[PathBuf],
+    map: &LogMap,
+) -> Result<Read, ExperimentError> {
     let (mut recordings, mut unused, mut first_error) = (Vec::new(), Vec::new(), None);
     for (place, path) in paths.iter().enumerate() {
         let name = path.display().to_string();
@@ -46,7 +49,7 @@ fn read_one(path: &std::path::Path, map: &LogMap) -> Result<Log, ExperimentError
 /// # Errors
 /// [`ExperimentError`] for files that are equal byte for byte: what was measured once is no second
 /// measurement.
-pub(super) fn hashes(paths: &[PathBuf]) -> Result<Metadata, ExperimentError> {
+pub(in crate::estimate::others) fn hashes(paths: &[PathBuf]) -> Result<Metadata, ExperimentError> {
     let mut hashes: Vec<(String, &PathBuf)> = Vec::new();
     for path in paths {
         let hash = sha256_file(path)?;

@@ -7,23 +7,23 @@ use frfid_signals::format::significant;
 use ndarray::{Array2, ArrayView2, s};
 use num_complex::Complex64;
 
-use crate::estimate::others::measured::Signals;
 use crate::estimate::others::recording::Role;
-use crate::estimate::others::runs::Run;
-use crate::estimate::others::sample_clock::SampleClock;
+use crate::estimate::others::run::Run;
+use crate::estimate::others::run::measured::Signals;
+use crate::estimate::others::run::sample_clock::SampleClock;
 
 /// A trend in one channel.
-pub(super) struct TrendOf {
-    pub(super) role: Role,
-    pub(super) channel: usize,
+pub(in crate::estimate::others) struct TrendOf {
+    pub(in crate::estimate::others) role: Role,
+    pub(in crate::estimate::others) channel: usize,
     trend: Trend,
 }
 
 /// A run whose trends are known, and which of its periods are used.
-pub(super) struct Settled {
-    pub(super) n_transient: usize,
-    pub(super) settling: Option<Settling>,
-    pub(super) trends: Vec<TrendOf>,
+pub(in crate::estimate::others) struct Settled {
+    pub(in crate::estimate::others) n_transient: usize,
+    pub(in crate::estimate::others) settling: Option<Settling>,
+    pub(in crate::estimate::others) trends: Vec<TrendOf>,
     /// Inputs and outputs without their trends, from the first used period on; `None` where there is
     /// none.
     straight: Option<[Array2<f64>; 2]>,
@@ -35,7 +35,7 @@ impl Settled {
     ///
     /// # Errors
     /// [`EstimateError::NotSettled`].
-    pub(super) fn of(
+    pub(in crate::estimate::others) fn of(
         signals: &Signals,
         periods: &RunPeriods,
         clock: &SampleClock,
@@ -102,7 +102,7 @@ impl Settled {
     ///
     /// # Errors
     /// Those of [`RunPeriods::spectra`].
-    pub(super) fn spectra(
+    pub(in crate::estimate::others) fn spectra(
         &self,
         signals: &Signals,
         periods: &RunPeriods,
@@ -153,7 +153,7 @@ fn judge(
 
 impl TrendOf {
     /// The trend in words, behind the name of its signal.
-    pub(super) fn words(&self, sample_time_s: f64) -> String {
+    pub(in crate::estimate::others) fn words(&self, sample_time_s: f64) -> String {
         let mut parts = Vec::new();
         if self.trend.slope_per_sample != 0.0 {
             let slope = significant(self.trend.slope_per_sample / sample_time_s, 3);

@@ -5,9 +5,9 @@ use frfid_estimate::{ClockRatio, EstimateError, RunPeriods, find_clock_ratio, un
 use ndarray::{Array2, ArrayView2, Axis, concatenate, stack};
 use num_complex::Complex64;
 
-use crate::estimate::others::measured::Signals;
 use crate::estimate::others::recording::Recording;
-use crate::estimate::others::runs::Run;
+use crate::estimate::others::run::Run;
+use crate::estimate::others::run::measured::Signals;
 
 /// Two clocks are told from each other at so many standard errors: 6e-7 by chance.
 const SURE: f64 = 5.0;
@@ -16,13 +16,13 @@ const SURE: f64 = 5.0;
 const HARMLESS: f64 = 1e-6;
 
 /// The sample clock of a run.
-pub(super) struct SampleClock {
-    pub(super) sample_time_s: f64,
+pub(in crate::estimate::others) struct SampleClock {
+    pub(in crate::estimate::others) sample_time_s: f64,
     /// Period in samples, not necessarily whole.
-    pub(super) period: f64,
+    pub(in crate::estimate::others) period: f64,
     /// By how much the player's clock is fast against the recorder's in parts per million, where
     /// the period shows it.
-    pub(super) ppm: Option<f64>,
+    pub(in crate::estimate::others) ppm: Option<f64>,
     /// Where the samples are, in samples of an even clock; `None` where they are even.
     positions: Option<Vec<f64>>,
     /// Lines that are in the signals without being excited, for periods that are not whole.
@@ -34,7 +34,7 @@ impl SampleClock {
     ///
     /// # Errors
     /// [`EstimateError`] for lines off the grid of the period.
-    pub(super) fn of(
+    pub(in crate::estimate::others) fn of(
         recording: &Recording,
         run: &Run,
         signals: &Signals,
@@ -97,7 +97,7 @@ impl SampleClock {
     }
 
     /// Period in s.
-    pub(super) fn period_s(&self) -> f64 {
+    pub(in crate::estimate::others) fn period_s(&self) -> f64 {
         self.period * self.sample_time_s
     }
 
@@ -105,7 +105,7 @@ impl SampleClock {
     ///
     /// # Errors
     /// [`EstimateError`] for lines off the grid of the period.
-    pub(super) fn periods(
+    pub(in crate::estimate::others) fn periods(
         &self,
         signals: &Signals,
         lines: &[usize],

@@ -11,41 +11,41 @@ use num_complex::Complex64;
 
 use crate::error::ExperimentError;
 use crate::estimate::others::recording::{Recording, Role};
-use crate::estimate::others::runs::Run;
-use crate::estimate::others::sample_clock::SampleClock;
-use crate::estimate::others::settled::{Settled, TrendOf};
+use crate::estimate::others::run::Run;
+use crate::estimate::others::run::sample_clock::SampleClock;
+use crate::estimate::others::run::settled::{Settled, TrendOf};
 
 /// What a run says.
-pub(super) struct Measured {
+pub(in crate::estimate::others) struct Measured {
     /// Place of the recording among all that were given.
-    pub(super) place: usize,
+    pub(in crate::estimate::others) place: usize,
     /// Name of the recording.
-    pub(super) name: String,
+    pub(in crate::estimate::others) name: String,
     /// Spectra of the periods that are used.
-    pub(super) spectra: Vec<RunSpectra>,
+    pub(in crate::estimate::others) spectra: Vec<RunSpectra>,
     /// The clocks of player and recorder.
-    pub(super) clock: SampleClock,
+    pub(in crate::estimate::others) clock: SampleClock,
     /// Periods in the run.
-    pub(super) n_periods: usize,
+    pub(in crate::estimate::others) n_periods: usize,
     /// Periods of which too little is there to tell the lines apart.
-    pub(super) n_lost: usize,
+    pub(in crate::estimate::others) n_lost: usize,
     /// Whether the rest has settled; `None` where too few periods tell.
-    pub(super) settling: Option<Settling>,
+    pub(in crate::estimate::others) settling: Option<Settling>,
     /// Whether the first half of the periods differs from the rest.
-    pub(super) never_settles: bool,
+    pub(in crate::estimate::others) never_settles: bool,
     /// Leading periods that were dropped as transient.
-    pub(super) n_transient: usize,
+    pub(in crate::estimate::others) n_transient: usize,
     /// Trends that were taken off.
-    pub(super) trends: Vec<TrendOf>,
+    pub(in crate::estimate::others) trends: Vec<TrendOf>,
     /// Rms of each input about its mean.
-    pub(super) u_rms: Vec<f64>,
+    pub(in crate::estimate::others) u_rms: Vec<f64>,
 }
 
 /// The signals of a run.
-pub(super) struct Signals<'a> {
-    pub(super) u: ArrayView2<'a, f64>,
-    pub(super) y: ArrayView2<'a, f64>,
-    pub(super) r: Option<ArrayView2<'a, f64>>,
+pub(in crate::estimate::others) struct Signals<'a> {
+    pub(in crate::estimate::others) u: ArrayView2<'a, f64>,
+    pub(in crate::estimate::others) y: ArrayView2<'a, f64>,
+    pub(in crate::estimate::others) r: Option<ArrayView2<'a, f64>>,
 }
 
 impl<'a> Signals<'a> {
@@ -61,12 +61,12 @@ impl<'a> Signals<'a> {
     }
 
     /// The reference, or the input where none was recorded.
-    pub(super) fn reference(&self) -> ArrayView2<'a, f64> {
+    pub(in crate::estimate::others) fn reference(&self) -> ArrayView2<'a, f64> {
         self.r.unwrap_or(self.u)
     }
 
     /// Whether no sample is lost.
-    pub(super) fn is_whole(&self) -> bool {
+    pub(in crate::estimate::others) fn is_whole(&self) -> bool {
         let signals = [Some(&self.u), Some(&self.y), self.r.as_ref()];
         let mut samples = signals.into_iter().flatten().flatten();
         samples.all(|sample| sample.is_finite())
@@ -78,7 +78,10 @@ impl Measured {
     ///
     /// # Errors
     /// [`ExperimentError::Recording`] for a run that never settles, and lines off its grid.
-    pub(super) fn of(recording: &Recording, run: &Run) -> Result<Self, ExperimentError> {
+    pub(in crate::estimate::others) fn of(
+        recording: &Recording,
+        run: &Run,
+    ) -> Result<Self, ExperimentError> {
         let signals = Signals::of(recording, &run.samples);
         let in_recording = recording.complaint();
         let clock = SampleClock::of(recording, run, &signals).map_err(&in_recording)?;
@@ -112,7 +115,11 @@ impl Measured {
     ///
     /// # Errors
     /// [`ExperimentError`] for spectra that are not finite.
-    pub(super) fn judge(&mut self, frf: &Frf, lines: &[usize]) -> Result<(), ExperimentError> {
+    pub(in crate::estimate::others) fn judge(
+        &mut self,
+        frf: &Frf,
+        lines: &[usize],
+    ) -> Result<(), ExperimentError> {
         let rest = without_input_changes(&self.spectra, frf).into_iter();
         let rest: Vec<Option<Array2<Complex64>>> = rest.map(Some).collect();
         match judge_settling(&rest, lines) {
@@ -124,12 +131,12 @@ impl Measured {
     }
 
     /// Number of periods that are used.
-    pub(super) fn n_used(&self) -> usize {
+    pub(in crate::estimate::others) fn n_used(&self) -> usize {
         self.spectra.len()
     }
 
     /// The line that is settled least, in words.
-    pub(super) fn unsettled_words(&self) -> String {
+    pub(in crate::estimate::others) fn unsettled_words(&self) -> String {
         let unsettled = self
             .settling
             .iter()
@@ -150,7 +157,7 @@ impl Measured {
     }
 
     /// How the clocks of player and recorder differ, where it shows.
-    pub(super) fn clock_words(&self) -> Option<String> {
+    pub(in crate::estimate::others) fn clock_words(&self) -> Option<String> {
         let ppm = self.clock.ppm?;
         Some(format!(
             "{}: the period is {} samples, not a whole number: the recorder's clock differs from the player's by {} ppm; the lines \
@@ -162,7 +169,7 @@ impl Measured {
     }
 
     /// Names the signals of the trends.
-    pub(super) fn trend_words(&self, recording: &Recording) -> Vec<String> {
+    pub(in crate::estimate::others) fn trend_words(&self, recording: &Recording) -> Vec<String> {
         let words = |trend: &TrendOf| {
             let signal = recording.name_of(trend.role, trend.channel);
             format!(
@@ -183,7 +190,7 @@ fn level(signal: ArrayView1<f64>) -> f64 {
 
 impl Recording {
     /// What a signal is called.
-    pub(super) fn name_of(&self, role: Role, channel: usize) -> String {
+    pub(in crate::estimate::others) fn name_of(&self, role: Role, channel: usize) -> String {
         let names: &[String] = match role {
             Role::Input => &self.log.input_names,
             Role::Output => &self.log.output_names,

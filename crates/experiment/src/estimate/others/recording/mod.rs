@@ -1,5 +1,10 @@
 //! Recording of others while it is looked at, and what is not used of them.
 
+mod cut;
+mod looking;
+mod losses;
+pub(in crate::estimate::others) mod reading;
+
 use std::fmt;
 use std::path::PathBuf;
 
@@ -11,29 +16,29 @@ use crate::error::ExperimentError;
 
 /// A recording that was read.
 #[derive(Debug)]
-pub(super) struct Recording {
+pub(in crate::estimate::others) struct Recording {
     /// Place among all that were given, from 0.
-    pub(super) place: usize,
-    pub(super) name: String,
-    pub(super) log: Log,
+    pub(in crate::estimate::others) place: usize,
+    pub(in crate::estimate::others) name: String,
+    pub(in crate::estimate::others) log: Log,
     /// What is odd about its signals, wraps and holds that were mended included.
-    pub(super) odd: Vec<Odd>,
+    pub(in crate::estimate::others) odd: Vec<Odd>,
 }
 
 /// What is odd about a signal.
 #[derive(Debug, Clone)]
-pub(super) struct Odd {
-    pub(super) signal: String,
-    pub(super) channel: usize,
-    pub(super) role: Role,
-    pub(super) oddity: Oddity,
+pub(in crate::estimate::others) struct Odd {
+    pub(in crate::estimate::others) signal: String,
+    pub(in crate::estimate::others) channel: usize,
+    pub(in crate::estimate::others) role: Role,
+    pub(in crate::estimate::others) oddity: Oddity,
     /// Whether it was mended.
-    pub(super) is_cured: bool,
+    pub(in crate::estimate::others) is_cured: bool,
 }
 
 /// What a signal is for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Role {
+pub(in crate::estimate::others) enum Role {
     Input,
     Output,
     Reference,
@@ -42,15 +47,19 @@ pub(super) enum Role {
 
 /// A recording, or a part of one, that is not used.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Unused {
+pub(in crate::estimate::others) struct Unused {
     /// Place of the recording among all that were given, from 0.
-    pub(super) place: usize,
+    pub(in crate::estimate::others) place: usize,
     name: String,
     reason: String,
 }
 
 impl Unused {
-    pub(super) fn new(place: usize, name: impl Into<String>, reason: impl Into<String>) -> Self {
+    pub(in crate::estimate::others) fn new(
+        place: usize,
+        name: impl Into<String>,
+        reason: impl Into<String>,
+    ) -> Self {
         Self {
             place,
             name: name.into(),
@@ -70,7 +79,7 @@ impl fmt::Display for Unused {
 }
 
 impl Recording {
-    pub(super) fn new(place: usize, name: String, log: Log) -> Self {
+    pub(in crate::estimate::others) fn new(place: usize, name: String, log: Log) -> Self {
         Self {
             place,
             name,
@@ -80,7 +89,9 @@ impl Recording {
     }
 
     /// An error of the estimate with the name of the recording.
-    pub(super) fn complaint(&self) -> impl Fn(EstimateError) -> ExperimentError {
+    pub(in crate::estimate::others) fn complaint(
+        &self,
+    ) -> impl Fn(EstimateError) -> ExperimentError {
         let path = PathBuf::from(&self.name);
         move |source| ExperimentError::Recording {
             path: path.clone(),
@@ -89,12 +100,12 @@ impl Recording {
     }
 
     /// That it is not used, and why.
-    pub(super) fn unused(&self, reason: impl fmt::Display) -> Unused {
+    pub(in crate::estimate::others) fn unused(&self, reason: impl fmt::Display) -> Unused {
         Unused::new(self.place, &self.name, reason.to_string())
     }
 
     /// The reference, or the input where none was recorded.
-    pub(super) fn reference(&self) -> ArrayView2<'_, f64> {
+    pub(in crate::estimate::others) fn reference(&self) -> ArrayView2<'_, f64> {
         let record = &self.log.record;
         record.r.as_ref().unwrap_or(&record.u).view()
     }

@@ -10,7 +10,7 @@ use crate::error::ExperimentError;
 ///
 /// # Errors
 /// [`ExperimentError::Logs`] for times between which the recording has no two samples.
-pub(super) fn cut(
+pub(in crate::estimate::others) fn cut(
     log: Log,
     start_s: Option<f64>,
     end_s: Option<f64>,

@@ -10,7 +10,7 @@ const NAMED: usize = 4;
 
 impl Recording {
     /// What of it is lost.
-    pub(super) fn lost(&self) -> Vec<String> {
+    pub(in crate::estimate::others) fn lost(&self) -> Vec<String> {
         let mut words = Vec::new();
         for of_topic in self.log.losses.chunk_by(|a, b| a.topic == b.topic) {
             let n_gaps = of_topic

@@ -1,6 +1,10 @@
 //! Runs of recordings: the stretches in which the excitation repeats, with their period and lines,
 //! found or stated.
 
+pub(in crate::estimate::others) mod measured;
+mod sample_clock;
+mod settled;
+
 use std::ops::Range;
 
 use frfid_estimate::{EstimateError, Repetition, find_lines, find_repetition};
@@ -12,22 +16,22 @@ use crate::estimate::others::recording::Recording;
 
 /// A stretch of a recording in which the excitation repeats.
 #[derive(Debug, Clone)]
-pub(super) struct Run {
+pub(in crate::estimate::others) struct Run {
     /// Place of the recording among those that are looked at.
-    pub(super) recording: usize,
+    pub(in crate::estimate::others) recording: usize,
     /// Samples of the recording.
-    pub(super) samples: Range<usize>,
+    pub(in crate::estimate::others) samples: Range<usize>,
     /// Period in samples, not necessarily whole.
-    pub(super) period: f64,
+    pub(in crate::estimate::others) period: f64,
     /// Lines that are excited, rising.
-    pub(super) lines: Vec<usize>,
+    pub(in crate::estimate::others) lines: Vec<usize>,
     /// Whether it is the only one of its recording.
     is_alone: bool,
 }
 
 impl Run {
     /// The name of its recording, with its times where there are others in it.
-    pub(super) fn name(&self, recording: &Recording) -> String {
+    pub(in crate::estimate::others) fn name(&self, recording: &Recording) -> String {
         if self.is_alone {
             return recording.name.clone();
         }
@@ -47,7 +51,7 @@ impl Run {
 ///
 /// # Errors
 /// [`EstimateError`] for a recording in which nothing repeats, or no lines stand out.
-pub(super) fn runs_of(
+pub(in crate::estimate::others) fn runs_of(
     (number, recording): (usize, &Recording),
     map: &LogMap,
 ) -> Result<Vec<Run>, EstimateError> {
