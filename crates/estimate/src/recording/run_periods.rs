@@ -101,6 +101,21 @@ impl RunPeriods {
         Ok(spectra.map(|spectra| self.excited(&spectra)))
     }
 
+    /// Spectra of every period, in their order.
+    ///
+    /// # Errors
+    /// As [`RunPeriods::spectra`].
+    pub fn all_spectra(
+        &self,
+        name: &'static str,
+        signal: ArrayView2<f64>,
+    ) -> Result<Vec<Option<Array2<Complex64>>>, EstimateError> {
+        let periods = 0..self.n_periods();
+        periods
+            .map(|period| self.spectra(name, signal, period))
+            .collect()
+    }
+
     /// The sample of the run with which a period begins.
     #[must_use]
     pub fn first_sample(&self, period: usize) -> usize {

@@ -31,14 +31,7 @@ pub(super) fn agreeing(
     runs: Vec<Run>,
     unused: &mut Vec<Unused>,
 ) -> Result<Vec<Run>, ExperimentError> {
-    let traits: Vec<Traits> = runs.iter().map(|run| Traits::of(recordings, run)).collect();
-    let agree = |a: &Traits, b: &Traits| a.difference(b).is_none();
-    let Some(kept) = majority(&traits, agree) else {
-        return Err(disagreement(recordings, &runs, &traits));
-    };
-    let differences: Vec<Option<String>> = (traits.iter())
-        .map(|traits_of| traits_of.difference(&traits[kept]))
-        .collect();
+    let differences = differences(recordings, &runs)?;
     let mut agreeing = Vec::new();
     for (run, difference) in runs.into_iter().zip(differences) {
         match difference {
@@ -49,20 +42,33 @@ pub(super) fn agreeing(
     Ok(agreeing)
 }
 
+/// In what each run differs from most of them.
+fn differences(
+    recordings: &[Recording],
+    runs: &[Run],
+) -> Result<Vec<Option<String>>, ExperimentError> {
+    let traits: Vec<Traits> = runs.iter().map(|run| Traits::of(recordings, run)).collect();
+    let agree = |a: &Traits, b: &Traits| a.difference(b).is_none();
+    let Some(kept) = majority(&traits, agree) else {
+        return Err(disagreement(recordings, runs, &traits));
+    };
+    let kept = &traits[kept];
+    Ok(traits.iter().map(|run| run.difference(kept)).collect())
+}
+
 /// Keeps the lines that every run excites; returns those that some do not.
 pub(super) fn keep_common_lines(runs: &mut [Run]) -> Vec<usize> {
-    let mut all: BTreeSet<usize> = BTreeSet::new();
-    let mut common: Option<BTreeSet<usize>> = None;
-    for run in runs.iter() {
-        let lines: BTreeSet<usize> = run.lines.iter().copied().collect();
-        all.extend(&lines);
-        common = Some(common.map_or(lines.clone(), |common| &common & &lines));
-    }
-    let common = common.unwrap_or_default();
+    let sets = || {
+        runs.iter()
+            .map(|run| BTreeSet::from_iter(run.lines.iter().copied()))
+    };
+    let common = sets().reduce(|a, b| &a & &b).unwrap_or_default();
+    let all = sets().reduce(|a, b| &a | &b).unwrap_or_default();
+    let others = all.difference(&common).copied().collect();
     for run in runs {
         run.lines = common.iter().copied().collect();
     }
-    all.difference(&common).copied().collect()
+    others
 }
 
 impl<'a> Traits<'a> {
@@ -86,6 +92,11 @@ impl<'a> Traits<'a> {
         if !is_same(self.period_s, other.period_s) {
             return Some(self.other_period(other));
         }
+        self.other_lines(other)
+    }
+
+    /// That it excites other lines, if less than half of them are the same.
+    fn other_lines(&self, other: &Self) -> Option<String> {
         let mine: BTreeSet<usize> = self.lines.iter().copied().collect();
         let n_common = other
             .lines
@@ -93,8 +104,8 @@ impl<'a> Traits<'a> {
             .filter(|line| mine.contains(line))
             .count();
         let most = self.lines.len().max(other.lines.len());
+        let [found, needed] = [self, other].map(Traits::lines_in_words);
         ((n_common as f64) < MOST_LINES * most as f64).then(|| {
-            let [found, needed] = [self, other].map(Traits::lines_in_words);
             format!(
                 "it excites other lines, {found}, than the others, {needed}: {n_common} in common"
             )

@@ -1,6 +1,5 @@
 //! Checks of an estimate from recordings of others.
 
-use frfid_estimate::Consequence;
 use frfid_files::Check;
 use frfid_signals::Frf;
 use frfid_signals::format::{count, significant};
@@ -9,49 +8,55 @@ use crate::estimate::others::found::Found;
 use crate::estimate::others::recording::{Odd, Recording};
 use crate::estimate::others::run::measured::Measured;
 
-/// Whether every recording is used.
-pub(super) fn all_used(found: &Found) -> Check {
+/// Whether every recording is used; `None` of a single one.
+pub(super) fn all_used(found: &Found) -> Option<Check> {
     let (n_used, n_given) = (found.n_recordings_used(), found.n_given);
-    Check {
+    (n_given > 1).then(|| Check {
         name: "recordings".into(),
         passed: found.unused.is_empty(),
         found: format!("{n_used} of {n_given} used"),
         needed: "all of them".into(),
         advice: "see the warnings for why, and estimate what does not belong here by itself".into(),
-    }
+    })
 }
 
 /// Whether there are periods enough for the noise to be known.
 pub(super) fn periods(measured: &[Measured], frf: &Frf) -> Check {
-    let n_used: usize = measured.iter().map(Measured::n_used).sum();
-    let n_transient: usize = measured.iter().map(|run| run.n_transient).sum();
-    let n_lost: usize = measured.iter().map(|run| run.n_lost).sum();
-    let clock = measured.first().map(|run| &run.clock);
-    let (period_s, samples) = clock.map_or((0.0, 0.0), |clock| (clock.period_s(), clock.period));
-    let lost = match n_lost {
-        0 => String::new(),
-        n => format!(", {n} lost"),
-    };
     Check {
         name: "periods".into(),
         passed: frf.noise.is_some(),
-        found: format!(
-            "{n_used} of {} s ({} samples) in {}, after {n_transient} transient{lost}",
-            significant(period_s, 6),
-            significant(samples, 9),
-            count(measured.len(), "run"),
-        ),
+        found: periods_in_words(measured),
         needed: "2 or more whole ones in each run, for the noise to be known".into(),
         advice: "record more periods back to back".into(),
     }
+}
+
+fn periods_in_words(measured: &[Measured]) -> String {
+    let sum = |of: fn(&Measured) -> usize| measured.iter().map(of).sum::<usize>();
+    let (n_used, n_transient) = (sum(Measured::n_used), sum(|run| run.n_transient));
+    let runs = count(measured.len(), "run");
+    let lost = match sum(|run| run.n_lost) {
+        0 => String::new(),
+        n => format!(", {n} lost"),
+    };
+    let length = measured.first().map_or(String::new(), period_in_words);
+    format!("{n_used} of {length} in {runs}, after {n_transient} transient{lost}")
+}
+
+fn period_in_words(run: &Measured) -> String {
+    let clock = &run.clock;
+    let (period_s, samples) = (
+        significant(clock.period_s(), 6),
+        significant(clock.period, 9),
+    );
+    format!("{period_s} s ({samples} samples)")
 }
 
 /// A check for every signal that may spoil the FRF, or one that none does.
 pub(super) fn signals(recordings: &[Recording]) -> Vec<Check> {
     let mut checks: Vec<Check> = Vec::new();
     for recording in recordings {
-        let flagged = recording.odd.iter();
-        for odd in flagged.filter(|odd| odd.consequence() == Consequence::Flagged) {
+        for odd in recording.flagged() {
             let name = format!("signal {}", odd.signal);
             if !checks.iter().any(|check| check.name == name) {
                 checks.push(odd_signal(name, odd, recording));
@@ -59,15 +64,19 @@ pub(super) fn signals(recordings: &[Recording]) -> Vec<Check> {
         }
     }
     if checks.is_empty() {
-        checks.push(Check {
-            name: "signals".into(),
-            passed: true,
-            found: format!("nothing odd in {}", count(recordings.len(), "recording")),
-            needed: "none that is coarse, held, clipped or spoilt by outliers".into(),
-            advice: String::new(),
-        });
+        checks.push(sound_signals(recordings.len()));
     }
     checks
+}
+
+fn sound_signals(n_recordings: usize) -> Check {
+    Check {
+        name: "signals".into(),
+        passed: true,
+        found: format!("nothing odd in {}", count(n_recordings, "recording")),
+        needed: "none that is coarse, held, clipped or spoilt by outliers".into(),
+        advice: String::new(),
+    }
 }
 
 fn odd_signal(name: String, odd: &Odd, recording: &Recording) -> Check {

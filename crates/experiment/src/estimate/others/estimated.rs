@@ -1,6 +1,6 @@
 //! Estimate from the runs of recordings.
 
-use frfid_estimate::{EqualDraws, FrfEstimate, LineDft};
+use frfid_estimate::{EqualDraws, EstimateError, FrfEstimate, LineDft};
 use frfid_files::LogMap;
 
 use crate::description::estimate::EstimateTable;
@@ -61,6 +61,9 @@ impl Found {
         for run in &self.runs {
             let recording = self.recording_of(run);
             match Measured::of(recording, run) {
+                Ok(run) if run.spectra.is_empty() => {
+                    unused.push(recording.unused("no period of it is whole enough"));
+                }
                 Ok(run) => measured.push(run),
                 Err(error) => {
                     unused.push(recording.unused(&error));
@@ -71,6 +74,7 @@ impl Found {
         self.unused.extend(unused);
         match first_error {
             Some(error) if measured.is_empty() => Err(error),
+            _ if measured.is_empty() => Err(EstimateError::EmptyList("whole periods").into()),
             _ => Ok(measured),
         }
     }

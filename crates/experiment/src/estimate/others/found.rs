@@ -1,6 +1,6 @@
 //! What is found in recordings: the runs that belong together, and what is not used.
 
-use frfid_estimate::{Consequence, EstimateError};
+use frfid_estimate::EstimateError;
 use frfid_files::LogMap;
 
 use crate::error::ExperimentError;
@@ -32,21 +32,7 @@ impl Found {
         let n_given = recordings.len() + unused.len();
         recordings.iter_mut().for_each(Recording::look);
         refuse_what_never_moves(&recordings)?;
-        let (mut runs, mut first_error) = (Vec::new(), None);
-        for (number, recording) in recordings.iter().enumerate() {
-            match useful_runs((number, recording), map) {
-                Ok(found) => runs.extend(found),
-                Err(NoRuns::Refused(reason)) => unused.push(recording.unused(reason)),
-                Err(NoRuns::Estimate(error)) => {
-                    unused.push(recording.unused(&error));
-                    first_error.get_or_insert_with(|| recording.complaint()(error));
-                }
-            }
-        }
-        match first_error {
-            Some(error) if runs.is_empty() => return Err(error),
-            _ => {}
-        }
+        let runs = all_runs(&recordings, &mut unused, map)?;
         let mut runs = agreeing(&recordings, runs, &mut unused)?;
         let not_common = keep_common_lines(&mut runs);
         Ok(Self {
@@ -72,6 +58,29 @@ enum NoRuns {
     Estimate(EstimateError),
 }
 
+/// The runs of all recordings; those without are not used.
+fn all_runs(
+    recordings: &[Recording],
+    unused: &mut Vec<Unused>,
+    map: &LogMap,
+) -> Result<Vec<Run>, ExperimentError> {
+    let (mut runs, mut first_error) = (Vec::new(), None);
+    for (number, recording) in recordings.iter().enumerate() {
+        match useful_runs((number, recording), map) {
+            Ok(found) => runs.extend(found),
+            Err(NoRuns::Refused(reason)) => unused.push(recording.unused(reason)),
+            Err(NoRuns::Estimate(error)) => {
+                unused.push(recording.unused(&error));
+                first_error.get_or_insert_with(|| recording.complaint()(error));
+            }
+        }
+    }
+    match first_error {
+        Some(error) if runs.is_empty() => Err(error),
+        _ => Ok(runs),
+    }
+}
+
 fn useful_runs((number, recording): (usize, &Recording), map: &LogMap) -> Result<Vec<Run>, NoRuns> {
     match recording.refusal() {
         Some(reason) => Err(NoRuns::Refused(reason)),
@@ -81,27 +90,23 @@ fn useful_runs((number, recording): (usize, &Recording), map: &LogMap) -> Result
 
 /// Refuses a signal that says nothing in any of the recordings.
 fn refuse_what_never_moves(recordings: &[Recording]) -> Result<(), ExperimentError> {
-    let refused = |odd: &&Odd| odd.consequence() == Consequence::Refused;
     let Some((first, rest)) = recordings.split_first() else {
         return Ok(());
     };
-    let everywhere = |odd: &&Odd| {
-        rest.iter().all(|recording| {
-            let same = |other: &&Odd| (other.role, other.channel) == (odd.role, odd.channel);
-            recording
-                .odd
-                .iter()
-                .filter(refused)
-                .any(|other| same(&other))
-        })
-    };
-    let mut useless = first.odd.iter().filter(refused).filter(everywhere);
-    useless.next().map_or(Ok(()), |odd| {
-        Err(ExperimentError::logs(
-            "signal of the recordings",
-            odd.words(),
-            "a signal that moves",
-            "check that it is the right signal, that its sensor delivers, and that the axis was free to move",
-        ))
-    })
+    let everywhere = |odd: &&Odd| rest.iter().all(|recording| recording.has_as_useless(odd));
+    let useless = first
+        .odd
+        .iter()
+        .filter(|odd| odd.is_useless())
+        .find(everywhere);
+    useless.map_or(Ok(()), |odd| Err(never_moves(odd)))
+}
+
+fn never_moves(odd: &Odd) -> ExperimentError {
+    ExperimentError::logs(
+        "signal of the recordings",
+        odd.words(),
+        "a signal that moves",
+        "check that it is the right signal, that its sensor delivers, and that the axis was free to move",
+    )
 }

@@ -10,11 +10,14 @@ use crate::estimate::others::checks;
 use crate::estimate::others::estimated::Estimated;
 use crate::estimate::others::found::Found;
 use crate::estimate::others::recording::{Odd, Recording};
+use crate::estimate::others::run::measured::Measured;
 use crate::estimate::outcome::{Outcome, condition_check, left_out_check};
 
 /// Levels of one input that differ by more than this are told: a nonlinear machine has another FRF
 /// at each.
 const LIKE_LEVELS: f64 = 1.5;
+/// An input weaker than this share of another run's is not excited in its run.
+const QUIET: f64 = 0.1;
 
 impl Found {
     /// The FRF with its checks and warnings.
@@ -51,18 +54,19 @@ impl Found {
     }
 
     fn checks(&self, estimated: &Estimated) -> Vec<Check> {
-        let mut all = Vec::new();
-        if self.n_given > 1 {
-            all.push(checks::all_used(self));
-        }
-        all.extend(checks::signals(&self.recordings));
-        all.extend(checks::one_clock(&self.recordings));
-        all.push(checks::periods(&estimated.runs, &estimated.estimate.frf));
-        all.push(checks::settled(&estimated.runs));
+        let frf = &estimated.estimate.frf;
         let n_left_out = estimated.estimate.left_out.len() + self.not_common.len();
-        all.extend(left_out_check(n_left_out));
-        all.push(condition_check(&estimated.estimate.frf, &[]));
-        all
+        let of_signals = checks::signals(&self.recordings).into_iter();
+        let all = (checks::all_used(self).into_iter())
+            .chain(of_signals)
+            .chain(checks::one_clock(&self.recordings))
+            .chain([
+                checks::periods(&estimated.runs, frf),
+                checks::settled(&estimated.runs),
+            ])
+            .chain(left_out_check(n_left_out))
+            .chain([condition_check(frf, &[])]);
+        all.collect()
     }
 
     /// Whether something of what was recorded is not in the estimate.
@@ -79,9 +83,9 @@ impl Found {
         warnings.extend(self.unused.iter().map(ToString::to_string));
         warnings.extend((estimated.n_incomplete > 0).then(|| incomplete(estimated)));
         warnings.extend(self.recordings.iter().flat_map(Recording::remarks));
-        for (run, measured) in self.runs.iter().zip(&estimated.runs) {
-            warnings.extend(measured.trend_words(self.recording_of(run)));
-            warnings.extend(measured.clock_words());
+        for run in &estimated.runs {
+            warnings.extend(run.trend_words(&self.recordings[run.recording]));
+            warnings.extend(run.clock_words());
         }
         warnings.extend(levels(estimated));
         let draws = estimated.equal.iter();
@@ -109,29 +113,36 @@ fn incomplete(estimated: &Estimated) -> String {
     )
 }
 
-/// Says that the levels of the runs differ.
+/// Says at which inputs the levels of the runs differ.
 fn levels(estimated: &Estimated) -> Vec<String> {
     let Some((first, rest)) = estimated.runs.split_first() else {
         return Vec::new();
     };
-    let mut words = Vec::new();
-    for (input, &level) in first.u_rms.iter().enumerate() {
-        let differs = |other: f64| other > LIKE_LEVELS * level || level > LIKE_LEVELS * other;
-        let others = rest.iter().map(|run| (run, run.u_rms[input]));
-        let driven = |other: f64| level.min(other) > 0.1 * level.max(other);
-        let mut others = others.filter(|(_, other)| differs(*other) && driven(*other));
-        if let Some((run, other)) = others.next() {
-            words.push(format!(
-                "input {} has {} rms in {} and {} in {}: a nonlinear machine has another FRF at each level",
-                input + 1,
-                significant(other, 3),
-                run.name,
-                significant(level, 3),
-                first.name
-            ));
-        }
-    }
-    words
+    let of_input = |input| {
+        let level = first.u_rms[input];
+        let other = rest
+            .iter()
+            .find(|run| is_other_level(level, run.u_rms[input]))?;
+        Some(other_level(first, other, input))
+    };
+    (0..first.u_rms.len()).filter_map(of_input).collect()
+}
+
+/// Whether two levels differ; an input that is quiet in one of them is not meant.
+fn is_other_level(a: f64, b: f64) -> bool {
+    let (low, high) = (a.min(b), a.max(b));
+    high > LIKE_LEVELS * low && low > QUIET * high
+}
+
+fn other_level(first: &Measured, other: &Measured, input: usize) -> String {
+    format!(
+        "input {} has {} rms in {} and {} in {}: a nonlinear machine has another FRF at each level",
+        input + 1,
+        significant(other.u_rms[input], 3),
+        other.name,
+        significant(first.u_rms[input], 3),
+        first.name
+    )
 }
 
 /// Says which runs are one draw of phases.

@@ -2,6 +2,7 @@
 //! phases are repetitions, wherever they were recorded.
 
 use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
 
 use frfid_estimate::{Campaign, EqualDraws, PeriodIndex, RunSpectra};
 
@@ -30,17 +31,7 @@ pub(super) fn by_phases(
     unused: &[usize],
 ) -> Result<Placed, ExperimentError> {
     let places: Vec<usize> = runs.iter().map(|(place, _)| *place).collect();
-    let mut singles = Campaign::new(frequency_hz.to_vec())?;
-    for (number, (_, periods)) in runs.into_iter().enumerate() {
-        for (period, spectra) in periods.into_iter().enumerate() {
-            let place = PeriodIndex {
-                realization: number,
-                experiment: 0,
-                period,
-            };
-            singles.insert(place, spectra)?;
-        }
-    }
+    let mut singles = singles(frequency_hz, runs)?;
     let equal = singles.pool_equal_draws();
     let mut campaign = Campaign::new(frequency_hz.to_vec())?;
     let mut columns = Columns::default();
@@ -58,6 +49,22 @@ pub(super) fn by_phases(
     Ok(Placed { campaign, equal })
 }
 
+/// Every run as a realization of its own.
+fn singles(frequency_hz: &[f64], runs: Vec<RunOf>) -> Result<Campaign, ExperimentError> {
+    let mut singles = Campaign::new(frequency_hz.to_vec())?;
+    for (realization, (_, periods)) in runs.into_iter().enumerate() {
+        for (period, spectra) in periods.into_iter().enumerate() {
+            let place = PeriodIndex {
+                realization,
+                experiment: 0,
+                period,
+            };
+            singles.insert(place, spectra)?;
+        }
+    }
+    Ok(singles)
+}
+
 /// Places the runs as the user says: of those of one realization the columns of U first, then
 /// repetitions.
 ///
@@ -70,35 +77,40 @@ pub(super) fn as_stated(
     realization_of: &[usize],
 ) -> Result<Placed, ExperimentError> {
     if realization_of.len() != runs.len() {
-        return Err(ExperimentError::logs(
-            "realization_of",
-            format!("{} numbers", realization_of.len()),
-            format!("one for each of {} runs", runs.len()),
-            "name the realization of every run, in their order",
-        ));
+        return Err(other_number(realization_of.len(), runs.len()));
     }
     let mut campaign = Campaign::new(frequency_hz.to_vec())?;
-    let mut seen: BTreeMap<usize, usize> = BTreeMap::new();
+    let mut n_runs: BTreeMap<usize, usize> = BTreeMap::new();
     let mut n_periods: BTreeMap<(usize, usize), usize> = BTreeMap::new();
     for ((_, periods), &realization) in runs.into_iter().zip(realization_of) {
-        let number = seen.entry(realization).or_default();
-        let experiment = *number % n_inputs;
-        *number += 1;
-        let period = n_periods.entry((realization, experiment)).or_default();
+        let experiment = next(n_runs.entry(realization)) % n_inputs;
         for spectra in periods {
             let place = PeriodIndex {
                 realization,
                 experiment,
-                period: *period,
+                period: next(n_periods.entry((realization, experiment))),
             };
             campaign.insert(place, spectra)?;
-            *period += 1;
         }
     }
-    Ok(Placed {
-        campaign,
-        equal: Vec::new(),
-    })
+    let equal = Vec::new();
+    Ok(Placed { campaign, equal })
+}
+
+/// Counts on; returns how many there were before.
+fn next<K: Ord>(count: Entry<'_, K, usize>) -> usize {
+    let count = count.or_default();
+    *count += 1;
+    *count - 1
+}
+
+fn other_number(found: usize, needed: usize) -> ExperimentError {
+    ExperimentError::logs(
+        "realization_of",
+        format!("{found} numbers"),
+        format!("one for each of {needed} runs"),
+        "name the realization of every run, in their order",
+    )
 }
 
 /// Columns of U over all realizations, given out to draws in their order.

@@ -17,30 +17,22 @@ impl Found {
         map: &LogMap,
         options: &EstimateTable,
     ) -> Metadata {
-        let runs = &estimated.runs;
-        let sum = |of: fn(&Measured) -> usize| runs.iter().map(of).sum::<usize>().to_string();
-        let first = runs.first().map(|run| &run.clock);
-        let (sample_time_s, period_s) =
-            first.map_or((0.0, 0.0), |clock| (clock.sample_time_s, clock.period_s()));
-        let duration_s: f64 = (self.recordings.iter())
-            .map(|recording| recording.log.duration_s)
-            .sum();
-        let levels: Vec<String> = runs.iter().map(levels).collect();
-        metadata([
+        let mut provenance = metadata([
             ("frfid_version", env!("CARGO_PKG_VERSION").to_owned()),
             ("log_map", json(map)),
             ("method", json(&options.method())),
-            ("sample_time_s", sample_time_s.to_string()),
-            ("duration_s", significant(duration_s, 9)),
             ("recordings_used", self.n_recordings_used().to_string()),
-            ("runs_used", runs.len().to_string()),
-            ("period_s", period_s.to_string()),
-            ("period_samples", (period_s / sample_time_s).to_string()),
-            ("periods_used", sum(Measured::n_used)),
-            ("periods_lost", sum(|run| run.n_lost)),
-            ("transient_periods_dropped", sum(|run| run.n_transient)),
-            ("u_rms", levels.join("; ")),
-        ])
+            ("duration_s", significant(self.duration_s(), 9)),
+        ]);
+        provenance.extend(counts(&estimated.runs));
+        provenance.extend(estimated.runs.first().into_iter().flat_map(clock));
+        provenance
+    }
+
+    /// Length of all recordings in s.
+    fn duration_s(&self) -> f64 {
+        let recordings = self.recordings.iter();
+        recordings.map(|recording| recording.log.duration_s).sum()
     }
 
     /// Number of recordings of which a run is used.
@@ -50,6 +42,30 @@ impl Found {
         used.dedup();
         used.len()
     }
+}
+
+/// The clock of a run.
+fn clock(run: &Measured) -> [(String, String); 3] {
+    let (step_s, period_s) = (run.clock.sample_time_s, run.clock.period_s());
+    [
+        ("sample_time_s", step_s),
+        ("period_s", period_s),
+        ("period_samples", run.clock.period),
+    ]
+    .map(|(name, value)| (name.into(), value.to_string()))
+}
+
+/// What was used of the runs.
+fn counts(runs: &[Measured]) -> Metadata {
+    let sum = |of: fn(&Measured) -> usize| runs.iter().map(of).sum::<usize>().to_string();
+    let levels: Vec<String> = runs.iter().map(levels).collect();
+    metadata([
+        ("runs_used", runs.len().to_string()),
+        ("periods_used", sum(Measured::n_used)),
+        ("periods_lost", sum(|run| run.n_lost)),
+        ("transient_periods_dropped", sum(|run| run.n_transient)),
+        ("u_rms", levels.join("; ")),
+    ])
 }
 
 /// Rms of the inputs of a run.

@@ -1,5 +1,7 @@
 //! Cut of a recording to the time that is asked for.
 
+use std::ops::Range;
+
 use frfid_files::{Log, Loss};
 use frfid_signals::Record;
 use ndarray::{Array2, s};
@@ -15,36 +17,47 @@ pub(in crate::estimate::others) fn cut(
     start_s: Option<f64>,
     end_s: Option<f64>,
 ) -> Result<Log, ExperimentError> {
-    let (step_s, n_samples) = (log.record.sample_time_s, log.record.n_samples());
-    let (start_s, end_s) = (start_s.unwrap_or(0.0), end_s.unwrap_or(f64::INFINITY));
-    let sample = |time_s: f64| (time_s / step_s).ceil().clamp(0.0, n_samples as f64) as usize;
-    let (start, end) = (sample(start_s), sample(end_s));
-    if start_s.is_nan() || end_s.is_nan() || end < start + 2 {
-        return Err(ExperimentError::logs(
-            "start and end",
-            format!("{start_s} s to {end_s} s"),
-            format!("times within 0 to {:.6} s", n_samples as f64 * step_s),
-            "see --start and --end, start_s and end_s in the map",
-        ));
-    }
-    if end - start == n_samples {
+    let n_samples = log.record.n_samples();
+    let samples = samples_within(&log, start_s.unwrap_or(0.0), end_s.unwrap_or(f64::INFINITY))?;
+    if samples.len() == n_samples {
         return Ok(log);
     }
-    let signal = |signal: Array2<f64>| signal.slice_move(s![.., start..end]);
-    let begin_s = start as f64 * step_s;
-    let record = log.record;
+    let step_s = log.record.sample_time_s;
+    let (begin_s, end_s) = (samples.start as f64 * step_s, samples.end as f64 * step_s);
     Ok(Log {
-        record: Record {
-            u: signal(record.u),
-            y: signal(record.y),
-            r: record.r.map(signal),
-            position_rad: record.position_rad.map(signal),
-            ..record
-        },
-        times_s: log.times_s.map(|times_s| from_start(&times_s[start..end])),
-        losses: shifted(log.losses, begin_s, end as f64 * step_s),
+        record: part(log.record, &samples),
+        times_s: log.times_s.map(|times_s| from_start(&times_s[samples])),
+        losses: shifted(log.losses, begin_s, end_s),
         ..log
     })
+}
+
+/// The samples between two times, at least two.
+fn samples_within(log: &Log, start_s: f64, end_s: f64) -> Result<Range<usize>, ExperimentError> {
+    let (step_s, n_samples) = (log.record.sample_time_s, log.record.n_samples());
+    let sample = |time_s: f64| (time_s / step_s).ceil().clamp(0.0, n_samples as f64) as usize;
+    let samples = sample(start_s)..sample(end_s);
+    if !start_s.is_nan() && !end_s.is_nan() && samples.len() > 1 {
+        return Ok(samples);
+    }
+    Err(ExperimentError::logs(
+        "start and end",
+        format!("{start_s} s to {end_s} s"),
+        format!("times within 0 to {:.6} s", n_samples as f64 * step_s),
+        "see --start and --end, start_s and end_s in the map",
+    ))
+}
+
+/// The record of these samples.
+fn part(record: Record, samples: &Range<usize>) -> Record {
+    let signal = |signal: Array2<f64>| signal.slice_move(s![.., samples.clone()]);
+    Record {
+        u: signal(record.u),
+        y: signal(record.y),
+        r: record.r.map(signal),
+        position_rad: record.position_rad.map(signal),
+        ..record
+    }
 }
 
 /// Times from the first on.

@@ -2,6 +2,7 @@
 //! their true rate, the rest is told.
 
 use frfid_estimate::{Consequence, Oddity, look, unwrapped};
+use frfid_signals::Record;
 use ndarray::{Array2, s};
 
 use crate::estimate::others::recording::{Odd, Recording, Role};
@@ -54,14 +55,7 @@ impl Recording {
             let Oddity::Wrapped { turn, .. } = odd.oddity else {
                 continue;
             };
-            let record = &mut self.log.record;
-            let signal = match odd.role {
-                Role::Input => Some(&mut record.u),
-                Role::Output => Some(&mut record.y),
-                Role::Reference => record.r.as_mut(),
-                Role::Position => record.position_rad.as_mut(),
-            };
-            if let Some(signal) = signal {
+            if let Some(signal) = signal_of(&mut self.log.record, odd.role) {
                 let mut channel = signal.row_mut(odd.channel);
                 let straight = unwrapped(channel.view(), turn);
                 channel.assign(&straight);
@@ -72,21 +66,12 @@ impl Recording {
 
     /// The hold that all inputs and outputs have in common: samples and phase.
     fn held_alike(&self) -> Option<(usize, usize)> {
-        let hold = |odd: &Odd| match odd.oddity {
-            Oddity::Held {
-                samples,
-                phase: Some(phase),
-            } => Some((odd.role, samples as usize, phase)),
-            _ => None,
-        };
-        let mut holds = self.odd.iter().filter_map(hold);
-        let measured = |role: Role| matches!(role, Role::Input | Role::Output);
-        let (_, samples, phase) = holds.clone().find(|(role, ..)| measured(*role))?;
-        let alike = |hold: &(Role, usize, usize)| (hold.1, hold.2) == (samples, phase);
-        let n_held = holds.clone().filter(|hold| measured(hold.0) && alike(hold));
+        let measured = self.odd.iter().filter(|odd| odd.role.is_measured());
+        let holds: Vec<(usize, usize)> = measured.filter_map(Odd::hold).collect();
+        let first = holds.first()?;
         let n_signals = self.log.record.u.nrows() + self.log.record.y.nrows();
-        (n_held.count() == n_signals && holds.all(|hold| !measured(hold.0) || alike(&hold)))
-            .then_some((samples, phase))
+        let are_all = holds.len() == n_signals && holds.iter().all(|hold| hold == first);
+        are_all.then_some(*first)
     }
 
     /// Takes one of so many samples, from `phase` on: those that say something new.
@@ -99,28 +84,57 @@ impl Recording {
         record.position_rad = record.position_rad.as_ref().map(every);
         record.sample_time_s *= samples as f64;
         let times_s = self.log.times_s.take();
-        self.log.times_s = times_s.map(|times_s| {
-            let first_s = times_s.get(phase).copied().unwrap_or(0.0);
-            let taken = times_s.iter().skip(phase).step_by(samples);
-            taken.map(|time_s| time_s - first_s).collect()
-        });
+        self.log.times_s = times_s.map(|times_s| every_time(&times_s, samples, phase));
         for odd in &mut self.odd {
             odd.is_cured |= odd.is_held();
         }
     }
 
-    /// The signal that makes the recording useless, and why: an output or the reference of a single
-    /// channel that says nothing.
+    /// What may spoil the FRF.
+    pub(in crate::estimate::others) fn flagged(&self) -> impl Iterator<Item = &Odd> {
+        let odd = self.odd.iter();
+        odd.filter(|odd| odd.consequence() == Consequence::Flagged)
+    }
+
+    /// The signal that makes the recording useless, and why: the only output, or the only reference
+    /// or input, says nothing.
     pub(in crate::estimate::others) fn refusal(&self) -> Option<String> {
+        let mut useless = self.odd.iter().filter(|odd| odd.is_useless());
+        useless.find(|odd| self.is_alone(odd.role)).map(Odd::words)
+    }
+
+    /// Whether there is but one signal of that role, and nothing can be had without it.
+    fn is_alone(&self, role: Role) -> bool {
         let record = &self.log.record;
-        let is_alone = |role: Role| match role {
+        match role {
             Role::Input => record.r.is_none() && record.u.nrows() == 1,
             Role::Reference => record.u.nrows() == 1,
             Role::Output => record.y.nrows() == 1,
             Role::Position => false,
-        };
-        let refused = |odd: &&Odd| odd.consequence() == Consequence::Refused && is_alone(odd.role);
-        self.odd.iter().find(refused).map(Odd::words)
+        }
+    }
+
+    /// Whether the same signal says nothing here, too.
+    pub(in crate::estimate::others) fn has_as_useless(&self, odd: &Odd) -> bool {
+        let same = |other: &&Odd| (other.role, other.channel) == (odd.role, odd.channel);
+        self.odd.iter().filter(same).any(Odd::is_useless)
+    }
+}
+
+/// One of so many times, from `phase` on, which is the new start.
+fn every_time(times_s: &[f64], samples: usize, phase: usize) -> Vec<f64> {
+    let first_s = times_s.get(phase).copied().unwrap_or(0.0);
+    let taken = times_s.iter().skip(phase).step_by(samples);
+    taken.map(|time_s| time_s - first_s).collect()
+}
+
+/// The signal of a role.
+fn signal_of(record: &mut Record, role: Role) -> Option<&mut Array2<f64>> {
+    match role {
+        Role::Input => Some(&mut record.u),
+        Role::Output => Some(&mut record.y),
+        Role::Reference => record.r.as_mut(),
+        Role::Position => record.position_rad.as_mut(),
     }
 }
 
@@ -140,6 +154,11 @@ impl Odd {
         }
     }
 
+    /// Whether nothing can be had from it.
+    pub(in crate::estimate::others) fn is_useless(&self) -> bool {
+        self.consequence() == Consequence::Refused
+    }
+
     /// What it does to the FRF.
     pub(in crate::estimate::others) fn meaning(&self) -> String {
         match self.is_held() && self.is_cured {
@@ -149,6 +168,17 @@ impl Odd {
                     .into()
             }
             false => format!("a sound signal: {}", self.oddity.meaning()),
+        }
+    }
+
+    /// Samples and phase of a hold.
+    fn hold(&self) -> Option<(usize, usize)> {
+        match self.oddity {
+            Oddity::Held {
+                samples,
+                phase: Some(phase),
+            } => Some((samples as usize, phase)),
+            _ => None,
         }
     }
 
@@ -163,6 +193,11 @@ impl Odd {
 }
 
 impl Role {
+    /// Whether the FRF is made of it.
+    fn is_measured(self) -> bool {
+        matches!(self, Self::Input | Self::Output)
+    }
+
     /// What a channel without a name of its own is called.
     pub(in crate::estimate::others) fn name_of(self, channel: usize) -> String {
         let role = match self {

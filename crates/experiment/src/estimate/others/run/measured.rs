@@ -13,10 +13,12 @@ use crate::error::ExperimentError;
 use crate::estimate::others::recording::{Recording, Role};
 use crate::estimate::others::run::Run;
 use crate::estimate::others::run::sample_clock::SampleClock;
-use crate::estimate::others::run::settled::{Settled, TrendOf};
+use crate::estimate::others::run::settled::{Search, TrendOf};
 
 /// What a run says.
 pub(in crate::estimate::others) struct Measured {
+    /// Place of the recording among those that are looked at.
+    pub(in crate::estimate::others) recording: usize,
     /// Place of the recording among all that were given.
     pub(in crate::estimate::others) place: usize,
     /// Name of the recording.
@@ -83,19 +85,33 @@ impl Measured {
         run: &Run,
     ) -> Result<Self, ExperimentError> {
         let signals = Signals::of(recording, &run.samples);
-        let in_recording = recording.complaint();
-        let clock = SampleClock::of(recording, run, &signals).map_err(&in_recording)?;
-        let periods = clock.periods(&signals, &run.lines).map_err(&in_recording)?;
-        let settled = Settled::of(&signals, &periods, &clock, run).map_err(&in_recording)?;
+        let measured = Self::of_signals(recording, run, &signals);
+        measured.map_err(recording.complaint())
+    }
+
+    fn of_signals(
+        recording: &Recording,
+        run: &Run,
+        signals: &Signals,
+    ) -> Result<Self, EstimateError> {
+        let clock = SampleClock::of(recording, run, signals)?;
+        let periods = clock.periods(signals, &run.lines)?;
+        let search = Search {
+            signals,
+            periods: &periods,
+            period: clock.period,
+            lines: &run.lines,
+        };
+        let settled = search.settled()?;
         let used = settled.n_transient..periods.n_periods();
         let spectra = used
             .clone()
-            .map(|period| settled.spectra(&signals, &periods, period));
-        let spectra = spectra
-            .collect::<Result<Vec<_>, _>>()
-            .map_err(&in_recording)?;
-        let spectra: Vec<RunSpectra> = spectra.into_iter().flatten().collect();
+            .map(|period| settled.spectra(signals, &periods, period));
+        let spectra: Vec<RunSpectra> = spectra
+            .flat_map(Result::transpose)
+            .collect::<Result<_, _>>()?;
         Ok(Self {
+            recording: run.recording,
             place: recording.place,
             name: run.name(recording),
             n_lost: used.len() - spectra.len(),

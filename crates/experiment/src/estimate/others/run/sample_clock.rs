@@ -2,7 +2,7 @@
 //! recorder's clock.
 
 use frfid_estimate::{ClockRatio, EstimateError, RunPeriods, find_clock_ratio, unexcited_lines};
-use ndarray::{Array2, ArrayView2, Axis, concatenate, stack};
+use ndarray::{Array2, Axis, concatenate, stack};
 use num_complex::Complex64;
 
 use crate::estimate::others::recording::Recording;
@@ -16,6 +16,7 @@ const SURE: f64 = 5.0;
 const HARMLESS: f64 = 1e-6;
 
 /// The sample clock of a run.
+#[derive(Clone)]
 pub(in crate::estimate::others) struct SampleClock {
     pub(in crate::estimate::others) sample_time_s: f64,
     /// Period in samples, not necessarily whole.
@@ -39,61 +40,72 @@ impl SampleClock {
         run: &Run,
         signals: &Signals,
     ) -> Result<Self, EstimateError> {
-        let n_samples = run.period.round();
         let even = Self {
             sample_time_s: recording.log.record.sample_time_s,
-            period: n_samples,
+            period: run.period.round(),
             ppm: None,
             positions: None,
             also: Vec::new(),
         };
-        let uneven = recording.positions(&run.samples);
-        let needs_fit = uneven.is_some() || !signals.is_whole() || run.period != n_samples;
-        let also = match needs_fit {
-            true => distortion(signals, run)?,
-            false => Vec::new(),
-        };
-        let even = Self { also, ..even }.with_ratio(signals, run)?;
-        let Some(positions) = uneven else {
-            return Ok(even);
-        };
-        let also = even.also.clone();
+        let positions = recording.positions(&run.samples);
+        if positions.is_none() && signals.is_whole() && run.period == even.period {
+            return even.with_ratio(signals, run);
+        }
+        let also = distortion(signals, run)?;
+        let even = Self { also, ..even };
+        match positions {
+            Some(positions) => even.or_stamped(positions, signals, run),
+            None => even.with_ratio(signals, run),
+        }
+    }
+
+    /// This even clock or the stamps, whichever lets the signals repeat better.
+    fn or_stamped(
+        self,
+        positions: Vec<f64>,
+        signals: &Signals,
+        run: &Run,
+    ) -> Result<Self, EstimateError> {
         let stamped = Self {
-            period: n_samples,
             positions: Some(positions),
-            ppm: None,
-            also,
-            ..even
+            ..self.clone()
         };
-        let stamped = stamped.with_ratio(signals, run)?;
-        let spreads = [&even, &stamped].map(|clock| clock.spread(signals, run));
-        let [of_even, of_stamped] = spreads;
-        Ok(if of_stamped? < of_even? {
-            stamped
-        } else {
-            even
-        })
+        let (even, stamped) = (
+            self.with_ratio(signals, run)?,
+            stamped.with_ratio(signals, run)?,
+        );
+        let is_better = stamped.spread(signals, run)? < even.spread(signals, run)?;
+        Ok(if is_better { stamped } else { even })
     }
 
     /// The same with the period that the turn of the reference from period to period tells.
     fn with_ratio(self, signals: &Signals, run: &Run) -> Result<Self, EstimateError> {
         let periods = self.periods(signals, &run.lines)?;
-        let spectra = spectra_of(&periods, signals.reference())?;
-        let spectra: Vec<ArrayView2<Complex64>> = longest_stretch(&spectra)
+        let spectra = periods.all_spectra("reference", signals.reference())?;
+        let found = self.ratio(&spectra, &run.lines)?;
+        Ok(match found.filter(|found| matters(found, self.period)) {
+            None => self,
+            Some(found) => Self {
+                period: found.period_samples,
+                ppm: Some(1e6 * (self.period / found.period_samples - 1.0)),
+                ..self
+            },
+        })
+    }
+
+    /// What the longest stretch of periods without losses says of the clocks.
+    fn ratio(
+        &self,
+        spectra: &[Option<Array2<Complex64>>],
+        lines: &[usize],
+    ) -> Result<Option<ClockRatio>, EstimateError> {
+        let stretch: Vec<_> = longest_stretch(spectra)
             .map(|spectra| spectra.view())
             .collect();
-        let found = match stack(Axis(0), &spectra) {
-            Ok(spectra) => find_clock_ratio(spectra.view(), &run.lines, self.period as usize)?,
-            Err(_) => None,
-        };
-        let Some(found) = found.filter(|found| matters(found, self.period)) else {
-            return Ok(self);
-        };
-        Ok(Self {
-            period: found.period_samples,
-            ppm: Some(1e6 * (self.period / found.period_samples - 1.0)),
-            ..self
-        })
+        match stack(Axis(0), &stretch) {
+            Ok(spectra) => find_clock_ratio(spectra.view(), lines, self.period as usize),
+            Err(_) => Ok(None),
+        }
     }
 
     /// Period in s.
@@ -126,7 +138,7 @@ impl SampleClock {
         let periods = self.periods(signals, &run.lines)?;
         let mut spread = 0.0;
         for signal in [signals.reference(), signals.y] {
-            spread += relative_spread(&spectra_of(&periods, signal)?);
+            spread += relative_spread(&periods.all_spectra("signal", signal)?);
         }
         Ok(spread)
     }
@@ -155,32 +167,26 @@ fn distortion(signals: &Signals, run: &Run) -> Result<Vec<usize>, EstimateError>
     unexcited_lines(both.view(), run.period, &run.lines)
 }
 
-/// Spectra of every period; `None` where too little of it is there.
-fn spectra_of(
-    periods: &RunPeriods,
-    signal: ArrayView2<f64>,
-) -> Result<Vec<Option<Array2<Complex64>>>, EstimateError> {
-    let numbers = 0..periods.n_periods();
-    numbers
-        .map(|period| periods.spectra("reference", signal, period))
-        .collect()
-}
-
 /// Mean square distance of spectra from their mean, over its square.
 fn relative_spread(spectra: &[Option<Array2<Complex64>>]) -> f64 {
     let present: Vec<&Array2<Complex64>> = spectra.iter().flatten().collect();
-    let Some(first) = present.first() else {
+    let Some(mean) = mean(&present) else {
         return 0.0;
     };
-    let mut mean = Array2::<Complex64>::zeros(first.raw_dim());
-    for spectrum in &present {
-        mean += *spectrum;
-    }
-    mean /= Complex64::from(present.len() as f64);
-    let power =
-        |spectrum: &Array2<Complex64>| spectrum.iter().map(Complex64::norm_sqr).sum::<f64>();
     let distances = present.iter().map(|spectrum| power(&(*spectrum - &mean)));
     distances.sum::<f64>() / power(&mean).max(f64::MIN_POSITIVE)
+}
+
+fn mean(spectra: &[&Array2<Complex64>]) -> Option<Array2<Complex64>> {
+    let (first, rest) = spectra.split_first()?;
+    let sum = rest
+        .iter()
+        .fold((*first).clone(), |sum, spectrum| sum + *spectrum);
+    Some(sum / Complex64::from(spectra.len() as f64))
+}
+
+fn power(spectrum: &Array2<Complex64>) -> f64 {
+    spectrum.iter().map(Complex64::norm_sqr).sum()
 }
 
 impl Recording {

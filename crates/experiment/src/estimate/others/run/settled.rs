@@ -4,13 +4,10 @@ use frfid_estimate::{
     EstimateError, RunPeriods, RunSpectra, Settling, Trend, find_trend, judge_settling,
 };
 use frfid_signals::format::significant;
-use ndarray::{Array2, ArrayView2, s};
-use num_complex::Complex64;
+use ndarray::{Array2, ArrayView2, ArrayViewMut2, s};
 
 use crate::estimate::others::recording::Role;
-use crate::estimate::others::run::Run;
 use crate::estimate::others::run::measured::Signals;
-use crate::estimate::others::run::sample_clock::SampleClock;
 
 /// A trend in one channel.
 pub(in crate::estimate::others) struct TrendOf {
@@ -29,75 +26,79 @@ pub(in crate::estimate::others) struct Settled {
     straight: Option<[Array2<f64>; 2]>,
 }
 
-impl Settled {
+/// A run in which the settled part is looked for.
+pub(in crate::estimate::others) struct Search<'a, 's> {
+    pub(in crate::estimate::others) signals: &'a Signals<'s>,
+    pub(in crate::estimate::others) periods: &'a RunPeriods,
+    /// Period in samples.
+    pub(in crate::estimate::others) period: f64,
+    pub(in crate::estimate::others) lines: &'a [usize],
+}
+
+impl Search<'_, '_> {
     /// Drops what is transient and takes trends off the rest. Where periods never settle, or only
     /// with further periods dropped, a trend of the whole run is tried first.
     ///
     /// # Errors
     /// [`EstimateError::NotSettled`].
-    pub(in crate::estimate::others) fn of(
-        signals: &Signals,
-        periods: &RunPeriods,
-        clock: &SampleClock,
-        run: &Run,
-    ) -> Result<Self, EstimateError> {
-        let judged = judge(periods, signals.y, &run.lines);
-        let is_plain = |settling: &Option<Settling>| {
-            settling
-                .as_ref()
-                .is_none_or(|s| s.unsettled.is_empty() && s.decay_periods.is_none())
-        };
-        if let Ok(settling) = &judged
-            && is_plain(settling)
-        {
-            let n_transient = settling.as_ref().map_or(0, |settling| settling.n_transient);
-            return Self::without_trends(signals, periods, clock, run, n_transient);
+    pub(in crate::estimate::others) fn settled(&self) -> Result<Settled, EstimateError> {
+        let judged = self.judge(self.signals.y);
+        if judged.as_ref().is_ok_and(is_plain) {
+            return self.from_period(n_transient(&judged?));
         }
-        let straightened = Self::without_trends(signals, periods, clock, run, 0);
-        match (straightened, judged) {
-            (Ok(settled), judged) if is_better(&settled, &judged) => Ok(settled),
-            (_, Ok(settling)) => {
-                let n_transient = settling.as_ref().map_or(0, |settling| settling.n_transient);
-                Self::without_trends(signals, periods, clock, run, n_transient)
-            }
-            (_, Err(error)) => Err(error),
+        let whole = self.from_period(0);
+        match (whole, judged) {
+            (Ok(whole), judged) if whole.is_better(&judged) => Ok(whole),
+            (_, judged) => self.from_period(n_transient(&judged?)),
         }
     }
 
     /// The run from a period on, without its trends.
-    fn without_trends(
-        signals: &Signals,
-        periods: &RunPeriods,
-        clock: &SampleClock,
-        run: &Run,
-        n_transient: usize,
-    ) -> Result<Self, EstimateError> {
-        let from = periods.first_sample(n_transient);
-        let mut straight = [signals.u, signals.y].map(|signal| signal.to_owned());
+    fn from_period(&self, first: usize) -> Result<Settled, EstimateError> {
+        let from = self.periods.first_sample(first);
+        let (mut u, mut y) = (self.signals.u.to_owned(), self.signals.y.to_owned());
         let mut trends = Vec::new();
-        for (role, signal) in [Role::Input, Role::Output].into_iter().zip(&mut straight) {
-            let mut used = signal.slice_mut(s![.., from..]);
-            for (channel, mut samples) in used.rows_mut().into_iter().enumerate() {
-                if let Some(trend) = find_trend(samples.view(), clock.period, &run.lines)? {
-                    trend.subtract_from(samples.view_mut());
-                    trends.push(TrendOf {
-                        role,
-                        channel,
-                        trend,
-                    });
-                }
-            }
+        for (role, signal) in [(Role::Input, &mut u), (Role::Output, &mut y)] {
+            let used = signal.slice_mut(s![.., from..]);
+            trends.extend(self.straighten(role, used)?);
         }
-        let settling = judge(periods, straight[1].view(), &run.lines)?;
-        let dropped = settling.as_ref().map_or(0, |settling| settling.n_transient);
-        Ok(Self {
-            n_transient: n_transient.max(dropped),
+        let settling = self.judge(y.view())?;
+        Ok(Settled {
+            n_transient: first.max(n_transient(&settling)),
+            straight: (!trends.is_empty()).then_some([u, y]),
             settling,
-            straight: (!trends.is_empty()).then_some(straight),
             trends,
         })
     }
 
+    /// Takes the trends off every channel of a signal.
+    fn straighten(
+        &self,
+        role: Role,
+        mut signal: ArrayViewMut2<f64>,
+    ) -> Result<Vec<TrendOf>, EstimateError> {
+        let mut trends = Vec::new();
+        for (channel, mut samples) in signal.rows_mut().into_iter().enumerate() {
+            if let Some(trend) = find_trend(samples.view(), self.period, self.lines)? {
+                trend.subtract_from(samples.view_mut());
+                trends.push(TrendOf {
+                    role,
+                    channel,
+                    trend,
+                });
+            }
+        }
+        Ok(trends)
+    }
+
+    /// Whether the periods of outputs have settled; `None` where too few tell.
+    fn judge(&self, y: ArrayView2<f64>) -> Result<Option<Settling>, EstimateError> {
+        let spectra = self.periods.all_spectra("y", y)?;
+        judge_settling(&spectra, self.lines)
+    }
+}
+
+impl Settled {
     /// Spectra of a period; `None` where too little of it is there.
     ///
     /// # Errors
@@ -108,66 +109,63 @@ impl Settled {
         periods: &RunPeriods,
         period: usize,
     ) -> Result<Option<RunSpectra>, EstimateError> {
-        let [u, y] = match &self.straight {
-            Some([u, y]) => [u.view(), y.view()],
-            None => [signals.u, signals.y],
+        let (u, y) = match &self.straight {
+            Some([u, y]) => (u.view(), y.view()),
+            None => (signals.u, signals.y),
         };
         let r = signals.r.map(|r| periods.spectra("r", r, period));
-        let r = match r.transpose()? {
-            Some(None) => return Ok(None),
-            r => r.flatten(),
-        };
-        let spectra = (
+        let (u, y) = (
             periods.spectra("u", u, period)?,
             periods.spectra("y", y, period)?,
         );
-        Ok(match spectra {
-            (Some(u), Some(y)) => Some(RunSpectra { u, y, r }),
+        Ok(match (u, y, r.transpose()?) {
+            (Some(u), Some(y), None) => Some(RunSpectra { u, y, r: None }),
+            (Some(u), Some(y), Some(Some(r))) => Some(RunSpectra { u, y, r: Some(r) }),
             _ => None,
         })
     }
+
+    /// Whether it has settled without its trends, with no more periods dropped than otherwise.
+    fn is_better(&self, judged: &Result<Option<Settling>, EstimateError>) -> bool {
+        let otherwise = judged.as_ref().map_or(usize::MAX, n_transient);
+        let is_settled = |settling: &Settling| settling.unsettled.is_empty();
+        !self.trends.is_empty()
+            && self.settling.as_ref().is_some_and(is_settled)
+            && self.n_transient <= otherwise
+    }
 }
 
-/// Whether a run without its trends has settled, with no more periods dropped than otherwise.
-fn is_better(settled: &Settled, judged: &Result<Option<Settling>, EstimateError>) -> bool {
-    let is_settled = |settling: &Settling| settling.unsettled.is_empty();
-    let n_otherwise = match judged {
-        Ok(Some(settling)) => settling.n_transient,
-        _ => usize::MAX,
-    };
-    !settled.trends.is_empty()
-        && settled.settling.as_ref().is_some_and(is_settled)
-        && settled.n_transient <= n_otherwise
+/// Whether nothing but the leading periods stands out.
+fn is_plain(settling: &Option<Settling>) -> bool {
+    let is_plain = |s: &Settling| s.unsettled.is_empty() && s.decay_periods.is_none();
+    settling.as_ref().is_none_or(is_plain)
 }
 
-/// Whether the periods of the outputs have settled; `None` where too few tell.
-fn judge(
-    periods: &RunPeriods,
-    y: ArrayView2<f64>,
-    lines: &[usize],
-) -> Result<Option<Settling>, EstimateError> {
-    let spectra = (0..periods.n_periods()).map(|period| periods.spectra("y", y, period));
-    let spectra: Vec<Option<Array2<Complex64>>> = spectra.collect::<Result<_, _>>()?;
-    judge_settling(&spectra, lines)
+fn n_transient(settling: &Option<Settling>) -> usize {
+    settling.as_ref().map_or(0, |settling| settling.n_transient)
 }
 
 impl TrendOf {
     /// The trend in words, behind the name of its signal.
     pub(in crate::estimate::others) fn words(&self, sample_time_s: f64) -> String {
-        let mut parts = Vec::new();
-        if self.trend.slope_per_sample != 0.0 {
-            let slope = significant(self.trend.slope_per_sample / sample_time_s, 3);
-            parts.push(format!("a drift of {slope} per s"));
-        }
-        if let Some(decay) = &self.trend.decay {
-            let (size, time_s) = (decay.amplitude, decay.time_constant_samples * sample_time_s);
-            let (size, time_s) = (significant(size, 3), significant(time_s, 3));
-            parts.push(format!("a transient of {size} that dies out in {time_s} s"));
-        }
+        let parts = [self.drift(sample_time_s), self.transient(sample_time_s)];
+        let parts: Vec<String> = parts.into_iter().flatten().collect();
         let effect = significant(self.trend.effect_over_noise, 2);
         format!(
             "has {}, the same in every period and {effect} times the noise on a line: taken off",
             parts.join(" and ")
         )
+    }
+
+    fn drift(&self, sample_time_s: f64) -> Option<String> {
+        let slope = self.trend.slope_per_sample / sample_time_s;
+        (slope != 0.0).then(|| format!("a drift of {} per s", significant(slope, 3)))
+    }
+
+    fn transient(&self, sample_time_s: f64) -> Option<String> {
+        let decay = self.trend.decay.as_ref()?;
+        let size = significant(decay.amplitude, 3);
+        let time_s = significant(decay.time_constant_samples * sample_time_s, 3);
+        Some(format!("a transient of {size} that dies out in {time_s} s"))
     }
 }
