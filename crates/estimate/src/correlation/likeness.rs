@@ -1,4 +1,4 @@
-//! How much of a recording is unlike itself one lag later, sample by sample.
+//! Likeness of a recording to itself one lag later, sample by sample.
 //!
 //! `d[k] = (x[k + T] - x[k])^2 / (2 P[k])`, P the power between the two samples: 0 on average where
 //! the signal repeats, 1 where two strangers meet, and in noise.

@@ -32,46 +32,18 @@ impl Cycle {
         dft: &LineDft,
     ) -> Result<Self, EstimateError> {
         let periods = folded(samples, period, dft.n_samples());
-        let is_interpolated = period != dft.n_samples() as f64;
-        let counts = periods.map_axis(Axis(0), |phase| {
-            phase.iter().filter(|x| !x.is_nan()).count() as f64
-        });
-        let sums = periods.map_axis(Axis(0), |phase| {
-            phase.iter().filter(|x| !x.is_nan()).sum::<f64>()
-        });
-        let mean = &sums / &counts;
-        let mut noise = vec![0.0; dft.lines().len()];
-        // of the squares at a place that `count` periods have, `count - 1` parts are noise; the mean
-        // keeps one of `count`
-        let (kept, lost): (f64, f64) = counts
-            .iter()
-            .filter(|&&count| count > 0.0)
-            .fold((0.0, 0.0), |(kept, lost), count| {
-                (kept + 1.0 / count, lost + count - 1.0)
-            });
-        if lost == 0.0 {
-            return Ok(Self {
-                mean,
-                noise,
-                is_repeated: false,
-                is_interpolated,
-            });
-        }
-        for period in periods.rows() {
-            let mut difference = &period - &mean;
-            difference.mapv_inplace(|value| if value.is_nan() { 0.0 } else { value });
-            let spectrum = dft.transform("reference", difference.insert_axis(Axis(0)).view())?;
-            let power = spectrum.iter().map(|value| value.norm_sqr() * kept / lost);
-            noise
-                .iter_mut()
-                .zip(power)
-                .for_each(|(sum, power)| *sum += power);
-        }
+        let counts = over_periods(&periods, |present| present.count() as f64);
+        let mean = over_periods(&periods, |present| present.sum::<f64>()) / &counts;
+        let share = noise_share(&counts);
+        let noise = match share {
+            Some(share) => smoothed(&noise(&periods, &mean, share, dft)?),
+            None => vec![0.0; dft.lines().len()],
+        };
         Ok(Self {
             mean,
-            noise: smoothed(&noise),
-            is_repeated: true,
-            is_interpolated,
+            noise,
+            is_repeated: share.is_some(),
+            is_interpolated: period != dft.n_samples() as f64,
         })
     }
 
@@ -104,6 +76,44 @@ impl Cycle {
             .map(|(missed, model)| missed + model)
             .collect()
     }
+}
+
+/// What the samples of each phase that are there give.
+fn over_periods(
+    periods: &Array2<f64>,
+    of: impl Fn(&mut dyn Iterator<Item = f64>) -> f64,
+) -> Array1<f64> {
+    periods.map_axis(Axis(0), |phase| {
+        of(&mut phase.iter().copied().filter(|x| !x.is_nan()))
+    })
+}
+
+/// Noise in the mean over squares about it: of the squares at a place that `count` periods have,
+/// `count - 1` parts are noise, and the mean keeps one of `count`. `None` where no place repeats.
+fn noise_share(counts: &Array1<f64>) -> Option<f64> {
+    let there = || counts.iter().filter(|&&count| count > 0.0);
+    let kept: f64 = there().map(|count| 1.0 / count).sum();
+    let lost: f64 = there().map(|count| count - 1.0).sum();
+    (lost > 0.0).then(|| kept / lost)
+}
+
+/// Power of the noise in the mean, line by line.
+fn noise(
+    periods: &Array2<f64>,
+    mean: &Array1<f64>,
+    share: f64,
+    dft: &LineDft,
+) -> Result<Vec<f64>, EstimateError> {
+    let mut noise = vec![0.0; dft.lines().len()];
+    for period in periods.rows() {
+        let mut difference = &period - mean;
+        difference.mapv_inplace(|value| if value.is_nan() { 0.0 } else { value });
+        let spectrum = dft.transform("reference", difference.insert_axis(Axis(0)).view())?;
+        for (sum, value) in noise.iter_mut().zip(&spectrum) {
+            *sum += value.norm_sqr() * share;
+        }
+    }
+    Ok(noise)
 }
 
 /// Periods one below the other, on the grid of `n_samples` per period.

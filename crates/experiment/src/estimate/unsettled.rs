@@ -1,4 +1,4 @@
-//! What has not settled in the runs of a plan, judged from period to period.
+//! Runs of a plan that have not settled, judged from period to period.
 
 use std::collections::BTreeMap;
 

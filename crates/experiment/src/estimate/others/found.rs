@@ -1,4 +1,4 @@
-//! What is found in recordings: the runs that belong together, and what is not used.
+//! Runs found in recordings that belong together, and recordings that are not used.
 
 use frfid_estimate::EstimateError;
 use frfid_files::LogMap;
