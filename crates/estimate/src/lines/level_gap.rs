@@ -2,6 +2,9 @@
 
 /// Smallest gap between the weakest excited line and the strongest other one (12 dB).
 pub(super) const GAP_DB: f64 = 12.0;
+/// Excited lines are no weaker than the strongest by more (60 dB): what a converter's steps leave is
+/// anywhere, and smooth by chance.
+pub(super) const RANGE_DB: f64 = 60.0;
 /// Levels are smooth if second differences, over those of independent numbers of the same spread,
 /// are below this; random lines have 5.6 dB.
 const SMOOTH_DB: f64 = 2.5;
@@ -48,9 +51,11 @@ fn gap(level_db: &[f64], lines: &[usize]) -> Option<f64> {
 /// excitation) as opposed to between them; half a gap does if the others lie a whole one below in
 /// the middle.
 fn below_steps(level_db: &[f64], falling: &[usize]) -> Option<usize> {
+    let strongest = falling.first().map_or(0.0, |&line| level_db[line]);
     let is_step = |&(start, end): &(usize, usize)| {
         let (before, group) = (&falling[..start], &falling[start..end]);
-        is_smooth(level_db, group) && is_beside(before, group)
+        let is_near = level_db[falling[start]] >= strongest - RANGE_DB;
+        is_near && is_smooth(level_db, group) && is_beside(before, group)
     };
     let steps = groups(level_db, falling, GAP_DB / 2.0).filter(is_step);
     let (_, end) = steps.last()?;

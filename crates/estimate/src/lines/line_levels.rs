@@ -6,7 +6,7 @@
 
 use std::ops::Range;
 
-use crate::lines::level_gap::{FEW, GAP_DB, least_excited, middle};
+use crate::lines::level_gap::{FEW, GAP_DB, RANGE_DB, least_excited, middle};
 
 /// An excited line stands as far above the middle of the lines that are not, of its own parity: of
 /// random ones, one in ten million does.
@@ -17,9 +17,6 @@ const ABOVE_NOISE: f64 = 20.0;
 /// Lines in a window at least, and as a share of its first line.
 const WINDOW: usize = 48;
 const SHARE: usize = 8;
-/// Excited lines are no weaker than the strongest by more (60 dB): a converter's steps leave such
-/// lines anywhere.
-const RANGE_DB: f64 = 60.0;
 /// Excitations fall by this much per octave at most: with the fourth power of the frequency.
 const STEEP_DB: f64 = 24.0;
 /// Levels of the lines from 1 on, and what is known of each.
