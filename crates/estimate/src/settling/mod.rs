@@ -24,6 +24,8 @@ use crate::settling::transient::leading_outliers;
 
 /// Fewest periods from which anything can be said.
 const FEWEST: usize = 3;
+/// Most periods that are judged one by one: the work grows with the square of their number.
+const MOST: usize = 32;
 /// Whether, and on which lines, the periods of a recording have settled.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Settling {
@@ -69,10 +71,43 @@ pub fn judge_settling(
         return Ok(None);
     }
     let n_outlying = series.n_outlying()?;
+    if series.numbers.len() > MOST {
+        return judge_blocks(periods, lines, series.numbers[n_outlying]);
+    }
     let Some(first) = series.judge(n_outlying) else {
         return Ok(None);
     };
     Ok(Some(series.cured(first)))
+}
+
+/// Judges many periods by the means of neighbouring ones: what changes faster than these last has
+/// been dropped or is over.
+fn judge_blocks(
+    periods: &[Option<Array2<Complex64>>],
+    lines: &[usize],
+    n_transient: usize,
+) -> Result<Option<Settling>, EstimateError> {
+    let rest = &periods[n_transient..];
+    let length = rest.len().div_ceil(MOST);
+    let blocks: Vec<_> = rest.chunks_exact(length).map(mean_of_present).collect();
+    let settling = judge_settling(&blocks, lines)?;
+    Ok(settling.map(|of_blocks| Settling {
+        n_transient: n_transient + length * of_blocks.n_transient,
+        decay_periods: of_blocks.decay_periods.map(|decay| decay * length as f64),
+        growth_per_period: (of_blocks.growth_per_period)
+            .map(|growth| growth.powf(1.0 / length as f64)),
+        ..of_blocks
+    }))
+}
+
+/// Mean of the periods that are there; `None` of none.
+fn mean_of_present(periods: &[Option<Array2<Complex64>>]) -> Option<Array2<Complex64>> {
+    let present: Vec<&Array2<Complex64>> = periods.iter().flatten().collect();
+    let (first, others) = present.split_first()?;
+    let sum = others
+        .iter()
+        .fold((*first).clone(), |sum, period| sum + *period);
+    Some(sum / Complex64::from(present.len() as f64))
 }
 
 /// Spectra of the periods that are there, by channel.
