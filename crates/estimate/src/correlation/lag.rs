@@ -22,12 +22,16 @@ pub(crate) struct Lag {
 impl Lag {
     /// A lag in samples; a fraction of one needs more than eight samples and is rounded below.
     pub(crate) fn new(lag: f64) -> Self {
-        let is_whole = (lag - lag.round()).abs() < WHOLE || lag < HALF as f64;
-        let fraction = if is_whole { 0.0 } else { lag - lag.floor() };
-        let (first, taps) = match is_whole {
-            true => (lag.round().max(0.0) as usize, vec![1.0]),
-            false => (lag.floor() as usize + 1 - HALF, taps(fraction).to_vec()),
-        };
+        if (lag - lag.round()).abs() < WHOLE || lag < HALF as f64 {
+            Self::with_taps(lag.round().max(0.0) as usize, vec![1.0], 0.0)
+        } else {
+            let fraction = lag - lag.floor();
+            let first = lag.floor() as usize + 1 - HALF;
+            Self::with_taps(first, taps(fraction).to_vec(), fraction)
+        }
+    }
+
+    fn with_taps(first: usize, taps: Vec<f64>, fraction: f64) -> Self {
         Self {
             first,
             gain: gain(&taps),
@@ -51,18 +55,23 @@ impl Lag {
         let Some(near) = values.get(from..from + self.taps.len()) else {
             return f64::NAN;
         };
-        let now = values[k];
-        let difference = (weighted(&self.taps, near) - now) * self.gain;
-        if !difference.is_nan() || near.len() == 1 {
-            return difference;
-        }
-        let near = &near[HALF - 2..HALF + 2];
-        let between =
-            [&self.cubic, &self.straight].map(|taps| (weighted(taps, near) - now) * gain(taps));
-        if between[0].is_nan() {
-            between[1]
+        let difference = (weighted(&self.taps, near) - values[k]) * self.gain;
+        if difference.is_nan() && near.len() > 1 {
+            self.difference_by_few(near, values[k])
         } else {
-            between[0]
+            difference
+        }
+    }
+
+    /// The difference by the nearest four samples, or by two.
+    fn difference_by_few(&self, near: &[f64], now: f64) -> f64 {
+        let nearest = &near[HALF - 2..HALF + 2];
+        let by = |taps: &[f64; 4]| (weighted(taps, nearest) - now) * gain(taps);
+        let by_four = by(&self.cubic);
+        if by_four.is_nan() {
+            by(&self.straight)
+        } else {
+            by_four
         }
     }
 }
@@ -92,16 +101,21 @@ fn cubic(x: f64) -> [f64; 4] {
 /// Weights of the samples `-7 ..= 8` for the value at `fraction` after sample 0: a sinc under a
 /// Hann window, which keeps a sine at three quarters of Nyquist to a thousandth of its power.
 pub(crate) fn taps(fraction: f64) -> [f64; 2 * HALF] {
-    let mut taps = [0.0; 2 * HALF];
-    for (j, tap) in taps.iter_mut().enumerate() {
-        let away = j as f64 + 1.0 - HALF as f64 - fraction;
-        let sinc = if away == 0.0 {
-            1.0
-        } else {
-            (PI * away).sin() / (PI * away)
-        };
-        *tap = sinc * (PI * away / (2 * HALF) as f64).cos().powi(2);
-    }
+    let taps: [f64; 2 * HALF] =
+        std::array::from_fn(|j| windowed_sinc(j as f64 + 1.0 - HALF as f64 - fraction));
     let sum: f64 = taps.iter().sum();
     taps.map(|tap| tap / sum)
+}
+
+/// A sinc under a Hann window of 16 samples.
+fn windowed_sinc(away: f64) -> f64 {
+    sinc(away) * (PI * away / (2 * HALF) as f64).cos().powi(2)
+}
+
+fn sinc(x: f64) -> f64 {
+    if x == 0.0 {
+        1.0
+    } else {
+        (PI * x).sin() / (PI * x)
+    }
 }

@@ -5,6 +5,7 @@
 
 use std::ops::Range;
 
+use frfid_signals::median;
 use crate::correlation::channel::Channel;
 use crate::correlation::lag::Lag;
 use crate::correlation::local_power::LocalPower;
@@ -25,21 +26,11 @@ impl Likeness {
     pub(crate) fn new(channels: &[Channel], period: f64, stride: usize) -> Self {
         let power = LocalPower::new(channels, period.round() as usize, stride);
         let lag = Lag::new(period);
-        let n_samples = channels.first().map_or(0, |channel| channel.values().len());
-        let share = |k: usize| {
-            let (difference, between) = (squared_difference(channels, &lag, k), power.from(k));
-            match between > ROUNDING || difference.is_nan() {
-                true => 0.5 * difference / between.max(ROUNDING),
-                false => f64::INFINITY,
-            }
-        };
-        let shares = (0..lag.n_pairs(n_samples))
-            .step_by(stride)
-            .map(share)
-            .collect();
+        let share = |k: usize| share(squared_difference(channels, &lag, k), power.from(k));
+        let places = (0..lag.n_pairs(Channel::n_samples(channels))).step_by(stride);
         Self {
             stride,
-            shares,
+            shares: places.map(share).collect(),
             power,
         }
     }
@@ -47,39 +38,42 @@ impl Likeness {
     /// Share of the power that does not repeat within the places `ranges` of the shares.
     pub(crate) fn residual(&self, ranges: &[Range<usize>]) -> f64 {
         let (mut difference, mut power) = (0.0, f64::MIN_POSITIVE);
-        for place in ranges.iter().cloned().flatten() {
-            let share = self.shares[place];
-            if share.is_finite() {
-                let weight = self.power.from(place * self.stride);
-                difference += share * weight;
-                power += weight;
-            }
+        let is_known = |place: &usize| self.shares[*place].is_finite();
+        for place in ranges.iter().cloned().flatten().filter(is_known) {
+            let weight = self.power.from(place * self.stride);
+            difference += self.shares[place] * weight;
+            power += weight;
         }
         difference / power
     }
 }
 
+/// `difference / (2 power)`, infinite where nothing moves.
+fn share(difference: f64, power: f64) -> f64 {
+    if power > ROUNDING || difference.is_nan() {
+        0.5 * difference / power.max(ROUNDING)
+    } else {
+        f64::INFINITY
+    }
+}
+
 /// Over the channels that have both samples; NaN if none has.
 fn squared_difference(channels: &[Channel], lag: &Lag, k: usize) -> f64 {
-    let differences = channels
-        .iter()
-        .map(|channel| lag.difference(channel.values(), k).powi(2));
-    let present = differences.filter(|difference| !difference.is_nan());
+    let squared = |channel: &Channel| lag.difference(channel.values(), k).powi(2);
+    let present = channels.iter().map(squared).filter(|x| !x.is_nan());
     present.reduce(|a, b| a + b).unwrap_or(f64::NAN)
 }
 
 /// Median of the mean shares of sixteenths of a period.
 pub(crate) fn quieter_half(shares: &[f64], length: f64) -> f64 {
     let part = (length / 16.0).ceil().max(1.0) as usize;
-    let mean = |part: &[f64]| {
-        let present: Vec<f64> = part
-            .iter()
-            .copied()
-            .filter(|share| !share.is_nan())
-            .collect();
-        (!present.is_empty()).then(|| present.iter().sum::<f64>() / present.len() as f64)
-    };
-    let mut means: Vec<f64> = shares.chunks(part).filter_map(mean).collect();
-    means.sort_unstable_by(f64::total_cmp);
-    means.get(means.len() / 2).copied().unwrap_or(0.0)
+    let means = shares.chunks(part).filter_map(mean_present);
+    median(means.collect()).unwrap_or(0.0)
+}
+
+/// Mean of the shares that are there.
+fn mean_present(shares: &[f64]) -> Option<f64> {
+    let present = || shares.iter().filter(|share| !share.is_nan());
+    let count = present().count();
+    (count > 0).then(|| present().sum::<f64>() / count as f64)
 }

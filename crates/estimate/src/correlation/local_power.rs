@@ -17,15 +17,8 @@ impl LocalPower {
     /// Windows of about `window` samples, of which every `stride`-th is looked at.
     pub(crate) fn new(channels: &[Channel], window: usize, stride: usize) -> Self {
         let block = window.div_ceil(BLOCKS).next_multiple_of(stride);
-        let per_channel = channels
-            .iter()
-            .map(|channel| windows(channel, block, stride));
-        let variances = per_channel.reduce(|mut sum, next| {
-            sum.iter_mut()
-                .zip(next)
-                .for_each(|(sum, next)| *sum += next);
-            sum
-        });
+        let of_channel = |channel: &Channel| windows(channel, block, stride);
+        let variances = channels.iter().map(of_channel).reduce(sum);
         Self {
             block,
             variances: variances.unwrap_or_default(),
@@ -43,29 +36,31 @@ impl LocalPower {
 
     /// Mean over the windows that lie within `range`, or that begin it.
     pub(crate) fn mean(&self, range: &Range<usize>) -> f64 {
-        let last = range
-            .end
-            .saturating_sub(BLOCKS * self.block)
-            .max(range.start + 1);
-        let starts = (range.start..last).step_by(self.block);
+        let last = range.end.saturating_sub(BLOCKS * self.block);
+        let starts = (range.start..last.max(range.start + 1)).step_by(self.block);
         let count = starts.len() as f64;
         starts.map(|k| self.from(k)).sum::<f64>() / count
     }
+}
+
+/// Term by term.
+fn sum(mut a: Vec<f64>, b: Vec<f64>) -> Vec<f64> {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+    a
 }
 
 /// Count, sum and sum of squares.
 type Moments = [f64; 3];
 
 fn windows(channel: &Channel, block: usize, stride: usize) -> Vec<f64> {
-    let blocks: Vec<Moments> = channel
-        .values()
-        .chunks(block)
-        .map(|block| moments(block, stride))
-        .collect();
+    let blocks = channel.values().chunks(block);
+    let blocks: Vec<Moments> = blocks.map(|block| moments(block, stride)).collect();
     let windows = blocks.windows(BLOCKS.min(blocks.len()).max(1));
-    windows
-        .map(|window| variance(&window.iter().fold([0.0; 3], |a, b| add(a, *b))))
-        .collect()
+    windows.map(|window| variance(&total(window))).collect()
+}
+
+fn total(moments: &[Moments]) -> Moments {
+    moments.iter().fold([0.0; 3], |a, b| add(a, *b))
 }
 
 fn moments(block: &[f64], stride: usize) -> Moments {
