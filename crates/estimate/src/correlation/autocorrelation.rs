@@ -2,6 +2,7 @@
 
 use std::iter::{successors, zip};
 
+use num_complex::Complex64;
 use realfft::RealFftPlanner;
 
 use crate::correlation::channel::Channel;
@@ -16,23 +17,27 @@ pub(crate) const SHORTEST: usize = 4;
 /// `sum_k x[k] x[k + T] / sum_k x[k]^2` for T = 0 ..= half the record; pairs of which one is lost are
 /// left out, and made up for by those that are there.
 pub(crate) fn autocorrelation(channel: &Channel) -> Vec<f64> {
-    let values = channel.values();
-    let lags = (values.len() / 2 + BEYOND_HALF).min(values.len());
-    let mut products = correlate(values.iter().map(value_or_zero), values.len(), lags);
-    if values.iter().any(|value| value.is_nan()) {
-        make_up(&mut products, values);
-    }
+    let mut products = sums_of_products(channel.values());
     let power = products[0].max(f64::MIN_POSITIVE);
     products.iter_mut().for_each(|product| *product /= power);
     products
 }
 
+/// `sum_k x[k] x[k + T]`, as if nothing was lost.
+fn sums_of_products(values: &[f64]) -> Vec<f64> {
+    let lags = (values.len() / 2 + BEYOND_HALF).min(values.len());
+    let mut products = correlate(values.iter().map(value_or_zero), lags);
+    if values.iter().any(|value| value.is_nan()) {
+        make_up(&mut products, values);
+    }
+    products
+}
+
 /// Scales each sum over pairs to the number that there were if none was lost.
 fn make_up(products: &mut [f64], values: &[f64]) {
-    let mask = values.iter().map(one_if_present);
-    let pairs = correlate(mask, values.len(), products.len());
-    for (lag, (product, pairs)) in products.iter_mut().zip(pairs).enumerate() {
-        *product *= (values.len() - lag) as f64 / pairs.round().max(1.0);
+    let pairs = correlate(values.iter().map(one_if_present), products.len());
+    for (lag, product) in products.iter_mut().enumerate() {
+        *product *= (values.len() - lag) as f64 / pairs[lag].round().max(1.0);
     }
 }
 
@@ -45,29 +50,37 @@ fn one_if_present(value: &f64) -> f64 {
 }
 
 /// `sum_k x[k] x[k + T]` for the first `lags` lags, by a DFT padded so that nothing wraps around.
-fn correlate(x: impl Iterator<Item = f64>, n_samples: usize, lags: usize) -> Vec<f64> {
-    let length = smooth_length(n_samples + lags);
-    let mut samples = vec![0.0; length];
-    zip(&mut samples, x).for_each(|(sample, value)| *sample = value);
-    samples = wrapped_correlation(samples);
-    samples.truncate(lags);
-    samples.iter().map(|value| value / length as f64).collect()
+fn correlate(x: impl Iterator<Item = f64>, lags: usize) -> Vec<f64> {
+    let samples = padded(x, lags);
+    let length = samples.len();
+    let mut products = synthesised(&mut power_spectrum(samples), length);
+    products.truncate(lags);
+    products.iter().map(|x| x / length as f64).collect()
 }
 
-/// `N sum_k x[k] x[(k + T) mod N]`, by the squares of the spectrum.
-fn wrapped_correlation(mut samples: Vec<f64>) -> Vec<f64> {
-    let mut planner = RealFftPlanner::new();
-    let forward = planner.plan_fft_forward(samples.len());
-    let inverse = planner.plan_fft_inverse(samples.len());
+/// The samples, and zeros after them.
+fn padded(x: impl Iterator<Item = f64>, lags: usize) -> Vec<f64> {
+    let mut samples: Vec<f64> = x.collect();
+    samples.resize(smooth_length(samples.len() + lags), 0.0);
+    samples
+}
+
+fn power_spectrum(mut samples: Vec<f64>) -> Vec<Complex64> {
+    let forward = RealFftPlanner::new().plan_fft_forward(samples.len());
     let mut spectrum = forward.make_output_vec();
     forward
         .process(&mut samples, &mut spectrum)
         .expect("the plan made the buffer, so its length fits");
-    for value in &mut spectrum {
-        *value = value.norm_sqr().into();
-    }
+    let power = spectrum.iter().map(Complex64::norm_sqr);
+    power.map(Complex64::from).collect()
+}
+
+/// The samples that have a `spectrum`, times their number.
+fn synthesised(spectrum: &mut [Complex64], n_samples: usize) -> Vec<f64> {
+    let inverse = RealFftPlanner::new().plan_fft_inverse(n_samples);
+    let mut samples = inverse.make_output_vec();
     inverse
-        .process(&mut spectrum, &mut samples)
+        .process(spectrum, &mut samples)
         .expect("both ends of the spectrum are real");
     samples
 }
@@ -93,47 +106,63 @@ fn smooth_length(least: usize) -> usize {
 /// lag, since the peaks of a narrow band hardly differ.
 pub(crate) fn peaks(correlation: &[f64]) -> Vec<usize> {
     let per_pair = per_pair(correlation);
-    let doubled = |width: &usize| Some(2 * width);
-    let widths = successors(Some(1), doubled).take_while(|width| 3 * width < correlation.len());
-    let of_width = |width| [highest(correlation, width), highest(&per_pair, width)];
-    let mut found = widths.flat_map(of_width).flatten().collect::<Vec<_>>();
+    let found = highest_of_each_width(correlation).chain(highest_of_each_width(&per_pair));
+    let mut found: Vec<usize> = found.collect();
     found.sort_unstable();
     found.dedup();
     found
 }
 
+fn highest_of_each_width(correlation: &[f64]) -> impl Iterator<Item = usize> {
+    let widths = successors(Some(1), |width| Some(2 * width));
+    let widths = widths.take_while(|width| 3 * width < correlation.len());
+    widths.flat_map(|width| highest(correlation, width))
+}
+
 /// The correlation as if each lag had as many pairs.
 fn per_pair(correlation: &[f64]) -> Vec<f64> {
     let n_samples = 2.0 * correlation.len() as f64;
-    let per_pair = |(lag, value): (usize, &f64)| value * n_samples / (n_samples - lag as f64);
-    correlation.iter().enumerate().map(per_pair).collect()
+    let of_lag = |(lag, value)| value * n_samples / (n_samples - f64::from(lag));
+    zip(0_u32.., correlation).map(of_lag).collect()
 }
 
 /// The highest peaks of one width, the highest first.
 fn highest(correlation: &[f64], width: usize) -> Vec<usize> {
-    let mut best: Vec<(f64, usize)> = Vec::new();
+    let mut best = Vec::new();
     for lag in SHORTEST.max(2 * width)..correlation.len() {
         if is_peak(correlation, lag) {
-            keep_highest(&mut best, height(correlation, lag, width), lag);
+            keep_highest(&mut best, Peak::new(correlation, lag, width));
         }
     }
-    best.into_iter().map(|(_, lag)| lag).collect()
+    best.iter().map(|peak| peak.lag).collect()
 }
 
-/// How far a peak stands above its surroundings.
-fn height(correlation: &[f64], lag: usize, width: usize) -> f64 {
-    let around = correlation[lag - width] + correlation.get(lag + width).unwrap_or(&0.0);
-    correlation[lag] - 0.5 * around
+struct Peak {
+    /// Above its surroundings.
+    height: f64,
+    lag: usize,
+}
+
+impl Peak {
+    fn new(correlation: &[f64], lag: usize, width: usize) -> Self {
+        let around = correlation[lag - width] + correlation.get(lag + width).unwrap_or(&0.0);
+        let height = correlation[lag] - 0.5 * around;
+        Self { height, lag }
+    }
 }
 
 /// Adds a peak above zero to the `best`, if it is higher than the lowest of a full list.
-fn keep_highest(best: &mut Vec<(f64, usize)>, height: f64, lag: usize) {
-    let weakest = best.get(PEAKS_PER_WIDTH - 1).map_or(0.0, |peak| peak.0);
-    if height > weakest {
+fn keep_highest(best: &mut Vec<Peak>, peak: Peak) {
+    if peak.height > weakest(best) {
         best.truncate(PEAKS_PER_WIDTH - 1);
-        best.push((height, lag));
-        best.sort_by(|a, b| b.0.total_cmp(&a.0));
+        best.push(peak);
+        best.sort_by(|a, b| b.height.total_cmp(&a.height));
     }
+}
+
+fn weakest(best: &[Peak]) -> f64 {
+    let last = best.get(PEAKS_PER_WIDTH - 1);
+    last.map_or(0.0, |peak| peak.height)
 }
 
 /// Whether neither neighbour is higher; the last lag has one neighbour.

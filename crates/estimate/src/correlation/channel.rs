@@ -16,15 +16,20 @@ impl Channel {
 
     /// A channel of unit power, or `None` if it is constant or lost throughout.
     fn new(samples: ArrayView1<f64>) -> Option<Self> {
-        let measured = || samples.iter().copied().filter(|value| value.is_finite());
-        if is_constant(measured()) {
+        let values: Vec<f64> = samples.iter().copied().map(finite_or_nan).collect();
+        if is_constant(present(&values)) {
             return None;
         }
-        let mean = mean(measured());
-        let scale = variance(measured(), mean).sqrt().recip();
-        let scaled = |&value: &f64| (finite_or_nan(value) - mean) * scale;
-        let values = samples.iter().map(scaled).collect();
-        scale.is_finite().then_some(Self { values })
+        let mean = mean(present(&values));
+        Self::of_unit_power(&values, mean)
+    }
+
+    fn of_unit_power(values: &[f64], mean: f64) -> Option<Self> {
+        let scale = variance(present(values), mean).sqrt().recip();
+        let scaled = values.iter().map(|value| (value - mean) * scale);
+        scale.is_finite().then(|| Self {
+            values: scaled.collect(),
+        })
     }
 
     /// Samples of each of the channels, which are of equal length.
@@ -42,6 +47,11 @@ impl Channel {
         let values = self.values.iter().map(|value| value * factor).collect();
         Self { values }
     }
+}
+
+/// The values that are not lost.
+pub(crate) fn present(values: &[f64]) -> impl Iterator<Item = f64> + Clone {
+    values.iter().copied().filter(|value| !value.is_nan())
 }
 
 fn is_constant(mut values: impl Iterator<Item = f64>) -> bool {

@@ -1,9 +1,11 @@
 //! Samples one lag later, also a fraction of a sample: by a windowed sinc of 16 samples.
 
+use std::array::from_fn;
 use std::f64::consts::PI;
 
 /// Samples on either side of the place asked for.
 const HALF: usize = 8;
+const TAPS: usize = 2 * HALF;
 /// A fraction below this is none: over a million periods it makes a tenth of a sample.
 const WHOLE: f64 = 1e-7;
 
@@ -25,10 +27,14 @@ impl Lag {
         if (lag - lag.round()).abs() < WHOLE || lag < HALF as f64 {
             Self::with_taps(lag.round().max(0.0) as usize, vec![1.0], 0.0)
         } else {
-            let fraction = lag - lag.floor();
-            let first = lag.floor() as usize + 1 - HALF;
-            Self::with_taps(first, taps(fraction).to_vec(), fraction)
+            Self::between_samples(lag)
         }
+    }
+
+    fn between_samples(lag: f64) -> Self {
+        let fraction = lag - lag.floor();
+        let first = lag.floor() as usize + 1 - HALF;
+        Self::with_taps(first, taps(fraction).to_vec(), fraction)
     }
 
     fn with_taps(first: usize, taps: Vec<f64>, fraction: f64) -> Self {
@@ -51,29 +57,34 @@ impl Lag {
     /// where others are lost, NaN where the nearest are lost, too, and close to the ends. It is as
     /// large as that of two samples if they are noise, which interpolation averages away.
     pub(crate) fn difference(&self, values: &[f64], k: usize) -> f64 {
-        let from = k + self.first;
-        let Some(near) = values.get(from..from + self.taps.len()) else {
-            return f64::NAN;
-        };
-        let difference = (weighted(&self.taps, near) - values[k]) * self.gain;
+        let near = values.get(k + self.first..);
+        let near = near.and_then(|near| near.get(..self.taps.len()));
+        near.map_or(f64::NAN, |near| self.difference_by(near, values[k]))
+    }
+
+    /// The difference by as many of the samples `near` as can be.
+    fn difference_by(&self, near: &[f64], now: f64) -> f64 {
+        let difference = (weighted(&self.taps, near) - now) * self.gain;
         if difference.is_nan() && near.len() > 1 {
-            self.difference_by_few(near, values[k])
+            self.difference_by_few(&near[HALF - 2..HALF + 2], now)
         } else {
             difference
         }
     }
 
     /// The difference by the nearest four samples, or by two.
-    fn difference_by_few(&self, near: &[f64], now: f64) -> f64 {
-        let nearest = &near[HALF - 2..HALF + 2];
-        let by = |taps: &[f64; 4]| (weighted(taps, nearest) - now) * gain(taps);
-        let by_four = by(&self.cubic);
+    fn difference_by_few(&self, nearest: &[f64], now: f64) -> f64 {
+        let by_four = difference(&self.cubic, nearest, now);
         if by_four.is_nan() {
-            by(&self.straight)
+            difference(&self.straight, nearest, now)
         } else {
             by_four
         }
     }
+}
+
+fn difference(taps: &[f64], near: &[f64], now: f64) -> f64 {
+    (weighted(taps, near) - now) * gain(taps)
 }
 
 /// The sum of weighted samples; those without a weight may be lost.
@@ -100,16 +111,15 @@ fn cubic(x: f64) -> [f64; 4] {
 
 /// Weights of the samples `-7 ..= 8` for the value at `fraction` after sample 0: a sinc under a
 /// Hann window, which keeps a sine at three quarters of Nyquist to a thousandth of its power.
-pub(crate) fn taps(fraction: f64) -> [f64; 2 * HALF] {
-    let taps: [f64; 2 * HALF] =
-        std::array::from_fn(|j| windowed_sinc(j as f64 + 1.0 - HALF as f64 - fraction));
+pub(crate) fn taps(fraction: f64) -> [f64; TAPS] {
+    let taps = from_fn(|j| windowed_sinc(j as f64 + 1.0 - HALF as f64 - fraction));
     let sum: f64 = taps.iter().sum();
     taps.map(|tap| tap / sum)
 }
 
 /// A sinc under a Hann window of 16 samples.
 fn windowed_sinc(away: f64) -> f64 {
-    sinc(away) * (PI * away / (2 * HALF) as f64).cos().powi(2)
+    sinc(away) * (PI * away / TAPS as f64).cos().powi(2)
 }
 
 fn sinc(x: f64) -> f64 {

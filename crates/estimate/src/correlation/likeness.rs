@@ -5,10 +5,10 @@
 
 use std::ops::Range;
 
-use frfid_signals::median;
-use crate::correlation::channel::Channel;
+use crate::correlation::channel::{Channel, present};
 use crate::correlation::lag::Lag;
 use crate::correlation::local_power::LocalPower;
+use frfid_signals::median;
 
 /// Power below this share of that of the channel is rounding.
 const ROUNDING: f64 = 1e-12;
@@ -25,12 +25,9 @@ impl Likeness {
     /// Compares `channels` with themselves `period` samples later.
     pub(crate) fn new(channels: &[Channel], period: f64, stride: usize) -> Self {
         let power = LocalPower::new(channels, period.round() as usize, stride);
-        let lag = Lag::new(period);
-        let share = |k: usize| share(squared_difference(channels, &lag, k), power.from(k));
-        let places = (0..lag.n_pairs(Channel::n_samples(channels))).step_by(stride);
         Self {
             stride,
-            shares: places.map(share).collect(),
+            shares: shares(channels, &Lag::new(period), &power, stride),
             power,
         }
     }
@@ -38,13 +35,18 @@ impl Likeness {
     /// Share of the power that does not repeat within the places `ranges` of the shares.
     pub(crate) fn residual(&self, ranges: &[Range<usize>]) -> f64 {
         let (mut difference, mut power) = (0.0, f64::MIN_POSITIVE);
-        let is_known = |place: &usize| self.shares[*place].is_finite();
-        for place in ranges.iter().cloned().flatten().filter(is_known) {
+        for place in self.known_places(ranges) {
             let weight = self.power.from(place * self.stride);
             difference += self.shares[place] * weight;
             power += weight;
         }
         difference / power
+    }
+
+    /// Places within `ranges` whose share is known.
+    fn known_places(&self, ranges: &[Range<usize>]) -> impl Iterator<Item = usize> {
+        let places = ranges.iter().cloned().flatten();
+        places.filter(|&place| self.shares[place].is_finite())
     }
 }
 
@@ -57,10 +59,20 @@ fn share(difference: f64, power: f64) -> f64 {
     }
 }
 
+fn shares(channels: &[Channel], lag: &Lag, power: &LocalPower, stride: usize) -> Vec<f64> {
+    let n_pairs = lag.n_pairs(Channel::n_samples(channels));
+    let share = |k| share(squared_difference(channels, lag, k), power.from(k));
+    (0..n_pairs).step_by(stride).map(share).collect()
+}
+
 /// Over the channels that have both samples; NaN if none has.
 fn squared_difference(channels: &[Channel], lag: &Lag, k: usize) -> f64 {
     let squared = |channel: &Channel| lag.difference(channel.values(), k).powi(2);
-    let present = channels.iter().map(squared).filter(|x| !x.is_nan());
+    sum_present(channels.iter().map(squared))
+}
+
+fn sum_present(values: impl Iterator<Item = f64>) -> f64 {
+    let present = values.filter(|value| !value.is_nan());
     present.reduce(|a, b| a + b).unwrap_or(f64::NAN)
 }
 
@@ -73,7 +85,6 @@ pub(crate) fn quieter_half(shares: &[f64], length: f64) -> f64 {
 
 /// Mean of the shares that are there.
 fn mean_present(shares: &[f64]) -> Option<f64> {
-    let present = || shares.iter().filter(|share| !share.is_nan());
-    let count = present().count();
-    (count > 0).then(|| present().sum::<f64>() / count as f64)
+    let count = present(shares).count();
+    (count > 0).then(|| present(shares).sum::<f64>() / count as f64)
 }

@@ -17,12 +17,11 @@ impl LocalPower {
     /// Windows of about `window` samples, of which every `stride`-th is looked at.
     pub(crate) fn new(channels: &[Channel], window: usize, stride: usize) -> Self {
         let block = window.div_ceil(BLOCKS).next_multiple_of(stride);
-        let of_channel = |channel: &Channel| windows(channel, block, stride);
-        let variances = channels.iter().map(of_channel).reduce(sum);
-        Self {
-            block,
-            variances: variances.unwrap_or_default(),
-        }
+        let variances = channels
+            .iter()
+            .map(|channel| windows(channel, block, stride));
+        let variances = variances.reduce(sum).unwrap_or_default();
+        Self { block, variances }
     }
 
     /// Variance of the window from sample `k` on; the last window where there is none.
@@ -36,10 +35,14 @@ impl LocalPower {
 
     /// Mean over the windows that lie within `range`, or that begin it.
     pub(crate) fn mean(&self, range: &Range<usize>) -> f64 {
-        let last = range.end.saturating_sub(BLOCKS * self.block);
-        let starts = (range.start..last.max(range.start + 1)).step_by(self.block);
+        let starts = self.starts(range);
         let count = starts.len() as f64;
         starts.map(|k| self.from(k)).sum::<f64>() / count
+    }
+
+    fn starts(&self, range: &Range<usize>) -> impl ExactSizeIterator<Item = usize> {
+        let last = range.end.saturating_sub(BLOCKS * self.block);
+        (range.start..last.max(range.start + 1)).step_by(self.block)
     }
 }
 
@@ -51,21 +54,27 @@ fn sum(mut a: Vec<f64>, b: Vec<f64>) -> Vec<f64> {
 
 /// Count, sum and sum of squares.
 type Moments = [f64; 3];
+const NONE: Moments = [0.0; 3];
 
 fn windows(channel: &Channel, block: usize, stride: usize) -> Vec<f64> {
-    let blocks = channel.values().chunks(block);
-    let blocks: Vec<Moments> = blocks.map(|block| moments(block, stride)).collect();
-    let windows = blocks.windows(BLOCKS.min(blocks.len()).max(1));
+    let moments = block_moments(channel, block, stride);
+    let windows = moments.windows(BLOCKS.min(moments.len()).max(1));
     windows.map(|window| variance(&total(window))).collect()
 }
 
+fn block_moments(channel: &Channel, block: usize, stride: usize) -> Vec<Moments> {
+    let blocks = channel.values().chunks(block);
+    blocks.map(|block| moments(block, stride)).collect()
+}
+
 fn total(moments: &[Moments]) -> Moments {
-    moments.iter().fold([0.0; 3], |a, b| add(a, *b))
+    moments.iter().fold(NONE, |a, b| add(a, *b))
 }
 
 fn moments(block: &[f64], stride: usize) -> Moments {
-    let present = block.iter().step_by(stride).filter(|value| !value.is_nan());
-    present.fold([0.0; 3], |sum, &x| add(sum, [1.0, x, x * x]))
+    let looked_at = block.iter().step_by(stride);
+    let present = looked_at.filter(|value| !value.is_nan());
+    present.fold(NONE, |sum, x| add(sum, [1.0, *x, x * x]))
 }
 
 fn add(a: Moments, b: Moments) -> Moments {
