@@ -67,6 +67,14 @@ impl LineLevels {
         (0..self.level_db.len()).filter(is_excited).collect()
     }
 
+    /// The levels of some lines.
+    pub(super) fn of<'a>(
+        &self,
+        lines: impl IntoIterator<Item = &'a usize>,
+    ) -> impl Iterator<Item = f64> {
+        lines.into_iter().map(|&line| self.level_db[line])
+    }
+
     /// Indices of all lines above the noise.
     pub(super) fn above_noise(&self) -> Vec<usize> {
         (0..self.level_db.len())
