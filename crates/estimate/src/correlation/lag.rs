@@ -6,6 +6,8 @@ use std::f64::consts::PI;
 /// Samples on either side of the place asked for.
 const HALF: usize = 8;
 const TAPS: usize = 2 * HALF;
+/// The sample that the first of the weights between samples belongs to.
+pub(crate) const FIRST_TAP: isize = 1 - HALF as isize;
 /// A fraction below this is none: over a million periods it makes a tenth of a sample.
 const WHOLE: f64 = 1e-7;
 
