@@ -16,12 +16,11 @@ impl Channel {
 
     /// A channel of unit power, or `None` if it is constant or lost throughout.
     fn new(samples: ArrayView1<f64>) -> Option<Self> {
-        let values: Vec<f64> = samples.iter().copied().map(finite_or_nan).collect();
+        let values: Vec<f64> = samples.iter().map(finite_or_nan).collect();
         if is_constant(present(&values)) {
             return None;
         }
-        let mean = mean(present(&values));
-        Self::of_unit_power(&values, mean)
+        Self::of_unit_power(&values, mean(present(&values)))
     }
 
     fn of_unit_power(values: &[f64], mean: f64) -> Option<Self> {
@@ -35,6 +34,11 @@ impl Channel {
     /// Samples of each of the channels, which are of equal length.
     pub(crate) fn n_samples(channels: &[Self]) -> usize {
         channels.first().map_or(0, |channel| channel.values.len())
+    }
+
+    /// Whether all channels lack sample `k`.
+    pub(crate) fn are_lost(channels: &[Self], k: usize) -> bool {
+        channels.iter().all(|channel| channel.values[k].is_nan())
     }
 
     /// Its samples, NaN where they are lost.
@@ -68,6 +72,6 @@ fn variance(values: impl Iterator<Item = f64> + Clone, mean: f64) -> f64 {
     self::mean(values.map(|value| (value - mean).powi(2)))
 }
 
-fn finite_or_nan(value: f64) -> f64 {
-    if value.is_finite() { value } else { f64::NAN }
+fn finite_or_nan(value: &f64) -> f64 {
+    if value.is_finite() { *value } else { f64::NAN }
 }

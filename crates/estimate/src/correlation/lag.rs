@@ -59,9 +59,13 @@ impl Lag {
     /// where others are lost, NaN where the nearest are lost, too, and close to the ends. It is as
     /// large as that of two samples if they are noise, which interpolation averages away.
     pub(crate) fn difference(&self, values: &[f64], k: usize) -> f64 {
-        let near = values.get(k + self.first..);
-        let near = near.and_then(|near| near.get(..self.taps.len()));
+        let near = self.near(values, k);
         near.map_or(f64::NAN, |near| self.difference_by(near, values[k]))
+    }
+
+    /// The samples around the place one lag after `k`.
+    fn near<'a>(&self, values: &'a [f64], k: usize) -> Option<&'a [f64]> {
+        values.get(k + self.first..)?.get(..self.taps.len())
     }
 
     /// The difference by as many of the samples `near` as can be.

@@ -43,6 +43,12 @@ impl Likeness {
         difference / power
     }
 
+    /// Mean power around the places of a stretch.
+    pub(crate) fn mean_power(&self, stretch: &Range<usize>) -> f64 {
+        let samples = stretch.start * self.stride..stretch.end * self.stride;
+        self.power.mean(&samples)
+    }
+
     /// Places within `ranges` whose share is known.
     fn known_places(&self, ranges: &[Range<usize>]) -> impl Iterator<Item = usize> {
         let places = ranges.iter().cloned().flatten();

@@ -58,8 +58,8 @@ const NONE: Moments = [0.0; 3];
 
 fn windows(channel: &Channel, block: usize, stride: usize) -> Vec<f64> {
     let moments = block_moments(channel, block, stride);
-    let windows = moments.windows(BLOCKS.min(moments.len()).max(1));
-    windows.map(|window| variance(&total(window))).collect()
+    let windows = moments.windows(moments.len().clamp(1, BLOCKS));
+    windows.map(variance).collect()
 }
 
 fn block_moments(channel: &Channel, block: usize, stride: usize) -> Vec<Moments> {
@@ -74,14 +74,19 @@ fn total(moments: &[Moments]) -> Moments {
 fn moments(block: &[f64], stride: usize) -> Moments {
     let looked_at = block.iter().step_by(stride);
     let present = looked_at.filter(|value| !value.is_nan());
-    present.fold(NONE, |sum, x| add(sum, [1.0, *x, x * x]))
+    present.fold(NONE, |sum, &x| add(sum, of_sample(x)))
+}
+
+fn of_sample(x: f64) -> Moments {
+    [1.0, x, x * x]
 }
 
 fn add(a: Moments, b: Moments) -> Moments {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-fn variance(&[count, sum, squares]: &Moments) -> f64 {
+fn variance(blocks: &[Moments]) -> f64 {
+    let [count, sum, squares] = total(blocks);
     let count = count.max(1.0);
     (squares / count - (sum / count).powi(2)).max(0.0)
 }

@@ -136,10 +136,14 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 fn is_smooth(level_db: &[f64], lines: &[usize]) -> bool {
+    let levels: Vec<f64> = levels(level_db, &rising(lines)).collect();
+    lines.len() >= FEW && (mean_bend_squared(&levels) / 6.0).sqrt() <= SMOOTH_DB
+}
+
+fn rising(lines: &[usize]) -> Vec<usize> {
     let mut rising = lines.to_vec();
     rising.sort_unstable();
-    let levels: Vec<f64> = levels(level_db, &rising).collect();
-    lines.len() >= FEW && (mean_bend_squared(&levels) / 6.0).sqrt() <= SMOOTH_DB
+    rising
 }
 
 fn mean_bend_squared(levels: &[f64]) -> f64 {
@@ -154,9 +158,7 @@ fn bend_squared(l: &[f64]) -> f64 {
 
 /// Whether no more than one in ten of the lines lies between the others.
 fn is_beside(others: &[usize], lines: &[usize]) -> bool {
-    let Some(extent) = extent(others) else {
-        return true;
-    };
+    let extent = extent(others).unwrap_or_default();
     let between = lines.iter().filter(|line| extent.contains(line));
     10 * between.count() <= lines.len()
 }

@@ -180,7 +180,7 @@ impl LineLevels {
 
     fn strays(&self) -> Vec<usize> {
         let lines = self.excited();
-        let is_stray = |&at: &usize| is_alone(&lines, at) && self.falls_off(&lines, at);
+        let is_stray = |&at: &usize| is_alone(&lines, lines[at]) && self.falls_off(&lines, at);
         let strays = (0..lines.len()).filter(is_stray);
         strays.map(|at| lines[at]).collect()
     }
@@ -204,10 +204,10 @@ impl LineLevels {
 }
 
 /// Whether few of the rising lines lie around one of them.
-fn is_alone(lines: &[usize], at: usize) -> bool {
-    let reach = length(lines[at]) / 2;
-    let first = lines.partition_point(|line| line + reach < lines[at]);
-    let end = lines.partition_point(|&line| line <= lines[at] + reach);
+fn is_alone(lines: &[usize], line: usize) -> bool {
+    let reach = length(line) / 2;
+    let first = lines.partition_point(|other| other + reach < line);
+    let end = lines.partition_point(|&other| other <= line + reach);
     end - first <= FEW
 }
 

@@ -58,8 +58,8 @@ fn most_partly(channels: &[Channel], periods: &[usize]) -> Aperiodic {
     let found = periods
         .iter()
         .filter_map(|&period| partly(channels, period));
-    let most = found.max_by_key(|(covered, _)| *covered);
-    most.map_or(Aperiodic::Nothing, |(_, cause)| cause)
+    let most = found.max_by_key(|found| found.0);
+    most.map_or(Aperiodic::Nothing, |most| most.1)
 }
 
 /// The highest peaks of each channel's correlation.

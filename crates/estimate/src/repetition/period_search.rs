@@ -1,6 +1,7 @@
 //! Search for the shortest period that explains as much of a recording as any.
 
 use std::iter::zip;
+use std::slice::from_ref;
 
 use crate::correlation::autocorrelation::{SHORTEST, autocorrelation, is_peak, peaks};
 use crate::correlation::channel::Channel;
@@ -33,7 +34,7 @@ impl Repeating {
     /// The channel, unless it does not repeat: it may be quiet.
     pub(super) fn new(channel: &Channel) -> Option<Self> {
         let correlation = autocorrelation(channel);
-        let best = best_of(std::slice::from_ref(channel), &correlation)?;
+        let best = best_of(from_ref(channel), &correlation)?;
         Some(Self {
             channel: channel.scaled(best.runs.power.sqrt().recip()),
             correlation,

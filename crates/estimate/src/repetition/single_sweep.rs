@@ -54,8 +54,7 @@ fn crossings(part: &[f64]) -> usize {
 
 /// The values that are there, without their mean.
 fn centred(part: &[f64]) -> Vec<f64> {
-    let count = present(part).count().max(1) as f64;
-    let mean = present(part).sum::<f64>() / count;
+    let mean = present(part).sum::<f64>() / present(part).count() as f64;
     present(part).map(|value| value - mean).collect()
 }
 
