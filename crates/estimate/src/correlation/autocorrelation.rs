@@ -1,5 +1,8 @@
 //! Autocorrelation of a recording with lost samples, and the lags that stand out in it.
 
+use std::iter::{successors, zip};
+
+use num_complex::Complex64;
 use realfft::RealFftPlanner;
 
 use crate::correlation::channel::Channel;
@@ -14,50 +17,72 @@ pub(crate) const SHORTEST: usize = 4;
 /// `sum_k x[k] x[k + T] / sum_k x[k]^2` for T = 0 ..= half the record; pairs of which one is lost are
 /// left out, and made up for by those that are there.
 pub(crate) fn autocorrelation(channel: &Channel) -> Vec<f64> {
-    let values = channel.values();
-    let lags = (values.len() / 2 + BEYOND_HALF).min(values.len());
-    let present = values
-        .iter()
-        .map(|value| if value.is_nan() { 0.0 } else { *value });
-    let mut products = correlate(present, values.len(), lags);
-    if values.iter().any(|value| value.is_nan()) {
-        let mask = values
-            .iter()
-            .map(|value| f64::from(u8::from(!value.is_nan())));
-        let pairs = correlate(mask, values.len(), lags);
-        for (lag, (product, pairs)) in products.iter_mut().zip(pairs).enumerate() {
-            *product *= (values.len() - lag) as f64 / pairs.round().max(1.0);
-        }
-    }
+    let mut products = sums_of_products(channel.values());
     let power = products[0].max(f64::MIN_POSITIVE);
     products.iter_mut().for_each(|product| *product /= power);
     products
 }
 
+/// `sum_k x[k] x[k + T]`, as if nothing was lost.
+fn sums_of_products(values: &[f64]) -> Vec<f64> {
+    let lags = (values.len() / 2 + BEYOND_HALF).min(values.len());
+    let mut products = correlate(values.iter().map(value_or_zero), lags);
+    if values.iter().any(|value| value.is_nan()) {
+        make_up(&mut products, values);
+    }
+    products
+}
+
+/// Scales each sum over pairs to the number that there were if none was lost.
+fn make_up(products: &mut [f64], values: &[f64]) {
+    let pairs = correlate(values.iter().map(one_if_present), products.len());
+    for (lag, product) in products.iter_mut().enumerate() {
+        *product *= (values.len() - lag) as f64 / pairs[lag].round().max(1.0);
+    }
+}
+
+fn value_or_zero(value: &f64) -> f64 {
+    if value.is_nan() { 0.0 } else { *value }
+}
+
+fn one_if_present(value: &f64) -> f64 {
+    if value.is_nan() { 0.0 } else { 1.0 }
+}
+
 /// `sum_k x[k] x[k + T]` for the first `lags` lags, by a DFT padded so that nothing wraps around.
-fn correlate(x: impl Iterator<Item = f64>, n_samples: usize, lags: usize) -> Vec<f64> {
-    let length = smooth_length(n_samples + lags);
-    let mut planner = RealFftPlanner::new();
-    let (forward, inverse) = (
-        planner.plan_fft_forward(length),
-        planner.plan_fft_inverse(length),
-    );
-    let (mut samples, mut spectrum) = (forward.make_input_vec(), forward.make_output_vec());
+fn correlate(x: impl Iterator<Item = f64>, lags: usize) -> Vec<f64> {
+    let samples = padded(x, lags);
+    let length = samples.len();
+    let mut products = synthesised(&mut power_spectrum(samples), length);
+    products.truncate(lags);
+    products.iter().map(|x| x / length as f64).collect()
+}
+
+/// The samples, and zeros after them.
+fn padded(x: impl Iterator<Item = f64>, lags: usize) -> Vec<f64> {
+    let mut samples: Vec<f64> = x.collect();
+    samples.resize(smooth_length(samples.len() + lags), 0.0);
     samples
-        .iter_mut()
-        .zip(x)
-        .for_each(|(sample, value)| *sample = value);
+}
+
+fn power_spectrum(mut samples: Vec<f64>) -> Vec<Complex64> {
+    let forward = RealFftPlanner::new().plan_fft_forward(samples.len());
+    let mut spectrum = forward.make_output_vec();
     forward
         .process(&mut samples, &mut spectrum)
-        .expect("the plan made the buffers, so their lengths fit");
-    spectrum
-        .iter_mut()
-        .for_each(|value| *value = value.norm_sqr().into());
+        .expect("the plan made the buffer, so its length fits");
+    let power = spectrum.iter().map(Complex64::norm_sqr);
+    power.map(Complex64::from).collect()
+}
+
+/// The samples that have a `spectrum`, times their number.
+fn synthesised(spectrum: &mut [Complex64], n_samples: usize) -> Vec<f64> {
+    let inverse = RealFftPlanner::new().plan_fft_inverse(n_samples);
+    let mut samples = inverse.make_output_vec();
     inverse
-        .process(&mut spectrum, &mut samples)
-        .expect("the plan made the buffers; both ends of the spectrum are real");
-    samples.truncate(lags);
-    samples.iter().map(|value| value / length as f64).collect()
+        .process(spectrum, &mut samples)
+        .expect("both ends of the spectrum are real");
+    samples
 }
 
 /// The smallest even number from `least` on that is 2^a 3^b 5^c.
@@ -80,40 +105,64 @@ fn smooth_length(least: usize) -> usize {
 /// correlates with itself over all lags, does not count. As it is and for as many pairs at each
 /// lag, since the peaks of a narrow band hardly differ.
 pub(crate) fn peaks(correlation: &[f64]) -> Vec<usize> {
-    let n_samples = 2.0 * correlation.len() as f64;
-    let per_pair = |(lag, value): (usize, &f64)| value * n_samples / (n_samples - lag as f64);
-    let per_pair: Vec<f64> = correlation.iter().enumerate().map(per_pair).collect();
-    let mut found = Vec::new();
-    let mut width = 1;
-    while 3 * width < correlation.len() {
-        found.extend(highest(correlation, width));
-        found.extend(highest(&per_pair, width));
-        width *= 2;
-    }
+    let per_pair = per_pair(correlation);
+    let found = highest_of_each_width(correlation).chain(highest_of_each_width(&per_pair));
+    let mut found: Vec<usize> = found.collect();
     found.sort_unstable();
     found.dedup();
     found
 }
 
-/// The highest peaks of one width.
+fn highest_of_each_width(correlation: &[f64]) -> impl Iterator<Item = usize> {
+    let widths = successors(Some(1), |width| Some(2 * width));
+    let widths = widths.take_while(|width| 3 * width < correlation.len());
+    widths.flat_map(|width| highest(correlation, width))
+}
+
+/// The correlation as if each lag had as many pairs.
+fn per_pair(correlation: &[f64]) -> Vec<f64> {
+    let n_samples = 2.0 * correlation.len() as f64;
+    let of_lag = |(lag, value)| value * n_samples / (n_samples - f64::from(lag));
+    zip(0_u32.., correlation).map(of_lag).collect()
+}
+
+/// The highest peaks of one width, the highest first.
 fn highest(correlation: &[f64], width: usize) -> Vec<usize> {
-    let height = |lag: usize| {
-        let around = correlation[lag - width] + correlation.get(lag + width).unwrap_or(&0.0);
-        correlation[lag] - 0.5 * around
-    };
-    let mut best: Vec<(f64, usize)> = Vec::new();
+    let mut best = Vec::new();
     for lag in SHORTEST.max(2 * width)..correlation.len() {
-        let weakest = match best.len() {
-            PEAKS_PER_WIDTH => best[PEAKS_PER_WIDTH - 1].0,
-            _ => 0.0,
-        };
-        if is_peak(correlation, lag) && height(lag) > weakest {
-            best.truncate(PEAKS_PER_WIDTH - 1);
-            best.push((height(lag), lag));
-            best.sort_by(|a, b| b.0.total_cmp(&a.0));
+        if is_peak(correlation, lag) {
+            keep_highest(&mut best, Peak::new(correlation, lag, width));
         }
     }
-    best.into_iter().map(|(_, lag)| lag).collect()
+    best.iter().map(|peak| peak.lag).collect()
+}
+
+struct Peak {
+    /// Above its surroundings.
+    height: f64,
+    lag: usize,
+}
+
+impl Peak {
+    fn new(correlation: &[f64], lag: usize, width: usize) -> Self {
+        let around = correlation[lag - width] + correlation.get(lag + width).unwrap_or(&0.0);
+        let height = correlation[lag] - 0.5 * around;
+        Self { height, lag }
+    }
+}
+
+/// Adds a peak above zero to the `best`, if it is higher than the lowest of a full list.
+fn keep_highest(best: &mut Vec<Peak>, peak: Peak) {
+    if peak.height > weakest(best) {
+        best.truncate(PEAKS_PER_WIDTH - 1);
+        best.push(peak);
+        best.sort_by(|a, b| b.height.total_cmp(&a.height));
+    }
+}
+
+fn weakest(best: &[Peak]) -> f64 {
+    let last = best.get(PEAKS_PER_WIDTH - 1);
+    last.map_or(0.0, |peak| peak.height)
 }
 
 /// Whether neither neighbour is higher; the last lag has one neighbour.

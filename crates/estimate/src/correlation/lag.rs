@@ -1,9 +1,13 @@
 //! Samples one lag later, also a fraction of a sample: by a windowed sinc of 16 samples.
 
+use std::array::from_fn;
 use std::f64::consts::PI;
 
 /// Samples on either side of the place asked for.
 const HALF: usize = 8;
+const TAPS: usize = 2 * HALF;
+/// The sample that the first of the weights between samples belongs to.
+pub(crate) const FIRST_TAP: isize = 1 - HALF as isize;
 /// A fraction below this is none: over a million periods it makes a tenth of a sample.
 const WHOLE: f64 = 1e-7;
 
@@ -22,12 +26,20 @@ pub(crate) struct Lag {
 impl Lag {
     /// A lag in samples; a fraction of one needs more than eight samples and is rounded below.
     pub(crate) fn new(lag: f64) -> Self {
-        let is_whole = (lag - lag.round()).abs() < WHOLE || lag < HALF as f64;
-        let fraction = if is_whole { 0.0 } else { lag - lag.floor() };
-        let (first, taps) = match is_whole {
-            true => (lag.round().max(0.0) as usize, vec![1.0]),
-            false => (lag.floor() as usize + 1 - HALF, taps(fraction).to_vec()),
-        };
+        if (lag - lag.round()).abs() < WHOLE || lag < HALF as f64 {
+            Self::with_taps(lag.round().max(0.0) as usize, vec![1.0], 0.0)
+        } else {
+            Self::between_samples(lag)
+        }
+    }
+
+    fn between_samples(lag: f64) -> Self {
+        let fraction = lag - lag.floor();
+        let first = lag.floor() as usize + 1 - HALF;
+        Self::with_taps(first, taps(fraction).to_vec(), fraction)
+    }
+
+    fn with_taps(first: usize, taps: Vec<f64>, fraction: f64) -> Self {
         Self {
             first,
             gain: gain(&taps),
@@ -47,24 +59,38 @@ impl Lag {
     /// where others are lost, NaN where the nearest are lost, too, and close to the ends. It is as
     /// large as that of two samples if they are noise, which interpolation averages away.
     pub(crate) fn difference(&self, values: &[f64], k: usize) -> f64 {
-        let from = k + self.first;
-        let Some(near) = values.get(from..from + self.taps.len()) else {
-            return f64::NAN;
-        };
-        let now = values[k];
+        let near = self.near(values, k);
+        near.map_or(f64::NAN, |near| self.difference_by(near, values[k]))
+    }
+
+    /// The samples around the place one lag after `k`.
+    fn near<'a>(&self, values: &'a [f64], k: usize) -> Option<&'a [f64]> {
+        values.get(k + self.first..)?.get(..self.taps.len())
+    }
+
+    /// The difference by as many of the samples `near` as can be.
+    fn difference_by(&self, near: &[f64], now: f64) -> f64 {
         let difference = (weighted(&self.taps, near) - now) * self.gain;
-        if !difference.is_nan() || near.len() == 1 {
-            return difference;
-        }
-        let near = &near[HALF - 2..HALF + 2];
-        let between =
-            [&self.cubic, &self.straight].map(|taps| (weighted(taps, near) - now) * gain(taps));
-        if between[0].is_nan() {
-            between[1]
+        if difference.is_nan() && near.len() > 1 {
+            self.difference_by_few(&near[HALF - 2..HALF + 2], now)
         } else {
-            between[0]
+            difference
         }
     }
+
+    /// The difference by the nearest four samples, or by two.
+    fn difference_by_few(&self, nearest: &[f64], now: f64) -> f64 {
+        let by_four = difference(&self.cubic, nearest, now);
+        if by_four.is_nan() {
+            difference(&self.straight, nearest, now)
+        } else {
+            by_four
+        }
+    }
+}
+
+fn difference(taps: &[f64], near: &[f64], now: f64) -> f64 {
+    (weighted(taps, near) - now) * gain(taps)
 }
 
 /// The sum of weighted samples; those without a weight may be lost.
@@ -91,17 +117,21 @@ fn cubic(x: f64) -> [f64; 4] {
 
 /// Weights of the samples `-7 ..= 8` for the value at `fraction` after sample 0: a sinc under a
 /// Hann window, which keeps a sine at three quarters of Nyquist to a thousandth of its power.
-pub(crate) fn taps(fraction: f64) -> [f64; 2 * HALF] {
-    let mut taps = [0.0; 2 * HALF];
-    for (j, tap) in taps.iter_mut().enumerate() {
-        let away = j as f64 + 1.0 - HALF as f64 - fraction;
-        let sinc = if away == 0.0 {
-            1.0
-        } else {
-            (PI * away).sin() / (PI * away)
-        };
-        *tap = sinc * (PI * away / (2 * HALF) as f64).cos().powi(2);
-    }
+pub(crate) fn taps(fraction: f64) -> [f64; TAPS] {
+    let taps = from_fn(|j| windowed_sinc(j as f64 + 1.0 - HALF as f64 - fraction));
     let sum: f64 = taps.iter().sum();
     taps.map(|tap| tap / sum)
+}
+
+/// A sinc under a Hann window of 16 samples.
+fn windowed_sinc(away: f64) -> f64 {
+    sinc(away) * (PI * away / TAPS as f64).cos().powi(2)
+}
+
+fn sinc(x: f64) -> f64 {
+    if x == 0.0 {
+        1.0
+    } else {
+        (PI * x).sin() / (PI * x)
+    }
 }

@@ -5,9 +5,10 @@
 
 use std::ops::Range;
 
-use crate::correlation::channel::Channel;
+use crate::correlation::channel::{Channel, present};
 use crate::correlation::lag::Lag;
 use crate::correlation::local_power::LocalPower;
+use frfid_signals::median;
 
 /// Power below this share of that of the channel is rounding.
 const ROUNDING: f64 = 1e-12;
@@ -24,22 +25,9 @@ impl Likeness {
     /// Compares `channels` with themselves `period` samples later.
     pub(crate) fn new(channels: &[Channel], period: f64, stride: usize) -> Self {
         let power = LocalPower::new(channels, period.round() as usize, stride);
-        let lag = Lag::new(period);
-        let n_samples = channels.first().map_or(0, |channel| channel.values().len());
-        let share = |k: usize| {
-            let (difference, between) = (squared_difference(channels, &lag, k), power.from(k));
-            match between > ROUNDING || difference.is_nan() {
-                true => 0.5 * difference / between.max(ROUNDING),
-                false => f64::INFINITY,
-            }
-        };
-        let shares = (0..lag.n_pairs(n_samples))
-            .step_by(stride)
-            .map(share)
-            .collect();
         Self {
             stride,
-            shares,
+            shares: shares(channels, &Lag::new(period), &power, stride),
             power,
         }
     }
@@ -47,39 +35,62 @@ impl Likeness {
     /// Share of the power that does not repeat within the places `ranges` of the shares.
     pub(crate) fn residual(&self, ranges: &[Range<usize>]) -> f64 {
         let (mut difference, mut power) = (0.0, f64::MIN_POSITIVE);
-        for place in ranges.iter().cloned().flatten() {
-            let share = self.shares[place];
-            if share.is_finite() {
-                let weight = self.power.from(place * self.stride);
-                difference += share * weight;
-                power += weight;
-            }
+        for place in self.known_places(ranges) {
+            let weight = self.power.from(place * self.stride);
+            difference += self.shares[place] * weight;
+            power += weight;
         }
         difference / power
     }
+
+    /// Mean power around the places of a stretch.
+    pub(crate) fn mean_power(&self, stretch: &Range<usize>) -> f64 {
+        let samples = stretch.start * self.stride..stretch.end * self.stride;
+        self.power.mean(&samples)
+    }
+
+    /// Places within `ranges` whose share is known.
+    fn known_places(&self, ranges: &[Range<usize>]) -> impl Iterator<Item = usize> {
+        let places = ranges.iter().cloned().flatten();
+        places.filter(|&place| self.shares[place].is_finite())
+    }
+}
+
+/// `difference / (2 power)`, infinite where nothing moves.
+fn share(difference: f64, power: f64) -> f64 {
+    if power > ROUNDING || difference.is_nan() {
+        0.5 * difference / power.max(ROUNDING)
+    } else {
+        f64::INFINITY
+    }
+}
+
+fn shares(channels: &[Channel], lag: &Lag, power: &LocalPower, stride: usize) -> Vec<f64> {
+    let n_pairs = lag.n_pairs(Channel::n_samples(channels));
+    let share = |k| share(squared_difference(channels, lag, k), power.from(k));
+    (0..n_pairs).step_by(stride).map(share).collect()
 }
 
 /// Over the channels that have both samples; NaN if none has.
 fn squared_difference(channels: &[Channel], lag: &Lag, k: usize) -> f64 {
-    let differences = channels
-        .iter()
-        .map(|channel| lag.difference(channel.values(), k).powi(2));
-    let present = differences.filter(|difference| !difference.is_nan());
+    let squared = |channel: &Channel| lag.difference(channel.values(), k).powi(2);
+    sum_present(channels.iter().map(squared))
+}
+
+fn sum_present(values: impl Iterator<Item = f64>) -> f64 {
+    let present = values.filter(|value| !value.is_nan());
     present.reduce(|a, b| a + b).unwrap_or(f64::NAN)
 }
 
 /// Median of the mean shares of sixteenths of a period.
 pub(crate) fn quieter_half(shares: &[f64], length: f64) -> f64 {
     let part = (length / 16.0).ceil().max(1.0) as usize;
-    let mean = |part: &[f64]| {
-        let present: Vec<f64> = part
-            .iter()
-            .copied()
-            .filter(|share| !share.is_nan())
-            .collect();
-        (!present.is_empty()).then(|| present.iter().sum::<f64>() / present.len() as f64)
-    };
-    let mut means: Vec<f64> = shares.chunks(part).filter_map(mean).collect();
-    means.sort_unstable_by(f64::total_cmp);
-    means.get(means.len() / 2).copied().unwrap_or(0.0)
+    let means = shares.chunks(part).filter_map(mean_present);
+    median(means.collect()).unwrap_or(0.0)
+}
+
+/// Mean of the shares that are there.
+fn mean_present(shares: &[f64]) -> Option<f64> {
+    let count = present(shares).count();
+    (count > 0).then(|| present(shares).sum::<f64>() / count as f64)
 }

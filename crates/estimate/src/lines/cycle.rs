@@ -1,10 +1,12 @@
 //! Mean period of one channel of a recording, with the noise that is left in it.
 
+use std::iter::zip;
+
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 use num_complex::Complex64;
 use realfft::RealFftPlanner;
 
-use crate::correlation::lag::taps;
+use crate::correlation::lag::{FIRST_TAP, taps};
 use crate::error::EstimateError;
 use crate::repetition::n_periods;
 use crate::spectra::Transform;
@@ -55,26 +57,29 @@ impl Cycle {
     /// The mean; where it is lost, the model, and what it misses at the places around, straight
     /// between them.
     pub(super) fn filled(&self, model: &[f64]) -> Array1<f64> {
-        let n = self.mean.len();
-        let mut missed: Array1<f64> = self
-            .mean
-            .iter()
-            .zip(model)
-            .map(|(x, model)| x - model)
-            .collect();
-        let present: Vec<usize> = (0..n).filter(|&k| !missed[k].is_nan()).collect();
-        for (place, &before) in present.iter().enumerate() {
-            let after = present.get(place + 1).copied().unwrap_or(present[0] + n);
-            let rise = (missed[after % n] - missed[before]) / (after - before) as f64;
-            for k in before + 1..after {
-                missed[k % n] = missed[before] + rise * (k - before) as f64;
-            }
-        }
-        missed
-            .iter()
-            .zip(model)
-            .map(|(missed, model)| missed + model)
-            .collect()
+        let model = ArrayView1::from(model);
+        let mut missed = &self.mean - &model;
+        fill_straight(&mut missed);
+        missed + model
+    }
+}
+
+/// Fills what is NaN straight between the places around; the last is followed by the first.
+fn fill_straight(values: &mut Array1<f64>) {
+    let places = 0..values.len();
+    let present: Vec<usize> = places.filter(|&k| !values[k].is_nan()).collect();
+    for (place, &before) in present.iter().enumerate() {
+        let after = present.get(place + 1).copied();
+        bridge(values, before, after.unwrap_or(present[0] + values.len()));
+    }
+}
+
+/// Straight between two places, the second of which may be one period later.
+fn bridge(values: &mut Array1<f64>, before: usize, after: usize) {
+    let n = values.len();
+    let rise = (values[after % n] - values[before]) / (after - before) as f64;
+    for k in before + 1..after {
+        values[k % n] = values[before] + rise * (k - before) as f64;
     }
 }
 
@@ -130,22 +135,31 @@ fn folded(samples: ArrayView1<f64>, period: f64, n_samples: usize) -> Array2<f64
 
 /// The value at a place between samples: by their 16 neighbours, by two where others are lost.
 fn between(samples: ArrayView1<f64>, place: f64) -> f64 {
-    let (whole, fraction) = (place.floor(), place - place.floor());
-    let at = |offset: isize| {
-        let index = (whole as usize).checked_add_signed(offset);
-        index
-            .and_then(|index| samples.get(index))
-            .copied()
-            .unwrap_or(f64::NAN)
-    };
-    let taps = taps(fraction);
-    let near = taps.iter().zip(1 - taps.len() as isize / 2..);
-    let value: f64 = near.map(|(tap, offset)| tap * at(offset)).sum();
+    let (whole, fraction) = (place as usize, place.fract());
+    let value = by_sinc(samples, whole, fraction);
     if value.is_nan() {
-        (1.0 - fraction) * at(0) + fraction * at(1)
+        by_two(samples, whole, fraction)
     } else {
         value
     }
+}
+
+fn by_two(samples: ArrayView1<f64>, whole: usize, fraction: f64) -> f64 {
+    let [before, after] = [0, 1].map(|offset| sample_or_nan(samples, whole, offset));
+    (1.0 - fraction) * before + fraction * after
+}
+
+/// By 16 neighbours; NaN where one of them is lost.
+fn by_sinc(samples: ArrayView1<f64>, whole: usize, fraction: f64) -> f64 {
+    let near = zip(taps(fraction), FIRST_TAP..);
+    let terms = near.map(|(tap, offset)| tap * sample_or_nan(samples, whole, offset));
+    terms.sum()
+}
+
+fn sample_or_nan(samples: ArrayView1<f64>, k: usize, offset: isize) -> f64 {
+    let index = k.checked_add_signed(offset);
+    let sample = index.and_then(|index| samples.get(index).copied());
+    sample.unwrap_or(f64::NAN)
 }
 
 /// The samples of a period that has these lines of `spectrum`, which begins with line 1, and no
@@ -171,16 +185,23 @@ pub(super) fn synthesised(
 /// The mean over the neighbours, or the value of a line itself if it is larger: a hum that does not
 /// repeat.
 fn smoothed(noise: &[f64]) -> Vec<f64> {
-    let mut sums = vec![0.0; noise.len() + 1];
-    for (line, value) in noise.iter().enumerate() {
-        sums[line + 1] = sums[line] + value;
+    let sums = running_sums(noise);
+    let value = |line| mean_around(&sums, line).max(noise[line]);
+    (0..noise.len()).map(value).collect()
+}
+
+/// Sums of the first 0, 1, 2, ... values.
+fn running_sums(values: &[f64]) -> Vec<f64> {
+    let mut sums = vec![0.0; values.len() + 1];
+    for (k, value) in values.iter().enumerate() {
+        sums[k + 1] = sums[k] + value;
     }
-    let mean = |line: usize| {
-        let (first, end) = (
-            line.saturating_sub(SMOOTHED),
-            (line + SMOOTHED + 1).min(noise.len()),
-        );
-        ((sums[end] - sums[first]) / (end - first) as f64).max(noise[line])
-    };
-    (0..noise.len()).map(mean).collect()
+    sums
+}
+
+/// Mean of the neighbours of a line, from running sums.
+fn mean_around(sums: &[f64], line: usize) -> f64 {
+    let first = line.saturating_sub(SMOOTHED);
+    let end = (line + SMOOTHED + 1).min(sums.len() - 1);
+    (sums[end] - sums[first]) / (end - first) as f64
 }

@@ -4,6 +4,8 @@
 //! What lies below excited lines has many levels: noise, rounding (which an odd signal has on odd lines
 //! only), distortion. None of them is smooth from line to line, as an excitation mostly is.
 
+use std::iter::zip;
+use std::mem::replace;
 use std::ops::Range;
 
 use crate::lines::level_gap::{FEW, GAP_DB, RANGE_DB, least_excited, middle};
@@ -31,20 +33,23 @@ impl LineLevels {
     /// From the power of each line and that of the noise in it; `inexact` is the share of the power
     /// of the strongest line that may be an error.
     pub(super) fn new(power: &[f64], noise: &[f64], inexact: f64) -> Self {
-        let strongest = power.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        let floor = |noise: f64| (ABOVE_NOISE * noise).max(inexact * strongest);
-        let level = |(power, noise): (&f64, &f64)| 10.0 * power.max(floor(*noise)).log10();
-        let is_above = |(power, noise): (&f64, &f64)| *power > floor(*noise);
-        let mut levels = Self {
-            level_db: power.iter().zip(noise).map(level).collect(),
-            is_above_noise: power.iter().zip(noise).map(is_above).collect(),
-            is_excited: vec![None; power.len()],
-        };
+        let mut levels = Self::above(power, &floor(power, noise, inexact));
         levels.split_windows();
-        levels.spread_floor(false);
-        levels.spread_floor(true);
+        levels.spread_floor();
         levels.drop_strays();
         levels
+    }
+
+    /// Levels above a floor for each line, none judged.
+    fn above(power: &[f64], floor: &[f64]) -> Self {
+        let level = |(power, floor): (&f64, &f64)| 10.0 * power.max(*floor).log10();
+        Self {
+            level_db: zip(power, floor).map(level).collect(),
+            is_above_noise: zip(power, floor)
+                .map(|(power, floor)| power > floor)
+                .collect(),
+            is_excited: vec![None; power.len()],
+        }
     }
 
     /// Indices of the excited lines: those above the noise that no comparison speaks against.
@@ -54,21 +59,32 @@ impl LineLevels {
 
     /// Indices of the excited lines that are not weaker than the strongest by more.
     pub(super) fn strongest(&self, range_db: f64) -> Vec<usize> {
-        let levels = self.level_db.iter().copied();
-        let least = levels.fold(f64::NEG_INFINITY, f64::max) - range_db.min(RANGE_DB);
-        let is_excited = |&line: &usize| {
-            self.is_above_noise[line]
-                && self.is_excited[line] != Some(false)
-                && self.level_db[line] >= least
-        };
-        (0..self.level_db.len()).filter(is_excited).collect()
+        let highest = self
+            .level_db
+            .iter()
+            .copied()
+            .fold(f64::NEG_INFINITY, f64::max);
+        let least = highest - range_db.min(RANGE_DB);
+        let mut lines = self.above_noise();
+        lines.retain(|&line| self.is_excited[line] != Some(false) && self.level_db[line] >= least);
+        lines
+    }
+
+    /// The levels of some lines.
+    pub(super) fn of<'a>(
+        &self,
+        lines: impl IntoIterator<Item = &'a usize>,
+    ) -> impl Iterator<Item = f64> {
+        lines.into_iter().map(|&line| self.level_db[line])
     }
 
     /// Indices of all lines above the noise.
     pub(super) fn above_noise(&self) -> Vec<usize> {
-        (0..self.level_db.len())
-            .filter(|&line| self.is_above_noise[line])
-            .collect()
+        self.above_noise_in(0..self.level_db.len())
+    }
+
+    fn above_noise_in(&self, window: Range<usize>) -> Vec<usize> {
+        window.filter(|&line| self.is_above_noise[line]).collect()
     }
 
     /// Whether nothing sets any line apart from the others.
@@ -83,60 +99,63 @@ impl LineLevels {
     /// closest to the middle.
     fn split_windows(&mut self) {
         let windows = windows(self.level_db.len());
-        let mut first = 0;
-        for (index, window) in windows.iter().enumerate() {
-            // the middle of what this window and the next have in common
-            let next = windows
-                .get(index + 1)
-                .map(|next| next.start.midpoint(window.end));
-            let judged = first..next.unwrap_or(window.end);
-            first = judged.end;
-            let lines: Vec<usize> = window
-                .clone()
-                .filter(|&line| self.is_above_noise[line])
-                .collect();
-            let Some(least) = least_excited(&self.level_db, &lines) else {
-                continue;
-            };
-            for line in lines.into_iter().filter(|line| judged.contains(line)) {
-                self.is_excited[line] = Some(self.level_db[line] >= least);
-            }
+        for (window, judged) in zip(windows.clone(), judged(&windows)) {
+            self.split(window, judged);
+        }
+    }
+
+    fn split(&mut self, window: Range<usize>, judged: Range<usize>) {
+        let mut lines = self.above_noise_in(window);
+        if let Some(least) = least_excited(&self.level_db, &lines) {
+            lines.retain(|line| judged.contains(line));
+            self.judge(&lines, least);
+        }
+    }
+
+    fn judge(&mut self, lines: &[usize], least: f64) {
+        for &line in lines {
+            self.is_excited[line] = Some(self.level_db[line] >= least);
         }
     }
 
     /// Carries the level of lines that are not excited on to windows in which nothing else is seen.
-    fn spread_floor(&mut self, is_backward: bool) {
-        let mut windows = windows(self.level_db.len());
-        if is_backward {
-            windows.reverse();
+    fn spread_floor(&mut self) {
+        let forward = windows(self.level_db.len());
+        let backward: Vec<Range<usize>> = forward.iter().rev().cloned().collect();
+        for parity in [0, 1] {
+            self.carry_floor(&forward, parity);
+            self.carry_floor(&backward, parity);
         }
-        let mut floor = [None, None];
+    }
+
+    /// From window to window, for the lines of one parity.
+    fn carry_floor(&mut self, windows: &[Range<usize>], parity: usize) {
+        let mut floor = f64::NEG_INFINITY;
         for window in windows {
-            for parity in [0, 1] {
-                let lines: Vec<usize> = window
-                    .clone()
-                    .filter(|&line| line % 2 == parity && self.is_above_noise[line])
-                    .collect();
-                self.below(&lines, floor[parity]);
-                floor[parity] = self.middle(&lines).or(floor[parity]);
-            }
+            let mut lines = self.above_noise_in(window.clone());
+            lines.retain(|line| line % 2 == parity);
+            self.below(&lines, floor);
+            floor = self.middle(&lines).unwrap_or(floor);
         }
     }
 
     /// Lines that do not stand above the floor, in the middle of those that are judged alike, are not
     /// excited.
-    fn below(&mut self, lines: &[usize], floor: Option<f64>) {
-        let Some(floor) = floor else { return };
-        for judged in [None, Some(true)] {
-            let alike = lines.iter().copied();
-            let alike: Vec<usize> = alike
-                .filter(|&line| self.is_excited[line] == judged)
-                .collect();
+    fn below(&mut self, lines: &[usize], floor: f64) {
+        for judgement in [None, Some(true)] {
+            let alike = self.judged_so(lines, judgement);
             let middle = middle(&self.level_db, &alike);
             if middle.is_some_and(|middle| middle < floor + ABOVE_DB) {
                 self.reject(&alike);
             }
         }
+    }
+
+    /// Those of the lines with this judgement.
+    fn judged_so(&self, lines: &[usize], judgement: Option<bool>) -> Vec<usize> {
+        let lines = lines.iter().copied();
+        let alike = lines.filter(|&line| self.is_excited[line] == judgement);
+        alike.collect()
     }
 
     fn reject(&mut self, lines: &[usize]) {
@@ -148,10 +167,7 @@ impl LineLevels {
     /// A line alone that is far below the nearest ones, as a hum or an overtone is, is not excited.
     fn drop_strays(&mut self) {
         loop {
-            let lines = self.excited();
-            let is_stray = |&at: &usize| is_alone(&lines, at) && self.falls_off(&lines, at);
-            let strays = (0..lines.len()).filter(is_stray).map(|at| lines[at]);
-            let strays: Vec<usize> = strays.collect();
+            let strays = self.strays();
             if strays.is_empty() {
                 return;
             }
@@ -159,32 +175,37 @@ impl LineLevels {
         }
     }
 
+    fn strays(&self) -> Vec<usize> {
+        let lines = self.excited();
+        let is_stray = |&at: &usize| is_alone(&lines, lines[at]) && self.falls_off(&lines, at);
+        let strays = (0..lines.len()).filter(is_stray);
+        strays.map(|at| lines[at]).collect()
+    }
+
     /// Whether one of the lines is below a neighbour by more than any excitation falls.
     fn falls_off(&self, lines: &[usize], at: usize) -> bool {
-        let steep = |other: &usize| {
-            let octaves = ((other + 1) as f64 / (lines[at] + 1) as f64).log2().abs();
-            self.level_db[*other] - self.level_db[lines[at]] > GAP_DB + STEEP_DB * octaves
-        };
-        let before = at.checked_sub(1).and_then(|before| lines.get(before));
-        before.is_some_and(steep) || lines.get(at + 1).is_some_and(steep)
+        let is_below = |other| self.is_far_below(lines[at], other);
+        lines[..at].last().is_some_and(is_below) || lines.get(at + 1).is_some_and(is_below)
+    }
+
+    fn is_far_below(&self, line: usize, other: &usize) -> bool {
+        let octaves = ((other + 1) as f64 / (line + 1) as f64).log2().abs();
+        self.level_db[*other] - self.level_db[line] > GAP_DB + STEEP_DB * octaves
     }
 
     /// Median level of the lines that are not excited, of three at least.
     fn middle(&self, lines: &[usize]) -> Option<f64> {
-        let not_excited = lines
-            .iter()
-            .filter(|&&line| self.is_excited[line] == Some(false));
-        let not_excited: Vec<usize> = not_excited.copied().collect();
+        let not_excited = self.judged_so(lines, Some(false));
         middle(&self.level_db, &not_excited).filter(|_| not_excited.len() >= 3)
     }
 }
 
-/// Whether few of the lines lie around one of them.
-fn is_alone(lines: &[usize], at: usize) -> bool {
-    let reach = length(lines[at]) / 2;
-    let is_near = |other: &&usize| other.abs_diff(lines[at]) <= reach;
-    let before = lines[..at].iter().rev().take_while(is_near).count();
-    before + lines[at + 1..].iter().take_while(is_near).count() < FEW
+/// Whether few of the rising lines lie around one of them.
+fn is_alone(lines: &[usize], line: usize) -> bool {
+    let reach = length(line) / 2;
+    let first = lines.partition_point(|other| other + reach < line);
+    let end = lines.partition_point(|&other| other <= line + reach);
+    end - first <= FEW
 }
 
 /// Windows of neighbouring lines, each half over the next.
@@ -197,6 +218,25 @@ fn windows(n_lines: usize) -> Vec<Range<usize>> {
     }
     windows.push(n_lines.saturating_sub(length(start))..n_lines);
     windows
+}
+
+/// The lines that each window judges: up to the middle of what it and the next have in common.
+fn judged(windows: &[Range<usize>]) -> Vec<Range<usize>> {
+    let common = windows.windows(2).map(|pair| pair[1].start..pair[0].end);
+    let ends = common.map(|common| common.start.midpoint(common.end));
+    let ends = ends.chain(windows.last().map(|window| window.end));
+    ends.scan(0, |first, end| Some(replace(first, end)..end))
+        .collect()
+}
+
+/// Power up to which each line may be noise, or an error.
+fn floor(power: &[f64], noise: &[f64], inexact: f64) -> Vec<f64> {
+    let strongest = power.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+    let rounding = inexact * strongest;
+    let floor = noise
+        .iter()
+        .map(|noise| (ABOVE_NOISE * noise).max(rounding));
+    floor.collect()
 }
 
 /// Length of the window that begins with a line.

@@ -1,5 +1,7 @@
 //! Reasons why nothing repeats in a recording, as advice.
 
+use std::slice::from_ref;
+
 use crate::correlation::autocorrelation::{autocorrelation, peaks};
 use crate::correlation::channel::Channel;
 use crate::correlation::long_lags::Pairs;
@@ -19,18 +21,21 @@ pub(super) fn why(channels: &[Channel], given: Option<f64>) -> EstimateError {
         Some(period) => vec![period.round() as usize],
         None => candidates(channels),
     };
-    let rated = periods
-        .iter()
-        .map(|&period| (period, residual(channels, period)));
-    let best = rated.min_by(|a, b| a.1.total_cmp(&b.1));
-    let (period, residual) = best.unwrap_or((0, 1.0));
-    let cause = cause(channels, given, &periods);
+    let (period, residual) = least_residual(channels, &periods);
     EstimateError::NotPeriodic {
         period,
         residual,
         limit: LIMIT,
-        cause,
+        cause: cause(channels, given, &periods),
     }
+}
+
+/// The period after which most repeats, and what does not.
+fn least_residual(channels: &[Channel], periods: &[usize]) -> (usize, f64) {
+    let rate = |&period: &usize| (period, residual(channels, period));
+    let rated = periods.iter().map(rate);
+    let best = rated.min_by(|a, b| a.1.total_cmp(&b.1));
+    best.unwrap_or((0, 1.0))
 }
 
 fn cause(channels: &[Channel], given: Option<f64>, periods: &[usize]) -> Aperiodic {
@@ -40,65 +45,68 @@ fn cause(channels: &[Channel], given: Option<f64>, periods: &[usize]) -> Aperiod
     if given.is_some() {
         return Aperiodic::OtherPeriod;
     }
-    let sweep = |channel: &Channel| single_sweep(channel.values());
-    if let Some(sweep) = channels.iter().find_map(sweep) {
-        return Aperiodic::SingleSweep(sweep);
-    }
-    let partly = periods
+    let mut sweeps = channels
+        .iter()
+        .map(Channel::values)
+        .filter_map(single_sweep);
+    let sweep = sweeps.next().map(Aperiodic::SingleSweep);
+    sweep.unwrap_or_else(|| most_partly(channels, periods))
+}
+
+/// The most that repeats with any of the periods.
+fn most_partly(channels: &[Channel], periods: &[usize]) -> Aperiodic {
+    let found = periods
         .iter()
         .filter_map(|&period| partly(channels, period));
-    let longest = partly.max_by_key(|(covered, _)| *covered);
-    longest.map_or(Aperiodic::Nothing, |(_, cause)| cause)
+    let most = found.max_by_key(|found| found.0);
+    most.map_or(Aperiodic::Nothing, |most| most.1)
 }
 
 /// The highest peaks of each channel's correlation.
 fn candidates(channels: &[Channel]) -> Vec<usize> {
-    let of_channel = |channel: &Channel| {
-        let correlation = autocorrelation(channel);
-        let left = correlation
-            .iter()
-            .position(|&value| value < 0.5)
-            .unwrap_or(correlation.len());
-        let mut lags = peaks(&correlation);
-        lags.retain(|&lag| lag >= left);
-        lags.sort_by(|&a, &b| correlation[b].total_cmp(&correlation[a]));
-        lags.truncate(TRIED);
-        lags
-    };
+    let of_channel = |channel| highest_peaks(&autocorrelation(channel));
     channels.iter().flat_map(of_channel).collect()
+}
+
+/// The highest peaks beyond the one at lag 0, the highest first.
+fn highest_peaks(correlation: &[f64]) -> Vec<usize> {
+    let left = correlation.iter().position(|&value| value < 0.5);
+    let mut lags = peaks(correlation);
+    lags.retain(|&lag| left.is_some_and(|left| lag >= left));
+    lags.sort_by(|&a, &b| correlation[b].total_cmp(&correlation[a]));
+    lags.truncate(TRIED);
+    lags
 }
 
 /// Share of the power of the best channel that does not repeat, over the whole recording.
 fn residual(channels: &[Channel], period: usize) -> f64 {
-    let share = |channel: &Channel| {
-        let whole = 0..channel.values().len();
-        let pairs = Pairs {
-            channels: std::slice::from_ref(channel),
-            runs: &[whole],
-            stride: 1,
-        };
-        pairs.residual(period as f64)
+    let residual = |channel| channel_residual(channel, period);
+    channels.iter().map(residual).fold(1.0, f64::min)
+}
+
+fn channel_residual(channel: &Channel, period: usize) -> f64 {
+    let whole = 0..channel.values().len();
+    let pairs = Pairs {
+        channels: from_ref(channel),
+        runs: &[whole],
+        stride: 1,
     };
-    channels.iter().map(share).fold(1.0, f64::min)
+    pairs.residual(period as f64)
 }
 
 /// What repeats of the channel that repeats most, and how many samples that are.
 fn partly(channels: &[Channel], period: usize) -> Option<(usize, Aperiodic)> {
-    let runs = |channel: &Channel| Runs::find(std::slice::from_ref(channel), period as f64, 1);
+    let runs = |channel| Runs::find(from_ref(channel), period as f64, 1);
     let runs = channels.iter().map(runs).max_by_key(|runs| runs.covered)?;
-    let is_chance = (runs.covered as f64) < CHANCE * runs.left_out as f64 || runs.residual > LIMIT;
-    let longest = runs
-        .runs
-        .iter()
-        .max_by_key(|run| run.len())
-        .filter(|_| !is_chance)?;
-    let n_periods = (longest.len() as f64 / period as f64 + 1e-9) as usize;
-    Some((
-        runs.covered,
-        Aperiodic::Partly {
-            first: longest.start,
-            end: longest.end,
-            n_periods,
-        },
-    ))
+    let longest = runs.runs.iter().max_by_key(|run| run.len())?;
+    let cause = Aperiodic::Partly {
+        first: longest.start,
+        end: longest.end,
+        n_periods: (longest.len() as f64 / period as f64 + 1e-9) as usize,
+    };
+    (!is_chance(&runs)).then_some((runs.covered, cause))
+}
+
+fn is_chance(runs: &Runs) -> bool {
+    (runs.covered as f64) < CHANCE * runs.left_out as f64 || runs.residual > LIMIT
 }

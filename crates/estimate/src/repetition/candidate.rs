@@ -33,54 +33,40 @@ pub(super) struct Candidate {
 impl Candidate {
     /// Unless the period explains too little.
     pub(super) fn new(channels: &[Channel], period: f64) -> Option<Self> {
-        let longest = channels.first()?.values().len() as f64;
+        let longest = Channel::n_samples(channels) as f64;
         if !(SHORTEST as f64..=longest).contains(&period) {
             return None;
         }
         let runs = Runs::find(channels, period, stride(channels, period));
-        if runs.is_sound() {
-            Self::refined(channels, runs)
-        } else {
-            None
-        }
+        let runs = Some(runs).filter(Runs::is_sound)?;
+        Self::refined(channels, runs)
     }
 
     /// Unless the signal does not repeat over many periods.
     pub(super) fn refined(channels: &[Channel], runs: Runs) -> Option<Self> {
         let stride = stride(channels, runs.period);
-        let rough = Pairs {
-            channels,
-            runs: &inner(&runs.runs, runs.period),
-            stride,
-        };
-        let rough = rough.local_lag(runs.period.round() as usize).lag;
-        let (period, parts) = without_slips(channels, &runs.runs, rough, stride);
-        let inner = inner(&parts, period);
+        let runs = runs_without_slips(channels, runs, stride);
+        let found = Self::rated(channels, runs, stride);
+        let is_lost = found.residual > LONG_LIMIT || found.runs.runs.is_empty();
+        Some(found).filter(|found| !is_lost && found.runs.is_sound())
+    }
+
+    /// With the period to a fraction of a sample, and what does not repeat over many.
+    fn rated(channels: &[Channel], runs: Runs, stride: usize) -> Self {
+        let inner = inner(&runs.runs, runs.period);
         let pairs = Pairs {
             channels,
             runs: &inner,
             stride,
         };
-        let period = pairs.refine(period);
+        let period = pairs.refine(runs.period);
         let (residual, last_lag) = pairs.worst(period, f64::INFINITY);
-        if residual > LONG_LIMIT || parts.is_empty() {
-            return None;
-        }
-        let covered = n_present(channels, &parts, stride);
-        let left_out = runs.left_out + runs.covered.saturating_sub(covered);
-        let runs = Runs {
-            period,
-            runs: parts,
-            covered,
-            left_out,
-            ..runs
-        };
-        let found = Self {
+        let runs = Runs { period, ..runs };
+        Self {
             runs,
             residual,
             last_lag,
-        };
-        Some(found).filter(|found| found.runs.is_sound())
+        }
     }
 
     /// Whether another period explains as much of the same runs.
@@ -90,25 +76,52 @@ impl Candidate {
             runs: &inner(&self.runs.runs, self.runs.period),
             stride: stride(channels, period),
         };
-        let inexact = match period == period.round() {
-            true => ROUNDING,
-            false => BETWEEN_SAMPLES,
-        };
-        pairs.worst(period, self.last_lag + 0.5).0 <= 2.0 * self.residual + inexact
+        let (residual, _) = pairs.worst(period, self.last_lag + 0.5);
+        residual <= 2.0 * self.residual + inexact(period)
     }
 }
 
 /// The runs without their ends, whose place noise may hide: an eighth of a period each.
 fn inner(runs: &[Range<usize>], period: f64) -> Vec<Range<usize>> {
     let edge = (EDGE * period) as usize;
-    let inner = |run: &Range<usize>| run.start + edge..run.end - edge;
-    runs.iter().map(inner).collect()
+    let inner = runs.iter().map(|run| run.start + edge..run.end - edge);
+    inner.collect()
+}
+
+/// Power that is lost although the period is right.
+fn inexact(period: f64) -> f64 {
+    if period == period.round() {
+        ROUNDING
+    } else {
+        BETWEEN_SAMPLES
+    }
+}
+
+/// The runs cut where they slip, with the lag of most of them as the period.
+fn runs_without_slips(channels: &[Channel], runs: Runs, stride: usize) -> Runs {
+    let rough = rough_lag(channels, &runs, stride);
+    let (period, parts) = without_slips(channels, &runs.runs, rough, stride);
+    let covered = n_present(channels, &parts, stride);
+    Runs {
+        period,
+        runs: parts,
+        covered,
+        left_out: runs.left_out + runs.covered.saturating_sub(covered),
+        ..runs
+    }
+}
+
+fn rough_lag(channels: &[Channel], runs: &Runs, stride: usize) -> f64 {
+    let pairs = Pairs {
+        channels,
+        runs: &inner(&runs.runs, runs.period),
+        stride,
+    };
+    pairs.local_lag(runs.period.round() as usize).lag
 }
 
 /// Places are that far apart.
 pub(super) fn stride(channels: &[Channel], period: f64) -> usize {
-    let n_samples = channels.first().map_or(0, |channel| channel.values().len());
-    (n_samples / PLACES)
-        .min(period as usize / PLACES_PER_PERIOD)
-        .max(1)
+    let most = period as usize / PLACES_PER_PERIOD;
+    (Channel::n_samples(channels) / PLACES).min(most).max(1)
 }

@@ -41,9 +41,12 @@ fn holes(
     period: f64,
     stride: usize,
 ) -> Vec<Range<usize>> {
-    let is_lost = |k: usize| channels.iter().all(|channel| channel.values()[k].is_nan());
     let mut holes: Vec<Range<usize>> = Vec::new();
-    for k in run.clone().step_by(stride).filter(|&k| is_lost(k)) {
+    for k in run
+        .clone()
+        .step_by(stride)
+        .filter(|&k| Channel::are_lost(channels, k))
+    {
         match holes.last_mut().filter(|hole| hole.end == k) {
             Some(hole) => hole.end += stride,
             None => holes.push(k..k + stride),

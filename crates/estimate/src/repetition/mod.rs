@@ -122,7 +122,7 @@ fn found(channels: &[Channel], period: f64) -> Option<Repetition> {
 
 /// The runs of a period that somebody gave: where nothing repeats, one period is enough.
 fn given(channels: &[Channel], period: f64) -> Result<Repetition, EstimateError> {
-    let n_samples = channels.first().map_or(0, |channel| channel.values().len());
+    let n_samples = Channel::n_samples(channels);
     if n_samples > 0 && !(SHORTEST as f64..=n_samples as f64).contains(&period) {
         let needed = "a number of samples from 4 to the length of the recording";
         return Err(EstimateError::parameter("period", period, needed));

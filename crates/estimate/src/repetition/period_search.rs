@@ -1,6 +1,7 @@
 //! Search for the shortest period that explains as much of a recording as any.
 
 use std::iter::zip;
+use std::slice::from_ref;
 
 use crate::correlation::autocorrelation::{SHORTEST, autocorrelation, is_peak, peaks};
 use crate::correlation::channel::Channel;
@@ -33,7 +34,7 @@ impl Repeating {
     /// The channel, unless it does not repeat: it may be quiet.
     pub(super) fn new(channel: &Channel) -> Option<Self> {
         let correlation = autocorrelation(channel);
-        let best = best_of(std::slice::from_ref(channel), &correlation)?;
+        let best = best_of(from_ref(channel), &correlation)?;
         Some(Self {
             channel: channel.scaled(best.runs.power.sqrt().recip()),
             correlation,
@@ -60,52 +61,67 @@ pub(super) fn shortest_period(repeating: Vec<Repeating>) -> Option<(Vec<Channel>
 
 /// Of the periods that cover most, the one after which the signal repeats best.
 fn best_of(channels: &[Channel], correlation: &[f64]) -> Option<Candidate> {
-    let find = |period: f64| Runs::find(channels, period, stride(channels, period));
-    let runs = |&lag: &usize| {
-        let whole = find(lag as f64);
-        match vertex(correlation, lag) {
-            between if between != lag as f64 && !whole.is_sound() => find(between),
-            _ => whole,
-        }
-    };
-    let found = peaks(correlation);
-    let mut runs: Vec<Runs> = found.iter().map(runs).filter(Runs::is_sound).collect();
-    runs.sort_by(|a, b| a.residual.total_cmp(&b.residual));
-    let refined = runs
-        .into_iter()
-        .filter_map(|runs| Candidate::refined(channels, runs));
-    let refined: Vec<Candidate> = refined.take(REFINED).collect();
-    let most = refined
-        .iter()
-        .map(|candidate| candidate.runs.covered)
-        .max()?;
-    let enough = |candidate: &Candidate| candidate.runs.covered as f64 >= ENOUGH * most as f64;
+    let mut refined = refined(channels, sound_runs(channels, correlation));
+    let covered = refined.iter().map(|candidate| candidate.runs.covered);
+    let enough = ENOUGH * covered.max()? as f64;
+    refined.retain(|candidate| candidate.runs.covered as f64 >= enough);
     let best = refined
         .into_iter()
-        .filter(enough)
         .min_by(|a, b| a.residual.total_cmp(&b.residual))?;
     Some(climbed(channels, best, correlation))
 }
 
+/// The first of the runs that repeat over many periods.
+fn refined(channels: &[Channel], runs: Vec<Runs>) -> Vec<Candidate> {
+    let refine = |runs| Candidate::refined(channels, runs);
+    let refined = runs.into_iter().filter_map(refine);
+    refined.take(REFINED).collect()
+}
+
+/// Runs with the periods at the peaks, those that repeat best first.
+fn sound_runs(channels: &[Channel], correlation: &[f64]) -> Vec<Runs> {
+    let peaks = peaks(correlation).into_iter();
+    let runs = peaks.map(|lag| runs_at(channels, correlation, lag));
+    let mut runs: Vec<Runs> = runs.filter(Runs::is_sound).collect();
+    runs.sort_by(|a, b| a.residual.total_cmp(&b.residual));
+    runs
+}
+
+/// Runs with the period of a peak, between samples if they are not sound with the whole one.
+fn runs_at(channels: &[Channel], correlation: &[f64], lag: usize) -> Runs {
+    let find = |period: f64| Runs::find(channels, period, stride(channels, period));
+    let (whole, between) = (find(lag as f64), vertex(correlation, lag));
+    if between != lag as f64 && !whole.is_sound() {
+        find(between)
+    } else {
+        whole
+    }
+}
+
 /// The best of the neighbours: the peaks of a narrow band lie one cycle apart and hardly differ.
 fn climbed(channels: &[Channel], best: Candidate, correlation: &[f64]) -> Candidate {
-    let at = |lag: usize| correlation.get(lag).copied().unwrap_or(0.0);
-    let like_best = 0.8 * at(best.runs.period.round() as usize);
-    let highest = peaks(correlation)
-        .into_iter()
-        .find(|&lag| at(lag) > like_best);
-    let Some(cycle) = highest.filter(|&lag| 4.0 * lag as f64 <= best.runs.period) else {
+    let Some(cycle) = cycle(correlation, best.runs.period) else {
         return best;
     };
-    let cycle = vertex(correlation, cycle);
-    let mut best = best;
-    for step in [cycle, -cycle] {
-        for _ in 0..CLIMB {
-            let next = Candidate::new(channels, best.runs.period + step);
-            let Some(next) = next.filter(|next| next.residual < best.residual) else {
-                break;
-            };
-            best = next;
+    let up = climbed_by(channels, best, cycle);
+    climbed_by(channels, up, -cycle)
+}
+
+/// The first lag at which the correlation is nearly that of the period, if it is far shorter.
+fn cycle(correlation: &[f64], period: f64) -> Option<f64> {
+    let like_best = 0.8 * at(correlation, period);
+    let mut peaks = peaks(correlation).into_iter();
+    let cycle = peaks.find(|&lag| at(correlation, lag as f64) > like_best)?;
+    (4.0 * cycle as f64 <= period).then(|| vertex(correlation, cycle))
+}
+
+/// The last of the neighbours in one direction of which each is better than the one before.
+fn climbed_by(channels: &[Channel], mut best: Candidate, step: f64) -> Candidate {
+    for _ in 0..CLIMB {
+        let next = Candidate::new(channels, best.runs.period + step);
+        match next.filter(|next| next.residual < best.residual) {
+            Some(next) => best = next,
+            None => break,
         }
     }
     best
@@ -113,20 +129,24 @@ fn climbed(channels: &[Channel], best: Candidate, correlation: &[f64]) -> Candid
 
 /// Top of the parabola through a peak.
 fn vertex(correlation: &[f64], lag: usize) -> f64 {
-    let Some(&right) = correlation.get(lag + 1) else {
+    let Some([left, middle, right]) = correlation.get(lag - 1..lag + 2) else {
         return lag as f64;
     };
-    let (left, middle) = (correlation[lag - 1], correlation[lag]);
-    let bend = left - 2.0 * middle + right;
-    let offset = if bend < 0.0 {
-        0.5 * (left - right) / bend
-    } else {
-        0.0
-    };
+    let offset = vertex_offset(*left, *middle, *right);
     if offset.abs() < 0.1 {
         lag as f64
     } else {
         lag as f64 + offset
+    }
+}
+
+/// Top of the parabola through three values, from the one in the middle.
+fn vertex_offset(left: f64, middle: f64, right: f64) -> f64 {
+    let bend = left - 2.0 * middle + right;
+    if bend < 0.0 {
+        0.5 * (left - right) / bend
+    } else {
+        0.0
     }
 }
 
@@ -147,13 +167,20 @@ fn shortest(channels: &[Channel], best: Candidate, correlation: &[f64]) -> Candi
 
 /// Whether the correlation has a peak at a part of the period that is not far below that of the period.
 fn is_worth(correlation: &[f64], part: f64, period: f64) -> bool {
-    let at = |lag: usize| correlation.get(lag).copied().unwrap_or(0.0);
-    let near = (part as usize).saturating_sub(2).max(1)..part as usize + 4;
-    let is_high = at(part.round() as usize) > WORTH_TRYING * at(period.round() as usize);
-    is_high
-        && near
-            .into_iter()
-            .any(|lag| lag < correlation.len() && is_peak(correlation, lag))
+    let least = WORTH_TRYING * at(correlation, period);
+    at(correlation, part) > least && has_peak_near(correlation, part as usize)
+}
+
+/// The correlation at the nearest lag.
+fn at(correlation: &[f64], lag: f64) -> f64 {
+    let value = correlation.get(lag.round() as usize);
+    value.copied().unwrap_or(0.0)
+}
+
+fn has_peak_near(correlation: &[f64], lag: usize) -> bool {
+    let end = (lag + 4).min(correlation.len());
+    let mut near = lag.saturating_sub(2).max(1)..end;
+    near.any(|lag| is_peak(correlation, lag))
 }
 
 /// The part of a period, if it still explains as much.

@@ -15,7 +15,7 @@ const REST: f64 = 0.01;
 /// Stretches between the runs, of a quarter of a period and longer, with less than a tenth of the
 /// power in the runs.
 pub(super) fn find_rests(channels: &[Channel], runs: &Runs) -> Vec<Range<usize>> {
-    let n_samples = channels.first().map_or(0, |channel| channel.values().len());
+    let n_samples = Channel::n_samples(channels);
     let window = ((WINDOW * runs.period) as usize).max(2);
     let power = LocalPower::new(channels, window, 1);
     let in_gap = |gap: Range<usize>| quiet(&power, gap, window, LIMIT * runs.power);
@@ -41,7 +41,7 @@ fn quiet(power: &LocalPower, range: Range<usize>, window: usize, limit: f64) -> 
 /// Stretches between rests that are long enough for one period; a sixteenth of it may hide where the
 /// signal begins and ends, and is taken from where there is most power.
 pub(super) fn single_periods(channels: &[Channel], period: f64) -> Vec<Range<usize>> {
-    let n_samples = channels.first().map_or(0, |channel| channel.values().len());
+    let n_samples = Channel::n_samples(channels);
     let window = ((period / 16.0) as usize).max(2);
     let power = LocalPower::new(channels, window, 1);
     let strongest = (0..n_samples)

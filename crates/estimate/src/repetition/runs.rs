@@ -117,17 +117,18 @@ fn finer_stretches(
 
 /// A constant repeats, and so does a hum: neither is a run.
 fn drop_rests(stretches: &mut Vec<Range<usize>>, like: &Likeness) {
-    let mean = |stretch: &Range<usize>| {
-        like.power
-            .mean(&(stretch.start * like.stride..stretch.end * like.stride))
-    };
-    let energy = |stretch: &&Range<usize>| mean(stretch) * stretch.len() as f64;
-    let strongest = stretches
-        .iter()
-        .max_by(|a, b| energy(a).total_cmp(&energy(b)));
-    if let Some(power) = strongest.map(mean) {
-        stretches.retain(|stretch| mean(stretch) >= REST * power);
+    if let Some(power) = strongest_power(stretches, like) {
+        stretches.retain(|stretch| like.mean_power(stretch) >= REST * power);
     }
+}
+
+/// Mean power of the stretch of most energy.
+fn strongest_power(stretches: &[Range<usize>], like: &Likeness) -> Option<f64> {
+    let energy = |stretch: &Range<usize>| like.mean_power(stretch) * stretch.len() as f64;
+    let loudest = stretches
+        .iter()
+        .max_by(|a, b| energy(a).total_cmp(&energy(b)))?;
+    Some(like.mean_power(loudest))
 }
 
 /// From places that repeat one period later to the samples between the first and the last.
@@ -137,7 +138,7 @@ fn in_samples(
     stride: usize,
     channels: &[Channel],
 ) -> Vec<Range<usize>> {
-    let n_samples = channels.first().map_or(0, |channel| channel.values().len());
+    let n_samples = Channel::n_samples(channels);
     let mut runs: Vec<Range<usize>> = Vec::new();
     for stretch in stretches {
         let end = ((stretch.end * stride) as f64 + period).round() as usize;
@@ -169,13 +170,8 @@ fn boundary(before: &Range<usize>, after: Range<usize>, period: f64) -> usize {
 
 /// How many samples of the runs are not lost in all channels.
 pub(super) fn n_present(channels: &[Channel], runs: &[Range<usize>], stride: usize) -> usize {
-    let is_present = |k: &usize| {
-        channels
-            .iter()
-            .any(|channel| !channel.values()[*k].is_nan())
-    };
     let places = runs.iter().flat_map(|run| run.clone().step_by(stride));
-    stride * places.filter(is_present).count()
+    stride * places.filter(|&k| !Channel::are_lost(channels, k)).count()
 }
 
 fn mean_power(runs: &[Range<usize>], like: &Likeness) -> f64 {
@@ -194,7 +190,7 @@ fn left_out(
     channels: &[Channel],
     power: f64,
 ) -> usize {
-    let n_samples = channels.first().map_or(0, |channel| channel.values().len());
+    let n_samples = Channel::n_samples(channels);
     let step = (period / 4.0).ceil() as usize;
     let count = |gap: &Range<usize>| {
         let window = (period as usize).min(gap.len());

@@ -1,5 +1,6 @@
 //! Sweep that is there once: its frequency rises, or falls, from part to part of the signal.
 
+use crate::correlation::channel::present;
 use crate::error::aperiodic::Sweep;
 
 /// Parts that are compared.
@@ -12,21 +13,26 @@ const BEYOND: f64 = 0.5;
 /// The way of a signal that crosses its mean more and more often, or less and less, from each eighth
 /// of it to the next.
 pub(super) fn single_sweep(values: &[f64]) -> Option<Sweep> {
+    let mut counts = crossings_of_parts(values);
+    if rises(&counts) {
+        return Some(Sweep::Up);
+    }
+    counts.reverse();
+    rises(&counts).then_some(Sweep::Down)
+}
+
+fn crossings_of_parts(values: &[f64]) -> Vec<usize> {
     let active = active(values);
     let part = active.len().div_ceil(PARTS).max(1);
-    let counts: Vec<usize> = active.chunks(part).map(crossings).collect();
-    let backward: Vec<usize> = counts.iter().rev().copied().collect();
-    match (rises(&counts), rises(&backward)) {
-        (true, _) => Some(Sweep::Up),
-        (_, true) => Some(Sweep::Down),
-        _ => None,
-    }
+    active.chunks(part).map(crossings).collect()
 }
 
 fn rises(counts: &[usize]) -> bool {
-    let ends = counts.first().zip(counts.last());
-    let rise = ends.is_some_and(|(&first, &last)| last as f64 >= RISE * first as f64);
-    counts.len() == PARTS && rise && counts.windows(2).all(|pair| pair[0] < pair[1])
+    let (Some(&first), Some(&last)) = (counts.first(), counts.last()) else {
+        return false;
+    };
+    let is_rising = counts.len() == PARTS && counts.is_sorted_by(|a, b| a < b);
+    is_rising && last as f64 >= RISE * first as f64
 }
 
 /// What lies between the first and the last sample beyond half the rms.
@@ -39,13 +45,20 @@ fn active(values: &[f64]) -> &[f64] {
 
 /// Changes between clearly above and clearly below the mean.
 fn crossings(part: &[f64]) -> usize {
-    let present = || part.iter().filter(|value| !value.is_nan());
-    let count = present().count().max(1) as f64;
-    let mean = present().sum::<f64>() / count;
-    let rms = (present().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt();
-    let clear = present()
-        .map(|value| value - mean)
-        .filter(|value| value.abs() > BEYOND * rms);
+    let centred = centred(part);
+    let least = BEYOND * rms(&centred);
+    let clear = centred.into_iter().filter(|value| value.abs() > least);
     let signs: Vec<bool> = clear.map(|value| value > 0.0).collect();
     signs.windows(2).filter(|pair| pair[0] != pair[1]).count()
+}
+
+/// The values that are there, without their mean.
+fn centred(part: &[f64]) -> Vec<f64> {
+    let mean = present(part).sum::<f64>() / present(part).count() as f64;
+    present(part).map(|value| value - mean).collect()
+}
+
+fn rms(values: &[f64]) -> f64 {
+    let squares: f64 = values.iter().map(|value| value.powi(2)).sum();
+    (squares / values.len().max(1) as f64).sqrt()
 }

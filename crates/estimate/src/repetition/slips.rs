@@ -32,10 +32,10 @@ pub(super) fn without_slips(
     stride: usize,
 ) -> (f64, Vec<Range<usize>>) {
     let lag = |start: usize| {
-        let runs = [start..start + (2.0 * period) as usize];
+        let window = start..start + (2.0 * period) as usize;
         let pairs = Pairs {
             channels,
-            runs: &runs,
+            runs: &[window],
             stride,
         };
         (start, pairs.local_lag(period.round() as usize))
