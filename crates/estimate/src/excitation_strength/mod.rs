@@ -70,39 +70,74 @@ pub fn strength(
     plan: &Plan,
     bands_hz: &[[f64; 2]],
 ) -> Result<Vec<AxisStrength>, EstimateError> {
-    record.check()?;
-    plan.check()?;
-    let window = window(record, plan)?;
-    check_axes(record, plan.n_inputs)?;
-    let readings = (0..plan.n_inputs).map(|axis| Readings::of(record, axis));
-    let readings: Vec<Readings> = readings.collect();
-    let bands = match passages(plan, &window, bands_hz) {
-        Some(passages) => swept_bands(record, &readings, &passages),
-        None => line_bands(record, &window, plan, bands_hz)?,
+    let run = Run::of(record, plan)?;
+    let bands = match passages(plan, &run.window, bands_hz) {
+        Some(passages) => swept_bands(record, &run.readings, &passages),
+        None => line_bands(record, &run.window, plan, bands_hz)?,
     };
-    let axis = |(axis, bands): (usize, Vec<BandStrength>)| {
-        let of_axis = s![axis, window.clone()];
-        let gliding = plan.velocity_rad_s[axis];
+    let axes = bands.into_iter().enumerate();
+    Ok(axes.map(|(axis, bands)| run.axis(axis, bands)).collect())
+}
+
+/// A run that is sound.
+struct Run<'a> {
+    record: &'a Record,
+    plan: &'a Plan,
+    /// Samples of the excitation.
+    window: Range<usize>,
+    /// Of every axis.
+    readings: Vec<Readings>,
+}
+
+impl<'a> Run<'a> {
+    fn of(record: &'a Record, plan: &'a Plan) -> Result<Self, EstimateError> {
+        record.check()?;
+        plan.check()?;
+        let window = window(record, plan)?;
+        check_axes(record, plan.n_inputs)?;
+        let readings = (0..plan.n_inputs).map(|axis| Readings::of(record, axis));
+        Ok(Self {
+            record,
+            plan,
+            window,
+            readings: readings.collect(),
+        })
+    }
+
+    /// The strength of one axis, of which the bands are known.
+    fn axis(&self, axis: usize, bands: Vec<BandStrength>) -> AxisStrength {
+        let velocity = self.record.y.slice(s![axis, self.window.clone()]);
         AxisStrength {
-            rms_nm: rms_about_mean(record.u.slice(of_axis)),
+            rms_nm: rms_about_mean(self.record.u.slice(s![axis, self.window.clone()])),
             rms_over_coulomb: None,
-            stuck_share: readings[axis].stuck_share(window.clone()),
-            slowest_rad_s: slowest(record.y.slice(of_axis)),
-            crosses_zero: crosses_zero(record.y.slice(of_axis), gliding),
+            stuck_share: self.readings[axis].stuck_share(self.window.clone()),
+            slowest_rad_s: slowest(velocity),
+            crosses_zero: crosses_zero(velocity, self.plan.velocity_rad_s[axis]),
             bands,
         }
-    };
-    Ok(bands.into_iter().enumerate().map(axis).collect())
+    }
+}
+
+impl BandStrength {
+    /// Of an axis of which the Coulomb friction is not known.
+    fn new([low_hz, high_hz]: [f64; 2], rms_nm: f64, stuck_share: Option<f64>) -> Self {
+        Self {
+            low_hz,
+            high_hz,
+            rms_nm,
+            rms_over_coulomb: None,
+            stuck_share,
+        }
+    }
 }
 
 /// Refuses a record that has not a channel for each input of the plan.
 fn check_axes(record: &Record, n_axes: usize) -> Result<(), SignalError> {
-    [("u", &record.u), ("y", &record.y)]
-        .into_iter()
-        .try_for_each(|(name, signal)| {
-            let needed = format_args!("({n_axes}, sample), a channel for each input of the plan");
-            require_shape(name, signal.shape(), signal.nrows() == n_axes, needed)
-        })
+    for (name, signal) in [("u", &record.u), ("y", &record.y)] {
+        let needed = format_args!("({n_axes}, sample), a channel for each input of the plan");
+        require_shape(name, signal.shape(), signal.nrows() == n_axes, needed)?;
+    }
+    Ok(())
 }
 
 /// Samples of the excitation: its whole periods, or what is there of an excitation that is done once
@@ -110,22 +145,21 @@ fn check_axes(record: &Record, n_axes: usize) -> Result<(), SignalError> {
 fn window(record: &Record, plan: &Plan) -> Result<Range<usize>, EstimateError> {
     let (start, period) = (plan.lead_in_samples, plan.period_samples()?);
     let there = record.n_samples().saturating_sub(start);
-    let waveform = plan.excitation.waveform();
-    let (samples, least) = if waveform.is_periodic() {
-        ((there / period).min(plan.n_periods) * period, period)
-    } else {
-        let excited_s = waveform.excited_s(plan.sample_time_s);
-        (
-            there.min((excited_s / plan.sample_time_s).floor() as usize),
-            2,
-        )
+    let is_periodic = plan.excitation.waveform().is_periodic();
+    let (samples, least) = match is_periodic {
+        true => ((there / period).min(plan.n_periods) * period, period),
+        false => (there.min(excited_samples(plan)), 2),
     };
-    let needed = format_args!(
-        "(channel, {} or more samples), lead-in and excitation",
-        start + least
-    );
+    let needed = start + least;
+    let needed = format_args!("(channel, {needed} or more samples), lead-in and excitation");
     require_shape("u", record.u.shape(), samples >= least, needed)?;
     Ok(start..start + samples)
+}
+
+/// Length of an excitation that is done once, without its rest.
+fn excited_samples(plan: &Plan) -> usize {
+    let excited_s = plan.excitation.waveform().excited_s(plan.sample_time_s);
+    (excited_s / plan.sample_time_s).floor() as usize
 }
 
 fn rms_about_mean(signal: ArrayView1<f64>) -> f64 {

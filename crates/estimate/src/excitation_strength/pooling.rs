@@ -15,10 +15,15 @@ pub fn pooled_strength(
 ) -> Option<Vec<AxisStrength>> {
     let axes = runs.first()?.iter().enumerate().map(|(axis, first)| {
         let all: Vec<&AxisStrength> = runs.iter().filter_map(|run| run.get(axis)).collect();
-        let coulomb_nm = coulomb_nm.and_then(|all| all.get(axis)).copied();
-        pooled_axis(first, &all, coulomb_nm.filter(|nm| *nm > 0.0))
+        pooled_axis(first, &all, known_friction_nm(coulomb_nm, axis))
     });
     Some(axes.collect())
+}
+
+/// The Coulomb friction of an axis, where it is known and not 0.
+pub(super) fn known_friction_nm(coulomb_nm: Option<&[f64]>, axis: usize) -> Option<f64> {
+    let coulomb_nm = coulomb_nm?.get(axis).copied();
+    coulomb_nm.filter(|nm| *nm > 0.0)
 }
 
 /// One axis in several runs.
@@ -28,20 +33,36 @@ fn pooled_axis(
     coulomb_nm: Option<f64>,
 ) -> AxisStrength {
     let rms_nm = quadratic_mean(all.iter().map(|run| run.rms_nm));
-    let slowest = all.iter().map(|run| run.slowest_rad_s);
-    let crosses_zero = || all.iter().any(|run| run.crosses_zero == Some(true));
-    let bands = first.bands.iter().enumerate().map(|(place, first)| {
-        let all: Vec<_> = all.iter().filter_map(|run| run.bands.get(place)).collect();
-        pooled_band(first, &all, coulomb_nm)
-    });
     AxisStrength {
         rms_nm,
         rms_over_coulomb: coulomb_nm.map(|nm| rms_nm / nm),
         stuck_share: mean(all.iter().filter_map(|run| run.stuck_share)),
-        slowest_rad_s: slowest.fold(f64::INFINITY, f64::min),
-        crosses_zero: first.crosses_zero.map(|_| crosses_zero()),
-        bands: bands.collect(),
+        slowest_rad_s: slowest_rad_s(all),
+        crosses_zero: first.crosses_zero.map(|_| any_crosses_zero(all)),
+        bands: pooled_bands(&first.bands, all, coulomb_nm),
     }
+}
+
+fn slowest_rad_s(all: &[&AxisStrength]) -> f64 {
+    let slowest = all.iter().map(|run| run.slowest_rad_s);
+    slowest.fold(f64::INFINITY, f64::min)
+}
+
+fn any_crosses_zero(all: &[&AxisStrength]) -> bool {
+    all.iter().any(|run| run.crosses_zero == Some(true))
+}
+
+/// The bands of an axis in several runs.
+fn pooled_bands(
+    first: &[BandStrength],
+    all: &[&AxisStrength],
+    coulomb_nm: Option<f64>,
+) -> Vec<BandStrength> {
+    let band = |(place, first): (usize, &BandStrength)| {
+        let all: Vec<_> = all.iter().filter_map(|run| run.bands.get(place)).collect();
+        pooled_band(first, &all, coulomb_nm)
+    };
+    first.iter().enumerate().map(band).collect()
 }
 
 /// One band of an axis in several runs.

@@ -3,6 +3,7 @@
 use std::f64::consts::SQRT_2;
 use std::iter::zip;
 
+use crate::excitation_strength::pooling::known_friction_nm;
 use crate::excitation_strength::{AxisStrength, BandStrength};
 
 /// Largest share of the time that an axis may stick without a warning.
@@ -20,21 +21,30 @@ pub fn strength_warnings(
     coulomb_nm: Option<&[f64]>,
 ) -> Vec<String> {
     let of_axis = |(index, (axis, name)): (usize, (&AxisStrength, &String))| {
-        let coulomb_nm = coulomb_nm.and_then(|coulomb_nm| coulomb_nm.get(index).copied());
-        let coulomb_nm = coulomb_nm.filter(|nm| *nm > 0.0);
-        let mut warnings = sticking(axis, name, coulomb_nm);
-        if warnings.is_empty() && axis.crosses_zero.is_none() {
-            warnings.extend(too_weak(axis, name, coulomb_nm));
-        }
-        if axis.crosses_zero == Some(true) {
-            warnings.push(format!(
-                "{name}: the measured velocity changes sign on its constant velocity, and friction with it; raise the velocity \
-                 or lower the excitation"
-            ));
-        }
-        warnings
+        axis_warnings(axis, name, known_friction_nm(coulomb_nm, index))
     };
     zip(axes, names).enumerate().flat_map(of_axis).collect()
+}
+
+/// Warnings about one axis.
+fn axis_warnings(axis: &AxisStrength, name: &str, coulomb_nm: Option<f64>) -> Vec<String> {
+    let mut warnings = sticking(axis, name, coulomb_nm);
+    if warnings.is_empty() && axis.crosses_zero.is_none() {
+        warnings.extend(too_weak(axis, name, coulomb_nm));
+    }
+    warnings.extend(turning_back(axis, name));
+    warnings
+}
+
+/// An axis that does not keep the direction of its constant velocity.
+fn turning_back(axis: &AxisStrength, name: &str) -> Option<String> {
+    let turns_back = axis.crosses_zero == Some(true);
+    turns_back.then(|| {
+        format!(
+            "{name}: the measured velocity changes sign on its constant velocity, and friction with it; raise the velocity \
+             or lower the excitation"
+        )
+    })
 }
 
 /// A torque below the friction of an axis that does not stick.
@@ -49,36 +59,57 @@ fn too_weak(axis: &AxisStrength, name: &str, coulomb_nm: Option<f64>) -> Option<
 
 /// Where an axis sticks: neighbouring bands as one, or the whole run if no band is known to.
 fn sticking(axis: &AxisStrength, name: &str, coulomb_nm: Option<f64>) -> Vec<String> {
-    let sticks = |band: &BandStrength| band.stuck_share.is_some_and(|share| share > STUCK);
     let runs = axis.bands.chunk_by(|a, b| sticks(a) == sticks(b));
-    let mut warnings: Vec<String> = runs
-        .filter(|run| sticks(&run[0]))
-        .map(|run| {
-            let (percent, torque) = stuck_percent_and_torque(run, coulomb_nm);
-            let place = place(run, &axis.bands);
-            format!("{name} sticks{place}: {percent:.0} % of the time, {torque}")
-        })
+    let stuck = runs.filter(|run| sticks(&run[0]));
+    let warnings: Vec<String> = stuck
+        .map(|run| sticking_in(run, &axis.bands, name, coulomb_nm))
         .collect();
-    let share = axis.stuck_share.filter(|share| *share > STUCK);
-    if let (true, Some(share)) = (warnings.is_empty(), share) {
-        let percent = 100.0 * share;
-        let torque = format!("torque {:.0} N m rms", axis.rms_nm);
-        let torque = against_friction(torque, axis.rms_nm, coulomb_nm);
-        warnings.push(format!(
-            "{name} sticks: {percent:.0} % of the time, {torque}"
-        ));
+    if warnings.is_empty() {
+        return Vec::from_iter(sticking_throughout(axis, name, coulomb_nm));
     }
     warnings
 }
 
-/// Stuck time in percent of a run of bands, and its torque in words.
-fn stuck_percent_and_torque(run: &[BandStrength], coulomb_nm: Option<f64>) -> (f64, String) {
-    let mean = |of: fn(&BandStrength) -> f64| run.iter().map(of).sum::<f64>() / run.len() as f64;
-    let share = mean(|band| band.stuck_share.unwrap_or(0.0));
-    let amplitude_nm = SQRT_2 * mean(|band| band.rms_nm.powi(2)).sqrt();
+fn sticks(band: &BandStrength) -> bool {
+    band.stuck_share.is_some_and(|share| share > STUCK)
+}
+
+/// An axis that sticks in a run of bands.
+fn sticking_in(
+    run: &[BandStrength],
+    all: &[BandStrength],
+    name: &str,
+    coulomb_nm: Option<f64>,
+) -> String {
+    let (percent, torque) = (stuck_percent(run), torque_words(run, coulomb_nm));
+    let place = place(run, all);
+    format!("{name} sticks{place}: {percent:.0} % of the time, {torque}")
+}
+
+/// An axis that sticks at some time of the whole run.
+fn sticking_throughout(axis: &AxisStrength, name: &str, coulomb_nm: Option<f64>) -> Option<String> {
+    let percent = 100.0 * axis.stuck_share.filter(|share| *share > STUCK)?;
+    let torque = format!("torque {:.0} N m rms", axis.rms_nm);
+    let torque = against_friction(torque, axis.rms_nm, coulomb_nm);
+    Some(format!(
+        "{name} sticks: {percent:.0} % of the time, {torque}"
+    ))
+}
+
+/// Stuck time of a run of bands, in percent.
+fn stuck_percent(run: &[BandStrength]) -> f64 {
+    100.0 * mean(run, |band| band.stuck_share.unwrap_or(0.0))
+}
+
+/// Torque of a run of bands, in words.
+fn torque_words(run: &[BandStrength], coulomb_nm: Option<f64>) -> String {
+    let amplitude_nm = SQRT_2 * mean(run, |band| band.rms_nm.powi(2)).sqrt();
     let torque = format!("torque {amplitude_nm:.0} N m");
-    let torque = against_friction(torque, amplitude_nm, coulomb_nm);
-    (100.0 * share, torque)
+    against_friction(torque, amplitude_nm, coulomb_nm)
+}
+
+fn mean(run: &[BandStrength], of: fn(&BandStrength) -> f64) -> f64 {
+    run.iter().map(of).sum::<f64>() / run.len() as f64
 }
 
 /// A torque in words beside the friction.
@@ -97,16 +128,18 @@ fn against_friction(torque: String, nm: f64, coulomb_nm: Option<f64>) -> String 
 
 /// The band of a run of bands in words, from what it leaves out at either end.
 fn place(run: &[BandStrength], all: &[BandStrength]) -> String {
-    let (low_hz, high_hz) = (run[0].low_hz, run[run.len() - 1].high_hz);
-    let (from_start, to_end) = (
-        low_hz <= all[0].low_hz,
-        high_hz >= all[all.len() - 1].high_hz,
-    );
-    let [low_hz, high_hz] = [low_hz, high_hz].map(|hz| (10.0 * hz).round() / 10.0); // more digits say nothing
-    match (from_start, to_end) {
+    let [from, to] = ends_hz(run);
+    let [start, end] = ends_hz(all);
+    let [low_hz, high_hz] = [from, to].map(|hz| (10.0 * hz).round() / 10.0); // more digits say nothing
+    match (from <= start, to >= end) {
         (true, true) => String::new(),
         (true, false) => format!(" below {high_hz} Hz"),
         (false, true) => format!(" above {low_hz} Hz"),
         (false, false) => format!(" between {low_hz} and {high_hz} Hz"),
     }
+}
+
+/// Where a run of bands begins and ends.
+fn ends_hz(run: &[BandStrength]) -> [f64; 2] {
+    [run[0].low_hz, run[run.len() - 1].high_hz]
 }

@@ -14,7 +14,7 @@
 //! ed., ch. 3 and 4.
 
 use frfid_signals::{Frf, Uncertainty};
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
@@ -22,7 +22,7 @@ use rayon::prelude::*;
 use crate::error::EstimateError;
 use crate::error::deficient_line::{Deficiency, DeficientLine};
 use crate::frf::excitation::Excitation;
-use crate::frf::matrices::{Matrix, stacked};
+use crate::frf::matrices::{Matrix, stacked, vector};
 use crate::frf::right_division::{check_excited, check_rank};
 use crate::frf::{FrfEstimate, FrfMethod, FrfOptions};
 use crate::spectra::campaign::{Block, Campaign};
@@ -50,41 +50,83 @@ impl<M: BlockMethod> FrfMethod for M {
     }
 
     fn frf(&self, campaign: &Campaign, options: &FrfOptions) -> Result<FrfEstimate, EstimateError> {
-        let realizations = campaign.realizations()?;
-        let excitation = Excitation::of(&realizations, M::NEEDS_REFERENCE);
-        let of_line = |(line, &hz): (usize, &f64)| {
-            check_excited(excitation.deficiency(line), options.max_condition, hz)?;
-            let invertible = |u: &Matrix| check_rank(u, options.max_condition, hz);
-            let blocks = map_blocks(&realizations, |block| LineBlock::of(block, line));
-            Ok(with_covariances(&self.estimates(&blocks, &invertible)?))
+        let blocks = Blocks::of::<M>(campaign, options.max_condition)?;
+        let hz = campaign.frequency_hz();
+        let lines = hz.par_iter().enumerate();
+        let lines: Vec<LineResult> = lines
+            .map(|(line, &hz)| blocks.estimate(self, line, hz))
+            .collect();
+        let left_out: Vec<DeficientLine> = left_out(&lines).collect();
+        let Some(lines) = with_gaps(lines) else {
+            return Err(EstimateError::RankDeficient(left_out));
         };
-        let frequency_hz = campaign.frequency_hz();
-        let lines = frequency_hz.par_iter().enumerate().map(of_line).collect();
-        let (lines, left_out) = with_gaps(lines)?;
-        let periods: usize = realizations.iter().map(Vec::len).sum();
-        let (noise_freedom, total_freedom) = (periods - realizations.len(), realizations.len() - 1);
         Ok(FrfEstimate {
-            frf: assemble(frequency_hz.to_vec(), &lines, noise_freedom, total_freedom),
+            frf: assemble(hz, &lines, blocks.freedom()),
             left_out,
-            input_snr_db: excitation.snr_db(),
+            input_snr_db: blocks.excitation.snr_db(),
             equal_draws: Vec::new(),
         })
     }
 }
 
-/// The estimates, unknown where a line is deficient, and those lines; an error if none is left.
-fn with_gaps(
-    lines: Vec<Result<LineEstimate, DeficientLine>>,
-) -> Result<(Vec<LineEstimate>, Vec<DeficientLine>), EstimateError> {
-    let deficient = || lines.iter().filter_map(|line| line.as_ref().err().cloned());
-    let left_out: Vec<_> = deficient().collect();
-    let Some(sound) = lines.iter().find_map(|line| line.as_ref().ok()) else {
-        return Err(EstimateError::RankDeficient(left_out));
-    };
-    let gap = LineEstimate::unknown(sound);
-    let lines = lines.into_iter();
-    let lines = lines.map(|line| line.unwrap_or_else(|cause| gap.because_of(&cause)));
-    Ok((lines.collect(), left_out))
+/// The blocks of a campaign, and what decides whether a line of them can be used.
+struct Blocks<'a> {
+    realizations: Vec<Vec<Block<'a>>>,
+    excitation: Excitation,
+    max_condition: f64,
+}
+
+impl<'a> Blocks<'a> {
+    fn of<M: BlockMethod>(
+        campaign: &'a Campaign,
+        max_condition: f64,
+    ) -> Result<Self, EstimateError> {
+        let realizations = campaign.realizations()?;
+        Ok(Self {
+            excitation: Excitation::of(&realizations, M::NEEDS_REFERENCE),
+            realizations,
+            max_condition,
+        })
+    }
+
+    /// The FRF on one line.
+    fn estimate(&self, method: &impl BlockMethod, line: usize, hz: f64) -> LineResult {
+        check_excited(self.excitation.deficiency(line), self.max_condition, hz)?;
+        let invertible = |u: &Matrix| check_rank(u, self.max_condition, hz);
+        let blocks = map_blocks(&self.realizations, |block| LineBlock::of(block, line));
+        let estimates = method.estimates(&blocks, &invertible)?;
+        Ok(with_covariances(&estimates))
+    }
+
+    fn freedom(&self) -> Freedom {
+        let n_realizations = self.realizations.len();
+        let n_periods: usize = self.realizations.iter().map(Vec::len).sum();
+        Freedom {
+            noise: n_periods - n_realizations,
+            total: n_realizations - 1,
+        }
+    }
+}
+
+/// Degrees of freedom of the covariances.
+struct Freedom {
+    noise: usize,
+    total: usize,
+}
+
+/// The FRF on a line, or why there is none.
+type LineResult = Result<LineEstimate, DeficientLine>;
+
+/// The lines that are deficient.
+fn left_out(lines: &[LineResult]) -> impl Iterator<Item = DeficientLine> {
+    lines.iter().filter_map(|line| line.as_ref().err().cloned())
+}
+
+/// The estimates, unknown where a line is deficient; `None` if none is left.
+fn with_gaps(lines: Vec<LineResult>) -> Option<Vec<LineEstimate>> {
+    let gap = lines.iter().flatten().next().map(LineEstimate::unknown)?;
+    let filled = |line: LineResult| line.unwrap_or_else(|cause| gap.because_of(&cause));
+    Some(lines.into_iter().map(filled).collect())
 }
 
 /// What follows from each block on its own, `(realization, period)` as the blocks.
@@ -106,22 +148,18 @@ impl LineBlock {
     fn of(block: &Block, line: usize) -> Self {
         let r: Option<Vec<_>> = block.iter().map(|run| run.r.as_ref()).collect();
         Self {
-            u: on_line(line, block.len(), |m| &block[m].u),
-            y: on_line(line, block.len(), |m| &block[m].y),
-            r: r.map(|r| on_line(line, r.len(), |m| r[m])),
+            u: on_line(line, block.iter().map(|run| &run.u)),
+            y: on_line(line, block.iter().map(|run| &run.y)),
+            r: r.map(|r| on_line(line, r)),
         }
     }
 }
 
 /// One line of the spectra of every experiment.
-fn on_line<'a>(
-    line: usize,
-    n_experiments: usize,
-    spectra: impl Fn(usize) -> &'a Array2<Complex64>,
-) -> Matrix {
-    DMatrix::from_fn(spectra(0).nrows(), n_experiments, |channel, m| {
-        spectra(m)[[channel, line]]
-    })
+fn on_line<'a>(line: usize, spectra: impl IntoIterator<Item = &'a Array2<Complex64>>) -> Matrix {
+    let spectra = spectra.into_iter().map(|spectra| spectra.column(line));
+    let columns: Vec<DVector<_>> = spectra.map(vector).collect();
+    DMatrix::from_columns(&columns)
 }
 
 /// Estimates of every block, `(realization, period)`, whose mean over periods, then realizations,
@@ -144,7 +182,6 @@ struct LineEstimate {
 impl LineEstimate {
     /// NaN in the shapes of another line.
     fn unknown(other: &Self) -> Self {
-        let unknown = |matrix: &Matrix| matrix.map(|_| Complex64::new(f64::NAN, f64::NAN));
         Self {
             response: unknown(&other.response),
             noise: other.noise.as_ref().map(unknown),
@@ -166,6 +203,11 @@ impl LineEstimate {
     }
 }
 
+/// NaN in the shape of another matrix.
+fn unknown(matrix: &Matrix) -> Matrix {
+    matrix.map(|_| Complex64::new(f64::NAN, f64::NAN))
+}
+
 /// The means and covariances at the head of this file.
 fn with_covariances(estimates: &BlockEstimates) -> LineEstimate {
     let per_realization = means_over_periods(&estimates.blocks);
@@ -179,9 +221,9 @@ fn with_covariances(estimates: &BlockEstimates) -> LineEstimate {
 
 /// The noise covariance at the head of this file; `None` where a realization has one period.
 fn noise_covariance(blocks: &[Vec<Matrix>]) -> Option<Matrix> {
-    let covariances = blocks.iter().map(|periods| covariance_of_mean(periods));
-    let covariances = covariances.collect::<Option<Vec<_>>>()?;
-    Some(mean(&covariances) / Complex64::from(blocks.len() as f64))
+    let of_means = blocks.iter().map(|periods| covariance_of_mean(periods));
+    let of_means: Option<Vec<_>> = of_means.collect();
+    Some(mean(&of_means?) / Complex64::from(blocks.len() as f64))
 }
 
 /// `G_p` of every realization.
@@ -203,35 +245,31 @@ pub(crate) fn mean<'a>(matrices: impl IntoIterator<Item = &'a Matrix>) -> Matrix
 
 /// Covariance of the mean of vec(matrix), `sum d d^H / (n (n - 1))`; `None` for one matrix.
 fn covariance_of_mean(matrices: &[Matrix]) -> Option<Matrix> {
-    if matrices.len() < 2 {
-        return None;
-    }
-    let (n, centre) = (matrices.len() as f64, mean(matrices));
+    let n = matrices.len() as f64;
+    let squares = || squares_about(&mean(matrices), matrices);
+    (n > 1.0).then(|| squares() / Complex64::from(n * (n - 1.0)))
+}
+
+/// `sum d d^H`, d = vec(matrix - centre).
+fn squares_about(centre: &Matrix, matrices: &[Matrix]) -> Matrix {
     let mut sum = DMatrix::zeros(centre.len(), centre.len());
     for matrix in matrices {
-        let deviation =
-            (matrix - &centre).reshape_generic(nalgebra::Dyn(centre.len()), nalgebra::Const::<1>);
+        let deviation = DVector::from_column_slice((matrix - centre).as_slice());
         sum.gerc(Complex64::ONE, &deviation, &deviation, Complex64::ONE);
     }
-    Some(sum / Complex64::from(n * (n - 1.0)))
+    sum
 }
 
 /// Puts the lines together as an [`Frf`].
-fn assemble(
-    frequency_hz: Vec<f64>,
-    lines: &[LineEstimate],
-    noise_freedom: usize,
-    total_freedom: usize,
-) -> Frf {
+fn assemble(frequency_hz: &[f64], lines: &[LineEstimate], freedom: Freedom) -> Frf {
     let responses: Vec<_> = lines.iter().map(|line| &line.response).collect();
-    let noise = lines.iter().map(|line| line.noise.as_ref());
-    let total = lines.iter().map(|line| line.total.as_ref());
+    let condition = lines.iter().map(|line| line.condition).collect();
     Frf {
-        frequency_hz,
+        frequency_hz: frequency_hz.to_vec(),
         response: stacked(&responses),
-        noise: uncertainty(noise, noise_freedom),
-        total: uncertainty(total, total_freedom),
-        condition: Some(lines.iter().map(|line| line.condition).collect()),
+        noise: uncertainty(lines.iter().map(|line| line.noise.as_ref()), freedom.noise),
+        total: uncertainty(lines.iter().map(|line| line.total.as_ref()), freedom.total),
+        condition: Some(condition),
         relative_resolution: None,
     }
 }

@@ -43,8 +43,8 @@ impl FrfEstimate {
     pub fn findings(&self) -> [(&'static str, Vec<String>); 3] {
         [
             ("draws of phases", self.equal_words()),
-            ("excited lines", self.left_out_words().into_iter().collect()),
-            ("distortion", self.rough_words().into_iter().collect()),
+            ("excited lines", Vec::from_iter(self.left_out_words())),
+            ("distortion", Vec::from_iter(self.rough_words())),
         ]
     }
 
@@ -67,20 +67,20 @@ impl FrfEstimate {
     /// Which lines are NaN, and why the first of them is.
     fn left_out_words(&self) -> Option<String> {
         let first = self.left_out.first()?;
-        let named = self.left_out.iter().take(NAMED);
-        let named: Vec<String> = named
-            .map(|line| format!("{} Hz", line.frequency_hz))
-            .collect();
-        let more = if self.left_out.len() > NAMED {
-            ", ..."
-        } else {
-            ""
-        };
+        let (count, all) = (self.left_out.len(), self.frf.n_frequencies());
+        let named = self.named_lines();
         Some(format!(
-            "{} of {} lines are left out (NaN): {}{more}; {first}",
-            self.left_out.len(),
-            self.frf.n_frequencies(),
-            named.join(", ")
+            "{count} of {all} lines are left out (NaN): {named}; {first}"
         ))
+    }
+
+    /// The first of the lines that were left out.
+    fn named_lines(&self) -> String {
+        let hz = self.left_out.iter().map(|line| line.frequency_hz);
+        let mut named: Vec<String> = hz.take(NAMED).map(|hz| format!("{hz} Hz")).collect();
+        if self.left_out.len() > NAMED {
+            named.push("...".into());
+        }
+        named.join(", ")
     }
 }

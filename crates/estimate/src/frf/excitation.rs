@@ -20,14 +20,14 @@
 use std::iter::zip;
 use std::ops::Range;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::error::deficient_line::Deficiency;
 use crate::frf::f_distribution::f_tail;
-use crate::frf::matrices::Matrix;
+use crate::frf::matrices::{Matrix, vector};
 use crate::frf::right_division::MAX_CONDITION;
 use crate::frf::singular::condition_of_finite;
 use crate::spectra::campaign::Block;
@@ -72,25 +72,30 @@ impl Excitation {
     /// Of complete blocks, by realization and period.
     pub(crate) fn of(realizations: &[Vec<Block>], through_reference: bool) -> Self {
         let u = Tested::of(Spread::of(realizations, |run| Some(&run.u)));
-        let r = through_reference.then(|| {
+        let reference = || {
             let r = Tested::of(Spread::of(realizations, |run| run.r.as_ref()));
             let follows = u.follows(&r.spread);
             (r, follows)
-        });
+        };
+        let r = through_reference.then(reference);
         Self { u, r }
     }
 
     /// Why the line cannot be used, by the first input that is not excited on it.
     pub(crate) fn deficiency(&self, line: usize) -> Option<Deficiency> {
+        let n_inputs = self.u.power.nrows();
+        (0..n_inputs).find_map(|input| self.deficiency_of(input, line))
+    }
+
+    fn deficiency_of(&self, input: usize, line: usize) -> Option<Deficiency> {
         let commanded = self.r.as_ref().map_or(&self.u, |(r, _)| r);
-        (0..self.u.power.nrows()).find_map(|input| {
-            if self.u.is_silent(input, line) || commanded.is_silent(input, line) {
-                return Some(Deficiency::InputSilent { input });
-            }
-            let weak = commanded.weak(input, line);
-            let noisy = || commanded.noisy(input, line);
-            weak.or_else(noisy).or_else(|| self.unmoved(input, line))
-        })
+        let silent = commanded.silent(input, line);
+        self.u
+            .silent(input, line)
+            .or(silent)
+            .or_else(|| commanded.weak(input, line))
+            .or_else(|| commanded.noisy(input, line))
+            .or_else(|| self.unmoved(input, line))
     }
 
     /// Whether an input does not follow the reference.
@@ -129,81 +134,82 @@ impl Tested {
     /// Whether each channel follows a reference, over all lines together; taken for granted with
     /// one period.
     fn follows(&self, r: &Spread) -> Vec<bool> {
-        let lines = (0..self.power.ncols()).into_par_iter();
-        let along = lines.map(|line| power_along(&self.spread, r, line));
+        let (n_channels, n_lines) = self.power.dim();
+        let along = (0..n_lines).into_par_iter();
+        let along = along.map(|line| power_along(&self.spread, r, line));
         let along: Vec<Vec<f64>> = along.filter(|powers| !powers.is_empty()).collect();
-        let n_channels = self.power.nrows();
-        let (terms, freedom) = (
-            along.len() * n_channels,
-            self.power.ncols() * self.spread.freedom,
-        );
-        let stands_out = |channel: usize| {
-            let power: f64 = along.iter().map(|powers| powers[channel]).sum();
-            let noise = self.spread.squares.row(channel).sum() / freedom as f64;
-            noise <= 0.0 || f_tail(power / (terms as f64 * noise), terms, freedom) <= SIGNIFICANCE
-        };
-        (0..n_channels)
-            .map(|channel| terms == 0 || freedom == 0 || stands_out(channel))
-            .collect()
+        let follows = |channel: usize| self.follows_along(channel, &along);
+        (0..n_channels).map(follows).collect()
+    }
+
+    /// The same of one channel, from the power of every one along the reference, line by line.
+    fn follows_along(&self, channel: usize, along: &[Vec<f64>]) -> bool {
+        let (n_channels, n_lines) = self.power.dim();
+        let power: f64 = along.iter().map(|powers| powers[channel]).sum();
+        let sum = self.spread.squares.row(channel).sum();
+        let noise = Noise::of(sum, n_lines * self.spread.freedom);
+        let terms = along.len() * n_channels;
+        terms == 0 || noise.is_none_or(|noise| noise.is_below(power, terms, SIGNIFICANCE))
     }
 
     /// Whether a channel is nothing but rounding on a line.
-    fn is_silent(&self, channel: usize, line: usize) -> bool {
-        let powers = self.power.row(channel);
-        let strongest = powers.iter().copied().fold(0.0, f64::max);
-        powers[line] <= ROUNDING * ROUNDING * strongest
+    fn silent(&self, input: usize, line: usize) -> Option<Deficiency> {
+        let powers = self.power.row(input);
+        let rounding = ROUNDING * ROUNDING * largest(powers.iter().copied());
+        (powers[line] <= rounding).then_some(Deficiency::InputSilent { input })
     }
 
     /// Whether a channel is far below the lines beside it.
     fn weak(&self, input: usize, line: usize) -> Option<Deficiency> {
         let powers = self.power.row(input);
         let beside = window(line, BESIDE, powers.len());
-        let strongest = beside.map(|k| powers[k]).fold(0.0, f64::max);
-        let level_db = decibels(powers[line] / strongest);
+        let level_db = decibels(powers[line] / largest(beside.map(|k| powers[k])));
         (level_db < WEAK_DB).then_some(Deficiency::InputWeak { input, level_db })
     }
 
     /// Whether a channel cannot be told from its noise, neither by itself nor by what stands beside.
     fn noisy(&self, input: usize, line: usize) -> Option<Deficiency> {
-        if self.stands_out(input, line, SIGNIFICANCE)? {
-            return None;
-        }
-        let beside = window(line, BESIDE, self.power.ncols());
-        let significant = beside.filter(|&k| self.stands_out(input, k, SURE) == Some(true));
-        let strongest = significant
-            .filter_map(|k| self.snr(input, k))
-            .fold(0.0, f64::max);
         let snr = self.snr(input, line)?;
-        let is_like_others = strongest > 0.0 && snr >= SHARE_OF_BESIDE * strongest;
+        let is_told = self.stands_out(input, line, SIGNIFICANCE)
+            || is_like(snr, self.strongest_beside(input, line));
         let snr_db = decibels(snr);
-        (!is_like_others).then_some(Deficiency::InputNoisy { input, snr_db })
+        (!is_told).then_some(Deficiency::InputNoisy { input, snr_db })
     }
 
-    /// Whether a line is significant at this chance; `None` with one period.
-    fn stands_out(&self, channel: usize, line: usize, chance: f64) -> Option<bool> {
-        let (noise, freedom) = self.noise(channel, line)?;
+    /// The strongest excitation of a line beside that stands out for sure; 0 without one.
+    fn strongest_beside(&self, input: usize, line: usize) -> f64 {
+        let beside = window(line, BESIDE, self.power.ncols());
+        let sure = beside.filter(|&k| self.stands_out(input, k, SURE));
+        largest(sure.filter_map(|k| self.snr(input, k)))
+    }
+
+    /// Whether a line is significant at this chance; not with one period.
+    fn stands_out(&self, channel: usize, line: usize, chance: f64) -> bool {
+        let power = self.evidence[[channel, line]];
         let terms = self.spread.means.len();
-        let ratio = self.evidence[[channel, line]] / (terms as f64 * noise);
-        Some(noise <= 0.0 || f_tail(ratio, terms, freedom) <= chance)
+        let noise = self.noise(channel, line);
+        noise.is_some_and(|noise| noise.is_below(power, terms, chance))
     }
 
-    /// Noise power of one period with its complex degrees of freedom, neighbours taken in until
-    /// there are enough; `None` with one period.
-    fn noise(&self, channel: usize, line: usize) -> Option<(f64, usize)> {
-        let Spread {
-            squares, freedom, ..
-        } = &self.spread;
-        let reach = (0..BESIDE).find(|reach| (2 * reach + 1) * freedom >= ENOUGH_FREEDOM);
-        let beside = window(line, reach.unwrap_or(BESIDE), squares.ncols());
-        let freedom = beside.len() * freedom;
-        let sum: f64 = beside.map(|k| squares[[channel, k]]).sum();
-        (freedom > 0).then(|| (sum / freedom as f64, freedom))
+    /// Noise of a channel, neighbours taken in until there is enough; `None` with one period.
+    fn noise(&self, channel: usize, line: usize) -> Option<Noise> {
+        let squares = self.spread.squares.row(channel);
+        let beside = window(line, self.noise_reach(), squares.len());
+        let freedom = beside.len() * self.spread.freedom;
+        Noise::of(beside.map(|k| squares[k]).sum(), freedom)
+    }
+
+    /// How many neighbours on either side make the noise well known.
+    fn noise_reach(&self) -> usize {
+        let freedom = |reach: usize| (2 * reach + 1) * self.spread.freedom;
+        let enough = (0..BESIDE).find(|&reach| freedom(reach) >= ENOUGH_FREEDOM);
+        enough.unwrap_or(BESIDE)
     }
 
     /// Power of the excitation over that of the noise in one period, the noise's own share of the
     /// evidence taken off; `None` with one period.
     fn snr(&self, channel: usize, line: usize) -> Option<f64> {
-        let (noise, _) = self.noise(channel, line)?;
+        let noise = self.noise(channel, line)?.power;
         let own = self.spread.means.len() as f64 * noise;
         let excited = (self.evidence[[channel, line]] - own).max(0.0);
         Some(excited / (self.spread.n_runs as f64 * noise))
@@ -213,6 +219,37 @@ impl Tested {
     fn snr_db(&self, channel: usize, line: usize) -> f64 {
         decibels(self.snr(channel, line).unwrap_or(f64::NAN))
     }
+}
+
+/// Noise of one period.
+struct Noise {
+    power: f64,
+    /// Complex degrees of freedom with which it is known.
+    freedom: usize,
+}
+
+impl Noise {
+    /// From a sum of squares; `None` without a degree of freedom.
+    fn of(squares: f64, freedom: usize) -> Option<Self> {
+        let power = squares / freedom as f64;
+        (freedom > 0).then_some(Self { power, freedom })
+    }
+
+    /// Whether a sum of so many powers is larger than noise makes it but by this chance.
+    fn is_below(&self, power: f64, terms: usize, chance: f64) -> bool {
+        let ratio = power / (terms as f64 * self.power);
+        self.power <= 0.0 || f_tail(ratio, terms, self.freedom) <= chance
+    }
+}
+
+/// Whether a line is excited like the strongest beside it, if there is one.
+fn is_like(snr: f64, strongest: f64) -> bool {
+    strongest > 0.0 && snr >= SHARE_OF_BESIDE * strongest
+}
+
+/// The largest of some powers or ratios of them.
+fn largest(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(0.0, f64::max)
 }
 
 /// A ratio of powers in dB.
@@ -234,25 +271,25 @@ fn power_along(u: &Spread, r: &Spread, line: usize) -> Vec<f64> {
         return Vec::new();
     }
     // channels to equal size first: they may have different units
-    m = DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| {
-        m[(i, j)] / (sizes[i] * sizes[j])
-    });
-    t = DMatrix::from_fn(t.nrows(), t.ncols(), |i, j| t[(i, j)] / sizes[i]);
-    let spans = condition_of_finite(&m) <= MAX_CONDITION;
-    let Some(inverse) = m.cholesky().filter(|_| spans) else {
-        return Vec::new();
-    };
-    let solved = inverse.solve(&t);
-    let along = zip(t.column_iter(), solved.column_iter());
-    along.map(|(t, solved)| t.dotc(&solved).re).collect()
+    m.zip_apply(&(&sizes * sizes.transpose()), |m, size| *m /= size);
+    t.column_iter_mut()
+        .for_each(|mut t| t.component_div_assign(&sizes));
+    quadratic_forms(&t, m).unwrap_or_default()
+}
+
+/// `t^H M^-1 t` of every column; `None` of a matrix that cannot be inverted.
+fn quadratic_forms(t: &Matrix, m: Matrix) -> Option<Vec<f64>> {
+    let is_invertible = condition_of_finite(&m) <= MAX_CONDITION;
+    let solved = m.cholesky().filter(|_| is_invertible)?.solve(t);
+    let pairs = zip(t.column_iter(), solved.column_iter());
+    Some(pairs.map(|(t, solved)| t.dotc(&solved).re).collect())
 }
 
 /// `sum n_q A B^H` of the means of two signals on a line.
 fn moment(a: &Spread, b: &Spread, line: usize) -> Matrix {
     let mut sum = DMatrix::zeros(a.squares.nrows(), b.squares.nrows());
     for ((a, n_periods), (b, _)) in zip(&a.means, &b.means) {
-        let [a, b] =
-            [a, b].map(|x| DVector::from_iterator(x.nrows(), x.column(line).into_iter().copied()));
+        let [a, b] = [a, b].map(|means| vector(means.column(line)));
         sum.gerc(Complex64::from(*n_periods as f64), &a, &b, Complex64::ONE);
     }
     sum

@@ -39,22 +39,44 @@ impl BlockMethod for JointInputOutput {
         let s_y = correlation(blocks, &instruments, |block| &block.y);
         let condition = invertible(&s_u)?;
         let response = right_divide(&s_y, &s_u);
-        let contribution = |(block, instrument): (&LineBlock, &Matrix), count: usize| {
-            let residual =
-                (&block.y - &response * &block.u) * instrument * Complex64::from(count as f64);
-            &response + right_divide(&residual, &s_u)
-        };
-        let of_realization = |(periods, instruments): (&Vec<LineBlock>, &Vec<_>)| {
-            // mean over periods, then realizations: with unequal numbers of periods each block
-            // weighs n_p n_q of its own
-            let count = periods.len() * blocks.len();
-            let of_period = |period| contribution(period, count);
-            zip(periods, instruments).map(of_period).collect()
+        let division = Division { response, s_u };
+        let realizations = zip(blocks, &instruments);
+        let of_realization = |(periods, instruments): (&Vec<LineBlock>, &Vec<Matrix>)| {
+            division.of_realization(periods, instruments, blocks.len())
         };
         Ok(BlockEstimates {
-            blocks: zip(blocks, &instruments).map(of_realization).collect(),
+            blocks: realizations.map(of_realization).collect(),
             condition,
         })
+    }
+}
+
+/// G and what it was divided by, `S = sum U R^H`.
+struct Division {
+    response: Matrix,
+    s_u: Matrix,
+}
+
+impl Division {
+    /// Estimates of the periods of one of `n_realizations`.
+    fn of_realization(
+        &self,
+        periods: &[LineBlock],
+        instruments: &[Matrix],
+        n_realizations: usize,
+    ) -> Vec<Matrix> {
+        // mean over periods, then realizations: with unequal numbers of periods each block weighs
+        // n_p n_q of its own
+        let weight = Complex64::from((periods.len() * n_realizations) as f64);
+        let blocks = zip(periods, instruments);
+        blocks
+            .map(|(block, instrument)| self.of_block(block, instrument, weight))
+            .collect()
+    }
+
+    fn of_block(&self, block: &LineBlock, instrument: &Matrix, weight: Complex64) -> Matrix {
+        let residual = (&block.y - &self.response * &block.u) * instrument * weight;
+        &self.response + right_divide(&residual, &self.s_u)
     }
 }
 
@@ -78,13 +100,19 @@ fn instruments(blocks: &[Vec<LineBlock>]) -> Vec<Vec<Matrix>> {
 
 /// Root of the power of every reference channel over the campaign.
 fn reference_sizes(blocks: &[Vec<LineBlock>]) -> Vec<f64> {
-    let references = || blocks.iter().flatten().filter_map(|block| block.r.as_ref());
-    let n_channels = references().next().map_or(0, DMatrix::nrows);
-    let size = |channel: usize| {
-        let powers = references().map(|r| r.row(channel).norm_squared());
-        powers.sum::<f64>().sqrt()
-    };
-    (0..n_channels).map(size).collect()
+    let n_channels = references(blocks).next().map_or(0, DMatrix::nrows);
+    let powers = (0..n_channels).map(|channel| reference_power(blocks, channel));
+    powers.map(f64::sqrt).collect()
+}
+
+fn reference_power(blocks: &[Vec<LineBlock>], channel: usize) -> f64 {
+    let powers = references(blocks).map(|r| r.row(channel).norm_squared());
+    powers.sum()
+}
+
+fn references(blocks: &[Vec<LineBlock>]) -> impl Iterator<Item = &Matrix> {
+    let blocks = blocks.iter().flatten();
+    blocks.filter_map(|block| block.r.as_ref())
 }
 
 /// `R^H`, every channel over its size; empty without R.

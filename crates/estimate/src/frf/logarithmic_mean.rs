@@ -19,6 +19,7 @@ use crate::error::deficient_line::DeficientLine;
 use crate::frf::blocks::{
     BlockEstimates, BlockMethod, Invertible, LineBlock, map_blocks, mean, means_over_periods,
 };
+use crate::frf::matrices::Matrix;
 use crate::frf::mean_of_frfs::MeanOfFrfs;
 
 pub(crate) struct LogarithmicMean;
@@ -31,22 +32,44 @@ impl BlockMethod for LogarithmicMean {
     ) -> Result<BlockEstimates, DeficientLine> {
         let mut estimates = MeanOfFrfs.estimates(blocks, invertible)?;
         let arithmetic = mean(&means_over_periods(&estimates.blocks));
-        let logarithms = map_blocks(&estimates.blocks, |matrix| {
-            matrix.zip_map(&arithmetic, |t, centre| (t / direction(centre)).ln())
-        });
-        let mean_logarithm = mean(&means_over_periods(&logarithms));
+        let logarithms = map_blocks(&estimates.blocks, |t| logarithm(t, &arithmetic));
+        let logarithm = mean(&means_over_periods(&logarithms));
+        let centre = Centre {
+            arithmetic,
+            logarithm,
+        };
         let of_blocks = estimates.blocks.iter_mut().flatten();
         for (matrix, logarithm) in of_blocks.zip(logarithms.iter().flatten()) {
-            for (entry, value) in matrix.iter_mut().enumerate() {
-                let centre = mean_logarithm[entry];
-                if centre.is_finite() {
-                    let response = direction(arithmetic[entry]) * centre.exp();
-                    *value = response * (Complex64::ONE + logarithm[entry] - centre);
-                }
-            }
+            centre.put_contribution(matrix, logarithm);
         }
         Ok(estimates)
     }
+}
+
+/// The mean of all blocks.
+struct Centre {
+    arithmetic: Matrix,
+    /// Of the logarithms, with phases from those of the arithmetic mean.
+    logarithm: Matrix,
+}
+
+impl Centre {
+    /// Replaces the estimate of a block, of which this is the logarithm, by what it contributes to the
+    /// logarithmic mean; entries without a logarithm stay.
+    fn put_contribution(&self, block: &mut Matrix, logarithm: &Matrix) {
+        for (entry, value) in block.iter_mut().enumerate() {
+            let centre = self.logarithm[entry];
+            if centre.is_finite() {
+                let response = direction(self.arithmetic[entry]) * centre.exp();
+                *value = response * (Complex64::ONE + logarithm[entry] - centre);
+            }
+        }
+    }
+}
+
+/// Logarithm of every entry, its phase counted from that of a centre.
+fn logarithm(block: &Matrix, centre: &Matrix) -> Matrix {
+    block.zip_map(centre, |t, centre| (t / direction(centre)).ln())
 }
 
 /// The unit number with the phase of this one.

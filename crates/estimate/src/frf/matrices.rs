@@ -3,8 +3,8 @@
 use std::borrow::Borrow;
 
 use frfid_signals::Frf;
-use nalgebra::DMatrix;
-use ndarray::{Array3, ArrayView2};
+use nalgebra::{DMatrix, DVector};
+use ndarray::{Array3, ArrayView1, ArrayView2};
 use num_complex::Complex64;
 
 /// A complex matrix: channels of one line, or entries of an FRF.
@@ -29,4 +29,9 @@ pub(crate) fn matrix(array: ArrayView2<Complex64>) -> Matrix {
     DMatrix::from_fn(array.nrows(), array.ncols(), |row, column| {
         array[[row, column]]
     })
+}
+
+/// An array as a vector.
+pub(crate) fn vector(array: ArrayView1<Complex64>) -> DVector<Complex64> {
+    DVector::from_iterator(array.len(), array.into_iter().copied())
 }

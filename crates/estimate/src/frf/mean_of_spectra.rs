@@ -6,6 +6,7 @@
 
 use crate::error::deficient_line::DeficientLine;
 use crate::frf::blocks::{BlockEstimates, BlockMethod, Invertible, LineBlock, mean};
+use crate::frf::matrices::Matrix;
 use crate::frf::right_division::right_divide;
 
 pub(crate) struct MeanOfSpectra;
@@ -20,13 +21,19 @@ impl BlockMethod for MeanOfSpectra {
         let mut estimate = |periods: &Vec<LineBlock>| {
             let u = mean(periods.iter().map(|block| &block.u));
             condition = condition.max(invertible(&u)?);
-            let response = right_divide(&mean(periods.iter().map(|block| &block.y)), &u);
-            let contribution = |block: &LineBlock| {
-                &response + right_divide(&(&block.y - &response * &block.u), &u)
-            };
-            Ok(periods.iter().map(contribution).collect())
+            Ok(contributions(periods, &u))
         };
         let blocks = blocks.iter().map(&mut estimate).collect::<Result<_, _>>()?;
         Ok(BlockEstimates { blocks, condition })
     }
+}
+
+/// `T_pq` of the periods of a realization whose mean input is `u`.
+fn contributions(periods: &[LineBlock], u: &Matrix) -> Vec<Matrix> {
+    let y = mean(periods.iter().map(|block| &block.y));
+    let response = right_divide(&y, u);
+    let residuals = periods.iter().map(|block| &block.y - &response * &block.u);
+    residuals
+        .map(|residual| &response + right_divide(&residual, u))
+        .collect()
 }

@@ -106,6 +106,16 @@ impl Method {
         }
         Ok(())
     }
+
+    /// Refuses to do without a reference that the method needs.
+    fn require_reference(self, is_given: bool) -> Result<(), SignalError> {
+        if self.needs_reference() && !is_given {
+            let what = "the method estimates through the reference r: give it for every run, or \
+                        choose a method that does without";
+            return Err(SignalError::unfit("r", what));
+        }
+        Ok(())
+    }
 }
 
 impl Campaign {
@@ -125,11 +135,7 @@ impl Campaign {
     /// [`EstimateError::RankDeficient`] if every line would be left out;
     /// [`SignalError::Unfit`] if the method needs the reference and a run lacks it.
     pub fn estimate_lines(&self, options: &FrfOptions) -> Result<FrfEstimate, EstimateError> {
-        if options.method.needs_reference() && !self.has_reference() {
-            let what = "the method estimates through the reference r: give it for every run, or \
-                        choose a method that does without";
-            return Err(SignalError::unfit("r", what).into());
-        }
+        options.method.require_reference(self.has_reference())?;
         options.method.estimator().frf(self, options)
     }
 }

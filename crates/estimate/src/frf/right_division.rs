@@ -21,17 +21,30 @@ pub(crate) const MAX_CONDITION: f64 = 1e10;
 ///
 /// `U` must have passed [`check_rank`]; a singular one gives NaN.
 pub(crate) fn right_divide(y: &Matrix, u: &Matrix) -> Matrix {
-    let inputs = u.nrows();
-    let mut order: Vec<usize> = (0..u.ncols()).collect();
-    order.sort_by(|&a, &b| u.column(b).camax().total_cmp(&u.column(a).camax()));
-    let qr = DMatrix::from_fn(u.ncols(), inputs, |m, l| u[(l, order[m])].conj()).qr();
-    let mut right = DMatrix::from_fn(u.ncols(), y.nrows(), |m, l| y[(l, order[m])].conj());
+    let order = strongest_first(u);
+    let qr = adjoint_of(u, &order).qr();
+    let mut right = adjoint_of(y, &order);
     qr.q_tr_mul(&mut right);
-    let mut solution = right.rows(0, inputs).into_owned();
+    let mut solution = right.rows(0, u.nrows()).into_owned();
     if !qr.r().solve_upper_triangular_mut(&mut solution) {
         solution.fill(Complex64::new(f64::NAN, f64::NAN));
     }
     solution.adjoint()
+}
+
+/// The experiments in order of their largest input.
+fn strongest_first(u: &Matrix) -> Vec<usize> {
+    let size = |experiment: usize| u.column(experiment).camax();
+    let mut order: Vec<usize> = (0..u.ncols()).collect();
+    order.sort_by(|&a, &b| size(b).total_cmp(&size(a)));
+    order
+}
+
+/// The adjoint, experiments in this order.
+fn adjoint_of(matrix: &Matrix, order: &[usize]) -> Matrix {
+    DMatrix::from_fn(order.len(), matrix.nrows(), |m, l| {
+        matrix[(l, order[m])].conj()
+    })
 }
 
 /// 2-norm condition number of a finite `U`, or why `U` cannot be inverted.
@@ -94,19 +107,23 @@ fn cause_of(u: &Matrix) -> Deficiency {
 
 /// The two experiments with the highest correlation.
 fn most_alike(u: &Matrix) -> Deficiency {
-    let pairs = (0..u.ncols()).flat_map(|m| (m + 1..u.ncols()).map(move |n| (m, n)));
-    let alike = pairs
-        .map(|(m, n)| ((m, n), correlation(u, m, n)))
-        .max_by(|a, b| a.1.total_cmp(&b.1));
-    let (pair, correlation) = alike.unwrap_or(((0, 0), 1.0));
+    let alike = pairs(u.ncols()).map(|(m, n)| ((m, n), correlation(u, m, n)));
+    let most = alike.max_by(|a, b| a.1.total_cmp(&b.1));
+    let (pair, correlation) = most.unwrap_or(((0, 0), 1.0));
     Deficiency::ExperimentsAlike { pair, correlation }
+}
+
+/// Pairs of so many experiments.
+fn pairs(count: usize) -> impl Iterator<Item = (usize, usize)> {
+    (0..count).flat_map(move |m| (m + 1..count).map(move |n| (m, n)))
 }
 
 /// `|u_m^H u_n| / (|u_m| |u_n|)` of two columns; 1 if one of them is zero.
 fn correlation(u: &Matrix, m: usize, n: usize) -> f64 {
-    let norms = u.column(m).norm() * u.column(n).norm();
+    let [u_m, u_n] = [m, n].map(|experiment| u.column(experiment));
+    let norms = u_m.norm() * u_n.norm();
     if norms > 0.0 {
-        u.column(m).dotc(&u.column(n)).norm() / norms
+        u_m.dotc(&u_n).norm() / norms
     } else {
         1.0
     }

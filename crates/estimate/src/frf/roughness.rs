@@ -11,6 +11,7 @@
 use std::f64::consts::LN_2;
 
 use frfid_signals::{Frf, median};
+use ndarray::Array3;
 use num_complex::Complex64;
 
 /// Highest degree: beyond it the weights of predictions at the ends grow faster than bends fall.
@@ -69,17 +70,18 @@ impl Roughness {
 pub fn roughness(frf: &Frf) -> Option<Roughness> {
     let variance = frf.noise_variance()?;
     let entries = (0..frf.n_outputs()).flat_map(|o| (0..frf.n_inputs()).map(move |i| (o, i)));
-    let of_entry = |(output, input): (usize, usize)| {
-        let lines = (0..frf.n_frequencies()).map(|k| Line {
-            hz: frf.frequency_hz[k],
-            response: frf.response[[k, output, input]],
-            variance: variance[[k, output, input]],
-        });
-        scatter(&lines.filter(Line::is_known).collect::<Vec<_>>())
-    };
-    entries
-        .filter_map(of_entry)
-        .max_by(|a, b| a.over_noise.total_cmp(&b.over_noise))
+    let rough = entries.filter_map(|entry| scatter(&lines_of(frf, &variance, entry)));
+    rough.max_by(|a, b| a.over_noise.total_cmp(&b.over_noise))
+}
+
+/// The known lines of an entry.
+fn lines_of(frf: &Frf, variance: &Array3<f64>, (output, input): (usize, usize)) -> Vec<Line> {
+    let lines = frf.frequency_hz.iter().enumerate().map(|(k, &hz)| Line {
+        hz,
+        response: frf.response[[k, output, input]],
+        variance: variance[[k, output, input]],
+    });
+    lines.filter(Line::is_known).collect()
 }
 
 /// One line of an entry.
@@ -113,17 +115,24 @@ fn scatter(lines: &[Line]) -> Option<Roughness> {
     if lines.len() < FEWEST_LINES {
         return None;
     }
-    let over_frequency = levels(lines, |hz| hz);
-    let over_logarithm = levels(lines, f64::ln);
-    let all = || over_frequency.iter().chain(&over_logarithm);
-    let least = |value: fn(&Level) -> f64| all().map(value).fold(f64::INFINITY, f64::min);
+    let levels = [levels(lines, |hz| hz), levels(lines, f64::ln)];
+    let least = |value: fn(&Level) -> f64| {
+        let all = levels.iter().flatten();
+        all.map(value).fold(f64::INFINITY, f64::min)
+    };
     let variance = least(|level| level.scatter);
-    let agrees = |level: &Level| level.scatter <= AGREEMENT * AGREEMENT * variance;
-    let agree = |levels: &[Level]| levels[DEGREES - AGREEING..].iter().all(agrees);
-    (agree(&over_frequency) && agree(&over_logarithm)).then(|| Roughness {
+    let agree = levels.iter().all(|levels| agree(levels, variance));
+    agree.then(|| Roughness {
         over_noise: least(|level| level.over_noise).sqrt(),
         relative: variance.sqrt(),
     })
+}
+
+/// Whether the highest degrees agree with the least scatter.
+fn agree(levels: &[Level; DEGREES], variance: f64) -> bool {
+    let most = AGREEMENT * AGREEMENT * variance;
+    let highest = &levels[DEGREES - AGREEING..];
+    highest.iter().all(|level| level.scatter <= most)
 }
 
 /// Scatter by predictions of every degree over a function of frequency.
@@ -136,12 +145,16 @@ fn levels(lines: &[Line], abscissa: fn(f64) -> f64) -> [Level; DEGREES] {
 fn level(lines: &[Line], places: &[f64], degree: usize) -> Level {
     let errors = (0..lines.len()).map(|k| squared_error(lines, places, k, degree));
     let (scatter, over_noise): (Vec<f64>, Vec<f64>) = errors.unzip();
-    // |error|^2 is exponentially distributed: its median is ln 2 times its mean
-    let middle = |values: Vec<f64>| median(values).unwrap_or(f64::NAN) / LN_2;
     Level {
-        scatter: middle(scatter),
-        over_noise: middle(over_noise),
+        scatter: mean_square(scatter),
+        over_noise: mean_square(over_noise),
     }
+}
+
+/// Mean of squared errors but for outliers: `|error|^2` is exponentially distributed, and its median
+/// ln 2 times its mean.
+fn mean_square(squares: Vec<f64>) -> f64 {
+    median(squares).unwrap_or(f64::NAN) / LN_2
 }
 
 /// Squared error of the prediction of a line, over `1 + sum w^2` and over its noise.

@@ -71,26 +71,33 @@ fn check_finite_entries(matrix: &DMatrix<Complex64>) -> Result<(), SignalError> 
 }
 
 fn singular_values_of_finite(matrix: &DMatrix<Complex64>) -> Vec<f64> {
-    let mut columns = if matrix.nrows() < matrix.ncols() {
-        matrix.adjoint()
-    } else {
-        matrix.clone()
-    };
-    let scale = columns.iter().fold(0.0_f64, |largest, entry| {
-        largest.max(entry.re.abs()).max(entry.im.abs())
-    });
+    let mut columns = no_wider_than_high(matrix);
+    let scale = largest_part(&columns);
     if scale == 0.0 {
         return vec![0.0; columns.ncols()];
     }
     // Squares neither overflow nor underflow once the largest part is 1.
     columns.apply(|entry| *entry /= scale);
     orthogonalise(&mut columns);
-    let mut values: Vec<f64> = columns
-        .column_iter()
-        .map(|column| scale * column.norm())
-        .collect();
+    let norms = columns.column_iter().map(|column| column.norm());
+    let mut values: Vec<f64> = norms.map(|norm| scale * norm).collect();
     values.sort_by(|a, b| b.total_cmp(a));
     values
+}
+
+/// The matrix or its adjoint, which has the same singular values.
+fn no_wider_than_high(matrix: &DMatrix<Complex64>) -> DMatrix<Complex64> {
+    if matrix.nrows() < matrix.ncols() {
+        matrix.adjoint()
+    } else {
+        matrix.clone()
+    }
+}
+
+/// The largest real or imaginary part.
+fn largest_part(matrix: &DMatrix<Complex64>) -> f64 {
+    let parts = matrix.iter().flat_map(|entry| [entry.re, entry.im]);
+    parts.map(f64::abs).fold(0.0, f64::max)
 }
 
 /// Rotates pairs of columns until every pair is orthogonal to rounding.
@@ -110,28 +117,53 @@ fn orthogonalise(columns: &mut DMatrix<Complex64>) {
 
 /// One rotation that makes columns `p` and `q` orthogonal; false if they already are.
 fn rotate(columns: &mut DMatrix<Complex64>, p: usize, q: usize) -> bool {
-    let (alpha, beta) = (
-        columns.column(p).norm_squared(),
-        columns.column(q).norm_squared(),
-    );
-    let gamma = columns.column(p).dotc(&columns.column(q));
-    // plain squares: entries are at most 1, so that nothing overflows, and hypot would take half of
-    // the time
-    let size = gamma.norm_sqr().sqrt();
-    if size <= f64::EPSILON * (alpha * beta).sqrt() {
-        return false;
+    let rotation = Rotation::of(columns, p, q);
+    if let Some(rotation) = &rotation {
+        rotation.turn(columns, p, q);
     }
-    let zeta = (beta - alpha) / (2.0 * size);
-    let tangent = zeta.signum() / (zeta.abs() + (1.0 + zeta * zeta).sqrt());
-    let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
-    let sine = tangent * cosine;
-    let unturn = gamma.conj() / size;
-    for row in 0..columns.nrows() {
-        let (a, b) = (columns[(row, p)], columns[(row, q)] * unturn);
-        columns[(row, p)] = a * cosine - b * sine;
-        columns[(row, q)] = a * sine + b * cosine;
+    rotation.is_some()
+}
+
+/// A rotation of two columns.
+struct Rotation {
+    cosine: f64,
+    sine: f64,
+    /// What makes the inner product of the columns real.
+    unturn: Complex64,
+}
+
+impl Rotation {
+    /// The one that makes two columns orthogonal; `None` if they already are.
+    fn of(columns: &DMatrix<Complex64>, p: usize, q: usize) -> Option<Self> {
+        let (p, q) = (columns.column(p), columns.column(q));
+        let (alpha, beta, gamma) = (p.norm_squared(), q.norm_squared(), p.dotc(&q));
+        // plain squares: entries are at most 1, so that nothing overflows, and hypot would take half
+        // of the time
+        let size = gamma.norm_sqr().sqrt();
+        if size <= f64::EPSILON * (alpha * beta).sqrt() {
+            return None;
+        }
+        let tangent = small_tangent((beta - alpha) / (2.0 * size));
+        let cosine = 1.0 / (1.0 + tangent * tangent).sqrt();
+        Some(Self {
+            cosine,
+            sine: tangent * cosine,
+            unturn: gamma.conj() / size,
+        })
     }
-    true
+
+    fn turn(&self, columns: &mut DMatrix<Complex64>, p: usize, q: usize) {
+        for row in 0..columns.nrows() {
+            let (a, b) = (columns[(row, p)], columns[(row, q)] * self.unturn);
+            columns[(row, p)] = a * self.cosine - b * self.sine;
+            columns[(row, q)] = a * self.sine + b * self.cosine;
+        }
+    }
+}
+
+/// The smaller tangent of the angle of which the cotangent of the double is `zeta`.
+fn small_tangent(zeta: f64) -> f64 {
+    zeta.signum() / (zeta.abs() + (1.0 + zeta * zeta).sqrt())
 }
 
 #[cfg(test)]

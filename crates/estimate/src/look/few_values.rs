@@ -1,7 +1,7 @@
 //! Signals of few values: a sensor, converter or encoder too coarse for what it reads.
 
 use crate::look::oddity::Oddity;
-use crate::look::survey::{ONE_VALUE, Survey};
+use crate::look::survey::{Survey, insert};
 
 /// Smallest step, over the rms about the mean, that is told: quantisation error is step/sqrt(12), 7 %
 /// of the signal here. A finer one is white noise of a few per cent, spread over all lines.
@@ -12,7 +12,7 @@ const MOST_VALUES: usize = 128;
 
 /// Steps between the values of a signal that are no small part of it.
 pub(super) fn few_values(survey: &Survey) -> Option<Oddity> {
-    let values = distinct(survey.numbers(), ONE_VALUE * survey.range())?;
+    let values = distinct(survey)?;
     let step = usual_step(&values)?;
     let step_over_rms = step / survey.rms;
     (step_over_rms >= TOLD).then_some(Oddity::FewValues {
@@ -23,21 +23,16 @@ pub(super) fn few_values(survey: &Survey) -> Option<Oddity> {
 }
 
 /// The values in rising order; `None` of more than [`MOST_VALUES`].
-fn distinct(numbers: impl Iterator<Item = f64>, tolerance: f64) -> Option<Vec<f64>> {
-    let mut values: Vec<f64> = Vec::with_capacity(MOST_VALUES + 1);
-    let mut before = f64::NAN;
-    for x in numbers {
-        if x == before {
-            continue;
-        }
-        before = x;
-        let place = values.partition_point(|&value| value < x - tolerance);
-        if values.get(place).is_none_or(|&value| value > x + tolerance) {
-            values.insert(place, x);
+fn distinct(survey: &Survey) -> Option<Vec<f64>> {
+    let (mut values, mut before) = (Vec::new(), f64::NAN);
+    for x in survey.numbers() {
+        if x != before {
+            insert(&mut values, x, survey.one_value());
         }
         if values.len() > MOST_VALUES {
             return None;
         }
+        before = x;
     }
     Some(values)
 }
@@ -45,9 +40,14 @@ fn distinct(numbers: impl Iterator<Item = f64>, tolerance: f64) -> Option<Vec<f6
 /// The middle one of the distances between neighbouring values, the smaller of two: a value missing
 /// from the scale, or one beside it, changes nothing.
 fn usual_step(values: &[f64]) -> Option<f64> {
-    let mut steps: Vec<f64> = values.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    steps.get(steps.len().saturating_sub(1) / 2).copied()
+    let steps = values.windows(2).map(|pair| pair[1] - pair[0]);
+    lower_median(steps.collect())
+}
+
+/// The middle value, the smaller of two.
+fn lower_median(mut values: Vec<f64>) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    values.get(values.len().saturating_sub(1) / 2).copied()
 }
 
 #[cfg(test)]

@@ -1,5 +1,7 @@
 //! Held signals: recorded at a lower rate and repeated until the next value came.
 
+use std::mem::replace;
+
 use crate::look::oddity::Oddity;
 use crate::look::survey::Survey;
 
@@ -26,89 +28,142 @@ const SIZES: usize = 4096;
 
 /// Whether a signal changes every n samples only, n >= 2.
 pub(super) fn held(survey: &Survey) -> Option<Oddity> {
-    let counts = distances(survey.moving);
+    let counts = counts(distances(survey.moving));
     let samples = rhythm(&counts)?;
-    let n_changes = counts.iter().sum::<usize>();
-    if !sizes_differ(survey.moving, n_changes / SIZES + 1) {
-        return None;
-    }
-    let is_whole = samples.fract() == 0.0;
-    let phase = is_whole.then(|| phase(survey, samples as usize));
-    Some(Oddity::Held { samples, phase })
+    let is_held = sizes_differ(survey.moving, counts.iter().sum());
+    is_held.then(|| Oddity::Held {
+        samples,
+        phase: phase(survey, samples),
+    })
 }
 
 /// Place and size of every change.
 fn changes(samples: &[f64]) -> impl Iterator<Item = (usize, f64)> {
-    let numbers = samples.iter().copied().enumerate();
-    let changes = numbers.filter(|(_, x)| x.is_finite());
-    changes
-        .scan(f64::NAN, |before, (k, x)| {
-            let size = (x - *before).abs();
-            *before = x;
-            Some((k, size))
-        })
-        .filter(|&(_, size)| size > 0.0)
+    let mut before = f64::NAN;
+    let size = move |(k, x): (usize, f64)| (k, (x - replace(&mut before, x)).abs());
+    numbered(samples).map(size).filter(|&(_, size)| size > 0.0)
 }
 
-/// How often each distance between successive changes occurs, by distance; longer ones are left
-/// out.
-fn distances(samples: &[f64]) -> Vec<usize> {
+/// Place and value of the samples that are numbers.
+fn numbered(samples: &[f64]) -> impl Iterator<Item = (usize, f64)> {
+    let all = samples.iter().copied().enumerate();
+    all.filter(|(_, x)| x.is_finite())
+}
+
+/// Places of the changes.
+fn places(samples: &[f64]) -> impl Iterator<Item = usize> {
+    changes(samples).map(|(k, _)| k)
+}
+
+/// Distances between successive changes.
+fn distances(samples: &[f64]) -> impl Iterator<Item = usize> {
+    let mut places = places(samples);
+    let mut before = places.next().unwrap_or(0);
+    places.map(move |k| k - replace(&mut before, k))
+}
+
+/// How often each distance or place occurs; longer ones are left out.
+fn counts(distances: impl Iterator<Item = usize>) -> Vec<usize> {
     let mut counts = vec![0; REST * (LONGEST + 1) + 1];
-    let mut before = None;
-    for (k, _) in changes(samples) {
-        let distance = before.replace(k).map_or(0, |before| k - before);
+    for distance in distances {
         if let Some(count) = counts.get_mut(distance) {
             *count += 1;
         }
     }
-    counts[0] = 0; // the first change has none before it
     counts
+}
+
+/// The two neighbouring distances between which a hold lies, and how often they occur.
+struct Hold {
+    shorter: usize,
+    counts: [usize; 2],
+}
+
+impl Hold {
+    fn new(shorter: usize, counts: &[usize]) -> Self {
+        let counts = [counts[shorter], counts[shorter + 1]];
+        Self { shorter, counts }
+    }
+
+    /// The pair that occurs most often.
+    fn most_frequent(counts: &[usize]) -> Option<Self> {
+        let all = (2..=LONGEST).map(|shorter| Self::new(shorter, counts));
+        all.max_by_key(|hold| (hold.count(), hold.counts[0]))
+    }
+
+    fn count(&self) -> usize {
+        self.counts.iter().sum()
+    }
+
+    /// The one of the two that nearly all distances are.
+    fn whole(&self) -> Option<usize> {
+        let enough = WHOLE * self.count() as f64;
+        let place = self.counts.iter().position(|&n| n as f64 >= enough);
+        place.map(|place| self.shorter + place)
+    }
+
+    /// Length in samples.
+    fn samples(&self) -> f64 {
+        let longer = || self.counts[1] as f64 / self.count() as f64;
+        let mean = || self.shorter as f64 + longer();
+        self.whole().map_or_else(mean, |n| n as f64)
+    }
+
+    /// Whether a signal held so long may change at this distance.
+    fn is_in_time(&self, distance: usize) -> bool {
+        match self.whole() {
+            Some(n) => distance.is_multiple_of(n),
+            None => [self.shorter, self.shorter + 1].contains(&distance),
+        }
+    }
+
+    /// How many distances of these are no rests.
+    fn count_of(&self, counts: &[usize], is_counted: impl Fn(usize) -> bool) -> usize {
+        let until_rest = 1..=REST * (self.shorter + 1);
+        let counted = until_rest.filter(|&distance| is_counted(distance));
+        counted.map(|distance| counts[distance]).sum()
+    }
+
+    /// Whether nearly all changes come in time, and enough of them after the hold itself.
+    fn explains(&self, counts: &[usize]) -> bool {
+        let all = self.count_of(counts, |_| true);
+        let in_time = self.count_of(counts, |distance| self.is_in_time(distance));
+        let are = |count: usize, share: f64| count as f64 >= share * all as f64;
+        all >= FEWEST && are(in_time, IN_TIME) && are(self.count(), THE_HOLD_ITSELF)
+    }
 }
 
 /// The hold in samples, from how often each distance occurs.
 fn rhythm(counts: &[usize]) -> Option<f64> {
-    let pair = |shorter: usize| counts[shorter] + counts[shorter + 1];
-    let shorter = (2..=LONGEST).max_by_key(|&shorter| (pair(shorter), counts[shorter]))?;
-    let beside = [shorter, shorter + 1];
-    let of_pair = pair(shorter) as f64;
-    let whole = beside
-        .into_iter()
-        .find(|&n| counts[n] as f64 >= WHOLE * of_pair);
-    let is_in_time = |distance: usize| match whole {
-        Some(n) => distance.is_multiple_of(n),
-        None => beside.contains(&distance),
-    };
-    let until_rest = 1..=REST * (shorter + 1);
-    let all: usize = until_rest.clone().map(|distance| counts[distance]).sum();
-    let in_time: usize = until_rest
-        .filter(|&distance| is_in_time(distance))
-        .map(|distance| counts[distance])
-        .sum();
-    let is_held = all >= FEWEST
-        && in_time as f64 >= IN_TIME * all as f64
-        && of_pair >= THE_HOLD_ITSELF * all as f64;
-    let mean = || shorter as f64 + counts[shorter + 1] as f64 / of_pair;
-    is_held.then(|| whole.map_or_else(mean, |n| n as f64))
+    let hold = Hold::most_frequent(counts)?;
+    hold.explains(counts).then(|| hold.samples())
+}
+
+/// The place within a hold of whole samples at which the new values come.
+fn phase(survey: &Survey, hold: f64) -> Option<usize> {
+    let is_whole = hold.fract() == 0.0;
+    is_whole.then(|| usual_phase(survey, hold as usize))
 }
 
 /// The place within `every` samples at which most changes lie; a slip moves it.
-fn phase(survey: &Survey, every: usize) -> usize {
-    let mut counts = vec![0_usize; every];
-    for (k, _) in changes(survey.moving) {
-        counts[(survey.start + k) % every] += 1;
-    }
+fn usual_phase(survey: &Survey, every: usize) -> usize {
+    let phases = places(survey.moving).map(|k| (survey.start + k) % every);
+    let counts = counts(phases);
     (0..every).max_by_key(|&phase| counts[phase]).unwrap_or(0)
 }
 
-/// Whether every `stride`-th change is one of a signal that may change by any size.
-fn sizes_differ(samples: &[f64], stride: usize) -> bool {
-    let sizes: Vec<f64> = changes(samples)
-        .map(|(_, size)| size)
-        .step_by(stride)
-        .collect();
-    let smallest = sizes.iter().copied().fold(f64::INFINITY, f64::min);
-    let other = sizes.iter().filter(|&&size| size > 1.5 * smallest).count();
+/// Whether a signal may change by any size, by some of its `n_changes`.
+fn sizes_differ(samples: &[f64], n_changes: usize) -> bool {
+    let sizes = changes(samples).map(|(_, size)| size);
+    let sizes: Vec<f64> = sizes.step_by(n_changes / SIZES + 1).collect();
+    let other = count_other_sizes(&sizes);
     other as f64 >= OF_OTHER_SIZE * sizes.len() as f64
+}
+
+/// How many sizes exceed the smallest by half.
+fn count_other_sizes(sizes: &[f64]) -> usize {
+    let smallest = sizes.iter().copied().fold(f64::INFINITY, f64::min);
+    sizes.iter().filter(|&&size| size > 1.5 * smallest).count()
 }
 
 #[cfg(test)]

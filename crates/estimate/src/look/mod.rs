@@ -19,7 +19,7 @@ use crate::look::held::held;
 use crate::look::oddity::Oddity;
 use crate::look::outliers::outliers;
 use crate::look::saturated::saturated;
-use crate::look::survey::Survey;
+use crate::look::survey::{Survey, numbers};
 use crate::look::wrapped::{unwrapped, wrapped};
 
 /// What is odd about one channel of a recording, on an even grid and NaN (or infinite) where a
@@ -31,51 +31,67 @@ use crate::look::wrapped::{unwrapped, wrapped};
 #[must_use]
 pub fn look(signal: ArrayView1<f64>) -> Vec<Oddity> {
     let signal = signal.as_standard_layout();
-    let samples = signal.as_slice().unwrap_or_default();
-    let mut found: Vec<Oddity> = lost(samples).into_iter().collect();
-    match Survey::of(samples) {
-        Some(survey) => match wrapped(&survey) {
-            Some((turn, jumps)) => {
-                found.push(Oddity::Wrapped { turn, jumps });
-                let cured = unwrapped(signal.view(), turn);
-                let cured = cured.as_slice().unwrap_or_default();
-                found.extend(Survey::of(cured).iter().flat_map(oddities));
-            }
-            None => found.extend(oddities(&survey)),
-        },
-        None => found.extend(constant(samples)),
-    }
+    let mut found = found(signal.as_slice().unwrap_or_default());
     found.sort_by_key(|oddity| std::cmp::Reverse(oddity.consequence()));
     found
+}
+
+/// What is odd about a signal, in the order in which it is looked for.
+fn found(samples: &[f64]) -> Vec<Oddity> {
+    let others = match Survey::of(samples) {
+        Some(survey) => oddities_but_turns(&survey, samples),
+        None => Vec::from_iter(constant(samples)),
+    };
+    lost(samples).into_iter().chain(others).collect()
+}
+
+/// What is odd about a signal that changes: if it wraps, that, and what is odd without its jumps.
+fn oddities_but_turns(survey: &Survey, samples: &[f64]) -> Vec<Oddity> {
+    let Some((turn, jumps)) = wrapped(survey) else {
+        return oddities(survey);
+    };
+    let cured = unwrapped(samples.into(), turn);
+    let cured = Survey::of(cured.as_slice().unwrap_or_default());
+    let wraps = [Oddity::Wrapped { turn, jumps }].into_iter();
+    wraps.chain(cured.iter().flat_map(oddities)).collect()
 }
 
 /// What is odd about a signal that changes and does not wrap.
 fn oddities(survey: &Survey) -> Vec<Oddity> {
     let few = few_values(survey);
     let held = held(survey);
-    let step = match few {
-        Some(Oddity::FewValues { step, .. }) => step,
-        _ => 0.0,
-    };
-    let hold = match held {
-        Some(Oddity::Held { samples, .. }) => samples,
-        _ => 1.0,
-    };
-    let (saturated, outliers) = (saturated(survey, hold), outliers(survey, step));
+    let saturated = saturated(survey, hold_of(held.as_ref()));
+    let outliers = outliers(survey, step_of(few.as_ref()));
     let all = [few, held, saturated, outliers];
     all.into_iter().flatten().collect()
 }
 
+/// Distance between the values of a signal of few; 0 for any other.
+fn step_of(few: Option<&Oddity>) -> f64 {
+    match few {
+        Some(Oddity::FewValues { step, .. }) => *step,
+        _ => 0.0,
+    }
+}
+
+/// Samples for which a held signal keeps its value; 1 for any other.
+fn hold_of(held: Option<&Oddity>) -> f64 {
+    match held {
+        Some(Oddity::Held { samples, .. }) => *samples,
+        _ => 1.0,
+    }
+}
+
 /// A signal of two or more samples none of which differs from the others.
 fn constant(samples: &[f64]) -> Option<Oddity> {
-    let mut numbers = samples.iter().copied().filter(|x| x.is_finite());
+    let mut numbers = numbers(samples);
     let value = numbers.next()?;
     numbers.next().map(|_| Oddity::Constant { value })
 }
 
 /// Samples that are no numbers.
 fn lost(samples: &[f64]) -> Option<Oddity> {
-    let lost = samples.iter().filter(|x| !x.is_finite()).count();
+    let lost = samples.len() - numbers(samples).count();
     let share = lost as f64 / samples.len() as f64;
     (lost > 0).then_some(Oddity::Lost { share })
 }

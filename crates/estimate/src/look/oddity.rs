@@ -79,6 +79,11 @@ pub struct Level {
     pub share: f64,
 }
 
+/// Share of the samples at those of the levels that there are.
+pub(super) fn share_at(levels: [Option<Level>; 2]) -> f64 {
+    levels.iter().flatten().map(|level| level.share).sum()
+}
+
 /// What an oddity asks for, rising.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Consequence {
@@ -96,28 +101,24 @@ impl Oddity {
     /// What follows for an estimate.
     #[must_use]
     pub fn consequence(&self) -> Consequence {
-        let flagged = match *self {
-            Self::Constant { .. } => return Consequence::Refused,
-            Self::Wrapped { .. } => return Consequence::Cured,
-            Self::Lost { share: 1.0 } => return Consequence::Refused,
-            Self::Lost { .. } => false,
+        match *self {
+            Self::Constant { .. } | Self::Lost { share: 1.0 } => Consequence::Refused,
+            Self::Wrapped { .. } => Consequence::Cured,
+            _ if self.misleads() => Consequence::Flagged,
+            _ => Consequence::Told,
+        }
+    }
+
+    /// Whether it makes an error that no spread over the periods shows.
+    fn misleads(&self) -> bool {
+        match *self {
             Self::Held { .. } => true,
             Self::FewValues { step_over_rms, .. } => step_over_rms >= COARSE,
-            Self::Saturated { low, high } => {
-                low.iter()
-                    .chain(&high)
-                    .map(|level| level.share)
-                    .sum::<f64>()
-                    >= MUCH_CLIPPED
-            }
+            Self::Saturated { low, high } => share_at([low, high]) >= MUCH_CLIPPED,
             Self::Outliers {
                 power_over_signal, ..
             } => power_over_signal >= STRONG,
-        };
-        if flagged {
-            Consequence::Flagged
-        } else {
-            Consequence::Told
+            Self::Constant { .. } | Self::Wrapped { .. } | Self::Lost { .. } => false,
         }
     }
 }

@@ -1,5 +1,7 @@
 //! Outliers: single samples far away from their neighbours, as a lost or garbled message leaves.
 
+use std::iter::zip;
+
 use frfid_signals::median;
 
 use crate::look::oddity::Oddity;
@@ -28,37 +30,30 @@ const SAMPLED: usize = 4096;
 /// What sticks out in each period alike is reported all the same: of an output it is a disturbance
 /// that the estimate would take for true.
 pub(super) fn outliers(survey: &Survey, step: f64) -> Option<Oddity> {
-    let levels = levels(survey.moving);
-    let floor = median(
-        levels
-            .iter()
-            .copied()
-            .filter(|&level| level > 0.0)
-            .collect(),
-    );
-    let floor = floor.unwrap_or(0.0).max(step);
-    let spread = spread(survey)?;
-    let allowed = |block: usize| {
-        let near = levels.iter().skip(block.saturating_sub(1)).take(3);
-        let level = near.copied().fold(floor, f64::max);
-        (DEVIATIONS * PER_MEDIAN * level).max(SPREADS * spread)
-    };
-    let mut found = Found::default();
-    for (block, start) in block_starts(survey.moving).enumerate() {
-        let allowed = allowed(block);
-        for (near, k) in block_of(survey.moving, start).windows(3).zip(start + 1..) {
-            if second_difference(near) > allowed {
-                found.add(survey.start + k, beside(survey.moving, k), allowed);
-            }
-        }
-    }
-    let is_rare = found.count as f64 <= RARE * survey.moving.len() as f64;
-    (found.count > 0 && is_rare).then_some(Oddity::Outliers {
-        count: found.count,
-        first_sample: found.first,
-        size_over_spread: found.largest / spread,
-        power_over_signal: found.square / (spread * spread * survey.moving.len() as f64),
-    })
+    let spread = spread(survey.moving)?;
+    let found = Found::among(survey, &allowed(survey.moving, step, spread));
+    found.told(spread, survey.moving.len() as f64)
+}
+
+/// How far a sample may lie beside its neighbours, block by block.
+fn allowed(samples: &[f64], step: f64, spread: f64) -> Vec<f64> {
+    let levels = levels(samples);
+    let floor = usual_level(&levels).max(step);
+    let near = (0..levels.len()).map(|block| level_near(&levels, block).max(floor));
+    near.map(|level| (DEVIATIONS * PER_MEDIAN * level).max(SPREADS * spread))
+        .collect()
+}
+
+/// Highest level of a block and those beside it.
+fn level_near(levels: &[f64], block: usize) -> f64 {
+    let near = levels.iter().skip(block.saturating_sub(1)).take(3);
+    near.copied().fold(0.0, f64::max)
+}
+
+/// Median level of the blocks in which the signal moves.
+fn usual_level(levels: &[f64]) -> f64 {
+    let moving = levels.iter().copied().filter(|&level| level > 0.0);
+    median(moving.collect()).unwrap_or(0.0)
 }
 
 /// Outliers so far.
@@ -71,6 +66,17 @@ struct Found {
 }
 
 impl Found {
+    /// The samples that lie beside their neighbours by more than is allowed in their block.
+    fn among(survey: &Survey, allowed: &[f64]) -> Self {
+        let mut found = Self::default();
+        for (start, &allowed) in zip(block_starts(survey.moving), allowed) {
+            for k in bends(survey.moving, start, allowed) {
+                found.add(survey.start + k, beside(survey.moving, k), allowed);
+            }
+        }
+        found
+    }
+
     fn add(&mut self, sample: usize, size: f64, allowed: f64) {
         if size > allowed {
             if self.count == 0 {
@@ -81,46 +87,67 @@ impl Found {
             self.square += size * size;
         }
     }
+
+    /// What there is to say of them in a signal of this spread and length; `None` of none or too many.
+    fn told(&self, spread: f64, n_samples: f64) -> Option<Oddity> {
+        let are_outliers = self.count > 0 && self.count as f64 <= RARE * n_samples;
+        are_outliers.then_some(Oddity::Outliers {
+            count: self.count,
+            first_sample: self.first,
+            size_over_spread: self.largest / spread,
+            power_over_signal: self.square / (spread * spread * n_samples),
+        })
+    }
 }
 
 fn block_starts(samples: &[f64]) -> impl Iterator<Item = usize> {
     (0..samples.len().saturating_sub(2)).step_by(BLOCK)
 }
 
-/// The samples of a block, and the two more that its second differences take.
-fn block_of(samples: &[f64], start: usize) -> &[f64] {
-    &samples[start..samples.len().min(start + BLOCK + 2)]
+/// Size of the second difference at every sample of a block but the first.
+fn second_differences(samples: &[f64], start: usize) -> impl Iterator<Item = f64> {
+    let block = &samples[start..samples.len().min(start + BLOCK + 2)];
+    let near = block.windows(3);
+    near.map(|near| (near[0] - 2.0 * near[1] + near[2]).abs())
 }
 
-fn second_difference(near: &[f64]) -> f64 {
-    (near[0] - 2.0 * near[1] + near[2]).abs()
+/// Places in a block at which the second difference is larger than allowed.
+fn bends(samples: &[f64], start: usize, allowed: f64) -> impl Iterator<Item = usize> {
+    let sizes = zip(second_differences(samples, start), start + 1..);
+    let large = sizes.filter(move |&(size, _)| size > allowed);
+    large.map(|(_, k)| k)
 }
 
 /// Median size of the second difference in each block.
 fn levels(samples: &[f64]) -> Vec<f64> {
-    let mut sizes = Vec::with_capacity(BLOCK);
     let level = |start: usize| {
-        sizes.clear();
-        let all = block_of(samples, start).windows(3).map(second_difference);
-        sizes.extend(all.filter(|size| size.is_finite()));
-        let middle = sizes.len() / 2;
-        if sizes.is_empty() {
-            return 0.0;
-        }
-        *sizes.select_nth_unstable_by(middle, f64::total_cmp).1
+        let sizes = second_differences(samples, start);
+        upper_median(sizes.filter(|size| size.is_finite()).collect())
     };
     block_starts(samples).map(level).collect()
+}
+
+/// The middle size, the larger of two; 0 of none.
+fn upper_median(mut sizes: Vec<f64>) -> f64 {
+    let middle = sizes.len() / 2;
+    if sizes.is_empty() {
+        return 0.0;
+    }
+    *sizes.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// How far a sample sticks out of the five around it: its distance from their median. 0 on any slope
 /// or step, at the ends and beside lost samples, and where three of the five do not lie together: at
 /// the top of a pulse.
 fn beside(samples: &[f64], k: usize) -> f64 {
-    let near = k.checked_sub(2).and_then(|from| samples.get(from..k + 3));
-    let Some((near, middle)) = near.and_then(|near| Some((near, median(near.to_vec())?))) else {
-        return 0.0;
-    };
-    let mut distances: Vec<f64> = near.iter().map(|x| (x - middle).abs()).collect();
+    let near = k.checked_sub(2).and_then(|from| samples.get(from..));
+    near.and_then(<[f64]>::first_chunk).map_or(0.0, out_of_five)
+}
+
+/// How far the third of five samples sticks out.
+fn out_of_five(near: &[f64; 5]) -> f64 {
+    let middle = median(near.to_vec()).unwrap_or(f64::NAN);
+    let mut distances = near.map(|x| (x - middle).abs());
     let size = distances[2];
     distances.sort_by(f64::total_cmp);
     let sticks_out = size.is_finite() && size >= TOGETHER * distances[2];
@@ -129,25 +156,44 @@ fn beside(samples: &[f64], k: usize) -> f64 {
 
 /// Half of what holds the middle 68 % of the samples about a straight line, which 16 % of outliers
 /// cannot move; `None` for a signal that stands for as long, of which impulses are the motion.
-fn spread(survey: &Survey) -> Option<f64> {
-    let stride = survey.moving.len() / SAMPLED + 1;
-    let sampled = survey.moving.iter().copied().step_by(stride);
-    let sampled: Vec<f64> = sampled.filter(|x| x.is_finite()).collect();
-    let (quarter, count) = (sampled.len() / 4, sampled.len() as f64);
-    let first = median(sampled[..quarter].to_vec()).unwrap_or(0.0);
-    let last = median(sampled[sampled.len() - quarter..].to_vec()).unwrap_or(0.0);
-    let slope = (last - first) / (0.75 * count);
-    let about_line = sampled
-        .iter()
-        .enumerate()
-        .map(|(k, x)| x - slope * k as f64);
-    let mut about_line: Vec<f64> = about_line.collect();
-    about_line.sort_by(f64::total_cmp);
-    let at = |share: f64| about_line.get((share * count) as usize).copied();
-    let spread = at(0.84)
-        .zip(at(0.16))
-        .map_or(0.0, |(high, low)| 0.5 * (high - low));
+fn spread(samples: &[f64]) -> Option<f64> {
+    let mut sorted = about_line(sampled(samples));
+    sorted.sort_by(f64::total_cmp);
+    let spread = 0.5 * (quantile(&sorted, 0.84)? - quantile(&sorted, 0.16)?);
     (spread > 0.0).then_some(spread)
+}
+
+/// The value below which this share of sorted ones lies.
+fn quantile(sorted: &[f64], share: f64) -> Option<f64> {
+    let place = (share * sorted.len() as f64) as usize;
+    sorted.get(place).copied()
+}
+
+/// Some of the samples that are numbers, evenly over all.
+fn sampled(samples: &[f64]) -> Vec<f64> {
+    let sampled = samples.iter().step_by(samples.len() / SAMPLED + 1);
+    sampled.copied().filter(|x| x.is_finite()).collect()
+}
+
+/// Values less a straight line, which leaves the first of them as it is.
+fn about_line(mut values: Vec<f64>) -> Vec<f64> {
+    let slope = slope(&values);
+    for (k, x) in values.iter_mut().enumerate() {
+        *x -= slope * k as f64;
+    }
+    values
+}
+
+/// Slope from the median of the first quarter to that of the last one.
+fn slope(values: &[f64]) -> f64 {
+    let (quarter, count) = (values.len() / 4, values.len());
+    let first = median_or_0(&values[..quarter]);
+    let last = median_or_0(&values[count - quarter..]);
+    (last - first) / (0.75 * count as f64)
+}
+
+fn median_or_0(values: &[f64]) -> f64 {
+    median(values.to_vec()).unwrap_or(0.0)
 }
 
 #[cfg(test)]

@@ -1,9 +1,10 @@
 //! Saturated signals: clipped by a limit of the drive, the sensor or the converter.
 
+use std::mem::take;
 use std::ops::RangeInclusive;
 
-use crate::look::oddity::{Level, Oddity};
-use crate::look::survey::{ONE_VALUE, Survey};
+use crate::look::oddity::{Level, Oddity, share_at};
+use crate::look::survey::{Survey, insert};
 
 /// Samples in a row that make a stand: two equal ones a sampled sine may have at its top.
 const IN_A_ROW: f64 = 3.0;
@@ -31,46 +32,62 @@ const REST_AT_ZERO: f64 = 0.02;
 /// Levels at either end of the range at which the signal stands; `hold` samples of a held signal are
 /// one.
 pub(super) fn saturated(survey: &Survey, hold: f64) -> Option<Oddity> {
-    let high = level(survey, 1.0, hold);
-    let low = level(survey, -1.0, hold);
-    let share: f64 = high.iter().chain(&low).map(|level| level.share).sum();
-    (share >= TOLD).then_some(Oddity::Saturated { low, high })
+    let [low, high] = [-1.0, 1.0].map(|sign| level(survey, sign, hold));
+    let is_told = share_at([low, high]) >= TOLD;
+    is_told.then_some(Oddity::Saturated { low, high })
 }
 
 /// The highest level of the signal times `sign`, if it stands there.
 fn level(survey: &Survey, sign: f64, hold: f64) -> Option<Level> {
     let top = if sign > 0.0 { survey.high } else { -survey.low };
-    let highest = highest_values(
-        survey.numbers().map(|x| sign * x),
-        ONE_VALUE * survey.range(),
-    );
-    let steps = highest.windows(2).map(|pair| pair[0] - pair[1]);
-    let step = steps.fold(f64::INFINITY, f64::min);
-    let below = (BELOW_STEPS * step).max(BELOW * survey.range());
-    if below > 0.5 * survey.range() {
-        return None; // too few values to have a top
-    }
-    let zero_is_top = top.abs() <= LEVEL * step;
-    let longest = if zero_is_top { REST_AT_ZERO } else { 1.0 } * survey.moving.len() as f64;
-    let stand = IN_A_ROW * hold..=longest;
-    let count = count(survey, |x| top - sign * x, [LEVEL * step, below], stand);
-    let stands = count.stands >= STANDS && count.at_level as f64 >= PILED_UP * count.below as f64;
-    stands.then(|| Level {
+    let depths = Depths::of(survey, step_at_top(survey, sign))?;
+    let n_samples = survey.moving.len() as f64;
+    let stand = stand_lengths(hold, n_samples, top.abs() <= depths.at_level);
+    let count = count(survey, |x| top - sign * x, &depths, &stand);
+    count.is_piled_up().then(|| Level {
         value: sign * top,
-        share: count.at_level as f64 / survey.moving.len() as f64,
+        share: count.at_level as f64 / n_samples,
     })
 }
 
-/// The highest values, falling; at most [`HIGHEST`].
-fn highest_values(numbers: impl Iterator<Item = f64>, tolerance: f64) -> Vec<f64> {
-    let mut values: Vec<f64> = Vec::with_capacity(HIGHEST + 1);
+/// How many samples in a row make a stand; a longer one at zero is a rest.
+fn stand_lengths(hold: f64, n_samples: f64, is_at_zero: bool) -> RangeInclusive<f64> {
+    let longest = if is_at_zero { REST_AT_ZERO } else { 1.0 };
+    IN_A_ROW * hold..=longest * n_samples
+}
+
+/// Smallest distance between the highest values of the signal times `sign`.
+fn step_at_top(survey: &Survey, sign: f64) -> f64 {
+    let upside_down = survey.numbers().map(|x| -sign * x);
+    let lowest = lowest_values(upside_down, survey.one_value());
+    let steps = lowest.windows(2).map(|pair| pair[1] - pair[0]);
+    steps.fold(f64::INFINITY, f64::min)
+}
+
+/// Depths below the level up to which a sample counts.
+struct Depths {
+    /// As one at the level.
+    at_level: f64,
+    /// As one near it.
+    below: f64,
+}
+
+impl Depths {
+    /// Of a signal whose highest values are a step apart; `None` of too few values to have a top.
+    fn of(survey: &Survey, step: f64) -> Option<Self> {
+        let below = (BELOW_STEPS * step).max(BELOW * survey.range());
+        let has_top = below <= 0.5 * survey.range();
+        let at_level = LEVEL * step;
+        has_top.then_some(Self { at_level, below })
+    }
+}
+
+/// The lowest values, rising; at most [`HIGHEST`].
+fn lowest_values(numbers: impl Iterator<Item = f64>, tolerance: f64) -> Vec<f64> {
+    let mut values = Vec::with_capacity(HIGHEST + 1);
     for x in numbers {
-        if values.len() == HIGHEST && values.last().is_some_and(|&lowest| x <= lowest) {
-            continue;
-        }
-        let place = values.partition_point(|&value| value > x + tolerance);
-        if values.get(place).is_none_or(|&value| value < x - tolerance) {
-            values.insert(place, x);
+        if values.get(HIGHEST - 1).is_none_or(|&highest| x < highest) {
+            insert(&mut values, x, tolerance);
             values.truncate(HIGHEST);
         }
     }
@@ -88,28 +105,37 @@ struct Count {
     below: usize,
 }
 
-/// Counts samples by their `depth` below the level: at it to the first, below it to the second of
-/// `depths`; only stretches of so many samples as `stand` says are stands.
+impl Count {
+    /// Adds samples in a row at the level, if they are as many as `stand` says.
+    fn add(&mut self, in_a_row: usize, stand: &RangeInclusive<f64>) {
+        if stand.contains(&(in_a_row as f64)) {
+            self.stands += 1;
+            self.at_level += in_a_row;
+        }
+    }
+
+    /// Whether the signal stands often, and more samples lie at the level than a smooth one has there.
+    fn is_piled_up(&self) -> bool {
+        self.stands >= STANDS && self.at_level as f64 >= PILED_UP * self.below as f64
+    }
+}
+
+/// Counts samples by their `depth` below the level; only stretches of so many samples as `stand` says
+/// are stands.
 fn count(
     survey: &Survey,
     depth: impl Fn(f64) -> f64,
-    [at_level, below]: [f64; 2],
-    stand: RangeInclusive<f64>,
+    depths: &Depths,
+    stand: &RangeInclusive<f64>,
 ) -> Count {
-    let mut count = Count::default();
-    let mut in_a_row = 0_usize;
-    for x in survey.numbers().chain([f64::NAN]) {
-        let depth = depth(x);
-        if depth <= at_level {
+    let (mut count, mut in_a_row) = (Count::default(), 0);
+    for depth in survey.numbers().chain([f64::NAN]).map(depth) {
+        if depth <= depths.at_level {
             in_a_row += 1;
-            continue;
+        } else {
+            count.add(take(&mut in_a_row), stand);
+            count.below += usize::from(depth <= depths.below);
         }
-        if stand.contains(&(in_a_row as f64)) {
-            count.stands += 1;
-            count.at_level += in_a_row;
-        }
-        in_a_row = 0;
-        count.below += usize::from(depth <= below);
     }
     count
 }

@@ -5,7 +5,7 @@
 const ROUNDINGS: f64 = 4.0;
 
 /// Values closer than this part of the range are one, written with another rounding.
-pub(super) const ONE_VALUE: f64 = 1e-6;
+const ONE_VALUE: f64 = 1e-6;
 
 /// What all looks at a signal need.
 pub(super) struct Survey<'a> {
@@ -24,24 +24,9 @@ pub(super) struct Survey<'a> {
 impl<'a> Survey<'a> {
     /// `None` for a signal without a change beyond rounding.
     pub(super) fn of(samples: &'a [f64]) -> Option<Self> {
-        let numbers = || samples.iter().copied().filter(|x| x.is_finite());
-        let (first, last) = (numbers().next()?, numbers().next_back()?);
-        let (low, high) =
-            numbers().fold((first, first), |(low, high), x| (low.min(x), high.max(x)));
-        if high - low <= ROUNDINGS * f64::EPSILON * high.abs().max(low.abs()) {
-            return None;
-        }
-        let differs = |rest: f64| move |x: &f64| x.is_finite() && *x != rest;
-        let first_change = samples.iter().position(differs(first))?;
-        let last_change = samples.iter().rposition(differs(last))?;
-        let before = samples[..first_change].iter().rposition(|x| x.is_finite());
-        let after = samples[last_change..]
-            .iter()
-            .skip(1)
-            .position(|x| x.is_finite());
-        let start = before.unwrap_or(first_change);
-        let end = last_change + after.map_or(0, |after| after + 1);
-        let moving = &samples[start..=end];
+        let (low, high) = extremes(samples)?;
+        let start = last_before_changes(samples)?;
+        let moving = &samples[start..=first_after_changes(samples)?];
         Some(Self {
             moving,
             start,
@@ -56,20 +41,64 @@ impl<'a> Survey<'a> {
         self.high - self.low
     }
 
+    /// Distance within which values are one.
+    pub(super) fn one_value(&self) -> f64 {
+        ONE_VALUE * self.range()
+    }
+
     /// The samples of the moving part that are numbers.
     pub(super) fn numbers(&self) -> impl Iterator<Item = f64> {
-        self.moving.iter().copied().filter(|x| x.is_finite())
+        numbers(self.moving)
+    }
+}
+
+/// Samples that are numbers.
+pub(super) fn numbers(samples: &[f64]) -> impl DoubleEndedIterator<Item = f64> {
+    samples.iter().copied().filter(|x| x.is_finite())
+}
+
+/// Smallest and largest value, if they differ by more than rounding.
+fn extremes(samples: &[f64]) -> Option<(f64, f64)> {
+    let low = numbers(samples).reduce(f64::min)?;
+    let high = numbers(samples).reduce(f64::max)?;
+    let rounding = ROUNDINGS * f64::EPSILON * high.abs().max(low.abs());
+    (high - low > rounding).then_some((low, high))
+}
+
+/// Place of the last number before the first change.
+fn last_before_changes(samples: &[f64]) -> Option<usize> {
+    let rest = numbers(samples).next()?;
+    let first = samples.iter().position(differs_from(rest))?;
+    samples[..first].iter().rposition(|x| x.is_finite())
+}
+
+/// Place of the first number after the last change.
+fn first_after_changes(samples: &[f64]) -> Option<usize> {
+    let rest = numbers(samples).next_back()?;
+    let last = samples.iter().rposition(differs_from(rest))?;
+    (last + 1..samples.len()).find(|&k| samples[k].is_finite())
+}
+
+/// Whether a sample is a number, and another one.
+fn differs_from(rest: f64) -> impl Fn(&f64) -> bool {
+    move |x| x.is_finite() && *x != rest
+}
+
+/// Adds a value to rising ones in its place, if none is there within the tolerance.
+pub(super) fn insert(values: &mut Vec<f64>, x: f64, tolerance: f64) {
+    let place = values.partition_point(|&value| value < x - tolerance);
+    if values.get(place).is_none_or(|&value| value > x + tolerance) {
+        values.insert(place, x);
     }
 }
 
 /// Rms about the mean, with values counted from `near`, so that a large offset takes no digits.
 fn rms_about_mean(samples: &[f64], near: f64) -> f64 {
-    let numbers = samples.iter().filter(|x| x.is_finite());
-    let (count, sum, square) = numbers.fold((0.0, 0.0, 0.0), |(count, sum, square), x| {
-        let x = x - near;
-        (count + 1.0, sum + x, square + x * x)
-    });
-    (square / count - (sum / count).powi(2)).max(0.0).sqrt()
+    let count = numbers(samples).count() as f64;
+    let shifted = || numbers(samples).map(|x| x - near);
+    let mean = shifted().sum::<f64>() / count;
+    let square = shifted().map(|x| x * x).sum::<f64>() / count;
+    (square - mean.powi(2)).max(0.0).sqrt()
 }
 
 #[cfg(test)]

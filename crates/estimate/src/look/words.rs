@@ -28,7 +28,7 @@ impl Oddity {
                 significant(*turn, 5),
                 count(*jumps, "time")
             ),
-            Self::Saturated { low, high } => stands(low.as_ref(), high.as_ref()),
+            Self::Saturated { low, high } => stands(*low, *high),
             Self::Outliers {
                 count: n,
                 first_sample,
@@ -96,20 +96,18 @@ impl Oddity {
 }
 
 /// The levels at which a signal stands.
-fn stands(low: Option<&Level>, high: Option<&Level>) -> String {
-    let side = |name: &str, level: &Level| {
-        let (value, share) = (significant(level.value, 4), percent(level.share));
-        format!("{name} level {value} for {share} % of the time")
-    };
-    let sides = [("lowest", low), ("highest", high)];
-    let sides: Vec<String> = sides
-        .iter()
-        .filter_map(|&(name, level)| Some(side(name, level?)))
-        .collect();
-    format!(
-        "is saturated: it stands at its {}",
-        sides.join(" and at its ")
-    )
+fn stands(low: Option<Level>, high: Option<Level>) -> String {
+    let low = low.map(|level| format!("lowest {}", words(level)));
+    let high = high.map(|level| format!("highest {}", words(level)));
+    let levels: Vec<String> = low.into_iter().chain(high).collect();
+    let levels = levels.join(" and at its ");
+    format!("is saturated: it stands at its {levels}")
+}
+
+/// A level, and how long a signal stands at it.
+fn words(level: Level) -> String {
+    let (value, share) = (significant(level.value, 4), percent(level.share));
+    format!("level {value} for {share} % of the time")
 }
 
 fn percent(share: f64) -> String {

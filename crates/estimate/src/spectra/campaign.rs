@@ -1,8 +1,8 @@
 //! A campaign as spectra on lines: fed run by run in any order, so that no time series needs to
 //! stay in memory.
 
-use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, BTreeSet};
+use std::iter::zip;
 
 use frfid_signals::checks::all_finite;
 use ndarray::{Array2, ArrayView2};
@@ -44,15 +44,30 @@ impl RunSpectra {
         })
     }
 
-    /// Shapes of u, y and r.
-    fn shapes(&self) -> [Option<(usize, usize)>; 3] {
+    /// The signals by name.
+    fn signals(&self) -> [(&'static str, Option<&Array2<Complex64>>); 3] {
         [
-            Some(self.u.dim()),
-            Some(self.y.dim()),
-            self.r.as_ref().map(Array2::dim),
+            ("u", Some(&self.u)),
+            ("y", Some(&self.y)),
+            ("r", self.r.as_ref()),
         ]
     }
+
+    /// Shapes of u, y and r.
+    fn shapes(&self) -> Shapes {
+        self.signals().map(|(_, signal)| signal.map(Array2::dim))
+    }
+
+    /// Shapes that its signals must have on so many lines: channels, and as many of r as of u.
+    fn needed_shapes(&self, n_lines: usize) -> Shapes {
+        let shape = |channels: usize| Some((channels.max(1), n_lines));
+        let r = self.r.as_ref().and_then(|_| shape(self.u.nrows()));
+        [shape(self.u.nrows()), shape(self.y.nrows()), r]
+    }
 }
+
+/// Shapes of u, y and r, `(channel, line)`, where there is one.
+type Shapes = [Option<(usize, usize)>; 3];
 
 /// The spectra of a campaign, indexed by realization, period and experiment: the estimate does not
 /// depend on the order in which runs were inserted. Memory is `lines x channels` complex numbers
@@ -97,13 +112,11 @@ impl Campaign {
     /// frequencies or the runs before it, [`frfid_signals::SignalError::NotFinite`].
     pub fn insert(&mut self, place: PeriodIndex, run: RunSpectra) -> Result<(), EstimateError> {
         self.check(&run)?;
-        match self.runs.entry(place) {
-            Entry::Occupied(_) => Err(EstimateError::Duplicate(place)),
-            Entry::Vacant(free) => {
-                free.insert(run);
-                Ok(())
-            }
+        if self.runs.contains_key(&place) {
+            return Err(EstimateError::Duplicate(place));
         }
+        self.runs.insert(place, run);
+        Ok(())
     }
 
     /// Every run with its place, in order.
@@ -115,17 +128,11 @@ impl Campaign {
     /// Runs that are missing from periods of which other experiments are there, in order.
     #[must_use]
     pub fn missing(&self) -> Vec<PeriodIndex> {
+        let n_experiments = self.n_experiments();
         let blocks: BTreeSet<_> = self.runs.keys().map(PeriodIndex::block).collect();
-        let places = blocks.into_iter().flat_map(|(realization, period)| {
-            (0..self.n_experiments()).map(move |experiment| PeriodIndex {
-                realization,
-                period,
-                experiment,
-            })
-        });
-        places
-            .filter(|place| !self.runs.contains_key(place))
-            .collect()
+        let places = blocks.into_iter().flat_map(|b| places_of(b, n_experiments));
+        let missing = places.filter(|place| !self.runs.contains_key(place));
+        missing.collect()
     }
 
     /// Drops every period of which an experiment is missing and returns what was missing, so that
@@ -166,11 +173,10 @@ impl Campaign {
     fn check_experiments(&self) -> Result<(), EstimateError> {
         let first = self.first().ok_or(EstimateError::EmptyList("runs"))?;
         let (found, needed) = (self.n_experiments(), first.u.nrows());
-        if found >= needed {
-            Ok(())
-        } else {
-            Err(EstimateError::TooFewExperiments { found, needed })
+        if found < needed {
+            return Err(EstimateError::TooFewExperiments { found, needed });
         }
+        Ok(())
     }
 
     /// A run whose shapes all others have.
@@ -185,48 +191,59 @@ impl Campaign {
             let realization = blocks.entry(place.realization).or_default();
             realization.entry(place.period).or_default().push(run);
         }
-        blocks
-            .into_values()
+        let realizations = blocks.into_values();
+        realizations
             .map(|periods| periods.into_values().collect())
             .collect()
     }
 
     /// Refuses a run of another shape than those before it, or with values that are not finite.
     fn check(&self, run: &RunSpectra) -> Result<(), EstimateError> {
-        let [u, y, r] = self.needed_shapes(run);
-        check_spectra("u", Some(&run.u), u)?;
-        check_spectra("y", Some(&run.y), y)?;
-        check_spectra("r", run.r.as_ref(), r)
+        for ((name, found), needed) in zip(run.signals(), self.needed_shapes(run)) {
+            check_shape(name, found, needed)?;
+            let entries = found.into_iter().flat_map(|found| found.indexed_iter());
+            let bad = entries.filter(|(_, value)| !value.is_finite());
+            all_finite(name, bad.map(|(place, _)| place))?;
+        }
+        Ok(())
     }
 
     /// Shapes that u, y and r of a run must have: those of the runs before it.
-    fn needed_shapes(&self, run: &RunSpectra) -> [Option<(usize, usize)>; 3] {
-        if let Some(first) = self.first() {
-            return first.shapes();
+    fn needed_shapes(&self, run: &RunSpectra) -> Shapes {
+        match self.first() {
+            Some(first) => first.shapes(),
+            None => run.needed_shapes(self.frequency_hz.len()),
         }
-        let shape = |channels: usize| Some((channels.max(1), self.frequency_hz.len()));
-        let r = run.r.as_ref().and_then(|_| shape(run.u.nrows()));
-        [shape(run.u.nrows()), shape(run.y.nrows()), r]
     }
 }
 
-/// Refuses spectra of another shape than needed, and values that are not finite.
-fn check_spectra(
+/// The places of all experiments of a block, a realization and a period.
+pub(super) fn places_of(
+    (realization, period): (usize, usize),
+    n_experiments: usize,
+) -> impl Iterator<Item = PeriodIndex> {
+    (0..n_experiments).map(move |experiment| PeriodIndex {
+        realization,
+        period,
+        experiment,
+    })
+}
+
+/// Refuses spectra of another shape than needed.
+fn check_shape(
     name: &'static str,
     found: Option<&Array2<Complex64>>,
     needed: Option<(usize, usize)>,
 ) -> Result<(), EstimateError> {
-    if found.map(Array2::dim) != needed {
-        let shape = found.map_or(&[][..], |found| found.shape());
-        let needed = match needed {
-            Some(needed) => format!("{needed:?} (channel, line)"),
-            None => "no r, as in the runs before".into(),
-        };
-        return Err(EstimateError::shape(name, shape, needed));
+    if found.map(Array2::dim) == needed {
+        return Ok(());
     }
-    let entries = found.into_iter().flat_map(|found| found.indexed_iter());
-    let bad = entries.filter(|(_, value)| !value.is_finite());
-    Ok(all_finite(name, bad.map(|(place, _)| place))?)
+    let shape = found.map_or(&[][..], |found| found.shape());
+    let needed = match needed {
+        Some(needed) => format!("{needed:?} (channel, line)"),
+        None => "no r, as in the runs before".into(),
+    };
+    Err(EstimateError::shape(name, shape, needed))
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@
 //! best places are refined by weighted least squares.
 
 use std::f64::consts::{PI, TAU};
+use std::iter::zip;
 use std::sync::Arc;
 
 use num_complex::Complex64;
@@ -31,7 +32,7 @@ pub(super) struct PhaseDifference {
 }
 
 /// A shift in time and a constant phase.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Shift {
     /// How much later b is than a, in s.
     pub(super) delay_s: f64,
@@ -77,13 +78,8 @@ impl<'a> DelaySearch<'a> {
     pub(super) fn best(&self, differences: &[PhaseDifference]) -> (Shift, f64) {
         let starts = self.starts(differences).into_iter();
         let refined = starts.map(|delay_s| self.refined(differences, delay_s));
-        let none = Shift {
-            delay_s: 0.0,
-            constant_rad: 0.0,
-        };
-        refined
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .unwrap_or((none, 0.0))
+        let best = refined.min_by(|a, b| a.1.total_cmp(&b.1));
+        best.unwrap_or_default()
     }
 
     /// Standard deviation of the frequencies, in spacings.
@@ -96,48 +92,46 @@ impl<'a> DelaySearch<'a> {
     /// Delays at the highest peaks of the search, highest first.
     fn starts(&self, differences: &[PhaseDifference]) -> Vec<f64> {
         let sizes = self.correlation(differences);
-        let n = sizes.len();
-        let is_peak = |k: &usize| {
-            let size = sizes[*k];
-            *k == 0 || (size >= sizes[*k - 1] && size > sizes[(k + 1) % n])
-        };
-        let mut peaks: Vec<usize> = (0..n).filter(is_peak).collect();
-        peaks.sort_by(|&a, &b| sizes[b].total_cmp(&sizes[a]));
-        peaks.truncate(CANDIDATES);
-        let delay_s = |k: usize| k as f64 / (n as f64 * self.spacing_hz);
-        peaks.into_iter().map(delay_s).collect()
+        let grid_hz = sizes.len() as f64 * self.spacing_hz;
+        let peaks = highest_peaks(&sizes).into_iter();
+        peaks.map(|k| k as f64 / grid_hz).collect()
     }
 
     /// `|sum w e^{j (angle + 2 pi f tau)}|^2` on the grid of delays. The inverse FFT is real: once
-    /// for the real part, once for the imaginary one; lines start at bin 1, as bin 0 must be real.
+    /// for the real part, once for the imaginary one.
     fn correlation(&self, differences: &[PhaseDifference]) -> Vec<f64> {
         let mut sizes = vec![0.0; self.inverse.len()];
         for part in [Complex64::ONE, -Complex64::I] {
-            let mut bins = self.inverse.make_input_vec();
-            for difference in differences {
-                let hz = self.frequency_hz[difference.line] - self.frequency_hz[0];
-                let bin = (hz / self.spacing_hz).round() as usize + 1;
-                bins[bin] += part * Complex64::from_polar(difference.weight, difference.angle);
-            }
-            let mut samples = self.inverse.make_output_vec();
-            if self.inverse.process(&mut bins, &mut samples).is_ok() {
-                for (size, sample) in sizes.iter_mut().zip(samples) {
-                    *size += sample * sample;
-                }
-            }
+            let samples = self.real_part(differences, part);
+            zip(&mut sizes, samples).for_each(|(size, sample)| *size += sample * sample);
         }
         sizes
     }
 
+    /// `Re sum factor w e^{j (angle + 2 pi f tau)}` on the grid of delays.
+    fn real_part(&self, differences: &[PhaseDifference], factor: Complex64) -> Vec<f64> {
+        let mut bins = self.bins(differences, factor);
+        let mut samples = self.inverse.make_output_vec();
+        let done = self.inverse.process(&mut bins, &mut samples);
+        done.map_or(Vec::new(), |()| samples)
+    }
+
+    /// `factor w e^{j angle}` by line; lines start at bin 1, as bin 0 must be real.
+    fn bins(&self, differences: &[PhaseDifference], factor: Complex64) -> Vec<Complex64> {
+        let mut bins = self.inverse.make_input_vec();
+        for difference in differences {
+            let hz = self.frequency_hz[difference.line] - self.frequency_hz[0];
+            let bin = (hz / self.spacing_hz).round() as usize + 1;
+            bins[bin] += factor * Complex64::from_polar(difference.weight, difference.angle);
+        }
+        bins
+    }
+
     /// The shift near a delay by least squares, and the weighted mean square that is left.
     fn refined(&self, differences: &[PhaseDifference], delay_s: f64) -> (Shift, f64) {
-        let turned = differences.iter().map(|difference| {
-            let angle = difference.angle + TAU * self.frequency_hz[difference.line] * delay_s;
-            Complex64::from_polar(difference.weight, angle)
-        });
         let mut shift = Shift {
             delay_s,
-            constant_rad: turned.sum::<Complex64>().arg(),
+            constant_rad: self.sum(differences, delay_s).arg(),
         };
         for _ in 0..STEPS {
             shift = self.improved(differences, shift);
@@ -146,19 +140,38 @@ impl<'a> DelaySearch<'a> {
         (shift, self.mean(differences, square))
     }
 
+    /// `sum w e^{j (angle + 2 pi f tau)}` at a delay.
+    fn sum(&self, differences: &[PhaseDifference], delay_s: f64) -> Complex64 {
+        let term = |difference: &PhaseDifference| {
+            let angle = difference.angle + TAU * self.frequency_hz[difference.line] * delay_s;
+            Complex64::from_polar(difference.weight, angle)
+        };
+        differences.iter().map(term).sum()
+    }
+
     /// One Newton step: a straight line through what is left over frequency.
     fn improved(&self, differences: &[PhaseDifference], shift: Shift) -> Shift {
         let middle_hz = self.mean(differences, |hz, _| hz);
-        let place = |hz: f64| TAU * (hz - middle_hz);
         let left = |hz: f64, angle: f64| shift.residual(hz, angle);
-        let width = self.mean(differences, |hz, _| place(hz).powi(2));
-        let tilt = self.mean(differences, |hz, angle| place(hz) * left(hz, angle));
-        let slope = if width > 0.0 { tilt / width } else { 0.0 };
+        let slope = self.slope(differences, middle_hz, left);
         let constant = self.mean(differences, left) - TAU * middle_hz * slope;
         Shift {
             delay_s: shift.delay_s - slope,
             constant_rad: wrapped(shift.constant_rad + constant),
         }
+    }
+
+    /// Slope of something over angular frequency; 0 on a single line.
+    fn slope(
+        &self,
+        differences: &[PhaseDifference],
+        middle_hz: f64,
+        of: impl Fn(f64, f64) -> f64,
+    ) -> f64 {
+        let place = |hz: f64| TAU * (hz - middle_hz);
+        let width = self.mean(differences, |hz, _| place(hz).powi(2));
+        let tilt = self.mean(differences, |hz, angle| place(hz) * of(hz, angle));
+        if width > 0.0 { tilt / width } else { 0.0 }
     }
 
     /// Weighted mean of something of the frequencies and angles.
@@ -171,6 +184,19 @@ impl<'a> DelaySearch<'a> {
         }
         sum / weights
     }
+}
+
+/// Places of the highest peaks of values on a circle, highest first; the first place counts as one.
+fn highest_peaks(sizes: &[f64]) -> Vec<usize> {
+    let mut peaks: Vec<usize> = (0..sizes.len()).filter(|&k| is_peak(sizes, k)).collect();
+    peaks.sort_by(|&a, &b| sizes[b].total_cmp(&sizes[a]));
+    peaks.truncate(CANDIDATES);
+    peaks
+}
+
+fn is_peak(sizes: &[f64], k: usize) -> bool {
+    let after = sizes[(k + 1) % sizes.len()];
+    k == 0 || (sizes[k] >= sizes[k - 1] && sizes[k] > after)
 }
 
 /// An angle in (-pi, pi].
@@ -190,8 +216,14 @@ fn common_spacing_hz(frequency_hz: &[f64]) -> f64 {
     let nothing = 1e-3 * span / MOST_BINS;
     let common = distances.fold(span, |a, b| common_divisor(a, b, nothing));
     if common * MOST_BINS >= span {
-        return common;
+        common
+    } else {
+        fine_spacing_hz(frequency_hz, span)
     }
+}
+
+/// A quarter of the smallest distance between neighbours, or what the longest period resolves.
+fn fine_spacing_hz(frequency_hz: &[f64], span: f64) -> f64 {
     let steps = frequency_hz.windows(2).map(|pair| pair[1] - pair[0]);
     (0.25 * steps.fold(span, f64::min)).max(span / MOST_BINS)
 }

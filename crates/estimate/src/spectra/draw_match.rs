@@ -6,7 +6,7 @@
 //! frequency. So the constant is one for all channels of an experiment: a channel turned against the
 //! others makes another waveform in a coupled machine.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::f64::consts::{E, PI};
 use std::iter::zip;
 
@@ -55,6 +55,7 @@ pub(super) struct Repeat {
 }
 
 /// Phases that two experiments are compared by.
+#[derive(Default)]
 struct Phases {
     differences: Vec<PhaseDifference>,
     /// Logarithm of the amplitude ratios.
@@ -68,12 +69,8 @@ impl Drawn {
     pub(super) fn of(periods: &[&RunSpectra]) -> Self {
         let spectra = periods.iter().map(|run| run.r.as_ref().unwrap_or(&run.u));
         let spectra: Vec<&Array2<Complex64>> = spectra.collect();
-        let (mean, n) = (mean(&spectra), spectra.len() as f64);
-        let variance = (spectra.len() > 1).then(|| {
-            let mut squares = Array2::zeros(mean.dim());
-            add_squares(&mut squares, &spectra, &mean);
-            squares / (n * (n - 1.0))
-        });
+        let mean = mean(&spectra);
+        let variance = (spectra.len() > 1).then(|| variance_of_mean(&spectra, &mean));
         Self { mean, variance }
     }
 
@@ -91,20 +88,18 @@ impl Drawn {
         search: &DelaySearch,
     ) -> Option<Repeat> {
         let phases = Phases::of(other, self, peaks);
-        let lines = phases.differences.iter().map(|difference| difference.line);
-        let n_lines = lines.collect::<BTreeSet<_>>().len();
+        let n_lines = phases.line_weights().len();
         if n_lines == 0 {
             return None;
         }
         let (shift, square) = search.best(&phases.differences);
-        let repeat = Repeat {
+        let residual_rad = square.sqrt();
+        let is_same = phases.is_same(residual_rad, search.spread(&phases.differences));
+        is_same.then_some(Repeat {
             shift,
-            residual_rad: square.sqrt(),
+            residual_rad,
             n_lines,
-        };
-        let spread = search.spread(&phases.differences);
-        let is_same = phases.is_same(repeat.residual_rad, spread);
-        is_same.then_some(repeat)
+        })
     }
 
     /// Variance of the phase of an entry in rad^2, with the mean of the periods known so well.
@@ -116,19 +111,32 @@ impl Drawn {
     }
 }
 
+/// Variance of the mean of two or more spectra.
+fn variance_of_mean(spectra: &[&Array2<Complex64>], mean: &Array2<Complex64>) -> Array2<f64> {
+    let n = spectra.len() as f64;
+    let mut squares = Array2::zeros(mean.dim());
+    add_squares(&mut squares, spectra, mean);
+    squares / (n * (n - 1.0))
+}
+
 /// Largest amplitude of a channel.
 fn largest(channel: ArrayView1<Complex64>) -> f64 {
     channel.iter().map(|value| value.norm()).fold(0.0, f64::max)
 }
 
+/// A ratio of spectra with this variance of its phase, as a difference of phases.
+fn difference(line: usize, ratio: Complex64, variance: f64) -> PhaseDifference {
+    PhaseDifference {
+        line,
+        angle: ratio.arg(),
+        weight: 1.0 / (SAME_RAD * SAME_RAD + variance),
+    }
+}
+
 impl Phases {
     /// Of `b` against `a`, on the channels and lines that both excite.
     fn of(a: &Drawn, b: &Drawn, peaks: &[f64]) -> Self {
-        let mut phases = Self {
-            differences: Vec::new(),
-            levels: Vec::new(),
-            variances: Vec::new(),
-        };
+        let mut phases = Self::default();
         for ((entry, x), y) in a.mean.indexed_iter().zip(&b.mean) {
             if x.norm().min(y.norm()) > EXCITED * peaks[entry.0] {
                 let variance = a.phase_variance(entry) + b.phase_variance(entry);
@@ -142,22 +150,20 @@ impl Phases {
     fn push(&mut self, line: usize, ratio: Complex64, variance: f64) {
         // beyond a full turn a phase says nothing, whatever the noise
         let variance = variance.min(PI * PI / 3.0);
-        self.differences.push(PhaseDifference {
-            line,
-            angle: ratio.arg(),
-            weight: 1.0 / (SAME_RAD * SAME_RAD + variance),
-        });
+        self.differences.push(difference(line, ratio, variance));
         self.levels.push(ratio.norm().ln());
         self.variances.push(variance);
     }
 
+    fn weights(&self) -> impl Iterator<Item = f64> {
+        self.differences.iter().map(|difference| difference.weight)
+    }
+
     /// Rms of what noise does to the differences, in rad.
     fn noise_rad(&self) -> f64 {
-        let weights = self.differences.iter().map(|difference| difference.weight);
-        let sum: f64 = zip(weights.clone(), &self.variances)
-            .map(|(w, v)| w * v)
-            .sum();
-        (sum / weights.sum::<f64>()).sqrt()
+        let weighted = zip(self.weights(), &self.variances).map(|(w, v)| w * v);
+        let mean = weighted.sum::<f64>() / self.weights().sum::<f64>();
+        mean.sqrt()
     }
 
     /// Whether a residual shows the same draw, where lines lie `spread` of their spacings around
@@ -169,22 +175,27 @@ impl Phases {
         }
         let by_chance = |chance: f64| chance_limit_rad(chance, n_lines, spread);
         let noise_rad = self.noise_rad();
-        let sure = SAME_RAD
-            .max(NOISE_FACTOR * noise_rad)
-            .min(by_chance(CHANCE));
-        let likely = (LIKELY_FACTOR * noise_rad).min(by_chance(CHANCE_IN_NOISE));
-        residual_rad <= sure.max(likely)
+        let sure = SAME_RAD.max(NOISE_FACTOR * noise_rad);
+        let likely = LIKELY_FACTOR * noise_rad;
+        residual_rad <= sure.min(by_chance(CHANCE))
+            || residual_rad <= likely.min(by_chance(CHANCE_IN_NOISE))
     }
 
     /// Number of lines, those that count less as parts of one. Channels do not add to it: they
     /// share their phases where experiments are orthogonal.
     fn number_of_lines(&self) -> f64 {
+        let weights = self.line_weights();
+        let squares = weights.values().map(|weight| weight * weight);
+        weights.values().sum::<f64>().powi(2) / squares.sum::<f64>()
+    }
+
+    /// What the channels of every line that is compared count together.
+    fn line_weights(&self) -> BTreeMap<usize, f64> {
         let mut weights = BTreeMap::new();
         for difference in &self.differences {
             *weights.entry(difference.line).or_insert(0.0) += difference.weight;
         }
-        let squares = weights.values().map(|weight| weight * weight);
-        weights.values().sum::<f64>().powi(2) / squares.sum::<f64>()
+        weights
     }
 
     /// Standard deviation of the logarithmic amplitude ratios: a level that all lines share does

@@ -6,11 +6,12 @@ use std::collections::{BTreeMap, HashSet};
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
+use ndarray::Array1;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::period_index::PeriodIndex;
-use crate::spectra::campaign::{Campaign, RunSpectra};
+use crate::spectra::campaign::{Campaign, RunSpectra, places_of};
 use crate::spectra::delay::{DelaySearch, Shift};
 use crate::spectra::draw_match::{Drawn, Repeat};
 
@@ -32,15 +33,14 @@ pub struct EqualDraws {
 impl fmt::Display for EqualDraws {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let numbers: Vec<_> = self.realizations.iter().map(usize::to_string).collect();
-        let numbers = numbers.join(", ");
+        write!(f, "realizations {} ", numbers.join(", "))?;
         match self.n_lines {
-            1 => write!(
-                f,
-                "realizations {numbers} excite one line, so that a shift in time makes them the same draw of phases"
+            1 => f.write_str(
+                "excite one line, so that a shift in time makes them the same draw of phases",
             )?,
             _ => write!(
                 f,
-                "realizations {numbers} are the same draw of phases (residual {:.2} rad)",
+                "are the same draw of phases (residual {:.2} rad)",
                 self.residual_rad
             )?,
         }
@@ -50,6 +50,12 @@ impl fmt::Display for EqualDraws {
             n => write!(f, ", {n} periods left out as copies bit for bit of others"),
         }
     }
+}
+
+/// What the experiments of a realization excite.
+struct Realization {
+    number: usize,
+    experiments: Vec<Drawn>,
 }
 
 /// A realization that repeats another: for each of its experiments which one, and how.
@@ -79,26 +85,31 @@ impl Campaign {
         if drawn.len() < 2 {
             return Vec::new();
         }
-        let groups = groups(&drawn, &DelaySearch::new(&self.frequency_hz));
+        let groups = Matcher::of(&drawn, &self.frequency_hz).groups(&drawn);
         let equal = groups.iter().filter(|group| !group.repetitions.is_empty());
         equal.map(|group| self.pool(group)).collect()
     }
 
     /// What the experiments of every realization excite; realizations that lack one are left out.
-    fn drawn(&self) -> Vec<(usize, Vec<Drawn>)> {
-        let mut periods: BTreeMap<usize, Vec<Vec<&RunSpectra>>> = BTreeMap::new();
-        for (place, run) in &self.runs {
-            let experiments = periods
-                .entry(place.realization)
-                .or_insert_with(|| vec![Vec::new(); self.n_experiments()]);
-            experiments[place.experiment].push(run);
-        }
-        periods.retain(|_, experiments| experiments.iter().all(|runs| !runs.is_empty()));
-        let drawn = periods.into_iter().map(|(realization, experiments)| {
-            let drawn = experiments.iter().map(|runs| Drawn::of(runs));
-            (realization, drawn.collect())
+    fn drawn(&self) -> Vec<Realization> {
+        let all = self.periods_of_experiments().into_iter();
+        let complete = all.filter(|(_, experiments)| !experiments.iter().any(Vec::is_empty));
+        let drawn = complete.map(|(number, experiments)| Realization {
+            number,
+            experiments: experiments.iter().map(|runs| Drawn::of(runs)).collect(),
         });
         drawn.collect()
+    }
+
+    /// The periods of every experiment, by realization.
+    fn periods_of_experiments(&self) -> BTreeMap<usize, Vec<Vec<&RunSpectra>>> {
+        let none = vec![Vec::new(); self.n_experiments()];
+        let mut periods = BTreeMap::new();
+        for (place, run) in &self.runs {
+            let experiments = periods.entry(place.realization);
+            experiments.or_insert_with(|| none.clone())[place.experiment].push(run);
+        }
+        periods
     }
 
     /// Makes the periods of all realizations of a group periods of the first.
@@ -125,29 +136,27 @@ impl Campaign {
         let mut hashers: BTreeMap<usize, DefaultHasher> = BTreeMap::new();
         for (place, run) in &self.runs {
             if place.realization == realization {
-                let hasher = hashers.entry(place.period).or_default();
-                for value in run.u.iter().chain(&run.y) {
-                    (value.re.to_bits(), value.im.to_bits()).hash(hasher);
-                }
+                run.hash_bits(hashers.entry(place.period).or_default());
             }
         }
-        let finished = hashers.into_iter();
-        finished
+        let hashers = hashers.into_iter();
+        hashers
             .map(|(period, hasher)| (period, hasher.finish()))
             .collect()
     }
 
     /// Takes the runs of a period out.
     fn take(&mut self, realization: usize, period: usize) -> Vec<(usize, RunSpectra)> {
-        let places = (0..self.n_experiments()).map(|experiment| PeriodIndex {
-            realization,
-            period,
-            experiment,
-        });
-        let places: Vec<_> = places.collect();
-        let runs = places.into_iter();
-        runs.filter_map(|place| Some((place.experiment, self.runs.remove(&place)?)))
-            .collect()
+        let places = places_of((realization, period), self.n_experiments());
+        let runs = places.filter_map(|place| Some((place.experiment, self.runs.remove(&place)?)));
+        runs.collect()
+    }
+
+    /// The first period that a realization does not have yet.
+    fn next_period(&self, realization: usize) -> usize {
+        let places = self.runs.keys();
+        let own = places.filter(|place| place.realization == realization);
+        own.map(|place| place.period + 1).max().unwrap_or(0)
     }
 
     /// Adds the runs of a repetition as the last period of a realization.
@@ -157,9 +166,7 @@ impl Campaign {
         repetition: &Repetition,
         runs: Vec<(usize, RunSpectra)>,
     ) {
-        let periods = self.runs.keys();
-        let periods = periods.filter(|place| place.realization == realization);
-        let period = periods.map(|place| place.period + 1).max().unwrap_or(0);
+        let period = self.next_period(realization);
         for (own, mut run) in runs {
             let (experiment, repeat) = repetition.experiments[own];
             run.turn_back(repeat.shift, &self.frequency_hz);
@@ -174,20 +181,33 @@ impl Campaign {
 }
 
 impl Group {
+    /// One without repetitions yet.
+    fn of(first: usize) -> Self {
+        Self {
+            first,
+            repetitions: Vec::new(),
+        }
+    }
+    /// How their experiments repeat those of the first.
+    fn repeats(&self) -> impl Iterator<Item = Repeat> {
+        let all = self.repetitions.iter().flat_map(|own| &own.experiments);
+        all.map(|(_, repeat)| *repeat)
+    }
+
+    /// The numbers of the realizations.
+    fn realizations(&self) -> Vec<usize> {
+        let others = self.repetitions.iter().map(|other| other.realization);
+        std::iter::once(self.first).chain(others).collect()
+    }
+
     /// What there is to say of it.
     fn told(&self, n_copies: usize) -> EqualDraws {
-        let repeats = || {
-            let all = self.repetitions.iter();
-            all.flat_map(|repetition| repetition.experiments.iter().map(|(_, repeat)| repeat))
-        };
-        let others = self.repetitions.iter();
-        let others = others.map(|repetition| repetition.realization);
+        let residuals = self.repeats().map(|repeat| repeat.residual_rad);
+        let n_lines = self.repeats().map(|repeat| repeat.n_lines).min();
         EqualDraws {
-            realizations: std::iter::once(self.first).chain(others).collect(),
-            residual_rad: repeats()
-                .map(|repeat| repeat.residual_rad)
-                .fold(0.0, f64::max),
-            n_lines: repeats().map(|repeat| repeat.n_lines).min().unwrap_or(0),
+            realizations: self.realizations(),
+            residual_rad: residuals.fold(0.0, f64::max),
+            n_lines: n_lines.unwrap_or(0),
             n_copies,
         }
     }
@@ -196,71 +216,86 @@ impl Group {
 impl RunSpectra {
     /// Undoes a shift in time.
     fn turn_back(&mut self, shift: Shift, frequency_hz: &[f64]) {
-        let factors: Vec<Complex64> = frequency_hz.iter().map(|&hz| shift.undone(hz)).collect();
-        for signal in [Some(&mut self.u), Some(&mut self.y), self.r.as_mut()] {
-            for mut channel in signal.into_iter().flat_map(|signal| signal.rows_mut()) {
-                for (value, factor) in channel.iter_mut().zip(&factors) {
-                    *value *= factor;
-                }
+        let factors: Array1<Complex64> = frequency_hz.iter().map(|&hz| shift.undone(hz)).collect();
+        let signals = [Some(&mut self.u), Some(&mut self.y), self.r.as_mut()];
+        for signal in signals.into_iter().flatten() {
+            *signal *= &factors;
+        }
+    }
+
+    /// Adds the bits of u and y to a number that tells them from others.
+    fn hash_bits(&self, hasher: &mut DefaultHasher) {
+        for value in self.u.iter().chain(&self.y) {
+            (value.re.to_bits(), value.im.to_bits()).hash(hasher);
+        }
+    }
+}
+
+/// The search for realizations that repeat others.
+struct Matcher<'a> {
+    delays: DelaySearch<'a>,
+    /// Largest amplitude of every channel over the campaign.
+    peaks: Vec<f64>,
+}
+
+impl<'a> Matcher<'a> {
+    fn of(drawn: &[Realization], frequency_hz: &'a [f64]) -> Self {
+        let all = drawn.iter().flat_map(|own| &own.experiments);
+        let peaks = all.map(Drawn::peaks).reduce(larger);
+        Self {
+            delays: DelaySearch::new(frequency_hz),
+            peaks: peaks.unwrap_or_default(),
+        }
+    }
+
+    /// Groups of realizations of one draw, each by its first.
+    fn groups(&self, drawn: &[Realization]) -> Vec<Group> {
+        let mut groups: Vec<(&Realization, Group)> = Vec::new();
+        for own in drawn {
+            let repeated = groups.par_iter().enumerate();
+            let repeated = repeated
+                .find_map_first(|(place, (first, _))| Some((place, self.repetition(own, first)?)));
+            match repeated {
+                Some((place, repetition)) => groups[place].1.repetitions.push(repetition),
+                None => groups.push((own, Group::of(own.number))),
             }
         }
+        groups.into_iter().map(|(_, group)| group).collect()
     }
-}
 
-/// Groups of realizations of one draw, each by its first.
-fn groups(drawn: &[(usize, Vec<Drawn>)], search: &DelaySearch) -> Vec<Group> {
-    let peaks = peaks(drawn);
-    let mut groups: Vec<(&[Drawn], Group)> = Vec::new();
-    for (realization, experiments) in drawn {
-        let repeated = groups
-            .par_iter()
-            .map(|(first, _)| repetition(*realization, experiments, first, &peaks, search))
-            .enumerate()
-            .find_map_first(|(number, repetition)| Some((number, repetition?)));
-        match repeated {
-            Some((number, repetition)) => groups[number].1.repetitions.push(repetition),
-            None => groups.push((
-                experiments,
-                Group {
-                    first: *realization,
-                    repetitions: Vec::new(),
-                },
-            )),
+    /// How the experiments of a realization repeat those of another, each another one, the one of the
+    /// same number tried first; `None` if one of them repeats none.
+    fn repetition(&self, own: &Realization, other: &Realization) -> Option<Repetition> {
+        let mut free: Vec<usize> = (0..other.experiments.len()).collect();
+        let mut experiments = Vec::new();
+        for (number, experiment) in own.experiments.iter().enumerate() {
+            free.sort_by_key(|&other| (other != number, other));
+            let (place, repeat) = self.first_repeated(experiment, other, &free)?;
+            experiments.push((free.remove(place), repeat));
         }
+        Some(Repetition {
+            realization: own.number,
+            experiments,
+        })
     }
-    groups.into_iter().map(|(_, group)| group).collect()
+
+    /// Which of the experiments that are free is the first that is repeated, and how.
+    fn first_repeated(
+        &self,
+        experiment: &Drawn,
+        other: &Realization,
+        free: &[usize],
+    ) -> Option<(usize, Repeat)> {
+        let mut free = free.iter().enumerate();
+        free.find_map(|(place, &number)| {
+            let other = &other.experiments[number];
+            Some((place, experiment.repeats(other, &self.peaks, &self.delays)?))
+        })
+    }
 }
 
-/// How the experiments of a realization repeat those of another, each another one, the one of the
-/// same number tried first; `None` if one of them repeats none.
-fn repetition(
-    realization: usize,
-    experiments: &[Drawn],
-    others: &[Drawn],
-    peaks: &[f64],
-    search: &DelaySearch,
-) -> Option<Repetition> {
-    let mut free: Vec<usize> = (0..others.len()).collect();
-    let mut found = Vec::new();
-    for (own, experiment) in experiments.iter().enumerate() {
-        free.sort_by_key(|&other| (other != own, other));
-        let repeats = |&other: &usize| experiment.repeats(&others[other], peaks, search);
-        let (place, repeat) =
-            (0..free.len()).find_map(|place| Some((place, repeats(&free[place])?)))?;
-        found.push((free.remove(place), repeat));
-    }
-    Some(Repetition {
-        realization,
-        experiments: found,
-    })
-}
-
-/// Largest amplitude of every channel over the campaign.
-fn peaks(drawn: &[(usize, Vec<Drawn>)]) -> Vec<f64> {
-    let all = drawn.iter().flat_map(|(_, experiments)| experiments);
-    let largest = all.map(Drawn::peaks).reduce(|a, b| {
-        let pairs = a.into_iter().zip(b);
-        pairs.map(|(a, b)| a.max(b)).collect()
-    });
-    largest.unwrap_or_default()
+/// The larger ones of two lists.
+fn larger(a: Vec<f64>, b: Vec<f64>) -> Vec<f64> {
+    let pairs = a.into_iter().zip(b);
+    pairs.map(|(a, b)| a.max(b)).collect()
 }

@@ -8,7 +8,7 @@ use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::spectra::{Transform, check_length, spectra_of_pieces};
+use crate::spectra::{Transform, check_length, mean, spectra_of_pieces};
 
 /// The dwells of a stepped sine, planned once and used for every run, from any thread.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,18 +51,21 @@ impl Transform for Dwells {
     ) -> Result<Array2<Complex64>, EstimateError> {
         check_length(name, signal, self.n_samples)?;
         check_finite(name, signal)?;
-        let value =
-            |dwell: &Dwell, samples: &[f64]| line(&samples[dwell.measured.clone()], dwell.periods);
-        Ok(spectra_of_pieces(signal, &self.dwells, value))
+        Ok(spectra_of_pieces(signal, &self.dwells, line))
     }
 }
 
-/// DFT of samples that hold so many periods, at their frequency.
-fn line(samples: &[f64], periods: usize) -> Complex64 {
-    let n = samples.len();
-    let mean = samples.iter().sum::<f64>() / n as f64;
-    // the product is reduced before it becomes an angle, so that long dwells keep their digits
-    let turn = |k: usize| Complex64::cis(-TAU * ((periods * k) % n) as f64 / n as f64);
+/// DFT of the samples of a dwell, at its frequency.
+fn line(dwell: &Dwell, samples: &[f64]) -> Complex64 {
+    let samples = &samples[dwell.measured.clone()];
+    let mean = mean(samples);
     let terms = samples.iter().enumerate();
-    terms.map(|(k, sample)| turn(k) * (sample - mean)).sum()
+    let terms = terms.map(|(k, sample)| turn(dwell.periods * k, samples.len()) * (sample - mean));
+    terms.sum()
+}
+
+/// `e^{-2 pi i p k / M}` from the product p k, which is reduced before it becomes an angle, so that
+/// long dwells keep their digits.
+fn turn(product: usize, n_samples: usize) -> Complex64 {
+    Complex64::cis(-TAU * (product % n_samples) as f64 / n_samples as f64)
 }

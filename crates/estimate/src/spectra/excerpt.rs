@@ -7,6 +7,7 @@
 //! `X(f) = sum_k w_k (x_k - mean)`.
 
 use std::f64::consts::{PI, TAU};
+use std::iter::zip;
 
 use frfid_signals::checks::{finite, positive};
 use frfid_signals::{Chirp, check_finite};
@@ -14,7 +15,7 @@ use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::spectra::{Transform, check_length, spectra_of_pieces};
+use crate::spectra::{Transform, check_length, mean, spectra_of_pieces};
 
 /// How excerpts are cut and weighted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,6 +50,12 @@ impl ExcerptOptions {
     #[must_use]
     pub fn relative_resolution(&self) -> f64 {
         0.5 / self.n_periods
+    }
+
+    /// Every how many-th sample is left after the low-pass; 0 where there are too few to leave any
+    /// out.
+    fn step(&self, hz: f64, sample_time_s: f64) -> usize {
+        (1.0 / (self.samples_per_period * hz * sample_time_s)).floor() as usize
     }
 }
 
@@ -122,18 +129,12 @@ impl Excerpt {
         if !(chirp.low_hz * (1.0 - 1e-9)..=chirp.high_hz * (1.0 + 1e-9)).contains(&hz) {
             return Err(refuse("the chirp never has this frequency"));
         }
-        let [low_s, high_s] = span_s(hz, chirp, start_s, options.n_periods);
-        let first = (low_s / sample_time_s).ceil().max(0.0);
-        let last = (high_s / sample_time_s).floor().min(n_samples as f64 - 1.0);
-        // negative, NaN and too short alike: nothing is cut from less than one period or fewer than
-        // five samples
-        if (last - first) * sample_time_s * hz >= 1.0 && last - first >= 4.0 {
-            let ends = [first as usize, last as usize];
-            Ok(Self::weighted(hz, ends, sample_time_s, n_samples, options))
-        } else {
-            Err(refuse(
+        let span_s = span_s(hz, chirp, start_s, options.n_periods);
+        match ends(span_s, hz, sample_time_s, n_samples) {
+            Some(ends) => Ok(Self::weighted(hz, ends, sample_time_s, n_samples, options)),
+            None => Err(refuse(
                 "less than one period of it, or fewer than five samples, lie within the sweep and the recording",
-            ))
+            )),
         }
     }
 
@@ -146,18 +147,16 @@ impl Excerpt {
         n_samples: usize,
         options: &ExcerptOptions,
     ) -> Self {
-        let step = ((1.0 / (options.samples_per_period * hz * sample_time_s)).floor() as usize)
-            .clamp(1, last - first);
+        let step = options.step(hz, sample_time_s).clamp(1, last - first);
         let low_pass = low_pass(step);
         let reach = low_pass.len() / 2;
         let weights_from = first.saturating_sub(reach);
         let n_weights = (last + reach + 1).min(n_samples) - weights_from;
         let mut weights = vec![Complex64::from(0.0); n_weights];
         for centre in (first..=last).step_by(step) {
-            let place = (centre - first) as f64 / (last - first) as f64;
-            let window = (PI * place).sin().powi(2);
-            let kernel =
-                Complex64::cis(-TAU * hz * (centre - first) as f64 * sample_time_s) * window;
+            let place = (centre - first) as f64;
+            let window = (PI * (place / (last - first) as f64)).sin().powi(2);
+            let kernel = Complex64::cis(-TAU * hz * place * sample_time_s) * window;
             for (tap, gain) in low_pass.iter().enumerate() {
                 let place = (centre + tap).checked_sub(reach + weights_from);
                 // beyond the recording's ends: nothing
@@ -176,14 +175,10 @@ impl Excerpt {
 
     /// The spectrum of one channel at the frequency of the excerpt.
     fn of(&self, channel: &[f64]) -> Complex64 {
-        let excerpt = &channel[self.first..=self.last];
-        let mean = excerpt.iter().sum::<f64>() / excerpt.len() as f64;
+        let mean = mean(&channel[self.first..=self.last]);
         let samples = channel[self.weights_from..].iter();
-        self.weights
-            .iter()
-            .zip(samples)
-            .map(|(weight, sample)| weight * (sample - mean))
-            .sum()
+        let terms = zip(&self.weights, samples).map(|(weight, sample)| weight * (sample - mean));
+        terms.sum()
     }
 }
 
@@ -198,6 +193,21 @@ fn span_s(hz: f64, chirp: &Chirp, start_s: f64, n_periods: f64) -> [f64; 2] {
     ]
 }
 
+/// First and last sample of an excerpt within the recording; `None` if they are too close.
+fn ends(
+    [low_s, high_s]: [f64; 2],
+    hz: f64,
+    sample_time_s: f64,
+    n_samples: usize,
+) -> Option<[usize; 2]> {
+    let first = (low_s / sample_time_s).ceil().max(0.0);
+    let last = (high_s / sample_time_s).floor().min(n_samples as f64 - 1.0);
+    // negative, NaN and too short alike: nothing is cut from less than one period or fewer than five
+    // samples
+    let is_enough = (last - first) * sample_time_s * hz >= 1.0 && last - first >= 4.0;
+    is_enough.then_some([first as usize, last as usize])
+}
+
 /// Anti-alias low-pass for taking every `step`-th sample: a Hann-shaped average over four new
 /// samples, whose first zero lies at the new Nyquist frequency; a single 1 where nothing is left
 /// out.
@@ -205,12 +215,15 @@ fn low_pass(step: usize) -> Vec<f64> {
     if step == 1 {
         return vec![1.0];
     }
-    let reach = 2 * step;
-    let shape: Vec<f64> = (1..2 * reach)
-        .map(|k| (PI * k as f64 / (2 * reach) as f64).sin().powi(2))
-        .collect();
+    let shape = hann(4 * step);
     let sum: f64 = shape.iter().sum();
     shape.iter().map(|value| value / sum).collect()
+}
+
+/// Hann window over so many steps, without its zeros at either end.
+fn hann(n_steps: usize) -> Vec<f64> {
+    let places = (1..n_steps).map(|k| PI * k as f64 / n_steps as f64);
+    places.map(|place| place.sin().powi(2)).collect()
 }
 
 #[cfg(test)]

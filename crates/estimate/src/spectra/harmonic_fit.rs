@@ -8,18 +8,18 @@
 //! the DFT. Lines that are in the signal and not in the list leak in where samples are missing: list
 //! them too, and take the excited ones.
 
-use std::iter::zip;
+use std::iter::{self, zip};
 
-use frfid_signals::SignalError;
 use frfid_signals::checks::{finite, positive};
-use ndarray::{Array2, ArrayView2, Axis};
+use ndarray::{Array1, Array2, ArrayView1, ArrayView2, Axis, aview1};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::spectra::check_length;
+
 use crate::spectra::harmonic_gram::Gram;
 use crate::spectra::harmonic_sums::harmonic_sums;
-use crate::spectra::line_dft::check_rising;
+use crate::spectra::line_dft::{check_on_grid, check_rising};
+use crate::spectra::{check_length, mean};
 
 /// Longest period: as long as the longest signal that a design may ask for.
 const LONGEST: f64 = (1_u64 << 26) as f64;
@@ -38,9 +38,9 @@ impl HarmonicFit {
     /// spectra have the scale of its DFT.
     ///
     /// # Errors
-    /// [`SignalError::LineOffGrid`] for a line that is 0 or not below Nyquist,
+    /// [`frfid_signals::SignalError::LineOffGrid`] for a line that is 0 or not below Nyquist,
     /// [`EstimateError::NotRising`], [`EstimateError::EmptyList`],
-    /// [`SignalError::Parameter`] for a length that is not above zero.
+    /// [`frfid_signals::SignalError::Parameter`] for a length that is not above zero.
     pub fn new(cycles: &[f64], lines: &[usize], n_samples: f64) -> Result<Self, EstimateError> {
         check_lines(lines, n_samples)?;
         check_rising("cycles", cycles.iter().copied())?;
@@ -60,7 +60,7 @@ impl HarmonicFit {
     /// `None` where, in some channel, the samples that are there cannot tell the lines apart.
     ///
     /// # Errors
-    /// [`SignalError::Shape`] for another number of samples than the window has.
+    /// [`frfid_signals::SignalError::Shape`] for another number of samples than the window has.
     pub fn spectra(
         &self,
         name: &'static str,
@@ -69,19 +69,23 @@ impl HarmonicFit {
         check_length(name, signal, self.cycles.len())?;
         let mut spectra = Array2::zeros((signal.nrows(), self.lines.len()));
         for channels in alike(signal) {
-            let samples = self.present(signal.select(Axis(0), &channels).view());
-            let (gram, right) = self.normal_equations(&samples);
-            if gram.variance_growth(self.cycles.len()).is_none() {
+            let Some(fitted) = self.fitted(signal.select(Axis(0), &channels).view()) else {
                 return Ok(None);
-            }
-            for (channel, right) in zip(channels, right) {
-                let fitted = gram.solve(&right);
-                for (value, fitted) in zip(spectra.row_mut(channel), &fitted[1..]) {
-                    *value = fitted * self.n_samples;
-                }
+            };
+            for (channel, fitted) in zip(channels, fitted) {
+                spectra.row_mut(channel).assign(&fitted);
             }
         }
         Ok(Some(spectra))
+    }
+
+    /// Spectra of channels with the same holes; `None` if the lines cannot be told apart.
+    fn fitted(&self, channels: ArrayView2<f64>) -> Option<Vec<Array1<Complex64>>> {
+        let (gram, right) = self.normal_equations(&self.present(channels));
+        gram.variance_growth(self.cycles.len())?;
+        let coefficients = right.iter().map(|right| gram.solve(right));
+        let lines = coefficients.map(|all| aview1(&all[1..]).mapv(|x| x * self.n_samples));
+        Some(lines.collect())
     }
 
     /// Standard deviation of a line under white noise over that of the window without holes and
@@ -90,7 +94,7 @@ impl HarmonicFit {
     /// lines apart.
     ///
     /// # Errors
-    /// [`SignalError::Shape`] for another number of samples than the window has.
+    /// [`frfid_signals::SignalError::Shape`] for another number of samples than the window has.
     pub fn noise_growth(&self, is_present: &[bool]) -> Result<Option<f64>, EstimateError> {
         let ones = |(_, k): (usize, usize)| if is_present[k] { 1.0 } else { f64::NAN };
         let signal = Array2::from_shape_fn((1, is_present.len()), ones);
@@ -103,14 +107,11 @@ impl HarmonicFit {
     /// Times and values of the samples that are there in channels with the same holes.
     fn present(&self, channels: ArrayView2<f64>) -> Samples {
         let is_there: Vec<bool> = channels.row(0).iter().map(|x| x.is_finite()).collect();
-        let there = |values: &mut dyn Iterator<Item = f64>| -> Vec<f64> {
-            let kept = zip(values, &is_there).filter(|(_, is_there)| **is_there);
-            kept.map(|(value, _)| value).collect()
-        };
+        let values = channels.rows().into_iter();
         Samples {
-            cycles: there(&mut self.cycles.iter().copied()),
-            values: (channels.rows().into_iter())
-                .map(|channel| centred(there(&mut channel.iter().copied())))
+            cycles: kept(&self.cycles, &is_there),
+            values: values
+                .map(|channel| centred(kept(channel, &is_there)))
                 .collect(),
         }
     }
@@ -118,14 +119,20 @@ impl HarmonicFit {
     /// Gram matrix, and the right-hand side of every channel.
     fn normal_equations(&self, samples: &Samples) -> (Gram, Vec<Vec<Complex64>>) {
         let Samples { cycles, values } = samples;
+        let harmonics = self.harmonics();
         let highest = self.lines.last().copied().unwrap_or(0);
-        let ones = vec![vec![1.0; cycles.len()]];
-        let gram = harmonic_sums(cycles, &ones, 2 * highest).concat();
         let sums = harmonic_sums(cycles, values, highest);
-        let harmonics: Vec<usize> = [0].into_iter().chain(self.lines.iter().copied()).collect();
         let of_channel = |channel: usize| harmonics.iter().map(|&h| sums[h][channel]).collect();
         let right = (0..values.len()).map(of_channel).collect();
+        let ones = vec![vec![1.0; cycles.len()]];
+        let gram = harmonic_sums(cycles, &ones, 2 * highest).concat();
         (Gram::new(harmonics, &gram), right)
+    }
+
+    /// What is fitted: the constant and the lines.
+    fn harmonics(&self) -> Vec<usize> {
+        let lines = self.lines.iter().copied();
+        iter::once(0).chain(lines).collect()
     }
 }
 
@@ -137,16 +144,7 @@ fn check_lines(lines: &[usize], n_samples: f64) -> Result<(), EstimateError> {
         return Err(EstimateError::parameter("n_samples", n_samples, needed));
     }
     let highest = ((n_samples / 2.0).ceil() as usize).saturating_sub(1);
-    let off_grid = lines.iter().find(|&&line| line == 0 || line > highest);
-    if let Some(&line) = off_grid {
-        let n_samples = n_samples.round() as usize;
-        let error = SignalError::LineOffGrid {
-            line,
-            highest,
-            n_samples,
-        };
-        return Err(error.into());
-    }
+    check_on_grid(lines, highest, n_samples.round() as usize)?;
     check_rising("lines", lines.iter().map(|&line| line as f64))
 }
 
@@ -157,26 +155,34 @@ struct Samples {
     values: Vec<Vec<f64>>,
 }
 
+/// The values that are there.
+fn kept<'a>(values: impl IntoIterator<Item = &'a f64>, is_there: &[bool]) -> Vec<f64> {
+    let kept = zip(values, is_there).filter(|(_, is_there)| **is_there);
+    kept.map(|(value, _)| *value).collect()
+}
+
 /// Values about their mean: the constant is an unknown, and a large one costs digits.
 fn centred(mut values: Vec<f64>) -> Vec<f64> {
-    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let mean = mean(&values);
     values.iter_mut().for_each(|value| *value -= mean);
     values
 }
 
 /// Channels in groups that have the same holes.
 fn alike(signal: ArrayView2<f64>) -> Vec<Vec<usize>> {
-    let same = |a: usize, b: usize| {
-        zip(signal.row(a), signal.row(b)).all(|(a, b)| a.is_finite() == b.is_finite())
-    };
     let mut groups: Vec<Vec<usize>> = Vec::new();
-    for channel in 0..signal.nrows() {
-        match groups.iter_mut().find(|group| same(group[0], channel)) {
+    for (channel, samples) in signal.rows().into_iter().enumerate() {
+        let has_same = |group: &&mut Vec<usize>| has_same_holes(signal.row(group[0]), samples);
+        match groups.iter_mut().find(has_same) {
             Some(group) => group.push(channel),
             None => groups.push(vec![channel]),
         }
     }
     groups
+}
+
+fn has_same_holes(a: ArrayView1<f64>, b: ArrayView1<f64>) -> bool {
+    zip(a, b).all(|(a, b)| a.is_finite() == b.is_finite())
 }
 
 #[cfg(test)]

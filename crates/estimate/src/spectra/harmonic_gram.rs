@@ -7,6 +7,7 @@
 //! is kept.
 
 use std::iter::zip;
+use std::mem::replace;
 use std::sync::Arc;
 
 use frfid_signals::random::{phase, stream};
@@ -50,46 +51,41 @@ impl Gram {
         // none of them folds back onto a harmonic
         let n_points = (2 * sums.len()).next_power_of_two();
         let mut planner = RealFftPlanner::new();
-        let (forward, inverse) = (
-            planner.plan_fft_forward(n_points),
-            planner.plan_fft_inverse(n_points),
-        );
+        let inverse = planner.plan_fft_inverse(n_points);
         let mut bins = inverse.make_input_vec();
         bins[..sums.len()].copy_from_slice(sums);
-        bins[0].im = 0.0;
-        let mut weights = inverse.make_output_vec();
-        inverse
-            .process(&mut bins, &mut weights)
-            .expect("the plan made the buffers; both ends of the spectrum are real");
-        weights
-            .iter_mut()
-            .for_each(|weight| *weight /= n_points as f64);
+        let weights = points(inverse.as_ref(), bins).into_iter();
         Self {
             harmonics,
             n_present: sums[0].re,
-            weights,
-            forward,
+            weights: weights.map(|weight| weight / n_points as f64).collect(),
+            forward: planner.plan_fft_forward(n_points),
             inverse,
         }
     }
 
     /// Variance of a coefficient, mean over the harmonics, over that from `n_samples` even ones;
     /// `None` where the samples cannot tell the harmonics apart.
+    ///
+    /// Hutchinson's trace: the quadratic form of a vector of random phases has the mean of the
+    /// diagonal of the inverse.
     pub(super) fn variance_growth(&self, n_samples: usize) -> Option<f64> {
-        let n_unknowns = 2 * self.harmonics.len() - 1;
-        if self.n_present < n_unknowns as f64 {
+        let n_unknowns = (2 * self.harmonics.len() - 1) as f64;
+        if self.n_present < n_unknowns {
             return None;
         }
-        // Hutchinson's trace: the quadratic form of a vector of random phases has the mean of the
-        // diagonal of the inverse
-        let mut rng = stream(PROBE, "probe", &[]);
-        let mut probe: Vec<Complex64> = (self.harmonics.iter())
-            .map(|_| Complex64::cis(phase(&mut rng)))
-            .collect();
-        probe[0] = Complex64::ONE;
+        let probe = self.random_phases();
         let found = self.conjugate_gradients(&probe);
-        let growth = n_samples as f64 * dot(&probe, &found.coefficients) / n_unknowns as f64;
+        let growth = n_samples as f64 * dot(&probe, &found.coefficients) / n_unknowns;
         (found.condition <= WORST_CONDITION).then_some(growth)
+    }
+
+    fn random_phases(&self) -> Vec<Complex64> {
+        let mut rng = stream(PROBE, "probe", &[]);
+        let phases = self.harmonics.iter().map(|_| phase(&mut rng));
+        let mut probe: Vec<Complex64> = phases.map(Complex64::cis).collect();
+        probe[0] = Complex64::ONE;
+        probe
     }
 
     /// Coefficients whose normal equations have this right-hand side.
@@ -99,31 +95,18 @@ impl Gram {
 
     /// Conjugate gradients from the coefficients that even samples would have.
     fn conjugate_gradients(&self, right: &[Complex64]) -> Solution {
-        let mut found: Vec<_> = right.iter().map(|value| value / self.n_present).collect();
-        let mut residual = right.to_vec();
-        add(&mut residual, -1.0, &self.times(&found));
-        let mut direction = residual.clone();
-        let mut power = dot(&residual, &residual);
+        let mut search = self.first_guess(right);
         let enough = TOLERANCE.powi(2) * dot(right, right);
         let mut steps = Vec::new();
-        while power > enough && steps.len() < MOST_STEPS {
-            let image = self.times(&direction);
-            let step = power / dot(&direction, &image);
-            if !(step > 0.0 && step.is_finite()) {
+        while search.power > enough && steps.len() < MOST_STEPS {
+            let Some(step) = search.advance(&self.times(&search.direction)) else {
                 break;
-            }
-            add(&mut found, step, &direction);
-            add(&mut residual, -step, &image);
-            let before = std::mem::replace(&mut power, dot(&residual, &residual));
-            let ratio = power / before;
-            for (direction, residual) in zip(&mut direction, &residual) {
-                *direction = residual + *direction * ratio;
-            }
-            steps.push((step, ratio));
+            };
+            steps.push(step);
         }
-        let has_converged = power <= enough;
+        let has_converged = search.power <= enough;
         Solution {
-            coefficients: found,
+            coefficients: search.found,
             condition: match has_converged {
                 true => condition(&steps),
                 false => f64::INFINITY,
@@ -131,26 +114,89 @@ impl Gram {
         }
     }
 
+    /// The coefficients that even samples would have.
+    fn first_guess(&self, right: &[Complex64]) -> Search {
+        let found: Vec<_> = right.iter().map(|value| value / self.n_present).collect();
+        let mut residual = right.to_vec();
+        add(&mut residual, -1.0, &self.times(&found));
+        Search {
+            found,
+            power: dot(&residual, &residual),
+            direction: residual.clone(),
+            residual,
+        }
+    }
+
     /// The Gram matrix times coefficients.
     fn times(&self, coefficients: &[Complex64]) -> Vec<Complex64> {
         let mut bins = self.inverse.make_input_vec();
-        for (&harmonic, value) in zip(&self.harmonics, coefficients) {
-            bins[harmonic] = *value;
-        }
-        bins[0].im = 0.0;
-        let mut points = self.inverse.make_output_vec();
-        self.inverse
-            .process(&mut bins, &mut points)
-            .expect("the plan made the buffers; both ends of the spectrum are real");
+        zip(&self.harmonics, coefficients).for_each(|(&harmonic, value)| bins[harmonic] = *value);
+        let mut points = points(self.inverse.as_ref(), bins);
         zip(&mut points, &self.weights).for_each(|(point, weight)| *point *= weight);
-        self.forward
-            .process(&mut points, &mut bins)
-            .expect("the plan made the buffers, so their lengths fit");
-        self.harmonics
-            .iter()
-            .map(|&harmonic| bins[harmonic])
-            .collect()
+        let bins = bins_of(self.forward.as_ref(), points);
+        let harmonics = self.harmonics.iter();
+        harmonics.map(|&harmonic| bins[harmonic]).collect()
     }
+}
+
+/// Conjugate gradients on their way.
+struct Search {
+    found: Vec<Complex64>,
+    residual: Vec<Complex64>,
+    /// Of the next step.
+    direction: Vec<Complex64>,
+    /// Square of the residual.
+    power: f64,
+}
+
+/// A step of conjugate gradients.
+struct Step {
+    /// Its length in directions.
+    length: f64,
+    /// Square of the residual over that before.
+    ratio: f64,
+}
+
+impl Search {
+    /// One step, from the direction times the matrix; `None` where rounding leaves no way on.
+    fn advance(&mut self, image: &[Complex64]) -> Option<Step> {
+        let length = self.power / dot(&self.direction, image);
+        if !(length > 0.0 && length.is_finite()) {
+            return None;
+        }
+        add(&mut self.found, length, &self.direction);
+        add(&mut self.residual, -length, image);
+        let before = replace(&mut self.power, dot(&self.residual, &self.residual));
+        let ratio = self.power / before;
+        self.turn(ratio);
+        Some(Step { length, ratio })
+    }
+
+    /// Makes the next direction conjugate to those before.
+    fn turn(&mut self, ratio: f64) {
+        for (direction, residual) in zip(&mut self.direction, &self.residual) {
+            *direction = residual + *direction * ratio;
+        }
+    }
+}
+
+/// Points in time of bins; the constant is real.
+fn points(inverse: &dyn ComplexToReal<f64>, mut bins: Vec<Complex64>) -> Vec<f64> {
+    bins[0].im = 0.0;
+    let mut points = inverse.make_output_vec();
+    inverse
+        .process(&mut bins, &mut points)
+        .expect("the plan made the buffers; both ends of the spectrum are real");
+    points
+}
+
+/// Bins of points in time.
+fn bins_of(forward: &dyn RealToComplex<f64>, mut points: Vec<f64>) -> Vec<Complex64> {
+    let mut bins = forward.make_output_vec();
+    forward
+        .process(&mut points, &mut bins)
+        .expect("the plan made the buffers, so their lengths fit");
+    bins
 }
 
 /// Inner product of the coefficients of two real signals, those of the negative harmonics included.
@@ -164,18 +210,24 @@ fn add(a: &mut [Complex64], factor: f64, b: &[Complex64]) {
     zip(a, b).for_each(|(a, b)| *a += factor * b);
 }
 
-/// Condition from the steps of conjugate gradients and the ratios of their residuals: they are the
-/// tridiagonal matrix of Lanczos (Golub, Van Loan, Matrix Computations, section 11.3).
-fn condition(steps: &[(f64, f64)]) -> f64 {
+/// Condition from the steps of conjugate gradients: they are the tridiagonal matrix of Lanczos
+/// (Golub, Van Loan, Matrix Computations, section 11.3).
+fn condition(steps: &[Step]) -> f64 {
     if steps.is_empty() {
         return 1.0; // even samples: the first guess was right
     }
-    let entry = |i: usize, j: usize| match i.abs_diff(j) {
-        0 => 1.0 / steps[i].0 + i.checked_sub(1).map_or(0.0, |k| steps[k].1 / steps[k].0),
-        1 => steps[i.min(j)].1.sqrt() / steps[i.min(j)].0,
-        _ => 0.0,
-    };
+    let entry = |i: usize, j: usize| lanczos_entry(steps, i, j);
     let eigenvalues = DMatrix::from_fn(steps.len(), steps.len(), entry).symmetric_eigenvalues();
     let (low, high) = (eigenvalues.min(), eigenvalues.max());
     if low > 0.0 { high / low } else { f64::INFINITY }
+}
+
+fn lanczos_entry(steps: &[Step], i: usize, j: usize) -> f64 {
+    let first = &steps[i.min(j)];
+    match i.abs_diff(j) {
+        0 if i > 0 => 1.0 / first.length + steps[i - 1].ratio / steps[i - 1].length,
+        0 => 1.0 / first.length,
+        1 => first.ratio.sqrt() / first.length,
+        _ => 0.0,
+    }
 }

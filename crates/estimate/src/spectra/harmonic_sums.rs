@@ -22,34 +22,58 @@ pub(super) fn harmonic_sums(
     let starts: Vec<usize> = (0..=highest).step_by(RESTART).collect();
     let block = |&start: &usize| {
         let n_harmonics = RESTART.min(highest + 1 - start);
-        let mut sums = vec![vec![Complex64::ZERO; signals.len()]; n_harmonics];
-        for first in (0..cycles.len()).step_by(CHUNK) {
-            let samples = first..cycles.len().min(first + CHUNK);
-            let values: Vec<&[f64]> = (signals.iter())
-                .map(|signal| &signal[samples.clone()])
-                .collect();
-            add_block(&cycles[samples], &values, start, &mut sums);
-        }
-        sums
+        sums_from(start, n_harmonics, cycles, signals)
     };
     starts.par_iter().flat_map_iter(block).collect()
 }
 
+/// The sums of so many harmonics from `start` on.
+fn sums_from(
+    start: usize,
+    n_harmonics: usize,
+    cycles: &[f64],
+    signals: &[Vec<f64>],
+) -> Vec<Vec<Complex64>> {
+    let mut sums = vec![vec![Complex64::ZERO; signals.len()]; n_harmonics];
+    for (chunk, cycles) in cycles.chunks(CHUNK).enumerate() {
+        let first = chunk * CHUNK;
+        let values = signals.iter().map(|x| &x[first..first + cycles.len()]);
+        add_block(cycles, &values.collect::<Vec<_>>(), start, &mut sums);
+    }
+    sums
+}
+
 /// Adds the samples of a chunk to the sums of the harmonics from `start` on.
 fn add_block(cycles: &[f64], values: &[&[f64]], start: usize, sums: &mut [Vec<Complex64>]) {
-    let turned = |harmonic: usize| -> (Vec<f64>, Vec<f64>) {
-        let turns = cycles.iter().map(|&cycle| turn(harmonic, cycle));
-        turns.map(|turn| (turn.re, turn.im)).unzip()
-    };
-    let ((mut re, mut im), (step_re, step_im)) = (turned(start), turned(1));
+    let mut turns = Turns::of(cycles, start);
+    let step = Turns::of(cycles, 1);
     for sums in sums {
         for (sum, values) in zip(sums, values) {
-            *sum += Complex64::new(dot(values, &re), dot(values, &im));
+            *sum += Complex64::new(dot(values, &turns.re), dot(values, &turns.im));
         }
-        for k in 0..re.len() {
-            let before = re[k];
-            re[k] = before * step_re[k] - im[k] * step_im[k];
-            im[k] = before * step_im[k] + im[k] * step_re[k];
+        turns.advance(&step);
+    }
+}
+
+/// `e^{-2 pi i h t}` of every sample, parts side by side.
+struct Turns {
+    re: Vec<f64>,
+    im: Vec<f64>,
+}
+
+impl Turns {
+    fn of(cycles: &[f64], harmonic: usize) -> Self {
+        let turns = cycles.iter().map(|&cycle| turn(harmonic, cycle));
+        let (re, im) = turns.map(|turn| (turn.re, turn.im)).unzip();
+        Self { re, im }
+    }
+
+    /// Turns on by a step.
+    fn advance(&mut self, step: &Self) {
+        for k in 0..self.re.len() {
+            let (re, im) = (self.re[k], self.im[k]);
+            self.re[k] = re * step.re[k] - im * step.im[k];
+            self.im[k] = re * step.im[k] + im * step.re[k];
         }
     }
 }
@@ -68,9 +92,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (a, b) = (a.chunks_exact(4), b.chunks_exact(4));
     let rest: f64 = zip(a.remainder(), b.remainder()).map(|(a, b)| a * b).sum();
     for (a, b) in zip(a, b) {
-        for (sum, (a, b)) in zip(&mut sums, zip(a, b)) {
-            *sum += a * b;
-        }
+        zip(&mut sums, zip(a, b)).for_each(|(sum, (a, b))| *sum += a * b);
     }
     sums.iter().sum::<f64>() + rest
 }

@@ -4,6 +4,7 @@
 //! transformed as it is, never padded.
 
 use std::cmp::Ordering;
+use std::iter::zip;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use frfid_signals::{SignalError, check_finite, checks::positive};
@@ -30,20 +31,11 @@ impl LineDft {
     /// [`SignalError::LineOffGrid`] for a line that is 0 or not below Nyquist,
     /// [`EstimateError::NotRising`], [`EstimateError::EmptyList`] without lines.
     pub fn new(n_samples: usize, lines: &[usize]) -> Result<Self, EstimateError> {
-        let highest = n_samples.saturating_sub(1) / 2;
-        if let Some(&line) = lines.iter().find(|&&line| line == 0 || line > highest) {
-            return Err(SignalError::LineOffGrid {
-                line,
-                highest,
-                n_samples,
-            }
-            .into());
-        }
+        check_on_grid(lines, n_samples.saturating_sub(1) / 2, n_samples)?;
         check_rising("lines", lines.iter().map(|&line| line as f64))?;
-        let fft = RealFftPlanner::new().plan_fft_forward(n_samples);
         Ok(Self {
             lines: lines.to_vec(),
-            fft,
+            fft: RealFftPlanner::new().plan_fft_forward(n_samples),
             free: Arc::default(),
         })
     }
@@ -95,15 +87,13 @@ impl Transform for LineDft {
         check_length(name, period, self.n_samples())?;
         let mut buffers = self.borrow();
         let mut spectra = Array2::zeros((period.nrows(), self.lines.len()));
-        for (channel, mut spectrum) in period.rows().into_iter().zip(spectra.rows_mut()) {
+        for (channel, spectrum) in zip(period.rows(), spectra.rows_mut()) {
             let mean = buffers.fill(channel);
             if !mean.is_finite() {
                 check_finite(name, period)?; // one NaN is enough to spoil the sum
             }
             buffers.transform(mean, self.fft.as_ref());
-            for (value, &line) in spectrum.iter_mut().zip(&self.lines) {
-                *value = buffers.bins[line];
-            }
+            zip(spectrum, &self.lines).for_each(|(value, &line)| *value = buffers.bins[line]);
         }
         self.give_back(buffers);
         Ok(spectra)
@@ -151,6 +141,21 @@ impl LineDft {
     fn free_buffers(&self) -> MutexGuard<'_, Vec<Buffers>> {
         self.free.lock().unwrap_or_else(PoisonError::into_inner)
     }
+}
+
+/// Refuses a line that is 0 or above the highest one below Nyquist.
+pub(super) fn check_on_grid(
+    lines: &[usize],
+    highest: usize,
+    n_samples: usize,
+) -> Result<(), SignalError> {
+    let off_grid = lines.iter().find(|&&line| line == 0 || line > highest);
+    let error = |&line: &usize| SignalError::LineOffGrid {
+        line,
+        highest,
+        n_samples,
+    };
+    off_grid.map(error).map_or(Ok(()), Err)
 }
 
 /// Refuses a list without entries, one that does not rise, and one that holds NaN.

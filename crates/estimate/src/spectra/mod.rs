@@ -16,7 +16,7 @@ pub(crate) mod time_series;
 use std::iter::zip;
 
 use frfid_signals::checks::require_shape;
-use frfid_signals::{Excitation, Multisine, Plan, SignalError, log_spaced};
+use frfid_signals::{Chirp, Excitation, Multisine, Plan, SignalError, log_spaced};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
@@ -59,11 +59,14 @@ fn spectra_of_pieces<P>(
     let mut spectra = Array2::zeros((signal.nrows(), pieces.len()));
     for (channel, spectrum) in zip(signal.rows(), spectra.rows_mut()) {
         let samples = channel.to_vec();
-        for (value, piece) in zip(spectrum, pieces) {
-            *value = value_of(piece, &samples);
-        }
+        zip(spectrum, pieces).for_each(|(value, piece)| *value = value_of(piece, &samples));
     }
     spectra
+}
+
+/// Mean of at least one sample.
+fn mean(samples: &[f64]) -> f64 {
+    samples.iter().sum::<f64>() / samples.len() as f64
 }
 
 /// Where in frequency the periods of a plan are evaluated, and how.
@@ -92,18 +95,28 @@ impl Evaluation {
             }
             Excitation::Chirp(chirp) => {
                 let hz = log_spaced(chirp.low_hz, chirp.high_hz, n_frequencies)?;
-                let cut = ExcerptOptions::default();
-                let excerpts = Excerpts::new(chirp, &hz, sample_time_s, 0.0, n_samples, &cut)?;
-                Ok(Self {
-                    relative_resolution: Some(cut.relative_resolution()),
-                    ..Self::on_frequencies(hz, excerpts)
-                })
+                Self::by_excerpts(chirp, hz, sample_time_s, n_samples)
             }
             Excitation::SteppedSine(stepped) => {
                 let dwells = Dwells::new(stepped, sample_time_s, n_samples)?;
                 Ok(Self::on_frequencies(dwells.frequency_hz(), dwells))
             }
         }
+    }
+
+    /// Excerpts of a chirp that begins with the period.
+    fn by_excerpts(
+        chirp: &Chirp,
+        hz: Vec<f64>,
+        sample_time_s: f64,
+        n_samples: usize,
+    ) -> Result<Self, EstimateError> {
+        let cut = ExcerptOptions::default();
+        let excerpts = Excerpts::new(chirp, &hz, sample_time_s, 0.0, n_samples, &cut)?;
+        Ok(Self {
+            relative_resolution: Some(cut.relative_resolution()),
+            ..Self::on_frequencies(hz, excerpts)
+        })
     }
 
     /// Evaluation that resolves whatever the frequencies do.

@@ -24,12 +24,7 @@ impl Spread {
         realizations: &[Vec<Block<'a>>],
         signal: impl Fn(&'a RunSpectra) -> Option<&'a Array2<Complex64>>,
     ) -> Self {
-        let mut spread = Self {
-            means: Vec::new(),
-            squares: Array2::zeros(realizations[0][0][0].u.dim()),
-            freedom: 0,
-            n_runs: 0,
-        };
+        let mut spread = Self::empty(realizations[0][0][0].u.dim());
         for periods in realizations {
             for experiment in 0..periods[0].len() {
                 let spectra = periods.iter().filter_map(|block| signal(block[experiment]));
@@ -37,6 +32,15 @@ impl Spread {
             }
         }
         spread
+    }
+
+    fn empty(shape: (usize, usize)) -> Self {
+        Self {
+            means: Vec::new(),
+            squares: Array2::zeros(shape),
+            freedom: 0,
+            n_runs: 0,
+        }
     }
 
     /// Adds the periods of one experiment.

@@ -27,14 +27,10 @@ impl TimeSeries<'_> {
         transform: &dyn Transform,
     ) -> Result<(), EstimateError> {
         let places = self.places();
-        let runs = places
-            .par_iter()
-            .map(|&place| self.spectra(transform, place));
-        let runs = runs.collect::<Result<Vec<_>, _>>()?;
-        for (place, run) in zip(places, runs) {
-            campaign.insert(place, run)?;
-        }
-        Ok(())
+        let runs = places.par_iter();
+        let runs = runs.map(|&place| self.spectra(transform, place));
+        let runs: Vec<RunSpectra> = runs.collect::<Result<_, _>>()?;
+        zip(places, runs).try_for_each(|(place, run)| campaign.insert(place, run))
     }
 
     /// Every run by realization, period and experiment.

@@ -50,31 +50,95 @@ const OUTSIDE: f64 = 0.005;
 /// signal moves in a sample, and the signal moves before and after it; hardly a sample lies beyond
 /// these ends, and what the turns leave is smooth, and no straight line.
 pub(super) fn wrapped(survey: &Survey) -> Option<(f64, usize)> {
-    let samples = survey.moving;
-    let range = usual_range(survey)?;
-    let jumps = jumps(samples, range)?;
-    let judged = || jumps.iter().copied().take(JUDGED);
-    let usual = |of: &dyn Fn(usize) -> f64| median(judged().map(of).collect());
-    let reach_usual = usual(&|k| reach(samples, range, k))?;
-    let low = usual(&|k| ends(samples, k)[0])?;
-    let high = usual(&|k| ends(samples, k)[1])?;
-    let is_turn = |&k: &usize| {
-        let [low_here, high_here] = ends(samples, k);
-        let away = (low_here - low).abs().max((high_here - high).abs());
-        away <= FARTHER * reach(samples, range, k).max(reach_usual) && moves_around(samples, k)
-    };
-    let n_turns = judged().filter(is_turn).count();
-    let room = FARTHER * reach_usual;
-    let is_beyond = |x: &f64| *x < low - room || *x > high + room;
-    let n_beyond = survey.numbers().filter(is_beyond).count();
-    if (n_turns as f64) < TURNS * judged().count() as f64
-        || n_beyond as f64 > BEYOND * samples.len() as f64
-    {
+    let jumps = Jumps::of(survey)?;
+    let ends = Ends::of(&jumps)?;
+    if !ends.are_of_turns(&jumps) || !ends.hold(survey) {
         return None;
     }
-    let turn = usual_turn(usual(&|k| turn_at(samples, k))?, reach_usual);
+    let turn = jumps.usual(|k| turn_at(jumps.samples, k))?;
+    let turn = usual_turn(turn, ends.reach);
     let numbers = unwrap(survey.numbers(), turn);
-    is_smooth(&numbers, turn).then_some((turn, jumps.len()))
+    is_smooth(&numbers, turn).then_some((turn, jumps.places.len()))
+}
+
+/// The jumps of a signal.
+struct Jumps<'a> {
+    samples: &'a [f64],
+    /// Range of the signal.
+    range: f64,
+    /// Samples that come after a jump.
+    places: Vec<usize>,
+}
+
+impl<'a> Jumps<'a> {
+    /// `None` if there are none, or the signal moves too fast beside them.
+    fn of(survey: &Survey<'a>) -> Option<Self> {
+        let range = usual_range(survey)?;
+        let places = jumps(survey.moving, range)?;
+        Some(Self {
+            samples: survey.moving,
+            range,
+            places,
+        })
+    }
+
+    /// Those that are looked at closely.
+    fn judged(&self) -> &[usize] {
+        &self.places[..self.places.len().min(JUDGED)]
+    }
+
+    /// Median of something over the jumps.
+    fn usual(&self, of: impl Fn(usize) -> f64) -> Option<f64> {
+        median(self.judged().iter().map(|&k| of(k)).collect())
+    }
+
+    /// The farthest that the signal moves in a sample near the jump at `k`, large changes aside.
+    fn reach(&self, k: usize) -> f64 {
+        let near = k.saturating_sub(NEAR)..=k + NEAR;
+        let sizes = near.map(|near| change(self.samples, near).abs());
+        let usual = sizes.filter(|size| *size <= LARGE * self.range);
+        usual.fold(0.0, f64::max)
+    }
+}
+
+/// The ends of the range as the jumps show them.
+struct Ends {
+    low: f64,
+    high: f64,
+    /// How far the signal moves in a sample near them.
+    reach: f64,
+}
+
+impl Ends {
+    fn of(jumps: &Jumps) -> Option<Self> {
+        Some(Self {
+            low: jumps.usual(|k| ends(jumps.samples, k)[0])?,
+            high: jumps.usual(|k| ends(jumps.samples, k)[1])?,
+            reach: jumps.usual(|k| jumps.reach(k))?,
+        })
+    }
+
+    /// Whether enough jumps lead from one end to the other.
+    fn are_of_turns(&self, jumps: &Jumps) -> bool {
+        let judged = jumps.judged();
+        let turns = judged.iter().filter(|&&k| self.is_turn(jumps, k));
+        turns.count() as f64 >= TURNS * judged.len() as f64
+    }
+
+    /// Whether the jump at `k` leads from one end to the other, out of a motion into a motion.
+    fn is_turn(&self, jumps: &Jumps, k: usize) -> bool {
+        let [low, high] = ends(jumps.samples, k);
+        let away = (low - self.low).abs().max((high - self.high).abs());
+        away <= FARTHER * jumps.reach(k).max(self.reach) && moves_around(jumps.samples, k)
+    }
+
+    /// Whether hardly a sample lies beyond them.
+    fn hold(&self, survey: &Survey) -> bool {
+        let room = FARTHER * self.reach;
+        let is_beyond = |x: &f64| *x < self.low - room || *x > self.high + room;
+        let n_beyond = survey.numbers().filter(is_beyond).count();
+        n_beyond as f64 <= BEYOND * survey.moving.len() as f64
+    }
 }
 
 /// The signal without its jumps by a `turn`: every sample becomes the one nearest to that before it
@@ -89,16 +153,17 @@ pub fn unwrapped(signal: ArrayView1<f64>, turn: f64) -> Array1<f64> {
 fn unwrap(numbers: impl Iterator<Item = f64>, turn: f64) -> Vec<f64> {
     let (mut before, mut turns) = (f64::NAN, 0.0);
     let next = |x: f64| {
-        let passed = ((x - before) / turn).round();
-        if passed.is_finite() {
-            turns += passed;
-        }
-        if x.is_finite() {
-            before = x;
-        }
+        turns += whole_turns(x - before, turn);
+        before = if x.is_finite() { x } else { before };
         if turns == 0.0 { x } else { x - turns * turn }
     };
     numbers.map(next).collect()
+}
+
+/// The whole turns in a change; 0 where that is not known.
+fn whole_turns(change: f64, turn: f64) -> f64 {
+    let turns = (change / turn).round();
+    if turns.is_finite() { turns } else { 0.0 }
 }
 
 /// Change from the sample before the `k`-th; 0 where there is none.
@@ -111,12 +176,18 @@ fn change(samples: &[f64], k: usize) -> f64 {
 
 /// Largest less smallest value but for outliers; `None` of a signal that rests nearly all the time.
 fn usual_range(survey: &Survey) -> Option<f64> {
+    let sorted = sorted_sample(survey);
+    let outside = (OUTSIDE * sorted.len() as f64) as usize;
+    let (low, high) = (sorted.get(outside)?, sorted.iter().rev().nth(outside)?);
+    Some(high - low).filter(|&range| range > 0.0)
+}
+
+/// Some of the values, evenly over the signal, in rising order.
+fn sorted_sample(survey: &Survey) -> Vec<f64> {
     let stride = survey.moving.len() / JUDGED + 1;
     let mut sampled: Vec<f64> = survey.numbers().step_by(stride).collect();
     sampled.sort_by(f64::total_cmp);
-    let outside = (OUTSIDE * sampled.len() as f64) as usize;
-    let (low, high) = (sampled.get(outside)?, sampled.iter().rev().nth(outside)?);
-    Some(high - low).filter(|&range| range > 0.0)
+    sampled
 }
 
 /// The lower and the upper end of a jump.
@@ -127,50 +198,45 @@ fn ends(samples: &[f64], k: usize) -> [f64; 2] {
 
 /// Places of the jumps; `None` if there are none, or the signal moves too fast beside them.
 fn jumps(samples: &[f64], range: f64) -> Option<Vec<usize>> {
-    let (mut jumps, mut n_large) = (Vec::new(), 0);
-    for (k, pair) in samples.windows(2).enumerate() {
-        let size = (pair[1] - pair[0]).abs();
-        if size > JUMP * range {
-            jumps.push(k + 1);
-        } else if size > LARGE * range {
-            n_large += 1;
-        }
-    }
+    let jumps: Vec<usize> = changes_above(samples, JUMP * range).collect();
+    let n_large = changes_above(samples, LARGE * range).count() - jumps.len();
     let is_slow = PER_JUMP * jumps.len() <= samples.len()
-        && f64::from(n_large) <= LARGE_PER_JUMP * jumps.len() as f64;
+        && n_large as f64 <= LARGE_PER_JUMP * jumps.len() as f64;
     let jumps = without_outliers(samples, &jumps);
     (is_slow && !jumps.is_empty()).then_some(jumps)
 }
 
+/// Places of the changes that are larger than `size`.
+fn changes_above(samples: &[f64], size: f64) -> impl Iterator<Item = usize> {
+    (1..samples.len()).filter(move |&k| change(samples, k).abs() > size)
+}
+
 /// Jumps that are not undone at once.
 fn without_outliers(samples: &[f64], jumps: &[usize]) -> Vec<usize> {
-    let mut kept: Vec<usize> = Vec::with_capacity(jumps.len());
+    let mut kept: Vec<usize> = Vec::new();
     for &k in jumps {
-        let is_back = |&before: &usize| {
-            k - before <= JUMP_BACK && change(samples, before) * change(samples, k) < 0.0
-        };
-        if kept.last().is_some_and(is_back) {
-            kept.pop();
-        } else {
-            kept.push(k);
+        match kept.last() {
+            Some(&before) if undoes(samples, k, before) => drop(kept.pop()),
+            _ => kept.push(k),
         }
     }
     kept
 }
 
-/// The farthest that the signal moves in a sample near the jump at `k`, large changes aside.
-fn reach(samples: &[f64], range: f64, k: usize) -> f64 {
-    let near = (k.saturating_sub(NEAR)..=k + NEAR).map(|near| change(samples, near).abs());
-    near.filter(|&size| size <= LARGE * range)
-        .fold(0.0, f64::max)
+/// Whether the jump at `k` leads back at once from where that at `before` led.
+fn undoes(samples: &[f64], k: usize, before: usize) -> bool {
+    k - before <= JUMP_BACK && change(samples, before) * change(samples, k) < 0.0
 }
 
 /// Whether the signal moves before and after the jump at `k`.
 fn moves_around(samples: &[f64], k: usize) -> bool {
-    let before = &samples[k.saturating_sub(MOVES_WITHIN)..k];
-    let after = &samples[k..samples.len().min(k + MOVES_WITHIN)];
-    let moves = |side: &[f64]| side.windows(2).any(|pair| pair[0] != pair[1]);
-    moves(before) && moves(after)
+    let end = samples.len().min(k + MOVES_WITHIN);
+    moves(&samples[k.saturating_sub(MOVES_WITHIN)..k]) && moves(&samples[k..end])
+}
+
+/// Whether any sample differs from the one before it.
+fn moves(samples: &[f64]) -> bool {
+    samples.windows(2).any(|pair| pair[0] != pair[1])
 }
 
 /// The turn of a jump: its size, and what the signal moves in its sample the other way, the mean of
@@ -178,40 +244,81 @@ fn moves_around(samples: &[f64], k: usize) -> bool {
 fn turn_at(samples: &[f64], k: usize) -> f64 {
     let jump = change(samples, k);
     let moved = 0.5 * (change(samples, k - 1) + change(samples, k + 1));
-    let is_near_a_jump = moved.abs() > LARGE * jump.abs();
-    if moved.is_finite() && !is_near_a_jump {
-        (jump - moved).abs()
-    } else {
-        jump.abs()
-    }
+    let is_motion = moved.is_finite() && moved.abs() <= LARGE * jump.abs();
+    (if is_motion { jump - moved } else { jump }).abs()
 }
 
-/// The usual turn within `tolerance` of that found: of angles in turns, rad, mrad, degrees, gon and
-/// hundredths of a degree, halves of them, counts of an encoder.
+/// The usual turn within `tolerance` of that found.
 fn usual_turn(found: f64, tolerance: f64) -> f64 {
+    let away = |usual: f64| (usual - found).abs();
+    usual_turns()
+        .filter(|&usual| away(usual) <= tolerance)
+        .min_by(|&a, &b| away(a).total_cmp(&away(b)))
+        .unwrap_or(found)
+}
+
+/// Turns of angles in turns, rad, mrad, degrees, gon and hundredths of a degree, halves of them,
+/// counts of an encoder.
+fn usual_turns() -> impl Iterator<Item = f64> {
     let whole = [1.0, TAU, 1e3 * TAU, 360.0, 400.0, 3600.0, 36_000.0];
     let half = [PI, 1e3 * PI, 180.0, 200.0];
     let counts = (8..=32).map(|bits| 2.0_f64.powi(bits));
     let decimal = (3..=7).map(|digits| 10.0_f64.powi(digits));
-    let all = whole.into_iter().chain(half).chain(counts).chain(decimal);
-    all.filter(|usual| (usual - found).abs() <= tolerance)
-        .min_by(|a, b| (a - found).abs().total_cmp(&(b - found).abs()))
-        .unwrap_or(found)
+    whole.into_iter().chain(half).chain(counts).chain(decimal)
 }
 
 /// Whether a signal is smooth about a straight line, and more than that line; outliers aside.
 fn is_smooth(samples: &[f64], turn: f64) -> bool {
-    let places = || (1..samples.len()).step_by(samples.len() / JUDGED + 1);
-    let count = places().count() as f64;
-    let mean = |of: &dyn Fn(usize) -> f64| places().map(of).sum::<f64>() / count;
-    let (middle, offset) = (mean(&|k| k as f64), mean(&|k| samples[k]));
-    let tilt = mean(&|k| (k as f64 - middle) * (samples[k] - offset));
-    let slope = tilt / mean(&|k| (k as f64 - middle).powi(2));
-    let usual = |of: &dyn Fn(usize) -> f64| median(places().map(|k| of(k).abs()).collect());
-    let size = usual(&|k| samples[k] - offset - slope * (k as f64 - middle));
-    let of_changes = usual(&|k| samples[k] - samples[k - 1] - slope);
-    let sizes = size.zip(of_changes);
-    sizes.is_some_and(|(size, of_changes)| {
-        size > MORE_THAN_A_LINE * turn && size >= SMOOTH * of_changes
+    let line = Line::through(samples);
+    let of_signal = usual_size(samples, |k| line.distance(samples, k));
+    let of_changes = usual_size(samples, |k| samples[k] - samples[k - 1] - line.slope);
+    let sizes = of_signal.zip(of_changes);
+    sizes.is_some_and(|(of_signal, of_changes)| {
+        of_signal > MORE_THAN_A_LINE * turn && of_signal >= SMOOTH * of_changes
     })
+}
+
+/// Samples that are looked at, evenly over the signal.
+fn sampled_places(samples: &[f64]) -> impl Iterator<Item = usize> {
+    (1..samples.len()).step_by(samples.len() / JUDGED + 1)
+}
+
+/// Median size of something over the signal.
+fn usual_size(samples: &[f64], of: impl Fn(usize) -> f64) -> Option<f64> {
+    median(sampled_places(samples).map(|k| of(k).abs()).collect())
+}
+
+/// Mean of something over the signal.
+fn mean(samples: &[f64], of: impl Fn(usize) -> f64) -> f64 {
+    let count = sampled_places(samples).count() as f64;
+    sampled_places(samples).map(of).sum::<f64>() / count
+}
+
+/// A straight line through a signal.
+struct Line {
+    /// Place in the middle, and the value there.
+    middle: f64,
+    offset: f64,
+    /// Rise in a sample.
+    slope: f64,
+}
+
+impl Line {
+    /// By least squares.
+    fn through(samples: &[f64]) -> Self {
+        let middle = mean(samples, |k| k as f64);
+        let offset = mean(samples, |k| samples[k]);
+        let tilt = mean(samples, |k| (k as f64 - middle) * (samples[k] - offset));
+        let slope = tilt / mean(samples, |k| (k as f64 - middle).powi(2));
+        Self {
+            middle,
+            offset,
+            slope,
+        }
+    }
+
+    /// How far a sample lies above it.
+    fn distance(&self, samples: &[f64], k: usize) -> f64 {
+        samples[k] - self.offset - self.slope * (k as f64 - self.middle)
+    }
 }
