@@ -66,18 +66,23 @@ impl Format {
     pub(crate) fn of(path: &Path) -> Result<&'static Self, FileError> {
         let opened = File::open(path).and_then(|mut file| first_bytes(&mut file));
         let start = opened.map_err(FileError::cannot("open", path))?;
-        let by_content = FORMATS.iter().find(|format| format.begins(&start));
-        let format = by_content.or_else(|| FORMATS.iter().find(|format| format.has(path)));
-        format.ok_or_else(|| {
-            let (found, advice) = other_kind(&start);
-            FileError::format(path, found, "a recording", advice)
-        })
+        Self::known(path, &start).ok_or_else(|| no_recording(path, &start))
+    }
+
+    fn known(path: &Path, start: &[u8]) -> Option<&'static Self> {
+        let by_content = FORMATS.iter().find(|format| format.begins(start));
+        by_content.or_else(|| FORMATS.iter().find(|format| format.has(path)))
     }
 
     /// Whether a file that starts like this is of the format.
     fn begins(&self, start: &[u8]) -> bool {
         !self.magic.is_empty() && start.starts_with(self.magic)
     }
+}
+
+fn no_recording(path: &Path, start: &[u8]) -> FileError {
+    let (found, advice) = other_kind(start);
+    FileError::format(path, found, "a recording", advice)
 }
 
 /// What a file of none of the formats is, and what to do with it.

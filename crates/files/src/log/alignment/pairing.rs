@@ -1,19 +1,27 @@
 //! Pairing of topics, cycle by cycle: rates, delays and clocks of the topics of one recording.
 
 use crate::log::clock::{Clock, Flaw, NOTABLE_JITTER, flaw};
+use crate::log::map::LogMap;
 use crate::log::recording::Series;
 use crate::log::text::duration;
 
 /// A topic with its clock.
-#[derive(Clone, Copy)]
 pub(crate) struct Paced<'t> {
     pub(crate) series: &'t Series,
     pub(crate) clock: &'t Clock,
     /// Which of the map's roles it plays, for people: `u` or `r, position`.
-    pub(crate) roles: &'t str,
+    pub(crate) roles: String,
 }
 
-impl Paced<'_> {
+impl<'t> Paced<'t> {
+    pub(crate) fn of(map: &LogMap, series: &'t Series, clock: &'t Clock) -> Self {
+        Self {
+            series,
+            clock,
+            roles: map.roles_of(&series.signals),
+        }
+    }
+
     /// For people: `u (/commands)`.
     fn name(&self) -> String {
         format!("{} ({})", self.roles, self.series.topic)
@@ -28,9 +36,12 @@ impl Paced<'_> {
 
     /// Time of its sample 0 in ns after that of another.
     fn behind_ns(&self, other: &Self) -> f64 {
-        let apart = i128::from(self.series.stamps_ns[0]) - i128::from(other.series.stamps_ns[0]);
-        let origin_ns = |clock: &Clock| clock.line.origin * clock.line.step_ns;
-        apart as f64 + origin_ns(self.clock) - origin_ns(other.clock)
+        let apart = self.first_ns() - other.first_ns();
+        apart as f64 + self.clock.line.origin_ns() - other.clock.line.origin_ns()
+    }
+
+    fn first_ns(&self) -> i128 {
+        i128::from(self.series.stamps_ns[0])
     }
 
     /// How many samples it lies behind the cycle of another that it is paired with.
