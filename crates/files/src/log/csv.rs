@@ -5,14 +5,14 @@ use std::path::Path;
 
 use crate::error::FileError;
 use crate::log::lines::{COMMENTS, Lines, is_comment};
-use crate::log::map::{LogMap, Signal};
+use crate::log::map::{LogMap, Signal, Signals};
 use crate::log::recording::{Recording, TimedDamage};
 use crate::log::sample_times::{SampleTimes, TimeColumn, nth_stamp_ns};
 use crate::log::table::Table;
 
 /// Reads the mapped columns. A row that breaks off, and everything behind it, is reported as
 /// damage.
-pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Recording, FileError> {
+pub(crate) fn read(path: &Path, map: &LogMap, signals: &Signals) -> Result<Recording, FileError> {
     let mut lines = Lines::open(path)?;
     let mapped = mapped_names(map, signals);
     let header = header_line(&mut lines, &mapped)?;
@@ -107,7 +107,7 @@ impl<'h> Header<'h> {
     }
 
     /// The places of the columns of signals.
-    fn columns(&self, signals: &[&Signal]) -> Result<Vec<usize>, FileError> {
+    fn columns(&self, signals: &Signals) -> Result<Vec<usize>, FileError> {
         let column = |signal: &&Signal| self.column(&signal.source);
         signals.iter().map(column).collect()
     }
@@ -149,7 +149,7 @@ struct Untimed {
 }
 
 impl Rows {
-    fn of(header: &Header, map: &LogMap, signals: &[&Signal]) -> Result<Self, FileError> {
+    fn of(header: &Header, map: &LogMap, signals: &Signals) -> Result<Self, FileError> {
         Ok(Self {
             clock: SampleTimes::of(header.path, map, |name| header.column(name))?,
             columns: header.columns(signals)?,
@@ -202,7 +202,7 @@ impl Rows {
     }
 
     /// The recording, with what is wrong with the end of the file.
-    fn recording(self, lines: Lines, signals: &[&Signal]) -> Recording {
+    fn recording(self, lines: Lines, signals: &Signals) -> Recording {
         let warnings = cut_warning(&lines).into_iter().collect();
         Recording {
             damages: self.damages(lines.failed),

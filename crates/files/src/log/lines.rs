@@ -90,12 +90,18 @@ impl Lines {
     /// The bytes of the next line with its end, as far as they can be read.
     fn read_line(&mut self) -> Vec<u8> {
         let mut line = Vec::new();
-        let mut limited = (&mut self.reader).take(LINE_LIMIT);
-        if let Err(error) = limited.read_until(b'\n', &mut line) {
-            let last = self.number;
-            self.failed = Some(format!("cannot read on behind line {last}: {error}"));
+        if let Err(error) = (&mut self.reader)
+            .take(LINE_LIMIT)
+            .read_until(b'\n', &mut line)
+        {
+            self.fail(&error);
         }
         line
+    }
+
+    fn fail(&mut self, error: &io::Error) {
+        let last = self.number;
+        self.failed = Some(format!("cannot read on behind line {last}: {error}"));
     }
 
     fn count(&mut self, line: &[u8]) {

@@ -23,6 +23,9 @@ pub struct Signal {
     pub scale: f64,
 }
 
+/// All signals of a map, role by role: u, y, r, position.
+pub(crate) type Signals<'s> = [&'s Signal];
+
 fn one() -> f64 {
     1.0
 }

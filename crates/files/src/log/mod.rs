@@ -209,8 +209,7 @@ impl<'s> Source<'s> {
     /// Converts every signal to SI.
     fn convert(&self, values: &mut Array2<f64>) -> Result<(), FileError> {
         for (signal, mut row) in self.signals.iter().zip(values.rows_mut()) {
-            let scale = self.scale(signal)?;
-            row.mapv_inplace(|value| scale * value);
+            row *= self.scale(signal)?;
         }
         Ok(())
     }

@@ -8,7 +8,7 @@ use ndarray::ArrayD;
 use npyz::npz::NpzArchive;
 
 use crate::error::FileError;
-use crate::log::map::{LogMap, Signal};
+use crate::log::map::{LogMap, Signal, Signals};
 use crate::log::npy::{parse_npy, parse_npy_integers};
 use crate::log::recording::{Recording, Series};
 use crate::log::sample_times::{SampleTimes, TimeColumn, nth_stamp_ns};
@@ -23,16 +23,17 @@ pub fn read_npz_array(path: &Path, name: &str) -> Result<ArrayD<f64>, FileError>
     read_array(path, name, parse_npy)
 }
 
-fn read_array<T>(
-    path: &Path,
-    name: &str,
-    parse: fn(&[u8]) -> Option<ArrayD<T>>,
-) -> Result<ArrayD<T>, FileError> {
+/// Reads the file of an array, if it is of numbers of a type.
+type Parse<T> = fn(&[u8]) -> Option<ArrayD<T>>;
+
+fn read_array<T>(path: &Path, name: &str, parse: Parse<T>) -> Result<ArrayD<T>, FileError> {
     let bytes = entry_bytes(path, name)?;
-    parse(&bytes).ok_or_else(|| {
-        let needed = "an array of real numbers, as long as its shape says";
-        bad_array(path, name, start_of(&bytes), needed)
-    })
+    parse(&bytes).ok_or_else(|| bad_numbers(path, name, &bytes))
+}
+
+fn bad_numbers(path: &Path, name: &str, bytes: &[u8]) -> FileError {
+    let needed = "an array of real numbers, as long as its shape says";
+    bad_array(path, name, start_of(bytes), needed)
 }
 
 /// The beginning of an array's file, where its header is.
@@ -92,7 +93,7 @@ fn no_npz(path: &Path, error: io::Error) -> FileError {
 
 /// The mapped arrays of a recording: `name` for one channel, `name[row]` for a row of (channel,
 /// sample).
-pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Recording, FileError> {
+pub(crate) fn read(path: &Path, map: &LogMap, signals: &Signals) -> Result<Recording, FileError> {
     let columns = columns(path, signals)?;
     let stamps_ns = stamps(path, map, &Length::of(&signals[0].source, &columns[0]))?;
     Ok(Recording {
@@ -108,7 +109,7 @@ pub(crate) fn read(path: &Path, map: &LogMap, signals: &[&Signal]) -> Result<Rec
 }
 
 /// The samples of every signal, of one length.
-fn columns(path: &Path, signals: &[&Signal]) -> Result<Vec<Vec<f64>>, FileError> {
+fn columns(path: &Path, signals: &Signals) -> Result<Vec<Vec<f64>>, FileError> {
     let column = |signal: &&Signal| row(path, &signal.source, parse_npy);
     let columns = signals.iter().map(column).collect::<Result<Vec<_>, _>>()?;
     check_lengths(path, signals, &columns)?;
@@ -116,7 +117,7 @@ fn columns(path: &Path, signals: &[&Signal]) -> Result<Vec<Vec<f64>>, FileError>
 }
 
 /// Refuses signals that are not as long as the first one.
-fn check_lengths(path: &Path, signals: &[&Signal], columns: &[Vec<f64>]) -> Result<(), FileError> {
+fn check_lengths(path: &Path, signals: &Signals, columns: &[Vec<f64>]) -> Result<(), FileError> {
     let first = Length::of(&signals[0].source, &columns[0]);
     for (signal, column) in signals.iter().zip(columns) {
         Length::of(&signal.source, column).check(path, &first)?;
@@ -179,26 +180,28 @@ impl<'s> Length<'s> {
         if self.n_samples == first.n_samples {
             return Ok(());
         }
+        Err(self.other_than(path, first))
+    }
+
+    fn other_than(&self, path: &Path, first: &Length) -> FileError {
         let found = format!("{} samples", self.n_samples);
         let needed = format!("{}, as in {}", first.n_samples, first.source);
-        Err(bad_array(path, self.source, found, needed))
+        bad_array(path, self.source, found, needed)
     }
 }
 
 /// The samples of a source in the log map, as `parse` reads their array.
-fn row<T: Copy>(
-    path: &Path,
-    source: &str,
-    parse: fn(&[u8]) -> Option<ArrayD<T>>,
-) -> Result<Vec<T>, FileError> {
+fn row<T: Copy>(path: &Path, source: &str, parse: Parse<T>) -> Result<Vec<T>, FileError> {
     let (name, place) = name_and_place(source);
     let array = read_array(path, name, parse)?;
-    samples(&array, place).ok_or_else(|| {
-        let what = format!("source {source} in the log map");
-        let found = format!("an array of shape {:?}", array.shape());
-        let needed = "name for an array (sample), name[row] for one (channel, sample)";
-        FileError::content(path, what, found, needed)
-    })
+    samples(&array, place).ok_or_else(|| other_shape(path, source, array.shape()))
+}
+
+fn other_shape(path: &Path, source: &str, shape: &[usize]) -> FileError {
+    let what = format!("source {source} in the log map");
+    let found = format!("an array of shape {shape:?}");
+    let needed = "name for an array (sample), name[row] for one (channel, sample)";
+    FileError::content(path, what, found, needed)
 }
 
 /// The samples of an array (sample), or of a row of one (channel, sample).

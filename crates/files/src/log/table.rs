@@ -1,7 +1,7 @@
 //! Table of rows of which each holds some of the signals, split into series by which rows they have:
 //! two topics in one CSV, two arms on one topic, a command at a quarter of the rate.
 
-use crate::log::map::Signal;
+use crate::log::map::{Signal, Signals};
 use crate::log::recording::{Cells, Series, picked};
 
 /// Two signals are of two series if each has at least this share of the rows to itself,
@@ -33,9 +33,11 @@ struct Pattern {
 }
 
 impl Pattern {
-    fn of(there: impl Iterator<Item = bool>) -> Self {
+    /// The pattern of a row, or that of rows that have all.
+    fn of(row: &Cells, has_all: bool) -> Self {
+        let there = |value: &Option<f64>| has_all || value.is_some();
         Self {
-            there: there.collect(),
+            there: row.iter().map(there).collect(),
             n_rows: 0,
         }
     }
@@ -112,10 +114,9 @@ impl Table {
     /// which has all signals.
     fn add_pattern(&mut self, row: &Cells) -> usize {
         let number = self.patterns.len().min(MOST_PATTERNS);
-        let is_last = number == MOST_PATTERNS;
         if number == self.patterns.len() {
-            let there = row.iter().map(|value| is_last || value.is_some());
-            self.patterns.push(Pattern::of(there));
+            let is_last = number == MOST_PATTERNS;
+            self.patterns.push(Pattern::of(row, is_last));
         }
         number
     }
@@ -127,13 +128,15 @@ impl Table {
     }
 
     /// The series of the table; several are named by their signals.
-    pub(crate) fn split(self, signals: &[&Signal]) -> Vec<Series> {
+    pub(crate) fn split(self, signals: &Signals) -> Vec<Series> {
         let groups = self.groups();
         if groups.len() == 1 {
             return vec![self.series];
         }
-        let part = |group: &Vec<usize>| self.part(group, signals);
-        groups.iter().map(part).collect()
+        groups
+            .iter()
+            .map(|group| self.part(group, signals))
+            .collect()
     }
 
     /// Columns that are of one series, group by group.
@@ -160,7 +163,7 @@ impl Table {
     }
 
     /// The rows that hold any of these columns.
-    fn part(&self, group: &[usize], signals: &[&Signal]) -> Series {
+    fn part(&self, group: &[usize], signals: &Signals) -> Series {
         let rows = self.rows_of(group);
         let places = picked(&self.series.signals, group);
         let column = |column: &usize| picked(&self.series.columns[*column], &rows);
@@ -183,7 +186,7 @@ impl Table {
     }
 }
 
-fn names(places: &[usize], signals: &[&Signal]) -> String {
+fn names(places: &[usize], signals: &Signals) -> String {
     let names = places.iter().map(|place| signals[*place].source.as_str());
     names.collect::<Vec<_>>().join(", ")
 }

@@ -5,6 +5,7 @@ use std::ops::Range;
 
 use crate::log::clock::evenness::stretches;
 use crate::log::clock::line::Line;
+use crate::log::clock::sample_time::Guess;
 use crate::log::clock::slots::Slots;
 use crate::log::clock::{Flaw, flaw};
 use crate::log::recording::{Series, picked, repeats_stamp};
@@ -20,9 +21,19 @@ pub(crate) struct Contested {
 }
 
 impl Contested {
+    /// The slots of a series from a guess, once its contested rows are taken out.
+    pub(crate) fn cleared(&mut self, series: &mut Series, guess: Guess) -> Result<Slots, Flaw> {
+        loop {
+            let slots = Slots::of(&series.stamps_ns, guess);
+            if self.take_out(series, &slots)? == 0 {
+                return Ok(slots);
+            }
+        }
+    }
+
     /// Takes rows out of the series that have no slot, with the rows whose stamp they share; returns
     /// how many there were.
-    pub(crate) fn take_out(&mut self, series: &mut Series, slots: &Slots) -> Result<usize, Flaw> {
+    fn take_out(&mut self, series: &mut Series, slots: &Slots) -> Result<usize, Flaw> {
         let rows = rows_without_slot(&series.stamps_ns, slots);
         self.stamps_ns.extend(picked(&series.stamps_ns, &rows));
         self.check_few(&series.stamps_ns)?;
@@ -55,9 +66,8 @@ impl Contested {
 
     /// The slots of their stamps, along a line from the first of the stamps that are left.
     pub(crate) fn slots(&self, stamps_ns: &[i64], line: Line) -> Vec<u32> {
-        let since_first = |stamp: &i64| stamp.saturating_sub(stamps_ns[0]) as f64;
-        let times = self.stamps_ns.iter().map(since_first);
-        times.filter_map(|time_ns| line.slot(time_ns)).collect()
+        let slot = |stamp: &i64| line.slot(stamp.saturating_sub(stamps_ns[0]) as f64);
+        self.stamps_ns.iter().filter_map(slot).collect()
     }
 }
 

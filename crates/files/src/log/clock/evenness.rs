@@ -44,14 +44,12 @@ pub(crate) fn check_amount(stamps_ns: &[i64], step_ns: f64) -> Result<(), Flaw> 
 }
 
 fn check_rising(stamps_ns: &[i64], step_ns: f64) -> Result<(), Flaw> {
-    let needed = "rising stamps";
-    match stamps_ns.len() {
-        0 => flaw("no samples", needed),
-        count if length_ns(stamps_ns) == 0.0 || step_ns <= 0.0 => {
-            flaw(format!("{count} samples, all of one stamp"), needed)
-        }
-        _ => Ok(()),
+    if length_ns(stamps_ns) == 0.0 || step_ns <= 0.0 {
+        let count = stamps_ns.len();
+        let found = format!("{count} samples, all of one stamp");
+        return flaw(found, "rising stamps");
     }
+    Ok(())
 }
 
 fn check_gaps(stamps_ns: &[i64], step_ns: f64) -> Result<(), Flaw> {
@@ -99,7 +97,8 @@ fn length_ns(stamps_ns: &[i64]) -> f64 {
 
 /// Refuses stamps of which many repeat the one before them, unless the sample time is stated.
 pub(crate) fn check_twins(stamps_ns: &[i64], is_stated: bool) -> Result<(), Flaw> {
-    let (count, twins) = (stamps_ns.len(), n_twins(stamps_ns));
+    let count = stamps_ns.len();
+    let twins = n_twins(stamps_ns);
     if is_stated || twins * MANY_TWINS < count {
         return Ok(());
     }
@@ -158,8 +157,13 @@ fn spread_told(points: Points, line: Line) -> String {
 pub(crate) fn half_spread(points: Points, line: Line) -> f64 {
     let mut deviations: Vec<f64> = line.deviations(points).collect();
     deviations.sort_unstable_by(f64::total_cmp);
-    let count = (TYPICAL * deviations.len() as f64).ceil().max(2.0) as usize;
-    0.5 * shortest_span(&deviations, count.min(deviations.len()))
+    0.5 * shortest_span(&deviations, n_typical(deviations.len()))
+}
+
+/// How many of so many stamps are the typical ones.
+fn n_typical(count: usize) -> usize {
+    let typical = (TYPICAL * count as f64).ceil().max(2.0);
+    (typical as usize).min(count)
 }
 
 /// The shortest span that holds so many of sorted values.

@@ -75,6 +75,15 @@ impl Line {
         self.deviations(points).map(f64::abs).fold(0.0, f64::max)
     }
 
+    /// Rms of the deviations about their mean, without those beyond `reach` steps.
+    pub(crate) fn jitter(self, points: Points, reach: f64) -> f64 {
+        let inside = || self.deviations(points).filter(|off| off.abs() <= reach);
+        let count = inside().count() as f64;
+        let mean = inside().sum::<f64>() / count;
+        let squares = inside().map(|deviation| (deviation - mean).powi(2));
+        (squares.sum::<f64>() / count).sqrt()
+    }
+
     /// How many stamps are within `reach` steps of the line.
     pub(crate) fn n_within(self, points: Points, reach: f64) -> usize {
         let is_within = |deviation: &f64| deviation.abs() <= reach;

@@ -94,10 +94,9 @@ pub(crate) fn header_stamp_ns(message: &Value) -> Option<i64> {
 /// A time in whole seconds and the ns behind them.
 fn time_ns(time: &Value) -> Option<i64> {
     let sec = time.field("sec")?.number()?;
-    let nanosec = time.field("nanosec")?.number()?;
     // saturating: what a hostile message holds is no time, and later refused as such
     let whole_ns = (sec as i64).saturating_mul(1_000_000_000);
-    Some(whole_ns.saturating_add(nanosec as i64))
+    Some(whole_ns.saturating_add(time.field("nanosec")?.number()? as i64))
 }
 
 #[cfg(test)]

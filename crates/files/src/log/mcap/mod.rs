@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::error::FileError;
-use crate::log::map::{LogMap, Signal};
+use crate::log::map::{LogMap, Signal, Signals};
 use crate::log::mcap::message::{Received, header_stamp_ns};
 use crate::log::recording::{Cells, Recording, Series, TimedDamage, of_damaged};
 use crate::log::table::Table;
@@ -36,11 +36,7 @@ struct Topics {
 }
 
 /// Reads every mapped topic.
-pub(crate) fn read(
-    path: &Path,
-    _map: &LogMap,
-    signals: &[&Signal],
-) -> Result<Recording, FileError> {
+pub(crate) fn read(path: &Path, _map: &LogMap, signals: &Signals) -> Result<Recording, FileError> {
     let mut topics = Topics::of(path, signals)?;
     let damages = topics.read(path)?;
     let checked = topics.check_there(path);
@@ -54,7 +50,7 @@ pub(crate) fn read(
 
 impl Topics {
     /// The mapped topics, each with the signals taken from it.
-    fn of(path: &Path, signals: &[&Signal]) -> Result<Self, FileError> {
+    fn of(path: &Path, signals: &Signals) -> Result<Self, FileError> {
         let mut topics = Self::default();
         for (place, signal) in signals.iter().enumerate() {
             topics.add_signal(place, selector_of(path, signal)?);
@@ -71,11 +67,13 @@ impl Topics {
     /// The mapped topic of a name, a new one if there is none yet.
     fn topic(&mut self, name: &str) -> &mut Topic {
         let known = self.place(name);
-        let place = known.unwrap_or(self.mapped.len());
-        if known.is_none() {
-            self.mapped.push(Topic::of(name));
-        }
+        let place = known.unwrap_or_else(|| self.add_topic(name));
         &mut self.mapped[place]
+    }
+
+    fn add_topic(&mut self, name: &str) -> usize {
+        self.mapped.push(Topic::of(name));
+        self.mapped.len() - 1
     }
 
     /// The place of a topic among those that are mapped.
@@ -96,10 +94,8 @@ impl Topics {
     fn take(&mut self, received: &Received) -> Result<(), FileError> {
         let name = &received.channel.topic;
         self.see(name);
-        match self.place(name) {
-            Some(place) => self.mapped[place].take(received),
-            None => Ok(()),
-        }
+        self.place(name)
+            .map_or(Ok(()), |place| self.mapped[place].take(received))
     }
 
     fn see(&mut self, name: &String) {
@@ -127,7 +123,7 @@ impl Topics {
         self.seen.iter().map(String::as_str).collect()
     }
 
-    fn series(self, signals: &[&Signal]) -> Vec<Series> {
+    fn series(self, signals: &Signals) -> Vec<Series> {
         let topics = self.mapped.into_iter();
         topics.flat_map(|topic| topic.series(signals)).collect()
     }
@@ -204,7 +200,7 @@ impl Topic {
     }
 
     /// What it recorded; a topic is on one clock.
-    fn series(mut self, signals: &[&Signal]) -> Vec<Series> {
+    fn series(mut self, signals: &Signals) -> Vec<Series> {
         if let Some(stamps) = self.recorders_ns {
             self.table.restamp(stamps);
         }
