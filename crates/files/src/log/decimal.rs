@@ -3,36 +3,49 @@
 /// The number times `10^shift`, rounded to a whole one; `None` if it is no decimal number or beyond
 /// `i64`.
 pub(crate) fn scaled_integer(text: &str, shift: i32) -> Option<i64> {
-    let (mantissa, exponent) = match text.split_once(['e', 'E']) {
-        Some((mantissa, exponent)) => (mantissa, exponent.parse::<i16>().ok()?),
-        None => (text, 0),
-    };
-    let (sign, digits) = match mantissa.strip_prefix('-') {
-        Some(digits) => (-1, digits),
-        None => (1, mantissa.strip_prefix('+').unwrap_or(mantissa)),
-    };
+    let (mantissa, exponent) = mantissa_and_exponent(text)?;
+    let (sign, digits) = sign_and_digits(mantissa);
     let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
-    let digits = format!("{whole}{fraction}");
-    // 30 digits are more than any float has, and fit an i128
-    if digits.is_empty() || digits.len() > 30 || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
-        return None;
-    }
-    let number: i128 = digits.parse().ok()?;
+    let number = whole_number(&format!("{whole}{fraction}"))?;
     let power = i32::from(exponent) + shift - fraction.len() as i32;
     i64::try_from(sign * shifted(number, power)?).ok()
 }
 
-/// A number that is not negative times a power of ten, rounded; halves up.
+fn mantissa_and_exponent(text: &str) -> Option<(&str, i16)> {
+    let parts = text.split_once(['e', 'E']);
+    let (mantissa, exponent) = parts.unwrap_or((text, "0"));
+    Some((mantissa, exponent.parse().ok()?))
+}
+
+fn sign_and_digits(mantissa: &str) -> (i128, &str) {
+    match mantissa.strip_prefix('-') {
+        Some(digits) => (-1, digits),
+        None => (1, mantissa.strip_prefix('+').unwrap_or(mantissa)),
+    }
+}
+
+/// The number of these digits.
+fn whole_number(digits: &str) -> Option<i128> {
+    let are_digits = digits.bytes().all(|byte| byte.is_ascii_digit());
+    // 30 digits are more than any float has, and fit an i128
+    let is_number = are_digits && digits.len() <= 30;
+    is_number.then(|| digits.parse().ok())?
+}
+
+/// A number that is not negative times a power of ten, rounded.
 fn shifted(number: i128, power: i32) -> Option<i128> {
-    if number == 0 {
-        return Some(0);
+    // saturated, it is still beyond every number of 30 digits
+    let factor = 10_i128.saturating_pow(power.unsigned_abs());
+    match power >= 0 {
+        true => number.checked_mul(factor),
+        false => Some(rounded_quotient(number, factor)),
     }
-    let factor = 10_i128.checked_pow(power.unsigned_abs());
-    if power >= 0 {
-        return number.checked_mul(factor?);
-    }
-    let Some(factor) = factor else { return Some(0) };
-    Some(number / factor + i128::from(number % factor >= factor - factor / 2))
+}
+
+/// The quotient, rounded; halves up.
+fn rounded_quotient(number: i128, divisor: i128) -> i128 {
+    let is_up = number % divisor >= divisor - divisor / 2;
+    number / divisor + i128::from(is_up)
 }
 
 #[cfg(test)]

@@ -2,11 +2,12 @@
 //! a file of this folder and a row here.
 
 use std::fs::File;
+use std::io;
 use std::path::Path;
 
 use crate::error::FileError;
 use crate::file_kind::{first_bytes, kind_of};
-use crate::log::map::{LogMap, Signal};
+use crate::log::map::{LogMap, Signals};
 use crate::log::recording::Recording;
 use crate::log::{csv, mcap, npz};
 
@@ -22,7 +23,7 @@ pub struct Format {
     /// First bytes of its files; empty for text.
     magic: &'static [u8],
     /// Reads the signals of the map.
-    pub(crate) read: fn(&Path, &LogMap, &[&Signal]) -> Result<Recording, FileError>,
+    pub(crate) read: fn(&Path, &LogMap, &Signals) -> Result<Recording, FileError>,
 }
 
 /// The formats of recordings.
@@ -64,20 +65,28 @@ impl Format {
     /// # Errors
     /// [`FileError::Io`]; [`FileError::Format`] that says what the file is instead.
     pub(crate) fn of(path: &Path) -> Result<&'static Self, FileError> {
-        let opened = File::open(path).and_then(|mut file| first_bytes(&mut file));
-        let start = opened.map_err(FileError::cannot("open", path))?;
-        let by_content = FORMATS.iter().find(|format| format.begins(&start));
-        let format = by_content.or_else(|| FORMATS.iter().find(|format| format.has(path)));
-        format.ok_or_else(|| {
-            let (found, advice) = other_kind(&start);
-            FileError::format(path, found, "a recording", advice)
-        })
+        let start = start_of(path).map_err(FileError::cannot("open", path))?;
+        Self::known(path, &start).ok_or_else(|| no_recording(path, &start))
+    }
+
+    fn known(path: &Path, start: &[u8]) -> Option<&'static Self> {
+        let by_content = FORMATS.iter().find(|format| format.begins(start));
+        by_content.or_else(|| FORMATS.iter().find(|format| format.has(path)))
     }
 
     /// Whether a file that starts like this is of the format.
     fn begins(&self, start: &[u8]) -> bool {
         !self.magic.is_empty() && start.starts_with(self.magic)
     }
+}
+
+fn start_of(path: &Path) -> io::Result<Vec<u8>> {
+    first_bytes(&mut File::open(path)?)
+}
+
+fn no_recording(path: &Path, start: &[u8]) -> FileError {
+    let (found, advice) = other_kind(start);
+    FileError::format(path, found, "a recording", advice)
 }
 
 /// What a file of none of the formats is, and what to do with it.

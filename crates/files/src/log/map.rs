@@ -1,6 +1,8 @@
 //! Log map: which signal of a recording plays which role, by `topic:field[index or joint]` of an MCAP,
 //! or a column of a CSV, an array of an NPZ.
 
+use std::ops::Range;
+
 use frfid_signals::InputKind;
 use serde::{Deserialize, Serialize};
 
@@ -20,6 +22,9 @@ pub struct Signal {
     #[serde(default = "one")]
     pub scale: f64,
 }
+
+/// All signals of a map, role by role: u, y, r, position.
+pub(crate) type Signals<'s> = [&'s Signal];
 
 fn one() -> f64 {
     1.0
@@ -72,6 +77,10 @@ fn measured() -> InputKind {
     InputKind::Measured
 }
 
+fn has_any(places: &Range<usize>, signals: &[usize]) -> bool {
+    signals.iter().any(|signal| places.contains(signal))
+}
+
 impl LogMap {
     /// A map of inputs and outputs that says nothing else.
     #[must_use]
@@ -99,15 +108,20 @@ impl LogMap {
 
     /// The roles of signals, by their place among all signals, for people: `u, y`.
     pub(crate) fn roles_of(&self, signals: &[usize]) -> String {
+        let played = self.places().map(|places| has_any(&places, signals));
+        let mut names = ["u", "y", "r", "position"].to_vec();
+        let mut played = played.into_iter();
+        names.retain(|_| played.next() == Some(true));
+        names.join(", ")
+    }
+
+    /// The places of each role's signals among all signals.
+    pub(crate) fn places(&self) -> [Range<usize>; 4] {
         let mut first = 0;
-        let mut played = Vec::new();
-        for (name, role) in ["u", "y", "r", "position"].into_iter().zip(self.roles()) {
+        self.roles().map(|role| {
             let places = first..first + role.len();
             first = places.end;
-            if signals.iter().any(|signal| places.contains(signal)) {
-                played.push(name);
-            }
-        }
-        played.join(", ")
+            places
+        })
     }
 }

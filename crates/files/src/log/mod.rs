@@ -26,7 +26,7 @@ use ndarray::Array2;
 use crate::error::FileError;
 use crate::log::alignment::Grid;
 use crate::log::alignment::pairing::{Paced, delay_warnings, stamp_warnings, two_clocks};
-use crate::log::clock::Clock;
+use crate::log::clock::{Clock, Flaw};
 use crate::log::formats::Format;
 use crate::log::map::{LogMap, Signal};
 use crate::log::recording::{Recording, Series, of_damaged};
@@ -86,23 +86,28 @@ pub struct ClockFit {
 /// that are not even.
 pub fn read_log(path: &Path, map: &LogMap) -> Result<Log, FileError> {
     check(map)?;
-    let signals: Vec<&Signal> = map.roles().into_iter().flatten().collect();
-    let mut recording = (Format::of(path)?.read)(path, map, &signals)?;
-    assemble(path, map, &signals, &mut recording)
-        .map_err(|error| of_damaged(error, &recording.damages))
+    let source = Source::of(path, map);
+    let mut recording = (Format::of(path)?.read)(path, map, &source.signals)?;
+    let log = source.assemble(&mut recording);
+    log.map_err(|error| of_damaged(error, &recording.damages))
 }
 
 /// Refuses a map without inputs or outputs, roles of other sizes, and what is no sample time.
 fn check(map: &LogMap) -> Result<(), FileError> {
-    if map.u.is_empty() || map.y.is_empty() {
-        let found = format!("{} inputs, {} outputs", map.u.len(), map.y.len());
-        let needed = "at least one signal for u and for y";
-        return Err(FileError::shape("log map", found, needed));
-    }
+    check_plant(map.u.len(), map.y.len())?;
     map.sample_time_s
         .map_or(Ok(()), header::check_sample_time)?;
     check_size("r", &map.r, map.u.len())?;
     check_size("position", &map.position, map.y.len())
+}
+
+fn check_plant(n_inputs: usize, n_outputs: usize) -> Result<(), FileError> {
+    if n_inputs > 0 && n_outputs > 0 {
+        return Ok(());
+    }
+    let found = format!("{n_inputs} inputs, {n_outputs} outputs");
+    let needed = "at least one signal for u and for y";
+    Err(FileError::shape("log map", found, needed))
 }
 
 /// Refuses a role with another number of signals; it may have none.
@@ -114,47 +119,113 @@ fn check_size(what: &'static str, role: &[Signal], size: usize) -> Result<(), Fi
     Err(FileError::shape(what, found, format!("{size}, or none")))
 }
 
-/// Puts the signals of all topics on one clock.
-fn assemble(
-    path: &Path,
-    map: &LogMap,
-    signals: &[&Signal],
-    recording: &mut Recording,
-) -> Result<Log, FileError> {
-    let clocks = clocks(path, map, recording)?;
-    let series = &recording.series;
-    let roles = series.iter().map(|series| map.roles_of(&series.signals));
-    let roles: Vec<String> = roles.collect();
-    let topics = paced(series, &clocks, &roles);
-    let mut warnings = recording.warnings.clone();
-    let grid = Grid::of(&topics, &mut warnings)
-        .map_err(|(found, needed)| FileError::content(path, "topics", found, needed))?;
-    check_amount(path, grid.n_samples, signals.len())?;
-    let mut values = Array2::from_elem((signals.len(), grid.n_samples), f64::NAN);
-    let mut losses = grid.fill(&topics, signals, &mut values);
-    losses.extend(grid.of_file(&recording.damages));
-    check_measured(path, signals, &values)?;
-    convert(path, signals, &mut values)?;
-    let log = sort_into_roles(map, &values, grid.clock_fit(&topics[0]));
-    warnings.extend(told(&topics));
-    Ok(Log {
-        losses,
-        warnings,
-        two_clocks: two_clocks(&topics),
-        times_s: grid.times_s(&topics[0]),
-        ..log
-    })
+/// A recording and what is mapped of it.
+struct Source<'s> {
+    path: &'s Path,
+    map: &'s LogMap,
+    /// All signals of the map, role by role.
+    signals: Vec<&'s Signal>,
 }
 
-/// The topics with their clocks and roles.
-fn paced<'t>(series: &'t [Series], clocks: &'t [Clock], roles: &'t [String]) -> Vec<Paced<'t>> {
-    let parts = series.iter().zip(clocks).zip(roles);
-    let paced = parts.map(|((series, clock), roles)| Paced {
-        series,
-        clock,
-        roles,
-    });
-    paced.collect()
+impl<'s> Source<'s> {
+    fn of(path: &'s Path, map: &'s LogMap) -> Self {
+        Self {
+            path,
+            map,
+            signals: map.roles().into_iter().flatten().collect(),
+        }
+    }
+
+    /// Puts the signals of all topics on one clock.
+    fn assemble(&self, recording: &mut Recording) -> Result<Log, FileError> {
+        let clocks = self.clocks(recording)?;
+        let topics = self.paced(&recording.series, &clocks);
+        let mut warnings = recording.warnings.clone();
+        let grid = Grid::of(&topics, &mut warnings).map_err(|flaw| self.flawed("topics", flaw))?;
+        warnings.extend(told(&topics));
+        let mut values = self.no_values(grid.n_samples)?;
+        let mut losses = grid.fill(&topics, &self.signals, &mut values);
+        losses.extend(grid.of_file(&recording.damages));
+        self.check_measured(&values)?;
+        self.convert(&mut values)?;
+        Ok(Log {
+            losses,
+            warnings,
+            two_clocks: two_clocks(&topics),
+            times_s: grid.times_s(&topics[0]),
+            ..sort_into_roles(self.map, &values, grid.clock_fit(&topics[0]))
+        })
+    }
+
+    /// The clock of each series, whose rows are put in order.
+    fn clocks(&self, recording: &mut Recording) -> Result<Vec<Clock>, FileError> {
+        let warnings = &mut recording.warnings;
+        let series = recording.series.iter_mut();
+        series.map(|series| self.clock(series, warnings)).collect()
+    }
+
+    fn clock(&self, series: &mut Series, warnings: &mut Vec<String>) -> Result<Clock, FileError> {
+        let clock = Clock::of(series, self.map.sample_time_s, warnings);
+        clock.map_err(|flaw| self.flawed(&series.topic, flaw))
+    }
+
+    /// The topics with their clocks and roles.
+    fn paced<'t>(&self, series: &'t [Series], clocks: &'t [Clock]) -> Vec<Paced<'t>> {
+        let topics = series.iter().zip(clocks);
+        let paced = topics.map(|(series, clock)| Paced::of(self.map, series, clock));
+        paced.collect()
+    }
+
+    /// Room for the values of all signals; refuses more than a file may hold.
+    fn no_values(&self, n_samples: usize) -> Result<Array2<f64>, FileError> {
+        let shape = (self.signals.len(), n_samples);
+        if n_samples.saturating_mul(shape.0) <= header::MOST_VALUES {
+            return Ok(Array2::from_elem(shape, f64::NAN));
+        }
+        Err(self.too_long(n_samples))
+    }
+
+    fn too_long(&self, n_samples: usize) -> FileError {
+        let found = format!("{n_samples} samples");
+        let needed = format!("at most {} values", header::MOST_VALUES);
+        self.bad("stamps", found, needed)
+    }
+
+    /// Refuses signals without a single number.
+    fn check_measured(&self, values: &Array2<f64>) -> Result<(), FileError> {
+        for (signal, row) in self.signals.iter().zip(values.rows()) {
+            if !row.iter().any(|value| value.is_finite()) {
+                return Err(self.not_measured(signal));
+            }
+        }
+        Ok(())
+    }
+
+    fn not_measured(&self, signal: &Signal) -> FileError {
+        let found = "no number in the whole recording";
+        self.bad(&signal.source, found, "a measured signal")
+    }
+
+    /// Converts every signal to SI.
+    fn convert(&self, values: &mut Array2<f64>) -> Result<(), FileError> {
+        for (signal, mut row) in self.signals.iter().zip(values.rows_mut()) {
+            row *= self.scale(signal)?;
+        }
+        Ok(())
+    }
+
+    fn scale(&self, signal: &Signal) -> Result<f64, FileError> {
+        let (factor, _) = si_of(self.path, signal)?;
+        Ok(factor * signal.scale)
+    }
+
+    fn flawed(&self, what: &str, (found, needed): Flaw) -> FileError {
+        self.bad(what, found, needed)
+    }
+
+    fn bad(&self, what: &str, found: impl Into<String>, needed: impl Into<String>) -> FileError {
+        FileError::content(self.path, what, found, needed)
+    }
 }
 
 /// What a careful reader should know of the stamps of all topics; between two clocks a delay says
@@ -167,72 +238,14 @@ fn told(topics: &[Paced]) -> Vec<String> {
     told
 }
 
-/// Refuses more values than a file may hold.
-fn check_amount(path: &Path, n_samples: usize, n_signals: usize) -> Result<(), FileError> {
-    if n_samples.saturating_mul(n_signals) <= header::MOST_VALUES {
-        return Ok(());
-    }
-    let found = format!("{n_samples} samples");
-    let needed = format!("at most {} values", header::MOST_VALUES);
-    Err(FileError::content(path, "stamps", found, needed))
-}
-
-/// The clock of each series, whose rows are put in order.
-fn clocks(path: &Path, map: &LogMap, recording: &mut Recording) -> Result<Vec<Clock>, FileError> {
-    let warnings = &mut recording.warnings;
-    let clock = |series: &mut Series| {
-        Clock::of(series, map.sample_time_s, warnings)
-            .map_err(|(found, needed)| FileError::content(path, &series.topic, found, needed))
-    };
-    recording.series.iter_mut().map(clock).collect()
-}
-
-/// Refuses signals without a single number.
-fn check_measured(path: &Path, signals: &[&Signal], values: &Array2<f64>) -> Result<(), FileError> {
-    let mut rows = signals.iter().zip(values.rows());
-    match rows.find(|(_, row)| !row.iter().any(|value| value.is_finite())) {
-        None => Ok(()),
-        Some((signal, _)) => Err(FileError::content(
-            path,
-            &signal.source,
-            "no number in the whole recording",
-            "a measured signal",
-        )),
-    }
-}
-
-fn convert(path: &Path, signals: &[&Signal], values: &mut Array2<f64>) -> Result<(), FileError> {
-    for (signal, mut row) in signals.iter().zip(values.rows_mut()) {
-        let (factor, _) = si_of(path, signal)?;
-        let scale = factor * signal.scale;
-        row.mapv_inplace(|value| scale * value);
-    }
-    Ok(())
-}
-
 /// The log of these values, row by row in the order of the map's roles.
 fn sort_into_roles(map: &LogMap, values: &Array2<f64>, clock: ClockFit) -> Log {
-    let mut taken = 0;
-    let [u, y, r, position] = map.roles().map(|role| {
-        let rows = taken..taken + role.len();
-        taken = rows.end;
-        values.slice(ndarray::s![rows, ..]).to_owned()
-    });
-    let there = |signal: Array2<f64>| (signal.nrows() > 0).then_some(signal);
     Log {
+        record: record(map, values, clock.sample_time_s),
         input_names: names(&map.u),
         output_names: names(&map.y),
         input_units: units(&map.u),
         output_units: units(&map.y),
-        record: Record {
-            sample_time_s: clock.sample_time_s,
-            u,
-            y,
-            r: there(r),
-            position_rad: there(position),
-            input_kind: map.input_kind,
-            events: Vec::new(),
-        },
         losses: Vec::new(),
         warnings: Vec::new(),
         times_s: None,
@@ -242,15 +255,37 @@ fn sort_into_roles(map: &LogMap, values: &Array2<f64>, clock: ClockFit) -> Log {
     }
 }
 
+fn record(map: &LogMap, values: &Array2<f64>, sample_time_s: f64) -> Record {
+    let signals = |places| values.slice(ndarray::s![places, ..]).to_owned();
+    let [u, y, r, position] = map.places().map(signals);
+    Record {
+        sample_time_s,
+        u,
+        y,
+        r: there(r),
+        position_rad: there(position),
+        input_kind: map.input_kind,
+        events: Vec::new(),
+    }
+}
+
+/// Signals of a role that may have none.
+fn there(role: Array2<f64>) -> Option<Array2<f64>> {
+    (role.nrows() > 0).then_some(role)
+}
+
 fn names(role: &[Signal]) -> Vec<String> {
     role.iter().map(|signal| signal.source.clone()).collect()
 }
 
-/// SI units; a unit that is not known stays as it is.
 fn units(role: &[Signal]) -> Vec<String> {
-    let unit = |signal: &Signal| match to_si(&signal.unit) {
+    role.iter().map(unit).collect()
+}
+
+/// The SI unit; a unit that is not known stays as it is.
+fn unit(signal: &Signal) -> String {
+    match to_si(&signal.unit) {
         Ok((_, si)) => si.to_owned(),
         Err(_) => signal.unit.clone(),
-    };
-    role.iter().map(unit).collect()
+    }
 }

@@ -2,7 +2,7 @@
 
 use ndarray::{ArrayD, IxDyn, ShapeBuilder};
 
-use crate::bytes::Bytes;
+use crate::bytes::{Bytes, Short};
 
 /// An array as `f64`.
 pub(crate) fn parse_npy(file: &[u8]) -> Option<ArrayD<f64>> {
@@ -20,52 +20,74 @@ type FromBits<T> = fn(u8, usize, u64) -> Option<T>;
 /// The NPY format, versions 1 to 3: magic, version, length of the header, a Python dictionary, the
 /// numbers.
 fn parse<T: Clone>(file: &[u8], number: FromBits<T>) -> Option<ArrayD<T>> {
-    let mut bytes = Bytes::new(file);
-    if bytes.take(6).ok()? != b"\x93NUMPY" {
-        return None;
-    }
-    let [major, _] = bytes.array().ok()?;
-    let length = if major == 1 {
-        u64::from(bytes.u16().ok()?)
-    } else {
-        u64::from(bytes.u32().ok()?)
-    };
-    let header = std::str::from_utf8(bytes.take(length).ok()?).ok()?;
-    let kind = value_of(header, "descr")?
-        .strip_prefix(['\'', '"'])?
-        .get(..3)?;
-    let is_fortran = value_of(header, "fortran_order")?.starts_with("True");
+    let mut bytes = Bytes::new(file.strip_prefix(b"\x93NUMPY")?);
+    let header = header_text(&mut bytes)?;
     let shape = shape_of(header)?;
-    let count = shape
-        .iter()
-        .try_fold(1_usize, |product, &length| product.checked_mul(length))?;
-    let numbers = numbers(kind, bytes.rest(), count, number)?;
-    let array = ArrayD::from_shape_vec(IxDyn(&shape).set_f(is_fortran), numbers).ok()?;
+    let count = checked_product(&shape)?;
+    let numbers = numbers(kind_of(header)?, bytes.rest(), count, number)?;
+    let shape = IxDyn(&shape).set_f(is_fortran(header)?);
+    let array = ArrayD::from_shape_vec(shape, numbers).ok()?;
     Some(array.as_standard_layout().into_owned())
+}
+
+/// The dictionary that says what the bytes behind it are.
+fn header_text<'f>(bytes: &mut Bytes<'f>) -> Option<&'f str> {
+    let length = header_length(bytes).ok()?;
+    std::str::from_utf8(bytes.take(length).ok()?).ok()
+}
+
+fn header_length(bytes: &mut Bytes) -> Result<u64, Short> {
+    match bytes.array()? {
+        [1, _] => bytes.u16().map(u64::from),
+        [_, _] => bytes.u32().map(u64::from),
+    }
+}
+
+/// The type of the numbers, as `<f8`.
+fn kind_of(header: &str) -> Option<&str> {
+    let quoted = value_of(header, "descr")?;
+    quoted.strip_prefix(['\'', '"'])?.get(..3)
+}
+
+/// Whether the first axis runs fastest.
+fn is_fortran(header: &str) -> Option<bool> {
+    Some(value_of(header, "fortran_order")?.starts_with("True"))
 }
 
 /// The lengths of the axes.
 fn shape_of(header: &str) -> Option<Vec<usize>> {
-    let (shape, _) = value_of(header, "shape")?
-        .strip_prefix('(')?
-        .split_once(')')?;
-    let lengths = shape.split(',').map(str::trim);
-    lengths
-        .filter(|length| !length.is_empty())
-        .map(|length| length.trim_end_matches('L').parse().ok())
-        .collect()
+    let behind = value_of(header, "shape")?.strip_prefix('(')?;
+    let (tuple, _) = behind.split_once(')')?;
+    lengths_of(tuple)
+}
+
+/// The entries of a tuple; a single one has a comma behind it.
+fn lengths_of(tuple: &str) -> Option<Vec<usize>> {
+    let entries = tuple.split(',').map(str::trim);
+    let given = entries.filter(|entry| !entry.is_empty());
+    given.map(length_of).collect()
+}
+
+/// The length of an axis; Python 2 writes an L behind it.
+fn length_of(axis: &str) -> Option<usize> {
+    axis.trim_end_matches('L').parse().ok()
+}
+
+fn checked_product(lengths: &[usize]) -> Option<usize> {
+    let mut lengths = lengths.iter();
+    lengths.try_fold(1_usize, |product, &length| product.checked_mul(length))
 }
 
 /// What stands behind a key of the header's dictionary.
 fn value_of<'h>(header: &'h str, key: &str) -> Option<&'h str> {
-    let behind = &header[header.find(&format!("'{key}'"))? + key.len() + 2..];
+    let (_, behind) = header.split_once(&format!("'{key}'"))?;
     behind.trim_start().strip_prefix(':').map(str::trim_start)
 }
 
 /// Numbers of the kind `<f8`, `>i2`, `|u1`, ...
 fn numbers<T>(kind: &str, bytes: &[u8], count: usize, number: FromBits<T>) -> Option<Vec<T>> {
-    let size: usize = kind.get(2..)?.parse().ok()?;
-    if !matches!(size, 1 | 2 | 4 | 8) || count.checked_mul(size)? != bytes.len() {
+    let size = size_of(kind)?;
+    if count.checked_mul(size)? != bytes.len() {
         return None;
     }
     let is_big = kind.starts_with('>');
@@ -74,11 +96,19 @@ fn numbers<T>(kind: &str, bytes: &[u8], count: usize, number: FromBits<T>) -> Op
     bytes.chunks_exact(size).map(number).collect()
 }
 
+/// Bytes of a number.
+fn size_of(kind: &str) -> Option<usize> {
+    let size = kind.get(2..)?.parse().ok()?;
+    matches!(size, 1 | 2 | 4 | 8).then_some(size)
+}
+
 /// The bits of a number, the lowest first.
 fn bits(bytes: &[u8], is_big: bool) -> u64 {
     let mut wide = [0; 8];
-    for (k, byte) in bytes.iter().enumerate() {
-        wide[if is_big { bytes.len() - 1 - k } else { k }] = *byte;
+    let used = &mut wide[..bytes.len()];
+    used.copy_from_slice(bytes);
+    if is_big {
+        used.reverse();
     }
     u64::from_le_bytes(wide)
 }

@@ -18,10 +18,18 @@ pub(crate) struct Series {
 }
 
 impl Series {
+    /// Takes in a row.
+    pub(crate) fn push(&mut self, stamp_ns: i64, row: &Cells) {
+        self.stamps_ns.push(stamp_ns);
+        for (column, value) in self.columns.iter_mut().zip(row) {
+            column.push(value.unwrap_or(f64::NAN));
+        }
+    }
+
     /// Whether the row before this one has the same stamp and values.
     pub(crate) fn is_copy(&self, row: usize) -> bool {
-        let same = |column: &Vec<f64>| column[row].to_bits() == column[row - 1].to_bits();
-        row > 0 && self.stamps_ns[row] == self.stamps_ns[row - 1] && self.columns.iter().all(same)
+        let repeats = |column: &Vec<f64>| column[row].to_bits() == column[row - 1].to_bits();
+        repeats_stamp(&self.stamps_ns, row) && self.columns.iter().all(repeats)
     }
 
     /// Puts the rows of these places, in this order, in place of all.
@@ -33,10 +41,18 @@ impl Series {
     }
 }
 
+/// Whether there is such a row and the one before it has the same stamp.
+pub(crate) fn repeats_stamp(stamps_ns: &[i64], row: usize) -> bool {
+    row > 0 && stamps_ns.get(row) == stamps_ns.get(row - 1)
+}
+
 /// The entries of these places.
 pub(crate) fn picked<T: Copy>(list: &[T], places: &[usize]) -> Vec<T> {
     places.iter().map(|place| list[*place]).collect()
 }
+
+/// A row: the number of each signal, none where the row does not have it.
+pub(crate) type Cells = [Option<f64>];
 
 /// Damage to a file, with its time in ns where that is known.
 pub(crate) type TimedDamage = (Option<i64>, String);
@@ -50,22 +66,9 @@ pub(crate) struct Recording {
 }
 
 /// The error of a file, with the first damage to it: that may be the reason.
-pub(crate) fn of_damaged(error: FileError, damages: &[TimedDamage]) -> FileError {
-    match (error, damages.first()) {
-        (
-            FileError::Content {
-                path,
-                what,
-                found,
-                needed,
-            },
-            Some((_, reason)),
-        ) => FileError::Content {
-            path,
-            what,
-            found: format!("{found} (the file is damaged: {reason})"),
-            needed,
-        },
-        (error, _) => error,
+pub(crate) fn of_damaged(mut error: FileError, damages: &[TimedDamage]) -> FileError {
+    if let (FileError::Content { found, .. }, Some((_, reason))) = (&mut error, damages.first()) {
+        *found += &format!(" (the file is damaged: {reason})");
     }
+    error
 }

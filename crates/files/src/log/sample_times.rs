@@ -32,23 +32,32 @@ impl SampleTimes {
         map: &LogMap,
         place: impl FnOnce(&str) -> Result<usize, FileError>,
     ) -> Result<Self, FileError> {
-        match (&map.time, map.sample_time_s) {
-            (Some(time), _) => Ok(Self::Column(TimeColumn {
-                place: place(&time.source)?,
-                factor: seconds(path, time)? * time.scale * 1e9,
-                power: power_to_ns(time),
-            })),
-            (None, Some(sample_time_s)) => Ok(Self::Counted(sample_time_s * 1e9)),
-            (None, None) => Err(FileError::shape(
-                "clock of the recording in the log map",
-                "neither time nor sample_time_s",
-                "where its sample times are, or its sample time",
-            )),
+        if let Some(time) = &map.time {
+            let place = place(&time.source)?;
+            return TimeColumn::of(path, time, place).map(Self::Column);
         }
+        let step_ns = map.sample_time_s.map(|sample_time_s| sample_time_s * 1e9);
+        step_ns.map(Self::Counted).ok_or_else(no_clock)
     }
 }
 
+fn no_clock() -> FileError {
+    FileError::shape(
+        "clock of the recording in the log map",
+        "neither time nor sample_time_s",
+        "where its sample times are, or its sample time",
+    )
+}
+
 impl TimeColumn {
+    fn of(path: &Path, time: &Signal, place: usize) -> Result<Self, FileError> {
+        Ok(Self {
+            place,
+            factor: seconds(path, time)? * time.scale * 1e9,
+            power: power_to_ns(time),
+        })
+    }
+
     /// The stamp of a time that was written in decimal digits, all of which count; `None` if it is
     /// no finite number.
     pub(crate) fn stamp_of_text(&self, text: &str) -> Option<i64> {
@@ -64,21 +73,29 @@ impl TimeColumn {
 
     /// The stamp of a time that was kept as an integer.
     pub(crate) fn stamp_of_integer(&self, number: i64) -> Option<i64> {
-        match self
-            .power
-            .and_then(|power| 10_i64.checked_pow(power as u32))
-        {
+        let factor = |power: i32| 10_i64.checked_pow(power as u32);
+        match self.power.and_then(factor) {
             Some(factor) => number.checked_mul(factor),
             None => self.stamp_of_number(number as f64),
         }
     }
 }
 
+/// The stamp of a sample that was counted.
+pub(crate) fn nth_stamp_ns(number: usize, step_ns: f64) -> i64 {
+    (number as f64 * step_ns).round() as i64
+}
+
 /// Power of ten from the unit of a time to ns, if nothing else scales it.
 fn power_to_ns(time: &Signal) -> Option<i32> {
-    let units = [("s", 9), ("ms", 6), ("us", 3), ("ns", 0)];
-    let known = units.into_iter().find(|(unit, _)| *unit == time.unit);
-    known.filter(|_| time.scale == 1.0).map(|(_, power)| power)
+    match time.unit.as_str() {
+        _ if time.scale != 1.0 => None,
+        "s" => Some(9),
+        "ms" => Some(6),
+        "us" => Some(3),
+        "ns" => Some(0),
+        _ => None,
+    }
 }
 
 /// Factor to s of a signal that must be a time.

@@ -1,8 +1,8 @@
 //! Table of rows of which each holds some of the signals, split into series by which rows they have:
 //! two topics in one CSV, two arms on one topic, a command at a quarter of the rate.
 
-use crate::log::map::Signal;
-use crate::log::recording::{Series, picked};
+use crate::log::map::{Signal, Signals};
+use crate::log::recording::{Cells, Series, picked};
 
 /// Two signals are of two series if each has at least this share of the rows to itself,
 const APART: f64 = 0.01;
@@ -18,10 +18,38 @@ const MOST_PATTERNS: usize = 255;
 #[derive(Debug, Default)]
 pub(crate) struct Table {
     series: Series,
-    /// Which signals are there, for each way met.
-    patterns: Vec<Vec<bool>>,
+    /// The ways met.
+    patterns: Vec<Pattern>,
     /// The way of each row.
     pattern_of: Vec<u8>,
+}
+
+/// A way to lack signals.
+#[derive(Debug)]
+struct Pattern {
+    /// Which signals are there.
+    there: Vec<bool>,
+    n_rows: usize,
+}
+
+impl Pattern {
+    /// The pattern of a row, or that of rows that have all.
+    fn of(row: &Cells, has_all: bool) -> Self {
+        let there = |value: &Option<f64>| has_all || value.is_some();
+        Self {
+            there: row.iter().map(there).collect(),
+            n_rows: 0,
+        }
+    }
+
+    fn is_of(&self, row: &Cells) -> bool {
+        let mut pairs = self.there.iter().zip(row);
+        pairs.all(|(there, value)| *there == value.is_some())
+    }
+
+    fn has_any(&self, columns: &[usize]) -> bool {
+        columns.iter().any(|column| self.there[*column])
+    }
 }
 
 impl Table {
@@ -34,6 +62,13 @@ impl Table {
             },
             ..Default::default()
         }
+    }
+
+    /// Table of so many signals, without rows yet.
+    pub(crate) fn of_signals(topic: &str, count: usize) -> Self {
+        let mut table = Self::of(topic);
+        (0..count).for_each(|signal| table.add_signal(signal));
+        table
     }
 
     pub(crate) fn topic(&self) -> &str {
@@ -57,35 +92,33 @@ impl Table {
 
     /// Takes in a row; one that holds none of the signals is no sample of them. Returns whether it
     /// was taken.
-    pub(crate) fn push(&mut self, stamp_ns: i64, row: &[Option<f64>]) -> bool {
+    pub(crate) fn push(&mut self, stamp_ns: i64, row: &Cells) -> bool {
         if row.iter().all(Option::is_none) {
             return false;
         }
-        self.series.stamps_ns.push(stamp_ns);
-        for (column, value) in self.series.columns.iter_mut().zip(row) {
-            column.push(value.unwrap_or(f64::NAN));
-        }
+        self.series.push(stamp_ns, row);
         let pattern = self.pattern(row);
         self.pattern_of.push(pattern);
         true
     }
 
     /// The number of a row's pattern, a new one if it was never met.
-    fn pattern(&mut self, row: &[Option<f64>]) -> u8 {
-        let is_same = |pattern: &Vec<bool>| {
-            let mut pairs = pattern.iter().zip(row);
-            pairs.all(|(there, value)| *there == value.is_some())
-        };
-        let known = self.patterns.iter().position(is_same);
-        let number = known.unwrap_or_else(|| {
-            if self.patterns.len() <= MOST_PATTERNS {
-                let is_last = self.patterns.len() == MOST_PATTERNS;
-                let there = |value: &Option<f64>| is_last || value.is_some();
-                self.patterns.push(row.iter().map(there).collect());
-            }
-            self.patterns.len() - 1
-        });
+    fn pattern(&mut self, row: &Cells) -> u8 {
+        let known = self.patterns.iter().position(|known| known.is_of(row));
+        let number = known.unwrap_or_else(|| self.add_pattern(row));
+        self.patterns[number].n_rows += 1;
         number as u8
+    }
+
+    /// The number of a pattern that was never met; where there are too many, that of the last one,
+    /// which has all signals.
+    fn add_pattern(&mut self, row: &Cells) -> usize {
+        let number = self.patterns.len().min(MOST_PATTERNS);
+        if number == self.patterns.len() {
+            let is_last = number == MOST_PATTERNS;
+            self.patterns.push(Pattern::of(row, is_last));
+        }
+        number
     }
 
     /// Takes other stamps, one for each row: those of the recorder.
@@ -95,38 +128,24 @@ impl Table {
     }
 
     /// The series of the table; several are named by their signals.
-    pub(crate) fn split(self, signals: &[&Signal]) -> Vec<Series> {
+    pub(crate) fn split(self, signals: &Signals) -> Vec<Series> {
         let groups = self.groups();
         if groups.len() == 1 {
             return vec![self.series];
         }
-        let part = |group: &Vec<usize>| self.part(group, signals);
-        groups.iter().map(part).collect()
+        groups
+            .iter()
+            .map(|group| self.part(group, signals))
+            .collect()
     }
 
     /// Columns that are of one series, group by group.
     fn groups(&self) -> Vec<Vec<usize>> {
-        let mut n_rows = vec![0_usize; self.patterns.len()];
-        for pattern in &self.pattern_of {
-            n_rows[usize::from(*pattern)] += 1;
-        }
-        let count = |has: &dyn Fn(&[bool]) -> bool| -> usize {
-            let patterns = self.patterns.iter().zip(&n_rows);
-            patterns
-                .filter(|(pattern, _)| has(pattern))
-                .map(|(_, rows)| rows)
-                .sum()
-        };
-        let are_apart = |a: usize, b: usize| {
-            are_apart(
-                count(&|there| there[a] && !there[b]),
-                count(&|there| there[b] && !there[a]),
-                count(&|there| there[a] && there[b]),
-            )
-        };
+        let are_apart = |a, b| self.overlap(a, b).is_apart();
         let mut groups: Vec<Vec<usize>> = Vec::new();
         for column in 0..self.series.columns.len() {
-            match groups.iter_mut().find(|group| !are_apart(group[0], column)) {
+            let is_its = |group: &&mut Vec<usize>| !are_apart(group[0], column);
+            match groups.iter_mut().find(is_its) {
                 Some(group) => group.push(column),
                 None => groups.push(vec![column]),
             }
@@ -134,37 +153,77 @@ impl Table {
         groups
     }
 
+    /// The rows of two columns.
+    fn overlap(&self, a: usize, b: usize) -> Overlap {
+        let mut overlap = Overlap::default();
+        for Pattern { there, n_rows } in &self.patterns {
+            overlap.add(there[a], there[b], *n_rows);
+        }
+        overlap
+    }
+
     /// The rows that hold any of these columns.
-    fn part(&self, group: &[usize], signals: &[&Signal]) -> Series {
-        let is_there = |row: &usize| {
-            let pattern = &self.patterns[usize::from(self.pattern_of[*row])];
-            group.iter().any(|column| pattern[*column])
-        };
-        let rows: Vec<usize> = (0..self.n_rows()).filter(is_there).collect();
-        let places: Vec<usize> = group
-            .iter()
-            .map(|column| self.series.signals[*column])
-            .collect();
-        let names = places.iter().map(|place| signals[*place].source.as_str());
+    fn part(&self, group: &[usize], signals: &Signals) -> Series {
+        let rows = self.rows_of(group);
+        let places = picked(&self.series.signals, group);
         let column = |column: &usize| picked(&self.series.columns[*column], &rows);
         Series {
-            topic: names.collect::<Vec<_>>().join(", "),
+            topic: names(&places, signals),
             is_recorders: self.series.is_recorders,
             stamps_ns: picked(&self.series.stamps_ns, &rows),
             columns: group.iter().map(column).collect(),
             signals: places,
         }
     }
+
+    fn rows_of(&self, group: &[usize]) -> Vec<usize> {
+        let is_there = |row: &usize| self.pattern_at(*row).has_any(group);
+        (0..self.n_rows()).filter(is_there).collect()
+    }
+
+    fn pattern_at(&self, row: usize) -> &Pattern {
+        &self.patterns[usize::from(self.pattern_of[row])]
+    }
 }
 
-/// Whether two signals have rows of their own: `only` one, the other, or both there.
-fn are_apart(only_a: usize, only_b: usize, both: usize) -> bool {
-    if only_a + only_b < FEWEST || only_a + both == 0 || only_b + both == 0 {
-        return false;
+fn names(places: &[usize], signals: &Signals) -> String {
+    let names = places.iter().map(|place| signals[*place].source.as_str());
+    names.collect::<Vec<_>>().join(", ")
+}
+
+/// How many rows hold only one of two signals, only the other, or both.
+#[derive(Debug, Default)]
+struct Overlap {
+    only_a: usize,
+    only_b: usize,
+    both: usize,
+}
+
+impl Overlap {
+    fn add(&mut self, has_a: bool, has_b: bool, n_rows: usize) {
+        match (has_a, has_b) {
+            (true, false) => self.only_a += n_rows,
+            (false, true) => self.only_b += n_rows,
+            (true, true) => self.both += n_rows,
+            _ => {}
+        }
     }
-    let any = (only_a + only_b + both) as f64;
-    let least = APART * any;
-    (only_a as f64 > least && only_b as f64 > least) || (both as f64) < SHARED * any
+
+    /// Whether the signals have rows of their own.
+    fn is_apart(&self) -> bool {
+        let alone = self.only_a.min(self.only_b) as f64;
+        let any = (self.only_a + self.only_b + self.both) as f64;
+        self.says_enough() && (alone > APART * any || (self.both as f64) < SHARED * any)
+    }
+
+    fn says_enough(&self) -> bool {
+        let Self {
+            only_a,
+            only_b,
+            both,
+        } = self;
+        only_a + only_b >= FEWEST && only_a + both > 0 && only_b + both > 0
+    }
 }
 
 #[cfg(test)]

@@ -1,14 +1,14 @@
 //! Times of a recording in words.
 
+/// Units of a duration, in ns.
+const UNITS: [(f64, &str); 4] = [(3.6e12, "h"), (1e9, "s"), (1e6, "ms"), (1e3, "us")];
+
 /// A duration given in ns, in the unit that suits it: `1.25 ms`.
 pub(crate) fn duration(ns: f64) -> String {
-    let (unit_ns, unit) = match ns.abs() {
-        ns if ns >= 3.6e12 => (3.6e12, "h"),
-        ns if ns >= 1e9 => (1e9, "s"),
-        ns if ns >= 1e6 => (1e6, "ms"),
-        ns if ns >= 1e3 => (1e3, "us"),
-        _ => (1.0, "ns"),
-    };
+    let mut units = UNITS.into_iter();
+    let (unit_ns, unit) = units
+        .find(|(unit_ns, _)| ns.abs() >= *unit_ns)
+        .unwrap_or((1.0, "ns"));
     format!("{} {unit}", to_six_digits(ns / unit_ns))
 }
 

@@ -39,24 +39,29 @@ const UNITS: [(&str, f64, &str); 30] = [
     ("ns", 1e-9, "s"),
 ];
 
-/// Factor to SI and the SI unit, or the units there are.
-pub(crate) fn to_si(unit: &str) -> Result<(f64, &'static str), String> {
-    match UNITS.iter().find(|(name, ..)| *name == unit) {
-        Some(&(_, factor, si)) => Ok((factor, si)),
-        None => Err(format!(
-            "one of {}",
-            UNITS.map(|(name, ..)| name).join(", ")
-        )),
-    }
+/// Factor to SI and the SI unit.
+pub(crate) type Si = (f64, &'static str);
+
+/// A unit in SI, or the units there are.
+pub(crate) fn to_si(unit: &str) -> Result<Si, String> {
+    let known = UNITS.iter().find(|(name, ..)| *name == unit);
+    let (_, factor, si) = known.ok_or_else(known_units)?;
+    Ok((*factor, si))
+}
+
+fn known_units() -> String {
+    let names = UNITS.map(|(name, ..)| name);
+    format!("one of {}", names.join(", "))
 }
 
 /// The same for a signal of a log map; an unknown unit is an error that names the signal.
-pub(crate) fn si_of(path: &Path, signal: &Signal) -> Result<(f64, &'static str), FileError> {
-    let Signal { source, unit, .. } = signal;
-    to_si(unit).map_err(|needed| {
-        let what = format!("unit of {source} in the log map");
-        FileError::content(path, what, format!("`{unit}`"), needed)
-    })
+pub(crate) fn si_of(path: &Path, signal: &Signal) -> Result<Si, FileError> {
+    to_si(&signal.unit).map_err(|needed| other_unit(path, signal, needed))
+}
+
+fn other_unit(path: &Path, signal: &Signal, needed: String) -> FileError {
+    let what = format!("unit of {} in the log map", signal.source);
+    FileError::content(path, what, format!("`{}`", signal.unit), needed)
 }
 
 #[cfg(test)]

@@ -2,14 +2,15 @@
 
 pub(crate) mod pairing;
 
-use ndarray::Array2;
+use std::ops::Range;
+
+use ndarray::{Array2, ArrayViewMut1};
 
 use crate::log::ClockFit;
 use crate::log::alignment::pairing::{Paced, cover, shift};
-use crate::log::clock::line::Points;
-use crate::log::clock::{Flaw, NOTABLE_JITTER, OUT_OF_SLOT, flaw};
-use crate::log::map::Signal;
-use crate::log::recording::TimedDamage;
+use crate::log::clock::{Clock, Flaw, NOTABLE_JITTER, OUT_OF_SLOT, flaw};
+use crate::log::map::Signals;
+use crate::log::recording::{Series, TimedDamage};
 use crate::loss::{self, Loss};
 
 /// The common clock: sample times of the first topic, over the time that all topics cover.
@@ -29,39 +30,40 @@ impl Grid {
         };
         let shifts = topics.iter().map(|topic| shift(lead, topic));
         let shifts = shifts.collect::<Result<Vec<_>, _>>()?;
-        let (start, end) = cover(topics, &shifts, warnings)?;
-        let step = lead.clock.sample_time_s;
-        let lead_ns = (start as f64 * step * 1e9).round() as i64;
+        let covered = cover(topics, &shifts, warnings)?;
+        Ok(Self::over(covered, lead, &shifts))
+    }
+
+    /// The grid over samples of the first topic.
+    fn over(covered: Range<i64>, lead: &Paced, shifts: &[i64]) -> Self {
+        let Range { start, end } = covered;
+        let sample_time_s = lead.clock.sample_time_s;
+        let lead_ns = (start as f64 * sample_time_s * 1e9).round() as i64;
         let from_start = |shift: &i64| shift.saturating_sub(start);
-        Ok(Self {
-            sample_time_s: step,
+        Self {
+            sample_time_s,
             n_samples: end.saturating_sub(start) as usize,
             start_ns: lead.series.stamps_ns[0].saturating_add(lead_ns),
             shifts: shifts.iter().map(from_start).collect(),
-        })
+        }
     }
 
     /// Puts every value in its place; what is missing, contested or no number is told.
     pub(crate) fn fill(
         &self,
         topics: &[Paced],
-        signals: &[&Signal],
+        signals: &Signals,
         values: &mut Array2<f64>,
     ) -> Vec<Loss> {
         let mut losses = Vec::new();
         for (topic, shift) in topics.iter().zip(&self.shifts) {
-            let series = topic.series;
             let came = self.place(topic, *shift, values);
-            let mut contested = vec![false; self.n_samples];
-            let slots = topic.clock.contested.iter();
-            for sample in slots.filter_map(|slot| self.sample_of(*slot, *shift)) {
-                contested[sample] = !came[sample];
-            }
+            let contested = self.contested(topic, *shift, &came);
             let is_missing = |sample: usize| !came[sample] && !contested[sample];
-            losses.extend(self.gaps(&series.topic, "are missing", is_missing));
+            losses.extend(self.gaps(&topic.series.topic, "are missing", is_missing));
             let reason = "have two messages of one stamp and different values";
-            losses.extend(self.gaps(&series.topic, reason, |sample| contested[sample]));
-            for &signal in &series.signals {
+            losses.extend(self.gaps(&topic.series.topic, reason, |sample| contested[sample]));
+            for &signal in &topic.series.signals {
                 let is_lost = |sample: usize| came[sample] && !values[[signal, sample]].is_finite();
                 losses.extend(self.gaps(&signals[signal].source, "are not numbers", is_lost));
             }
@@ -73,15 +75,22 @@ impl Grid {
     fn place(&self, topic: &Paced, shift: i64, values: &mut Array2<f64>) -> Vec<bool> {
         let mut came = vec![false; self.n_samples];
         for (row, slot) in topic.clock.slots.iter().enumerate() {
-            let Some(sample) = self.sample_of(*slot, shift) else {
-                continue;
-            };
-            came[sample] = true;
-            for (&signal, column) in topic.series.signals.iter().zip(&topic.series.columns) {
-                values[[signal, sample]] = column[row];
+            if let Some(sample) = self.sample_of(*slot, shift) {
+                came[sample] = true;
+                put(topic.series, row, values.column_mut(sample));
             }
         }
         came
+    }
+
+    /// Which samples are contested, and did not come either.
+    fn contested(&self, topic: &Paced, shift: i64, came: &[bool]) -> Vec<bool> {
+        let mut contested = vec![false; self.n_samples];
+        let slots = topic.clock.contested.iter();
+        for sample in slots.filter_map(|slot| self.sample_of(*slot, shift)) {
+            contested[sample] = !came[sample];
+        }
+        contested
     }
 
     /// The grid's sample of a topic's own, if it is on the grid.
@@ -102,43 +111,64 @@ impl Grid {
         if clock.jitter <= NOTABLE_JITTER || clock.resolution_s.is_some() {
             return None;
         }
-        let mut places: Vec<f64> = (0..self.n_samples).map(|sample| sample as f64).collect();
-        let shift = self.shifts.first().copied().unwrap_or(0);
-        let points = Points {
-            stamps_ns: &topic.series.stamps_ns,
-            slots: &clock.slots,
-        };
-        for (row, slot) in clock.slots.iter().enumerate() {
-            let deviation = clock.line.deviation(points, row);
-            match self.sample_of(*slot, shift) {
-                Some(sample) if deviation.abs() <= OUT_OF_SLOT => places[sample] += deviation,
-                _ => {}
-            }
-        }
+        let places = self.stamped_places(topic);
         let first = places.first().copied().unwrap_or(0.0);
         let time_s = |place: f64| (place - first) * self.sample_time_s;
         Some(places.into_iter().map(time_s).collect())
     }
 
+    /// Place of every sample in samples, as the first topic is stamped.
+    fn stamped_places(&self, topic: &Paced) -> Vec<f64> {
+        let Clock { line, slots, .. } = topic.clock;
+        let points = topic.clock.points(&topic.series.stamps_ns);
+        let mut places: Vec<f64> = (0..self.n_samples).map(|sample| sample as f64).collect();
+        for (slot, deviation) in slots.iter().zip(line.deviations(points)) {
+            match self.sample_of(*slot, self.first_shift()) {
+                Some(sample) if deviation.abs() <= OUT_OF_SLOT => places[sample] += deviation,
+                _ => {}
+            }
+        }
+        places
+    }
+
+    fn first_shift(&self) -> i64 {
+        self.shifts.first().copied().unwrap_or(0)
+    }
+
     /// The clock of the first topic over the grid.
     pub(crate) fn clock_fit(&self, topic: &Paced) -> ClockFit {
-        let shift = self.shifts.first().copied().unwrap_or(0);
-        let on_grid = |slot: &&u32| self.sample_of(**slot, shift).is_some();
-        let n_rows = topic.clock.slots.iter().filter(on_grid).count();
         ClockFit {
             sample_time_s: self.sample_time_s,
             resolution_s: topic.clock.resolution_s,
             jitter: topic.clock.jitter,
-            n_lost: self.n_samples - n_rows,
+            n_lost: self.n_samples - self.n_rows(&topic.clock.slots),
         }
+    }
+
+    /// How many rows of the first topic are on the grid.
+    fn n_rows(&self, slots: &[u32]) -> usize {
+        let shift = self.first_shift();
+        let samples = slots.iter().map(|slot| self.sample_of(*slot, shift));
+        samples.flatten().count()
     }
 
     /// Damages to the file, on the grid's time.
     pub(crate) fn of_file(&self, damages: &[TimedDamage]) -> Vec<Loss> {
-        let since_start_s = |at_ns: i64| (at_ns as f64 - self.start_ns as f64) / 1e9;
         let loss = |(at_ns, reason): &TimedDamage| {
-            loss::of_no_sample("file", at_ns.map_or(0.0, since_start_s), reason)
+            loss::of_no_sample("file", self.since_start_s(*at_ns), reason)
         };
         damages.iter().map(loss).collect()
+    }
+
+    /// A time of the file; the start where that is not known.
+    fn since_start_s(&self, at_ns: Option<i64>) -> f64 {
+        at_ns.map_or(0.0, |at_ns| (at_ns as f64 - self.start_ns as f64) / 1e9)
+    }
+}
+
+/// Puts a row of a topic into its sample of all signals.
+fn put(series: &Series, row: usize, mut sample: ArrayViewMut1<f64>) {
+    for (signal, column) in series.signals.iter().zip(&series.columns) {
+        sample[*signal] = column[row];
     }
 }

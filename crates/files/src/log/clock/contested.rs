@@ -1,11 +1,14 @@
 //! Contested samples: two different rows with one stamp, and no free slot that one of them could be
 //! of, as a recorder writes them that reads while another thread writes.
 
+use std::ops::Range;
+
 use crate::log::clock::evenness::stretches;
 use crate::log::clock::line::Line;
+use crate::log::clock::sample_time::Guess;
 use crate::log::clock::slots::Slots;
 use crate::log::clock::{Flaw, flaw};
-use crate::log::recording::Series;
+use crate::log::recording::{Series, picked, repeats_stamp};
 use crate::log::text::seconds_after;
 
 /// Share of the rows that may be contested; more are two recordings, or two publishers.
@@ -18,22 +21,41 @@ pub(crate) struct Contested {
 }
 
 impl Contested {
+    /// The slots of a series from a guess, once its contested rows are taken out.
+    pub(crate) fn cleared(&mut self, series: &mut Series, guess: Guess) -> Result<Slots, Flaw> {
+        loop {
+            let slots = Slots::of(&series.stamps_ns, guess);
+            if self.take_out(series, &slots)? == 0 {
+                return Ok(slots);
+            }
+        }
+    }
+
     /// Takes rows out of the series that have no slot, with the rows whose stamp they share; returns
     /// how many there were.
-    pub(crate) fn take_out(&mut self, series: &mut Series, slots: &Slots) -> Result<usize, Flaw> {
+    fn take_out(&mut self, series: &mut Series, slots: &Slots) -> Result<usize, Flaw> {
         let rows = rows_without_slot(&series.stamps_ns, slots);
-        let stamps = rows.iter().map(|row| series.stamps_ns[*row]);
-        self.stamps_ns.extend(stamps);
-        let most = (MOST_CONTESTED * series.stamps_ns.len() as f64).max(1.0);
-        if self.stamps_ns.len() as f64 > most {
-            return mixed(&series.stamps_ns);
-        }
+        self.stamps_ns.extend(picked(&series.stamps_ns, &rows));
+        self.check_few(&series.stamps_ns)?;
         if !rows.is_empty() {
-            self.stamps_ns.sort_unstable();
-            let kept = self.uncontested(&series.stamps_ns);
-            series.rearrange(&kept);
+            self.take_from(series);
         }
         Ok(rows.len())
+    }
+
+    /// Refuses more than a few contested stamps.
+    fn check_few(&self, stamps_ns: &[i64]) -> Result<(), Flaw> {
+        let most = (MOST_CONTESTED * stamps_ns.len() as f64).max(1.0);
+        if self.stamps_ns.len() as f64 > most {
+            return mixed(stamps_ns);
+        }
+        Ok(())
+    }
+
+    fn take_from(&mut self, series: &mut Series) {
+        self.stamps_ns.sort_unstable();
+        let kept = self.uncontested(&series.stamps_ns);
+        series.rearrange(&kept);
     }
 
     /// The rows with other stamps.
@@ -44,34 +66,37 @@ impl Contested {
 
     /// The slots of their stamps, along a line from the first of the stamps that are left.
     pub(crate) fn slots(&self, stamps_ns: &[i64], line: Line) -> Vec<u32> {
-        let since_first = |stamp: &i64| stamp.saturating_sub(stamps_ns[0]) as f64;
-        let slot = |stamp: &i64| (since_first(stamp) / line.step_ns - line.origin).round();
-        let slots = self.stamps_ns.iter().map(slot).filter(|slot| *slot >= 0.0);
-        slots.map(|slot| slot as u32).collect()
+        let slot = |stamp: &i64| line.slot(stamp.saturating_sub(stamps_ns[0]) as f64);
+        self.stamps_ns.iter().filter_map(slot).collect()
     }
 }
 
 /// Rows that repeat a stamp and push a stretch of others out of their slots: those before them, late
 /// to make room, or those after.
 fn rows_without_slot(stamps_ns: &[i64], slots: &Slots) -> Vec<usize> {
-    let repeats =
-        |row: &usize| (1..stamps_ns.len()).contains(row) && stamps_ns[*row] == stamps_ns[*row - 1];
     let stretches = stretches(&slots.behind).into_iter();
-    let pushing = stretches.filter_map(|stretch| match slots.behind[stretch.start] {
-        behind if behind > 0 => Some(stretch.end),
-        _ => stretch.start.checked_sub(1),
-    });
-    let mut rows: Vec<usize> = pushing.filter(repeats).collect();
+    let pushing = stretches.filter_map(|stretch| pushing(stretch, &slots.behind));
+    let mut rows: Vec<usize> = pushing
+        .filter(|row| repeats_stamp(stamps_ns, *row))
+        .collect();
     rows.dedup();
     rows
 }
 
+/// The row beside a stretch that pushes it out: behind late ones, before early ones.
+fn pushing(stretch: Range<usize>, behind: &[i32]) -> Option<usize> {
+    match behind[stretch.start] > 0 {
+        true => Some(stretch.end),
+        false => stretch.start.checked_sub(1),
+    }
+}
+
 /// What is wrong where many rows share a stamp.
 fn mixed<T>(stamps_ns: &[i64]) -> Result<T, Flaw> {
-    let repeats = |row: &usize| stamps_ns[*row] == stamps_ns[*row - 1];
-    let count = (1..stamps_ns.len()).filter(repeats).count();
-    let first = (1..stamps_ns.len()).find(repeats).unwrap_or(0);
-    let after = seconds_after(stamps_ns, first);
+    let repeating = |row: &usize| repeats_stamp(stamps_ns, *row);
+    let rows: Vec<usize> = (0..stamps_ns.len()).filter(repeating).collect();
+    let count = rows.len();
+    let after = seconds_after(stamps_ns, rows.first().copied().unwrap_or(0));
     flaw(
         format!("{count} stamps that are there twice with different values, the first {after}"),
         "one stamp for each sample: several recordings or publishers are mixed",

@@ -38,17 +38,47 @@ const MOST_IN_STRETCHES: f64 = 0.01;
 /// Refuses stamps that are all equal, and gaps longer than all data, before memory is taken for
 /// what is missing.
 pub(crate) fn check_amount(stamps_ns: &[i64], step_ns: f64) -> Result<(), Flaw> {
-    let needed = "rising stamps";
-    let (Some(first), Some(last)) = (stamps_ns.first(), stamps_ns.last()) else {
-        return flaw("no samples", needed);
-    };
-    if first == last || step_ns <= 0.0 {
+    check_rising(stamps_ns, step_ns)?;
+    check_gaps(stamps_ns, step_ns)?;
+    check_losses(stamps_ns, step_ns)
+}
+
+fn check_rising(stamps_ns: &[i64], step_ns: f64) -> Result<(), Flaw> {
+    if length_ns(stamps_ns) == 0.0 || step_ns <= 0.0 {
         let count = stamps_ns.len();
-        return flaw(format!("{count} samples, all of one stamp"), needed);
+        let found = format!("{count} samples, all of one stamp");
+        return flaw(found, "rising stamps");
     }
+    Ok(())
+}
+
+fn check_gaps(stamps_ns: &[i64], step_ns: f64) -> Result<(), Flaw> {
+    let most_ns = (stamps_ns.len() as f64 + FREE_GAP) * step_ns;
+    let is_long = |pair: &[i64]| length_ns(pair) > most_ns;
+    match stamps_ns.windows(2).position(is_long) {
+        Some(before) => long_gap(stamps_ns, before, step_ns),
+        None => Ok(()),
+    }
+}
+
+/// What is wrong with a gap behind a row.
+fn long_gap(stamps_ns: &[i64], before: usize, step_ns: f64) -> Result<(), Flaw> {
+    let (count, row) = (stamps_ns.len(), before + 1);
+    let gap = duration(length_ns(&stamps_ns[before..=row]));
+    let after = seconds_after(stamps_ns, before);
+    let all = duration(count as f64 * step_ns);
+    flaw(
+        format!(
+            "a gap of {gap} after sample {row}, {after}: longer than all {count} samples together, {all}"
+        ),
+        "one recording; cut it there, or take out the samples whose stamps are wrong",
+    )
+}
+
+/// Refuses a recording that is mostly gaps.
+fn check_losses(stamps_ns: &[i64], step_ns: f64) -> Result<(), Flaw> {
     let n_rows = stamps_ns.len() as f64;
-    check_gaps(stamps_ns, (n_rows + FREE_GAP) * step_ns, n_rows * step_ns)?;
-    let n_slots = last.abs_diff(*first) as f64 / step_ns;
+    let n_slots = length_ns(stamps_ns) / step_ns;
     if n_slots <= MOST_LOST * n_rows + 4.0 * FREE_GAP {
         return Ok(());
     }
@@ -59,45 +89,35 @@ pub(crate) fn check_amount(stamps_ns: &[i64], step_ns: f64) -> Result<(), Flaw> 
     )
 }
 
-fn check_gaps(stamps_ns: &[i64], most_ns: f64, rows_ns: f64) -> Result<(), Flaw> {
-    let is_long = |row: &usize| stamps_ns[*row].abs_diff(stamps_ns[row - 1]) as f64 > most_ns;
-    let Some(row) = (1..stamps_ns.len()).find(is_long) else {
-        return Ok(());
-    };
-    let gap = duration(stamps_ns[row].abs_diff(stamps_ns[row - 1]) as f64);
-    let (count, after) = (stamps_ns.len(), seconds_after(stamps_ns, row - 1));
-    flaw(
-        format!(
-            "a gap of {gap} after sample {row}, {after}: longer than all {count} samples together, {}",
-            duration(rows_ns)
-        ),
-        "one recording; cut it there, or take out the samples whose stamps are wrong",
-    )
+/// Time from the first stamp to the last.
+fn length_ns(stamps_ns: &[i64]) -> f64 {
+    let ends = stamps_ns.first().zip(stamps_ns.last());
+    ends.map_or(0.0, |(first, last)| last.abs_diff(*first) as f64)
 }
 
 /// Refuses stamps of which many repeat the one before them, unless the sample time is stated.
 pub(crate) fn check_twins(stamps_ns: &[i64], is_stated: bool) -> Result<(), Flaw> {
-    let twins = stamps_ns
-        .windows(2)
-        .filter(|pair| pair[0] == pair[1])
-        .count();
-    if is_stated || twins * MANY_TWINS < stamps_ns.len() {
+    let count = stamps_ns.len();
+    let twins = n_twins(stamps_ns);
+    if is_stated || twins * MANY_TWINS < count {
         return Ok(());
     }
-    let count = stamps_ns.len();
     flaw(
         format!("{twins} of {count} samples with the stamp of the one before and other values"),
         "a stamp for each sample, of one recording; if the stamps are rounded, state the sample time: sample_time_s",
     )
 }
 
+fn n_twins(stamps_ns: &[i64]) -> usize {
+    let pairs = stamps_ns.windows(2);
+    pairs.filter(|pair| pair[0] == pair[1]).count()
+}
+
 /// Whether the deviations are those of stamps rounded to a unit.
 pub(crate) fn is_rounded(points: Points, line: Line, unit_ns: f64) -> bool {
     let unit = unit_ns / line.step_ns;
-    let count = points.slots.len();
-    let is_within = |k: &usize| line.deviation(points, *k).abs() <= 0.5 * unit + ROUNDING;
-    let within = (0..count).filter(is_within).count();
-    unit > NOTABLE_JITTER && within as f64 >= MOST_ROUNDED * count as f64
+    let within = line.n_within(points, 0.5 * unit + ROUNDING) as f64;
+    unit > NOTABLE_JITTER && within >= MOST_ROUNDED * points.slots.len() as f64
 }
 
 /// Whether the stamps are not spread too far about the line; rounding explains a part of its unit.
@@ -114,16 +134,8 @@ pub(crate) fn check_even(points: Points, line: Line, unit_ns: f64) -> Result<(),
     if is_even(points, line, unit_ns) {
         return Ok(());
     }
-    let deviations = (0..points.slots.len()).map(|k| line.deviation(points, k).abs());
-    let largest = deviations.fold(0.0, f64::max);
-    let spread = half_spread(points, line);
-    let step = duration(line.step_ns);
     flaw(
-        format!(
-            "stamps of which {:.0} % need a span of {:.0} % of a sample about an even clock of {step}, the farthest {largest:.1} samples off",
-            100.0 * TYPICAL,
-            200.0 * spread
-        ),
+        spread_told(points, line),
         format!(
             "a span of {:.0} %: frfid does not resample; record at a fixed rate or, if the sample time is another one, state it: sample_time_s",
             200.0 * MOST_JITTER
@@ -131,29 +143,46 @@ pub(crate) fn check_even(points: Points, line: Line, unit_ns: f64) -> Result<(),
     )
 }
 
+fn spread_told(points: Points, line: Line) -> String {
+    format!(
+        "stamps of which {:.0} % need a span of {:.0} % of a sample about an even clock of {}, the farthest {:.1} samples off",
+        100.0 * TYPICAL,
+        200.0 * half_spread(points, line),
+        duration(line.step_ns),
+        line.largest_deviation(points)
+    )
+}
+
 /// Half of the shortest span that holds the typical stamps.
 pub(crate) fn half_spread(points: Points, line: Line) -> f64 {
-    let deviations = (0..points.slots.len()).map(|k| line.deviation(points, k));
-    let mut deviations: Vec<f64> = deviations.collect();
+    let mut deviations: Vec<f64> = line.deviations(points).collect();
     deviations.sort_unstable_by(f64::total_cmp);
-    let count = (TYPICAL * deviations.len() as f64).ceil().max(2.0) as usize;
-    let spans = deviations.windows(count.min(deviations.len()));
+    0.5 * shortest_span(&deviations, n_typical(deviations.len()))
+}
+
+/// How many of so many stamps are the typical ones.
+fn n_typical(count: usize) -> usize {
+    let typical = (TYPICAL * count as f64).ceil().max(2.0);
+    (typical as usize).min(count)
+}
+
+/// The shortest span that holds so many of sorted values.
+fn shortest_span(sorted: &[f64], count: usize) -> f64 {
+    let spans = sorted.windows(count);
     let spans = spans.filter_map(|span| Some(span.last()? - span.first()?));
-    0.5 * spans.min_by(f64::total_cmp).unwrap_or(0.0)
+    spans.min_by(f64::total_cmp).unwrap_or(0.0)
 }
 
 /// Refuses so many late stamps among so many losses that it is not known which samples are lost.
 pub(crate) fn check_sure(clock: &Clock) -> Result<(), Flaw> {
-    let (n_rows, n_slots) = (clock.slots.len(), clock.n_slots());
+    let (n_rows, n_slots, n_out) = (clock.slots.len(), clock.n_slots(), clock.n_out);
     let n_lost = n_slots.saturating_sub(n_rows);
-    let unsure = clock.n_out as f64 / n_rows as f64 * n_lost as f64 / n_slots as f64;
-    if unsure <= MOST_UNSURE {
+    if n_out as f64 / n_rows as f64 * n_lost as f64 / n_slots as f64 <= MOST_UNSURE {
         return Ok(());
     }
     flaw(
         format!(
-            "{} of {n_rows} stamps off by more than half a sample while {n_lost} of {n_slots} samples are lost: which ones cannot be told",
-            clock.n_out
+            "{n_out} of {n_rows} stamps off by more than half a sample while {n_lost} of {n_slots} samples are lost: which ones cannot be told"
         ),
         "stamps that are late or samples that are lost, but not both so often: record the robot's own stamps, and all samples",
     )
@@ -165,20 +194,20 @@ pub(crate) fn check_stretches(stamps_ns: &[i64], slots: &Slots) -> Result<(), Fl
     let stretches = stretches(&slots.behind);
     let n_rows: usize = stretches.iter().map(ExactSizeIterator::len).sum();
     let most = MOST_IN_STRETCHES * slots.slots.len() as f64;
-    let Some(first) = stretches.first() else {
-        return Ok(());
-    };
-    if n_rows as f64 <= most {
-        return Ok(());
+    match stretches.first() {
+        Some(first) if n_rows as f64 > most => {
+            let after = seconds_after(stamps_ns, first.start);
+            no_even_clock(n_rows, first.len(), slots.behind[first.start], &after)
+        }
+        _ => Ok(()),
     }
-    let (behind, after) = (
-        slots.behind[first.start],
-        seconds_after(stamps_ns, first.start),
-    );
+}
+
+/// What is wrong with stretches of so many rows, of which the first has so many that are behind.
+fn no_even_clock(n_rows: usize, n_first: usize, behind: i32, after: &str) -> Result<(), Flaw> {
     flaw(
         format!(
-            "{n_rows} stamps that no even clock explains; the first {} run {behind} samples behind their order, {after}",
-            first.len()
+            "{n_rows} stamps that no even clock explains; the first {n_first} run {behind} samples behind their order, {after}"
         ),
         "rising stamps of one clock: several recordings, publishers or clocks are mixed, or the clock was set; cut the recording there",
     )
@@ -188,15 +217,17 @@ pub(crate) fn check_stretches(stamps_ns: &[i64], slots: &Slots) -> Result<(), Fl
 pub(crate) fn stretches(behind: &[i32]) -> Vec<Range<usize>> {
     let n_out = behind.iter().filter(|behind| **behind != 0).count();
     let shortest = shortest_stretch(behind.len(), n_out);
-    let mut found = Vec::new();
-    let mut start = 0;
-    for run in behind.chunk_by(|a, b| a == b) {
-        if run[0] != 0 && run.len() >= shortest {
-            found.push(start..start + run.len());
-        }
-        start += run.len();
-    }
-    found
+    let is_stretch = |run: &Range<usize>| behind[run.start] != 0 && run.len() >= shortest;
+    runs(behind).filter(is_stretch).collect()
+}
+
+/// Where values stay the same, run by run.
+fn runs(values: &[i32]) -> impl Iterator<Item = Range<usize>> {
+    let mut end = 0;
+    values.chunk_by(|a, b| a == b).map(move |run| {
+        end += run.len();
+        end - run.len()..end
+    })
 }
 
 /// Length that rows out of their slots at random reach once in `CHANCE` recordings.

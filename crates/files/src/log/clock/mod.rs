@@ -16,7 +16,6 @@ use crate::log::clock::contested::Contested;
 use crate::log::clock::line::{Line, Points};
 use crate::log::clock::order::Order;
 use crate::log::clock::sample_time::{Guess, resolution_ns};
-use crate::log::clock::slots::Slots;
 use crate::log::recording::Series;
 use crate::log::text::duration;
 
@@ -68,14 +67,11 @@ impl Clock {
         warnings: &mut Vec<String>,
     ) -> Result<Self, Flaw> {
         let stated_ns = stated_s.map(|stated_s| stated_s * 1e9);
-        let is_finer =
-            |stamps: &[i64]| stated_ns.is_none_or(|ns| resolution_ns(stamps) as f64 <= ns);
+        let is_finer = |stamps: &[i64]| stated_ns.is_none_or(|ns| resolution_ns(stamps) <= ns);
         let order = Order::of(series, is_finer);
-        if series.stamps_ns.len() < 2 {
-            return flaw(format!("{} samples", series.stamps_ns.len()), "at least 2");
-        }
-        let unit_ns = resolution_ns(&series.stamps_ns) as f64;
+        check_count(series.stamps_ns.len())?;
         order.check_few()?;
+        let unit_ns = resolution_ns(&series.stamps_ns);
         let guess = Guess::of(&series.stamps_ns, unit_ns, stated_ns);
         evenness::check_amount(&series.stamps_ns, guess.step_ns)?;
         let fitted = Self::fit(series, guess, unit_ns, stated_ns);
@@ -93,49 +89,42 @@ impl Clock {
     ) -> Result<Self, Flaw> {
         evenness::check_twins(&series.stamps_ns, stated_ns.is_some())?;
         let mut contested = Contested::default();
-        let slots = loop {
-            let slots = Slots::of(&series.stamps_ns, guess);
-            if contested.take_out(series, &slots)? == 0 {
-                break slots;
-            }
-        };
-        evenness::check_stretches(&series.stamps_ns, &slots)?;
+        let slots = contested.cleared(series, guess)?;
         let stamps_ns = &series.stamps_ns;
-        let points = Points {
-            stamps_ns,
-            slots: &slots.slots,
-        };
+        evenness::check_stretches(stamps_ns, &slots)?;
+        let points = slots.points(stamps_ns);
         let reach = OUT_OF_SLOT.max(0.5 * unit_ns / guess.step_ns + ROUNDING);
-        let mut line = Line::through(points, reach);
-        if let Some(stated_ns) = stated_ns {
-            check_stated(stated_ns, line.step_ns)?;
-            line = Line::of_step(points, stated_ns);
-        }
+        let line = line_of(points, reach, stated_ns)?;
         evenness::check_even(points, line, unit_ns)?;
-        let contested = contested.slots(stamps_ns, line);
-        let clock = Self::along(line, points, reach, unit_ns, contested);
+        let clock = Self {
+            contested: contested.slots(stamps_ns, line),
+            ..Self::along(line, points, reach, unit_ns)
+        };
         evenness::check_sure(&clock)?;
         Ok(clock)
     }
 
-    /// The clock of a line.
-    fn along(line: Line, points: Points, reach: f64, unit_ns: f64, contested: Vec<u32>) -> Self {
-        let deviations = || (0..points.slots.len()).map(|k| line.deviation(points, k));
-        let inside = || deviations().filter(|deviation| deviation.abs() <= reach);
-        let n_inside = inside().count();
-        let mean = inside().sum::<f64>() / n_inside as f64;
-        let squares = inside().map(|deviation| (deviation - mean).powi(2));
-        let jitter = (squares.sum::<f64>() / n_inside as f64).sqrt();
+    /// The clock of a line, without contested slots.
+    fn along(line: Line, points: Points, reach: f64, unit_ns: f64) -> Self {
+        let jitter = line.jitter(points, reach);
         let is_rounded = jitter > NOTABLE_JITTER && evenness::is_rounded(points, line, unit_ns);
         Self {
             sample_time_s: line.step_ns / 1e9,
             slots: points.slots.to_vec(),
-            contested,
+            contested: Vec::new(),
             jitter,
-            largest_jitter: deviations().map(f64::abs).fold(0.0, f64::max),
-            n_out: points.slots.len() - n_inside,
+            largest_jitter: line.largest_deviation(points),
+            n_out: points.slots.len() - line.n_within(points, reach),
             resolution_s: is_rounded.then_some(unit_ns / 1e9),
             line,
+        }
+    }
+
+    /// The stamps that it was fitted to, with their slots.
+    pub(crate) fn points<'p>(&'p self, stamps_ns: &'p [i64]) -> Points<'p> {
+        Points {
+            stamps_ns,
+            slots: &self.slots,
         }
     }
 
@@ -145,8 +134,34 @@ impl Clock {
     }
 }
 
+fn check_count(n_samples: usize) -> Result<(), Flaw> {
+    if n_samples < 2 {
+        return flaw(format!("{n_samples} samples"), "at least 2");
+    }
+    Ok(())
+}
+
+/// The line through the stamps, or that of the stated sample time if they agree.
+fn line_of(points: Points, reach: f64, stated_ns: Option<f64>) -> Result<Line, Flaw> {
+    let line = Line::through(points, reach);
+    match stated_ns {
+        Some(stated_ns) => stated_line(points, stated_ns, line.step_ns),
+        None => Ok(line),
+    }
+}
+
+fn stated_line(points: Points, stated_ns: f64, step_ns: f64) -> Result<Line, Flaw> {
+    check_stated(stated_ns, step_ns)?;
+    Ok(Line::of_step(points, stated_ns))
+}
+
+/// Whether a sample time is the stated one.
+pub(crate) fn agrees(step_ns: f64, stated_ns: f64) -> bool {
+    (step_ns / stated_ns - 1.0).abs() <= STATED_TOLERANCE
+}
+
 fn check_stated(stated_ns: f64, step_ns: f64) -> Result<(), Flaw> {
-    if (step_ns / stated_ns - 1.0).abs() <= STATED_TOLERANCE {
+    if agrees(step_ns, stated_ns) {
         return Ok(());
     }
     flaw(

@@ -1,9 +1,8 @@
 //! Order of the rows of a recording: sorted by their stamps where messages came out of order, copies
 //! taken out.
 
-use crate::log::clock::line::Points;
 use crate::log::clock::{Clock, Flaw, flaw};
-use crate::log::recording::Series;
+use crate::log::recording::{Series, picked};
 use crate::log::text::{duration, seconds_after};
 
 /// Share of rows that may come after one with a later stamp; more are two recordings in one file.
@@ -28,18 +27,9 @@ impl Order {
     /// Sorts the rows by their stamps; takes out copies, rows that repeat stamp and values of the one
     /// before. Where stamps are coarser than the samples, equal rows are not copies.
     pub(crate) fn of(series: &mut Series, are_copies: impl Fn(&[i64]) -> bool) -> Self {
-        let mut order = Self {
-            late: late(&series.stamps_ns),
-            n_out: n_ahead(&series.stamps_ns),
-            first: first_backwards(&series.stamps_ns),
-            n_copies: 0,
-        };
-        order.n_out = order.n_out.min(order.n_late());
+        let mut order = Self::found(&series.stamps_ns);
         if order.first.is_some() {
-            let mut places: Vec<usize> = (0..series.stamps_ns.len()).collect();
-            places.sort_by_key(|place| series.stamps_ns[*place]);
-            order.late = places.iter().map(|place| order.late[*place]).collect();
-            series.rearrange(&places);
+            order.sort(series);
         }
         if are_copies(&series.stamps_ns) {
             order.drop_copies(series);
@@ -47,16 +37,37 @@ impl Order {
         order
     }
 
+    fn found(stamps_ns: &[i64]) -> Self {
+        let mut order = Self {
+            late: late(stamps_ns),
+            n_out: n_ahead(stamps_ns),
+            first: first_backwards(stamps_ns),
+            n_copies: 0,
+        };
+        order.n_out = order.n_out.min(order.n_late());
+        order
+    }
+
+    fn sort(&mut self, series: &mut Series) {
+        let mut places: Vec<usize> = (0..series.stamps_ns.len()).collect();
+        places.sort_by_key(|place| series.stamps_ns[*place]);
+        self.rearrange(series, &places);
+    }
+
     fn drop_copies(&mut self, series: &mut Series) {
+        let count = series.stamps_ns.len();
         let is_new = |row: &usize| !series.is_copy(*row);
-        let kept: Vec<usize> = (0..series.stamps_ns.len()).filter(is_new).collect();
-        self.n_copies = series.stamps_ns.len() - kept.len();
-        if self.n_copies == 0 {
-            return;
+        let kept: Vec<usize> = (0..count).filter(is_new).collect();
+        self.n_copies = count - kept.len();
+        if self.n_copies > 0 {
+            self.rearrange(series, &kept);
         }
-        series.rearrange(&kept);
+    }
+
+    fn rearrange(&mut self, series: &mut Series, places: &[usize]) {
+        series.rearrange(places);
         if !self.late.is_empty() {
-            self.late = kept.iter().map(|row| self.late[*row]).collect();
+            self.late = picked(&self.late, places);
         }
     }
 
@@ -89,36 +100,30 @@ impl Order {
         stamps_ns: &[i64],
         fitted: Result<Clock, Flaw>,
     ) -> Result<Clock, Flaw> {
-        let Some(first) = &self.first else {
-            return fitted;
-        };
-        let fills_gaps = |clock: &Clock| {
-            let points = Points {
-                stamps_ns,
-                slots: &clock.slots,
-            };
-            let is_sure = |row: usize| clock.line.deviation(points, row).abs() <= SURE;
-            let mut late = (0..self.late.len()).filter(|row| self.late[*row]);
-            stamps_ns.len() == self.late.len() && late.all(is_sure)
-        };
-        match fitted {
-            Ok(clock) if fills_gaps(&clock) => Ok(clock),
-            _ => self.flaw(first),
+        match (&self.first, fitted) {
+            (None, fitted) => fitted,
+            (_, Ok(clock)) if self.fills_gaps(stamps_ns, &clock) => Ok(clock),
+            (Some(first), _) => self.flaw(first),
         }
+    }
+
+    /// Whether all rows out of order are where the clock has a slot.
+    fn fills_gaps(&self, stamps_ns: &[i64], clock: &Clock) -> bool {
+        let points = clock.points(stamps_ns);
+        let is_sure = |row: usize| clock.line.deviation(points, row).abs() <= SURE;
+        let mut late = (0..self.late.len()).filter(|row| self.late[*row]);
+        stamps_ns.len() == self.late.len() && late.all(is_sure)
     }
 
     /// What was done, of a topic.
     pub(crate) fn warnings(&self, topic: &str) -> Vec<String> {
-        let copies = (self.n_copies > 0).then(|| {
-            format!(
-                "{topic}: {} messages are there twice; one of each was dropped",
-                self.n_copies
-            )
+        let (n_copies, n_late) = (self.n_copies, self.n_late());
+        let copies = (n_copies > 0).then(|| {
+            format!("{topic}: {n_copies} messages are there twice; one of each was dropped")
         });
         let sorted = self.first.as_ref().map(|first| {
             format!(
-                "{topic}: {} messages out of order were put where their stamps say, {first}",
-                self.n_late()
+                "{topic}: {n_late} messages out of order were put where their stamps say, {first}"
             )
         });
         copies.into_iter().chain(sorted).collect()
@@ -150,12 +155,12 @@ fn n_ahead(stamps_ns: &[i64]) -> usize {
 
 /// The first stamp that lies before its predecessor, in words.
 fn first_backwards(stamps_ns: &[i64]) -> Option<String> {
-    let mut pairs = stamps_ns.windows(2);
-    let row = pairs.position(|pair| pair[1] < pair[0])? + 1;
-    let back = duration(stamps_ns[row - 1].abs_diff(stamps_ns[row]) as f64);
-    let after = seconds_after(stamps_ns, row - 1);
+    let falls = |pair: &[i64]| pair[1] < pair[0];
+    let before = stamps_ns.windows(2).position(falls)?;
+    let (row, next) = (before + 1, before + 2);
+    let back = duration(stamps_ns[before].abs_diff(stamps_ns[row]) as f64);
+    let after = seconds_after(stamps_ns, before);
     Some(format!(
-        "the first is that of sample {}, {back} before that of sample {row}, {after}",
-        row + 1
+        "the first is that of sample {next}, {back} before that of sample {row}, {after}"
     ))
 }

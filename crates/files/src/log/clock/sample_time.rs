@@ -1,11 +1,11 @@
 //! Sample time of a recording from its stamps, before it is known which sample each of them is.
 
 use crate::log::clock::evenness::{MOST_JITTER, half_spread};
-use crate::log::clock::line::{Line, Points};
+use crate::log::clock::line::Line;
 use crate::log::clock::phase::{WIDTHS, windows};
 use crate::log::clock::rounded::{EVIDENCE, lossless, searched};
 use crate::log::clock::slots::Slots;
-use crate::log::clock::{OUT_OF_SLOT, STATED_TOLERANCE};
+use crate::log::clock::{OUT_OF_SLOT, agrees};
 
 /// Stamps are coarse where they are whole multiples of more than this share of their typical step:
 /// then the mean of the common steps need not be the sample time (800 Hz in whole ms has steps of 1
@@ -20,9 +20,13 @@ const NEAR: (f64, f64) = (0.6, 1.1);
 const N_NEAR: usize = 100;
 
 /// The unit that all differences of the stamps are multiples of, in ns; 0 if they are all equal.
-pub(crate) fn resolution_ns(stamps_ns: &[i64]) -> u64 {
-    let steps = stamps_ns.windows(2).map(|pair| pair[1].abs_diff(pair[0]));
-    steps.fold(0, greatest_common_divisor)
+pub(crate) fn resolution_ns(stamps_ns: &[i64]) -> f64 {
+    steps_ns(stamps_ns).fold(0, greatest_common_divisor) as f64
+}
+
+pub(crate) fn steps_ns(stamps_ns: &[i64]) -> impl Iterator<Item = u64> {
+    let pairs = stamps_ns.windows(2);
+    pairs.map(|pair| pair[1].abs_diff(pair[0]))
 }
 
 fn greatest_common_divisor(mut a: u64, mut b: u64) -> u64 {
@@ -70,23 +74,34 @@ impl Guess {
 
     /// The grid of a sample time that the user knows.
     fn stated(stamps_ns: &[i64], unit_ns: f64, stated_ns: f64) -> Self {
-        let is_likely = |step_ns: f64| (step_ns / stated_ns - 1.0).abs() <= STATED_TOLERANCE;
-        let is_coarse = unit_ns > COARSE * stated_ns;
-        let rounded = is_coarse.then(|| lossless(stamps_ns, unit_ns, is_likely));
-        rounded.flatten().unwrap_or(Self::anywhere(stated_ns))
+        let anywhere = Self::anywhere(stated_ns);
+        if !anywhere.is_coarse(unit_ns) {
+            return anywhere;
+        }
+        lossless(stamps_ns, unit_ns, |step_ns| agrees(step_ns, stated_ns)).unwrap_or(anywhere)
+    }
+
+    /// Whether stamps that are multiples of a unit are coarse.
+    fn is_coarse(&self, unit_ns: f64) -> bool {
+        unit_ns > COARSE * self.step_ns
     }
 
     /// The step without gaps or, for coarse stamps, the even clock whose stamps they are the whole
     /// units of, if there is one.
     fn found(stamps_ns: &[i64], unit_ns: f64) -> Self {
         let typical = Self::anywhere(typical_step_ns(stamps_ns));
+        let rounded = match typical.is_coarse(unit_ns) {
+            true => Self::rounded(stamps_ns, unit_ns),
+            false => None,
+        };
+        rounded.unwrap_or_else(|| typical.improved(stamps_ns))
+    }
+
+    /// The even clock whose stamps are the whole units of it.
+    fn rounded(stamps_ns: &[i64], unit_ns: f64) -> Option<Self> {
         let is_likely =
             |step_ns: f64| stamps_ns.len() as f64 * (step_ns / unit_ns).ln() >= EVIDENCE;
-        let rounded = (unit_ns > COARSE * typical.step_ns).then(|| {
-            lossless(stamps_ns, unit_ns, is_likely).or_else(|| searched(stamps_ns, unit_ns))
-        });
-        let rounded = rounded.flatten();
-        rounded.unwrap_or_else(|| typical.improved(stamps_ns))
+        lossless(stamps_ns, unit_ns, is_likely).or_else(|| searched(stamps_ns, unit_ns))
     }
 
     /// This grid or, if the first stamps are far more even on it, the best of those near it: many
@@ -96,26 +111,27 @@ impl Guess {
         if first.len() < 2 || self.step_ns <= 0.0 {
             return self;
         }
+        let best = self.best_near(first);
+        let most = (0.5 * self.spread(first)).min(0.5 * MOST_JITTER);
+        match best.spread(first) < most {
+            true => best,
+            false => self,
+        }
+    }
+
+    /// The grid near this one that stamps agree on best.
+    fn best_near(self, stamps_ns: &[i64]) -> Self {
         let shares = (0..=N_NEAR).map(|k| NEAR.0 + (NEAR.1 - NEAR.0) * k as f64 / N_NEAR as f64);
         let steps = shares.map(|share| share * self.step_ns);
-        let scored = steps.map(|step_ns| (agreement(first, step_ns), step_ns));
+        let scored = steps.map(|step_ns| (agreement(stamps_ns, step_ns), step_ns));
         let best = scored.max_by(|a, b| a.0.total_cmp(&b.0));
-        let best = Self::anywhere(best.map_or(self.step_ns, |best| best.1));
-        let most = (0.5 * self.spread(first)).min(0.5 * MOST_JITTER);
-        if best.spread(first) < most {
-            best
-        } else {
-            self
-        }
+        Self::anywhere(best.map_or(self.step_ns, |best| best.1))
     }
 
     /// How far stamps are spread about the line through them on this grid, in steps.
     fn spread(self, stamps_ns: &[i64]) -> f64 {
         let slots = Slots::of(stamps_ns, self);
-        let points = Points {
-            stamps_ns,
-            slots: &slots.slots,
-        };
+        let points = slots.points(stamps_ns);
         half_spread(points, Line::through(points, OUT_OF_SLOT))
     }
 }
@@ -130,18 +146,26 @@ fn agreement(stamps_ns: &[i64], step_ns: f64) -> f64 {
 /// those that are not 0. Steps that alternate, as when every second message comes late, average
 /// out; the median alone would not.
 fn typical_step_ns(stamps_ns: &[i64]) -> f64 {
-    let mut steps: Vec<u64> = stamps_ns
-        .windows(2)
-        .map(|pair| pair[1].abs_diff(pair[0]))
-        .filter(|step| *step > 0)
-        .collect();
+    let steps = steps_ns(stamps_ns).filter(|step| *step > 0);
+    let mut steps: Vec<u64> = steps.collect();
     if steps.is_empty() {
         return 0.0;
     }
-    let middle = (steps.len() - 1) / 2;
-    let median = *steps.select_nth_unstable(middle).1 as f64;
-    let near = steps.into_iter().map(|step| step as f64);
-    let near = near.filter(|step| (0.5 * median..=1.5 * median).contains(step));
-    let (sum, count) = near.fold((0.0, 0.0), |(sum, count), step| (sum + step, count + 1.0));
+    mean_near_median(&mut steps)
+}
+
+/// The median, the lower one of an even number; sorts the steps in part.
+fn lower_median(steps_ns: &mut [u64]) -> u64 {
+    let middle = (steps_ns.len() - 1) / 2;
+    *steps_ns.select_nth_unstable(middle).1
+}
+
+/// The mean of the steps between half and one and a half times their median.
+fn mean_near_median(steps_ns: &mut [u64]) -> f64 {
+    let median_ns = lower_median(steps_ns) as f64;
+    let near = 0.5 * median_ns..=1.5 * median_ns;
+    let steps = steps_ns.iter().map(|step| *step as f64);
+    let steps = steps.filter(|step| near.contains(step));
+    let (sum, count) = steps.fold((0.0, 0.0), |(sum, count), step| (sum + step, count + 1.0));
     sum / count
 }

@@ -8,8 +8,10 @@
 
 use std::collections::BinaryHeap;
 
+use crate::log::clock::line::{Points, since_first_ns};
 use crate::log::clock::phase::Phase;
 use crate::log::clock::sample_time::{Guess, Place};
+use crate::log::recording::repeats_stamp;
 
 /// Slots of a recording.
 #[derive(Debug, Clone, PartialEq)]
@@ -25,23 +27,40 @@ impl Slots {
     /// its row follows that one.
     pub(crate) fn of(stamps_ns: &[i64], guess: Guess) -> Self {
         if guess.stamps == Place::OnEvery {
-            return Self {
-                slots: (0..stamps_ns.len() as u32).collect(),
-                behind: vec![0; stamps_ns.len()],
-            };
+            return Self::on_every(stamps_ns.len());
         }
         let phase = Phase::of(stamps_ns, guess);
-        let mut behind = ahead_of_row(stamps_ns, &phase);
-        let says = |k: usize| k == 0 || stamps_ns[k] != stamps_ns[k - 1];
-        let shift = isotonic(&behind, says);
-        let first = i64::from(shift[0]);
-        for (behind, shift) in behind.iter_mut().zip(&shift) {
-            *behind = behind.saturating_sub(*shift);
+        let ahead = ahead_of_row(stamps_ns, &phase);
+        let shift = isotonic(&ahead, |row| !repeats_stamp(stamps_ns, row));
+        Self::shifted(&ahead, &shift)
+    }
+
+    /// One row in every slot.
+    fn on_every(n_rows: usize) -> Self {
+        Self {
+            slots: (0..n_rows as u32).collect(),
+            behind: vec![0; n_rows],
         }
-        let slot = |(k, shift): (usize, &i32)| (k as i64 + i64::from(*shift) - first) as u32;
+    }
+
+    /// Every row so many slots further; `ahead` are those it would be by itself.
+    fn shifted(ahead: &[i32], shift: &[i32]) -> Self {
+        let first = i64::from(shift[0]);
+        let slot = |(row, shift): (usize, &i32)| (row as i64 + i64::from(*shift) - first) as u32;
+        let behind = ahead.iter().zip(shift);
         Self {
             slots: shift.iter().enumerate().map(slot).collect(),
-            behind,
+            behind: behind
+                .map(|(ahead, shift)| ahead.saturating_sub(*shift))
+                .collect(),
+        }
+    }
+
+    /// The stamps with these slots.
+    pub(crate) fn points<'p>(&'p self, stamps_ns: &'p [i64]) -> Points<'p> {
+        Points {
+            stamps_ns,
+            slots: &self.slots,
         }
     }
 }
@@ -49,29 +68,46 @@ impl Slots {
 /// Whole steps by which every stamp is ahead of its row.
 fn ahead_of_row(stamps_ns: &[i64], phase: &Phase) -> Vec<i32> {
     let mut knot = 0;
-    let ahead = |(row, stamp): (usize, &i64)| {
-        let place = stamp.abs_diff(stamps_ns[0]) as f64 / phase.step_ns;
+    let ahead = |(row, time_ns): (usize, f64)| {
+        let place = time_ns / phase.step_ns;
         (place - phase.at(place, &mut knot) - row as f64).round() as i32
     };
-    stamps_ns.iter().enumerate().map(ahead).collect()
+    since_first_ns(stamps_ns).enumerate().map(ahead).collect()
 }
 
 /// The sequence m that never falls and minimises `sum |m_i - values_i|` over the rows that say
 /// something; the others continue it. Of several, the one with the least m: late stamps are common,
 /// early ones are not.
 fn isotonic(values: &[i32], says: impl Fn(usize) -> bool) -> Vec<i32> {
+    let mut shift = best_of_each(values, &says);
+    fall_back(&mut shift, &says);
+    follow_on(&mut shift, &says);
+    shift
+}
+
+/// The best m of every row if it were the last one.
+fn best_of_each(values: &[i32], says: impl Fn(usize) -> bool) -> Vec<i32> {
     let mut heap = BinaryHeap::with_capacity(values.len());
-    let mut shift = Vec::with_capacity(values.len());
-    for (row, &value) in values.iter().enumerate() {
+    let best = |(row, value): (usize, &i32)| {
         if says(row) {
-            heap.push(value);
-            if heap.peek().is_some_and(|largest| *largest > value) {
-                heap.pop();
-                heap.push(value);
-            }
+            take_in(&mut heap, *value);
         }
-        shift.push(heap.peek().copied().unwrap_or(value));
+        heap.peek().copied().unwrap_or(*value)
+    };
+    values.iter().enumerate().map(best).collect()
+}
+
+/// Takes a value into the slopes: once or, where it is below the largest, twice in place of that.
+fn take_in(heap: &mut BinaryHeap<i32>, value: i32) {
+    heap.push(value);
+    if heap.peek().is_some_and(|largest| *largest > value) {
+        heap.pop();
+        heap.push(value);
     }
+}
+
+/// From the last row back, no m is above those behind it that say something.
+fn fall_back(shift: &mut [i32], says: impl Fn(usize) -> bool) {
     let mut least = i32::MAX;
     for (row, shift) in shift.iter_mut().enumerate().rev() {
         if says(row) {
@@ -79,13 +115,15 @@ fn isotonic(values: &[i32], says: impl Fn(usize) -> bool) -> Vec<i32> {
         }
         *shift = least.min(*shift);
     }
-    // a row that says nothing follows the one before it
+}
+
+/// A row that says nothing follows the one before it.
+fn follow_on(shift: &mut [i32], says: impl Fn(usize) -> bool) {
     for row in 1..shift.len() {
         if !says(row) {
             shift[row] = shift[row - 1];
         }
     }
-    shift
 }
 
 #[cfg(test)]
