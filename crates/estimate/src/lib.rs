@@ -88,7 +88,7 @@ pub use shape::sticking::{BandMotion, Sticking};
 pub use shape::summary::{ShapePeaks, Shaped, Stop, Summary};
 pub use shape::{Driver, Watcher, shape};
 pub use spectra::campaign::{Campaign, RunSpectra};
-pub use spectra::draws::EqualDraws;
+pub use spectra::equal_draws::EqualDraws;
 pub use spectra::excerpt::{ExcerptOptions, Excerpts};
 pub use spectra::harmonic_fit::HarmonicFit;
 pub use spectra::line_dft::LineDft;

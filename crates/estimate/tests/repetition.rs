@@ -2,8 +2,53 @@
 
 mod recordings;
 
-use frfid_estimate::{Repetition, find_repetition};
-use recordings::{Chance, Plan, lines};
+use std::ops::Range;
+
+use frfid_estimate::find_repetition;
+use ndarray::Array2;
+use recordings::{Chance, Multisine, lines, noise};
+
+/// What is put into a recording.
+struct Plan {
+    period: usize,
+    lines: Vec<usize>,
+    /// Periods of each run.
+    periods: Vec<usize>,
+    /// Samples of rest before each run, and after the last.
+    rests: Vec<usize>,
+    /// Amplitude of white noise over that of the signal.
+    noise: f64,
+    seed: u64,
+}
+
+impl Plan {
+    /// The recording `(1, sample)` and its true runs.
+    fn record(&self) -> (Array2<f64>, Vec<Range<usize>>) {
+        let (mut samples, mut runs) = (Vec::new(), Vec::new());
+        let mut rms = 1.0;
+        for (run, &n_periods) in self.periods.iter().enumerate() {
+            samples.resize(samples.len() + self.rests[run], 0.0);
+            let seed = 1000 * self.seed + run as u64;
+            let signal = Multisine::new(self.period as f64, &self.lines, |_| 1.0, seed);
+            rms = signal.rms();
+            runs.push(samples.len()..samples.len() + n_periods * self.period);
+            samples.extend(signal.samples(n_periods * self.period));
+        }
+        samples.resize(samples.len() + self.rests[self.periods.len()], 0.0);
+        let noise = noise(samples.len(), self.seed);
+        let level = self.noise * rms;
+        let noisy: Vec<f64> = samples
+            .iter()
+            .zip(noise)
+            .map(|(x, e)| x + level * e)
+            .collect();
+        let shape = (1, noisy.len());
+        (
+            Array2::from_shape_vec(shape, noisy).expect("one channel"),
+            runs,
+        )
+    }
+}
 
 fn plan(seed: u64) -> Plan {
     let mut chance = Chance::new(seed);

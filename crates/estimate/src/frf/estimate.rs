@@ -6,7 +6,7 @@ use ndarray::Array2;
 
 use crate::error::deficient_line::DeficientLine;
 use crate::frf::roughness::roughness;
-use crate::spectra::draws::EqualDraws;
+use crate::spectra::equal_draws::EqualDraws;
 
 /// Frequencies that are named one by one before the rest is only counted.
 const NAMED: usize = 3;

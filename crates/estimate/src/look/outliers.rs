@@ -229,7 +229,7 @@ mod tests {
                 panic!("{oddity:?}");
             };
             assert_eq!((count, first_sample), (4, 2222), "{oddity:?}");
-            let spread = spread(&Survey::of(&samples).expect("changes")).expect("moves");
+            let spread = spread(&samples).expect("moves");
             assert!(
                 (size_over_spread * spread / 30.0 - 1.0).abs() < 0.1,
                 "{oddity:?}"

@@ -5,6 +5,7 @@ mod delay;
 mod draw_match;
 pub(crate) mod draws;
 mod dwells;
+pub(crate) mod equal_draws;
 pub(crate) mod excerpt;
 pub(crate) mod harmonic_fit;
 mod harmonic_gram;

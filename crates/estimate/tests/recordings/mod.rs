@@ -5,7 +5,6 @@ use std::f64::consts::TAU;
 use std::ops::Range;
 
 use frfid_signals::random::{normal, phase, stream, uniform};
-use ndarray::Array2;
 
 /// Uniform choices, one after the other, by seed.
 pub(crate) struct Chance {
@@ -118,47 +117,5 @@ pub(crate) fn lines(kind: usize, highest: usize, chance: &mut Chance) -> Vec<usi
             lines.dedup();
             lines
         }
-    }
-}
-
-/// What is put into a recording.
-pub(crate) struct Plan {
-    pub(crate) period: usize,
-    pub(crate) lines: Vec<usize>,
-    /// Periods of each run.
-    pub(crate) periods: Vec<usize>,
-    /// Samples of rest before each run, and after the last.
-    pub(crate) rests: Vec<usize>,
-    /// Amplitude of white noise over that of the signal.
-    pub(crate) noise: f64,
-    pub(crate) seed: u64,
-}
-
-impl Plan {
-    /// The recording `(1, sample)` and its true runs.
-    pub(crate) fn record(&self) -> (Array2<f64>, Vec<Range<usize>>) {
-        let (mut samples, mut runs) = (Vec::new(), Vec::new());
-        let mut rms = 1.0;
-        for (run, &n_periods) in self.periods.iter().enumerate() {
-            samples.resize(samples.len() + self.rests[run], 0.0);
-            let seed = 1000 * self.seed + run as u64;
-            let signal = Multisine::new(self.period as f64, &self.lines, |_| 1.0, seed);
-            rms = signal.rms();
-            runs.push(samples.len()..samples.len() + n_periods * self.period);
-            samples.extend(signal.samples(n_periods * self.period));
-        }
-        samples.resize(samples.len() + self.rests[self.periods.len()], 0.0);
-        let noise = noise(samples.len(), self.seed);
-        let level = self.noise * rms;
-        let noisy: Vec<f64> = samples
-            .iter()
-            .zip(noise)
-            .map(|(x, e)| x + level * e)
-            .collect();
-        let shape = (1, noisy.len());
-        (
-            Array2::from_shape_vec(shape, noisy).expect("one channel"),
-            runs,
-        )
     }
 }

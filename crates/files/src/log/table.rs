@@ -1,7 +1,7 @@
 //! Table of rows of which each holds some of the signals, split into series by which rows they have:
 //! two topics in one CSV, two arms on one topic, a command at a quarter of the rate.
 
-use crate::log::map::{Signal, Signals};
+use crate::log::map::Signals;
 use crate::log::recording::{Cells, Series, picked};
 
 /// Two signals are of two series if each has at least this share of the rows to itself,
@@ -231,7 +231,7 @@ mod tests {
     use super::*;
 
     fn names(has: impl Fn(usize, usize) -> bool) -> Vec<String> {
-        let signal = |source: &str| Signal {
+        let signal = |source: &str| crate::log::map::Signal {
             source: source.into(),
             unit: "1".into(),
             scale: 1.0,

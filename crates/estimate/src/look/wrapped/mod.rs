@@ -1,5 +1,6 @@
 //! Wrapped signals: an angle that jumps by a turn where it leaves its range, and its unwrapping.
 
+mod smoothness;
 #[cfg(test)]
 mod tests;
 
@@ -9,6 +10,7 @@ use frfid_signals::median;
 use ndarray::{Array1, ArrayView1};
 
 use crate::look::survey::Survey;
+use crate::look::wrapped::smoothness::is_smooth;
 
 /// A jump is larger than this part of the range: a wrapped signal goes from one end to the other.
 const JUMP: f64 = 0.5;
@@ -33,12 +35,6 @@ const FARTHER: f64 = 1.5;
 const MOVES_WITHIN: usize = 64;
 /// A jump back within so many samples is an outlier.
 const JUMP_BACK: usize = 2;
-/// Median size of the unwrapped signal, about a straight line, over that of its changes: 0.7 for white noise,
-/// more than 1.2 for what has most of its power below an eighth of the sampling frequency.
-const SMOOTH: f64 = 1.2;
-/// Smallest median size of the unwrapped signal about a straight line, in turns; below is rounding, and the
-/// signal a sawtooth (or a shaft that turns evenly, which has no more to tell).
-const MORE_THAN_A_LINE: f64 = 1e-6;
 /// Jumps that are looked at closely, and samples from which the range is taken.
 const JUDGED: usize = 4096;
 /// The range leaves out this share of the samples at either end, for outliers.
@@ -265,60 +261,4 @@ fn usual_turns() -> impl Iterator<Item = f64> {
     let counts = (8..=32).map(|bits| 2.0_f64.powi(bits));
     let decimal = (3..=7).map(|digits| 10.0_f64.powi(digits));
     whole.into_iter().chain(half).chain(counts).chain(decimal)
-}
-
-/// Whether a signal is smooth about a straight line, and more than that line; outliers aside.
-fn is_smooth(samples: &[f64], turn: f64) -> bool {
-    let line = Line::through(samples);
-    let of_signal = usual_size(samples, |k| line.distance(samples, k));
-    let of_changes = usual_size(samples, |k| samples[k] - samples[k - 1] - line.slope);
-    let sizes = of_signal.zip(of_changes);
-    sizes.is_some_and(|(of_signal, of_changes)| {
-        of_signal > MORE_THAN_A_LINE * turn && of_signal >= SMOOTH * of_changes
-    })
-}
-
-/// Samples that are looked at, evenly over the signal.
-fn sampled_places(samples: &[f64]) -> impl Iterator<Item = usize> {
-    (1..samples.len()).step_by(samples.len() / JUDGED + 1)
-}
-
-/// Median size of something over the signal.
-fn usual_size(samples: &[f64], of: impl Fn(usize) -> f64) -> Option<f64> {
-    median(sampled_places(samples).map(|k| of(k).abs()).collect())
-}
-
-/// Mean of something over the signal.
-fn mean(samples: &[f64], of: impl Fn(usize) -> f64) -> f64 {
-    let count = sampled_places(samples).count() as f64;
-    sampled_places(samples).map(of).sum::<f64>() / count
-}
-
-/// A straight line through a signal.
-struct Line {
-    /// Place in the middle, and the value there.
-    middle: f64,
-    offset: f64,
-    /// Rise in a sample.
-    slope: f64,
-}
-
-impl Line {
-    /// By least squares.
-    fn through(samples: &[f64]) -> Self {
-        let middle = mean(samples, |k| k as f64);
-        let offset = mean(samples, |k| samples[k]);
-        let tilt = mean(samples, |k| (k as f64 - middle) * (samples[k] - offset));
-        let slope = tilt / mean(samples, |k| (k as f64 - middle).powi(2));
-        Self {
-            middle,
-            offset,
-            slope,
-        }
-    }
-
-    /// How far a sample lies above it.
-    fn distance(&self, samples: &[f64], k: usize) -> f64 {
-        samples[k] - self.offset - self.slope * (k as f64 - self.middle)
-    }
 }
