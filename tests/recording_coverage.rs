@@ -67,7 +67,8 @@ fn coverage(case: Case) -> f64 {
     let (mut inside, mut all) = (0, 0);
     for seed in 0..RUNS {
         std::fs::write(&path, recording(case, seed)).expect("written");
-        let outcome = estimate_logs(&[path.clone()], &options(), &silent).expect("sound");
+        let outcome =
+            estimate_logs(std::slice::from_ref(&path), &options(), &silent).expect("sound");
         let frf_found = &outcome.result.frf;
         let noise = frf_found.noise.as_ref().expect("several periods");
         let factor = noise.degrees_of_freedom as f64;

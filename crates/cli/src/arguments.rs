@@ -53,7 +53,7 @@ enum Command {
     Design(design::Arguments),
     Run(run::Arguments),
     Shape(shape::Arguments),
-    Estimate(estimate::Arguments),
+    Estimate(Box<estimate::Arguments>),
     Compare(compare::Arguments),
     Export(export::Arguments),
     Recover(recover::Arguments),

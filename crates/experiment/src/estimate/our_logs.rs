@@ -213,9 +213,9 @@ fn other_hash(what: &str, found: &str, needed: &str) -> String {
 /// No more than half of the files come from the same plan: the first two that do not are named.
 fn no_majority(labelled: &[(PathBuf, RunLabel)], origins: &[Origin]) -> ExperimentError {
     let pairs = zip(labelled, origins).skip(1);
-    let others =
+    let mut others =
         pairs.filter_map(|((path, _), origin)| Some((path, origin.difference(&origins[0])?)));
-    let (path, difference) = others.last().expect("all alike would be a majority");
+    let (path, difference) = others.next().expect("all alike would be a majority");
     ExperimentError::logs(
         "logs",
         format!("{} {difference}", path.display()),

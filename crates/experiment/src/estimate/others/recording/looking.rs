@@ -7,6 +7,9 @@ use ndarray::{Array2, s};
 
 use crate::estimate::others::recording::{Odd, Recording, Role};
 
+/// A signal with its role and the names of its channels.
+type Named<'a> = (Role, Option<&'a Array2<f64>>, &'a [String]);
+
 impl Recording {
     /// Looks at every signal and mends what can be.
     pub(in crate::estimate::others) fn look(&mut self) {
@@ -18,7 +21,7 @@ impl Recording {
     }
 
     /// The signals by role, with their names.
-    fn signals(&self) -> [(Role, Option<&Array2<f64>>, &[String]); 4] {
+    fn signals(&self) -> [Named<'_>; 4] {
         let log = &self.log;
         let record = &log.record;
         [

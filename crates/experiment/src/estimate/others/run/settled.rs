@@ -44,17 +44,17 @@ impl Search<'_, '_> {
     pub(in crate::estimate::others) fn settled(&self) -> Result<Settled, EstimateError> {
         let judged = self.judge(self.signals.y);
         if judged.as_ref().is_ok_and(is_plain) {
-            return self.from_period(n_transient(&judged?));
+            return self.starting_at(n_transient(&judged?));
         }
-        let whole = self.from_period(0);
+        let whole = self.starting_at(0);
         match (whole, judged) {
             (Ok(whole), judged) if whole.is_better(&judged) => Ok(whole),
-            (_, judged) => self.from_period(n_transient(&judged?)),
+            (_, judged) => self.starting_at(n_transient(&judged?)),
         }
     }
 
     /// The run from a period on, without its trends.
-    fn from_period(&self, first: usize) -> Result<Settled, EstimateError> {
+    fn starting_at(&self, first: usize) -> Result<Settled, EstimateError> {
         let from = self.periods.first_sample(first);
         let (mut u, mut y) = (self.signals.u.to_owned(), self.signals.y.to_owned());
         let mut trends = Vec::new();
