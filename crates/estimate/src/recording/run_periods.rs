@@ -198,7 +198,7 @@ mod tests {
         let uneven_x = signal(&uneven, 100.0);
         for period in 0..5 {
             for (run, x) in [(&whole, &x), (&whole, &holed)] {
-                let gap = (&spectra(run, x, period) - &needed).mapv(|gap| gap.norm());
+                let gap = (&spectra(run, x, period) - &needed).mapv(Complex64::norm);
                 assert!(gap.iter().all(|&gap| gap < 1e-9), "period {period}: {gap}");
             }
             let run = of(100.0, Some(&uneven));
@@ -211,7 +211,7 @@ mod tests {
         let x = signal(&even, 100.25);
         let first = spectra(&long, &x, 0);
         for period in 1..4 {
-            let gap = (&spectra(&long, &x, period) - &first).mapv(|gap| gap.norm());
+            let gap = (&spectra(&long, &x, period) - &first).mapv(Complex64::norm);
             assert!(gap.iter().all(|&gap| gap < 1e-9), "period {period}: {gap}");
         }
     }

@@ -69,6 +69,17 @@ impl Candidate {
         }
     }
 
+    /// The same runs with another period.
+    pub(super) fn with_period(&self, period: f64) -> Self {
+        Self {
+            runs: Runs {
+                period,
+                ..self.runs.clone()
+            },
+            ..*self
+        }
+    }
+
     /// Whether another period explains as much of the same runs.
     pub(super) fn is_matched(&self, channels: &[Channel], period: f64) -> bool {
         let pairs = Pairs {

@@ -183,9 +183,11 @@ fn has_peak_near(correlation: &[f64], lag: usize) -> bool {
     near.any(|lag| is_peak(correlation, lag))
 }
 
-/// The part of a period, if it still explains as much.
+/// The part of a period, if it still explains as much: in runs of its own, or, where these are too
+/// short for the noise, in those of the period.
 fn part(channels: &[Channel], best: &Candidate, period: f64) -> Option<Candidate> {
-    let part = Candidate::new(channels, period)?;
-    let covers = part.runs.covered as f64 >= AS_MUCH * best.runs.covered as f64;
-    (covers && best.is_matched(channels, part.runs.period)).then_some(part)
+    let own = Candidate::new(channels, period)
+        .filter(|part| part.runs.covered as f64 >= AS_MUCH * best.runs.covered as f64);
+    let part = own.unwrap_or_else(|| best.with_period(period));
+    best.is_matched(channels, part.runs.period).then_some(part)
 }

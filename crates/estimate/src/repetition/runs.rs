@@ -25,6 +25,7 @@ const GROWTH: f64 = 25.0;
 pub(super) const EXACT: f64 = 1e-6;
 
 /// Runs with one period, as compared at every `stride`-th sample.
+#[derive(Clone)]
 pub(super) struct Runs {
     pub(super) period: f64,
     pub(super) runs: Vec<Range<usize>>,

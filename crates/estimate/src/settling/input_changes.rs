@@ -76,7 +76,7 @@ mod tests {
         };
         let found = without_input_changes(&[run(1.0, 0.0), run(0.5, 0.25), run(0.2, 0.0)], &frf);
         let changes: Vec<f64> = zip(&found, &found[1..])
-            .map(|(a, b)| (&(b - a)).iter().map(|value| value.norm()).sum())
+            .map(|(a, b)| (b - a).iter().map(|value| value.norm()).sum())
             .collect();
         assert!(zip(changes, [0.25, 0.25]).all(|(found, needed)| (found - needed).abs() < 1e-12));
         let unknown = Frf::new(vec![1.0, 2.0], g.mapv(|_| Complex64::from(f64::NAN)));
