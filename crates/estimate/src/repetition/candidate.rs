@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::correlation::autocorrelation::SHORTEST;
 use crate::correlation::channel::Channel;
 use crate::correlation::long_lags::Pairs;
+use crate::repetition::n_periods;
 use crate::repetition::runs::{Runs, n_present};
 use crate::repetition::slips::without_slips;
 
@@ -42,12 +43,13 @@ impl Candidate {
         Self::refined(channels, runs)
     }
 
-    /// Unless the signal does not repeat over many periods.
+    /// Unless the signal does not repeat over many periods, or is not long enough for two.
     pub(super) fn refined(channels: &[Channel], runs: Runs) -> Option<Self> {
         let stride = stride(channels, runs.period);
         let runs = runs_without_slips(channels, runs, stride);
         let found = Self::rated(channels, runs, stride);
-        let is_lost = found.residual > LONG_LIMIT || found.runs.runs.is_empty();
+        let is_long = n_periods(Channel::n_samples(channels), found.runs.period) > 1;
+        let is_lost = found.residual > LONG_LIMIT || found.runs.runs.is_empty() || !is_long;
         Some(found).filter(|found| !is_lost && found.runs.is_sound())
     }
 

@@ -67,6 +67,17 @@ mod tests {
         }
     }
 
+    /// Its correlation is highest before the period, and twice the period explains as much.
+    #[test]
+    fn a_slow_signal_is_found_once_a_period() {
+        for period in [620, 6240] {
+            for periods in [2.0, 3.98, 4.0, 5.1, 8.5] {
+                let found = find_period(multisine(period, 2, periods, 0.0, 2).view());
+                assert_eq!(found, Ok(period), "{periods} periods");
+            }
+        }
+    }
+
     #[test]
     fn what_does_not_repeat_is_refused() {
         let noise = multisine(100, 1, 30.0, 1e6, 1);

@@ -140,11 +140,11 @@ fn vertex(correlation: &[f64], lag: usize) -> f64 {
     }
 }
 
-/// Top of the parabola through three values, from the one in the middle.
+/// Top of the parabola through three values, from the one in the middle: rounding bends a flat one.
 fn vertex_offset(left: f64, middle: f64, right: f64) -> f64 {
     let bend = left - 2.0 * middle + right;
     if bend < 0.0 {
-        0.5 * (left - right) / bend
+        (0.5 * (left - right) / bend).clamp(-1.0, 1.0)
     } else {
         0.0
     }
@@ -177,9 +177,11 @@ fn at(correlation: &[f64], lag: f64) -> f64 {
     value.copied().unwrap_or(0.0)
 }
 
+/// A peak lies before the period where it is wide, since the sum has fewer terms for a later lag: by up
+/// to `T / (4 pi^2 n)` for a sinusoid of n periods.
 fn has_peak_near(correlation: &[f64], lag: usize) -> bool {
     let end = (lag + 4).min(correlation.len());
-    let mut near = lag.saturating_sub(2).max(1)..end;
+    let mut near = lag.saturating_sub(2 + lag / 64).max(1)..end;
     near.any(|lag| is_peak(correlation, lag))
 }
 
