@@ -108,13 +108,23 @@ impl Search<'_> {
     fn select(&self) -> Result<(Model, f64), EstimateError> {
         let nothing = self.trendless.nothing();
         let slope = self.trendless.slope();
-        let mut best = self.better(nothing.clone(), slope.clone())?;
-        for beside in [&nothing, &slope] {
-            let decay = self.trendless.decay(beside, self.windows.period);
+        let mut best = self.better(nothing, slope)?;
+        for (with_slope, time_constant) in zip([false, true], self.time_constants()) {
+            let decay = self.trendless.decay(time_constant, with_slope);
             best = self.better(best, decay)?;
         }
         let variance = self.variance(&best)?;
         Ok((best, variance))
+    }
+
+    /// Of the decay that explains most alone and of the one beside a slope, looked for among means over
+    /// parts of a period.
+    fn time_constants(&self) -> [f64; 2] {
+        let length = self.phases.part_length();
+        let condensed = self.phases.condensed(&self.trendless.values);
+        let phases = PhaseMeans::of(condensed.view(), self.windows.period / length);
+        let trendless = Trendless::of(condensed.view(), &phases);
+        [false, true].map(|with_slope| length * trendless.time_constant(with_slope))
     }
 
     /// The larger model if it explains enough more than the smaller one.

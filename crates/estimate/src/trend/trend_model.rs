@@ -30,7 +30,7 @@ pub struct Decay {
 /// A run without its periodic part, and a slope treated alike.
 pub(super) struct Trendless<'a> {
     phases: &'a PhaseMeans,
-    values: Vec<f64>,
+    pub(super) values: Vec<f64>,
     ramp: Vec<f64>,
 }
 
@@ -86,14 +86,17 @@ impl<'a> Trendless<'a> {
         }
     }
 
-    /// A decay, beside the slope of `beside` if that has one.
-    pub(super) fn decay(&self, beside: &Model, period: f64) -> Model {
-        let with_slope = beside.slope != 0.0;
+    /// Time constant of the decay that explains most, beside a slope or alone.
+    pub(super) fn time_constant(&self, with_slope: bool) -> f64 {
+        let beside = if with_slope {
+            self.slope()
+        } else {
+            self.nothing()
+        };
         let last = self.phases.times.last().copied().unwrap_or(0.0);
-        let (shortest, longest) = (SHORTEST_PERIODS * period, LONGEST_RUNS * last);
+        let (shortest, longest) = (SHORTEST_PERIODS * self.phases.period, LONGEST_RUNS * last);
         let explained = |log: f64| self.explained(log.exp(), with_slope, &beside.residual);
-        let log = highest(explained, shortest.ln(), longest.ln());
-        self.with_decay(log.exp(), with_slope)
+        highest(explained, shortest.ln(), longest.ln()).exp()
     }
 
     /// Squares that a decay explains of what a slope has left, or of everything.
@@ -106,7 +109,8 @@ impl<'a> Trendless<'a> {
         dot(&decay, left).powi(2) / dot(&decay, &decay)
     }
 
-    fn with_decay(&self, time_constant: f64, with_slope: bool) -> Model {
+    /// A decay of that time constant, beside a slope or alone.
+    pub(super) fn decay(&self, time_constant: f64, with_slope: bool) -> Model {
         let decaying = self.decaying(time_constant);
         let (slope, amplitude, residual) = if with_slope {
             let ([slope, amplitude], residual) =
