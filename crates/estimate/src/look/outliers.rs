@@ -21,6 +21,9 @@ const SPREADS: f64 = 1.0;
 const TOGETHER: f64 = 4.0;
 /// Largest share of outliers; more are the signal itself.
 const RARE: f64 = 0.05;
+/// Power of all outliers over that of the signal, below which they move no line by more than a per cent
+/// of itself, even if every line is excited.
+const MATERIAL: f64 = 1e-4;
 /// Samples from which the spread is taken.
 const SAMPLED: usize = 4096;
 
@@ -90,12 +93,13 @@ impl Found {
 
     /// What there is to say of them in a signal of this spread and length; `None` of none or too many.
     fn told(&self, spread: f64, n_samples: f64) -> Option<Oddity> {
-        let are_outliers = self.count > 0 && self.count as f64 <= RARE * n_samples;
+        let power = self.square / (spread * spread * n_samples);
+        let are_outliers = power >= MATERIAL && self.count as f64 <= RARE * n_samples;
         are_outliers.then_some(Oddity::Outliers {
             count: self.count,
             first_sample: self.first,
             size_over_spread: self.largest / spread,
-            power_over_signal: self.square / (spread * spread * n_samples),
+            power_over_signal: power,
         })
     }
 }
@@ -236,6 +240,16 @@ mod tests {
             );
             assert_eq!(oddity.consequence(), Consequence::Flagged);
         }
+    }
+
+    #[test]
+    fn one_that_moves_no_line_is_none() {
+        let mut samples = multisine(2000, 50, 16);
+        let size = spread(&samples).expect("moves");
+        samples[5000] += 3.0 * size;
+        assert_eq!(found(&samples), None);
+        samples[5000] += 3.0 * size;
+        assert!(found(&samples).is_some());
     }
 
     #[test]
