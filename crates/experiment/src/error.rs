@@ -32,12 +32,14 @@ pub enum ExperimentError {
     #[error(transparent)]
     Estimate(#[from] EstimateError),
     /// A recording that does not give an FRF.
-    #[error("{}: {source}", path.display())]
+    #[error("{}: {source}{}", path.display(), lost.as_deref().map_or(String::new(), |lost| format!(" (lost: {lost})")))]
     Recording {
         /// The recording.
         path: PathBuf,
         /// What is wrong with it.
         source: EstimateError,
+        /// What of it is lost, which may be why.
+        lost: Option<String>,
     },
     /// Somebody asked to stop.
     #[error(

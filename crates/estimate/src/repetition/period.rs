@@ -67,6 +67,14 @@ mod tests {
         }
     }
 
+    /// A running sum over 2e6 samples must not hide that every 500 are alike.
+    #[test]
+    fn a_long_clean_signal_is_found_at_its_shortest() {
+        let period = multisine(500, 200, 1.0, 0.0, 5);
+        let long = Array2::from_shape_fn((1, 2_000_000), |(c, k)| period[[c, k % 500]]);
+        assert_eq!(find_period(long.view()), Ok(500));
+    }
+
     /// Its correlation is highest before the period, and twice the period explains as much.
     #[test]
     fn a_slow_signal_is_found_once_a_period() {

@@ -70,8 +70,9 @@ fn all_runs(
             Ok(found) => runs.extend(found),
             Err(NoRuns::Refused(reason)) => unused.push(recording.unused(reason)),
             Err(NoRuns::Estimate(error)) => {
+                let error = recording.complaint()(error);
                 unused.push(recording.unused(&error));
-                first_error.get_or_insert_with(|| recording.complaint()(error));
+                first_error.get_or_insert(error);
             }
         }
     }

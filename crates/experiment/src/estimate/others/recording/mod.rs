@@ -9,7 +9,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use frfid_estimate::{EstimateError, Oddity};
-use frfid_files::Log;
+use frfid_files::{Log, Loss};
 use ndarray::ArrayView2;
 
 use crate::error::ExperimentError;
@@ -88,14 +88,19 @@ impl Recording {
         }
     }
 
-    /// An error of the estimate with the name of the recording.
+    /// An error of the estimate with the name of the recording, and what is lost of it: damage to the
+    /// file before what is missing because of it.
     pub(in crate::estimate::others) fn complaint(
         &self,
     ) -> impl Fn(EstimateError) -> ExperimentError {
         let path = PathBuf::from(&self.name);
+        let losses = self.log.losses.iter();
+        let first = losses.min_by_key(|loss| loss.topic != "file");
+        let lost = first.map(Loss::to_string);
         move |source| ExperimentError::Recording {
             path: path.clone(),
             source,
+            lost: lost.clone(),
         }
     }
 
