@@ -477,7 +477,7 @@ def estimate(
     *,
     sample_time_s: float,
     harmonics: ArrayLike,
-    method: Literal["mean-of-frfs", "mean-of-spectra", "logarithmic-mean", "joint-input-output"] | None = None,
+    method: Literal["auto", "mean-of-frfs", "mean-of-spectra", "logarithmic-mean", "joint-input-output", "h1", "h2"] | None = None,
     r: ArrayLike | None = None,
     max_condition: float | None = None,
 ) -> Frf: ...
@@ -488,7 +488,7 @@ def estimate_bla(
     sample_time_s: float,
     harmonics: ArrayLike,
     r: ArrayLike | None = None,
-    average: Literal["frfs", "spectra"] = "frfs",
+    average: Literal["frfs", "spectra"] = "spectra",
     max_condition: float | None = None,
 ) -> Frf: ...
 def estimate_chirp(

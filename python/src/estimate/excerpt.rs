@@ -1,13 +1,13 @@
 //! `frfid.estimate_chirp`.
 
-use frfid_estimate::estimate_repeats;
+use frfid_estimate::{Method, estimate_repeats};
 use ndarray::{ArrayView, Axis, Ix4, IxDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::array::{Axes, real};
 use crate::error;
-use crate::estimate::periods::{checked, frf_options, method_for};
+use crate::estimate::periods::{checked, frf_options};
 use crate::frf::matrix::Frf;
 use crate::signals::chirp::Chirp;
 
@@ -72,7 +72,7 @@ pub(crate) fn estimate_chirp(
             "method: unknown variant `{method}`, expected `excerpt`"
         )));
     }
-    let options = frf_options(method_for(r), max_condition);
+    let options = frf_options(Method::Auto, max_condition);
     let u = real::<IxDyn>("u", u, &RECORDINGS)?;
     let y = real::<IxDyn>("y", y, &RECORDINGS)?;
     let r = r.map(|r| real::<IxDyn>("r", r, &RECORDINGS)).transpose()?;

@@ -35,9 +35,9 @@ const CAMPAIGN: Axes = &["realization", "experiment", "period", "channel", "samp
 ///     Lines of the DFT of the period to estimate, rising: ``multisine.harmonics``.
 /// r : array_like, shape as u, optional
 ///     Reference.
-/// average : {"frfs", "spectra"}, optional
-///     What is averaged over periods without ``r``: FRFs as the paper does, or spectra, better
-///     where ``u`` is noisy.
+/// average : {"spectra", "frfs"}, optional
+///     What is averaged over periods without ``r``: the spectra, or FRFs as the paper does; where noise
+///     on ``u`` biases them, a failed check says so.
 /// max_condition : float, optional
 ///     Largest condition number of U, rows scaled, at which a line is still inverted; others are
 ///     NaN.
@@ -54,7 +54,7 @@ const CAMPAIGN: Axes = &["realization", "experiment", "period", "channel", "samp
 /// NumericalError
 ///     If U can be inverted on no line.
 #[pyfunction]
-#[pyo3(signature = (u, y, *, sample_time_s, harmonics, r = None, average = "frfs", max_condition = None))]
+#[pyo3(signature = (u, y, *, sample_time_s, harmonics, r = None, average = "spectra", max_condition = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
 pub(crate) fn estimate_bla(
     py: Python<'_>,
@@ -97,10 +97,11 @@ pub(crate) fn estimate_bla(
 /// harmonics : sequence of int
 ///     Lines of the DFT of the period to estimate, rising: ``multisine.harmonics``.
 /// method : str, optional
-///     ``"mean-of-frfs"``, the paper's; ``"mean-of-spectra"``, better where ``u`` is noisy;
-///     ``"logarithmic-mean"``, of magnitudes and phases, with less bias by noise on ``u``;
-///     ``"joint-input-output"``, through ``r``, which noise on ``u`` does not bias. Without it the
-///     last where ``r`` is given, and the first where not.
+///     ``"auto"``, the default: ``"joint-input-output"`` where ``r`` is given, through which noise on
+///     ``u`` does not bias, else ``"mean-of-spectra"``. By name also ``"mean-of-frfs"``, the paper's;
+///     ``"logarithmic-mean"``, of magnitudes and phases, with less bias by noise on ``u``; ``"h1"`` and
+///     ``"h2"``, through ``u`` and through ``y``. Where noise on what is divided by biases the FRF, a
+///     failed check says so.
 /// r : array_like, shape as u, optional
 ///     Reference, for methods that estimate through it.
 /// max_condition : float, optional
@@ -130,8 +131,7 @@ pub(crate) fn estimate(
     r: Option<&Bound<'_, PyAny>>,
     max_condition: Option<f64>,
 ) -> PyResult<Frf> {
-    let method =
-        method.map_or_else(|| Ok(method_for(r)), |method| from_python("method", method))?;
+    let method = method.map_or_else(|| Ok(Method::Auto), |method| from_python("method", method))?;
     estimated(
         py,
         u,
@@ -178,11 +178,6 @@ pub(crate) fn checked(estimate: FrfEstimate) -> Frf {
     let mut result = Frf::from(estimate.frf).result;
     result.checks = checks.into();
     Frf::of(result)
-}
-
-/// The method where none is asked for: through the reference where there is one.
-pub(crate) fn method_for(r: Option<&Bound<'_, PyAny>>) -> Method {
-    r.map_or_else(Method::default, |_| Method::JointInputOutput)
 }
 
 /// Options of a method, with another largest condition number where one is given.

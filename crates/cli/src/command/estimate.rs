@@ -77,7 +77,7 @@ impl EstimatorOptions {
         let default = EstimateTable::default();
         given.then(|| EstimateTable {
             method: self.method,
-            average: self.average.unwrap_or(default.average),
+            average: self.average,
             indirect: self.indirect,
             n_frequencies: self.n_frequencies.unwrap_or(default.n_frequencies),
             ..default

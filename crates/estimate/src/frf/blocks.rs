@@ -23,6 +23,7 @@ use crate::error::EstimateError;
 use crate::error::deficient_line::{Deficiency, DeficientLine};
 use crate::frf::excitation::Excitation;
 use crate::frf::matrices::{Matrix, stacked, vector};
+use crate::frf::noise_bias::{NoiseSeen, noise_bias};
 use crate::frf::right_division::{check_excited, check_rank};
 use crate::frf::{FrfEstimate, FrfMethod, FrfOptions};
 use crate::spectra::campaign::{Block, Campaign};
@@ -31,6 +32,11 @@ use crate::spectra::campaign::{Block, Campaign};
 pub(crate) trait BlockMethod: Sync {
     /// Whether the blocks must hold the reference.
     const NEEDS_REFERENCE: bool = false;
+    /// Whether noise on the output biases it.
+    const DIVIDES_BY_OUTPUT: bool = false;
+
+    /// Share of the response by which noise on what is divided by biases it.
+    fn noise_bias(&self, noise: &NoiseSeen) -> f64;
 
     /// Estimates of the blocks, `(realization, period)`; `invertible` refuses matrices that cannot be
     /// inverted and returns the condition number of the others.
@@ -60,8 +66,11 @@ impl<M: BlockMethod> FrfMethod for M {
         let Some(lines) = with_gaps(lines) else {
             return Err(EstimateError::RankDeficient(left_out));
         };
+        let frf = assemble(hz, &lines, blocks.freedom());
+        let bias = |noise: &NoiseSeen| self.noise_bias(noise);
         Ok(FrfEstimate {
-            frf: assemble(hz, &lines, blocks.freedom()),
+            noise_bias: noise_bias(&frf, &blocks.excitation, blocks.counts(), bias),
+            frf,
             left_out,
             input_snr_db: blocks.excitation.snr_db(),
             equal_draws: Vec::new(),
@@ -83,7 +92,7 @@ impl<'a> Blocks<'a> {
     ) -> Result<Self, EstimateError> {
         let realizations = campaign.realizations()?;
         Ok(Self {
-            excitation: Excitation::of(&realizations, M::NEEDS_REFERENCE),
+            excitation: Excitation::of(&realizations, M::NEEDS_REFERENCE, M::DIVIDES_BY_OUTPUT),
             realizations,
             max_condition,
         })
@@ -96,6 +105,12 @@ impl<'a> Blocks<'a> {
         let blocks = map_blocks(&self.realizations, |block| LineBlock::of(block, line));
         let estimates = method.estimates(&blocks, &invertible)?;
         Ok(with_covariances(&estimates))
+    }
+
+    /// Fewest periods of a realization, and number of blocks.
+    fn counts(&self) -> (usize, usize) {
+        let periods = || self.realizations.iter().map(Vec::len);
+        (periods().min().unwrap_or(0), periods().sum())
     }
 
     fn freedom(&self) -> Freedom {

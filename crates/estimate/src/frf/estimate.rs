@@ -5,6 +5,7 @@ use frfid_signals::Frf;
 use ndarray::Array2;
 
 use crate::error::deficient_line::DeficientLine;
+use crate::frf::noise_bias::NoiseBias;
 use crate::frf::roughness::roughness;
 use crate::spectra::equal_draws::EqualDraws;
 
@@ -23,6 +24,9 @@ pub struct FrfEstimate {
     /// Power of the excitation over that of the noise in one period, `(input, line)`, in dB:
     /// infinite without noise, `-inf` where nothing stands out; `None` with one period.
     pub input_snr_db: Option<Array2<f64>>,
+    /// Lines that noise on the input biases by more than their region allows; `None` where it does not,
+    /// or its noise is not known.
+    pub noise_bias: Option<NoiseBias>,
     /// Realizations that were counted as repetitions, where equal draws were looked for.
     pub equal_draws: Vec<EqualDraws>,
 }
@@ -32,19 +36,23 @@ impl FrfEstimate {
     /// empty if nothing does.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        self.findings()
-            .into_iter()
-            .flat_map(|(_, said)| said)
-            .collect()
+        let mut words = self.equal_words();
+        words.extend(self.left_out_words());
+        words.extend(self.rough_words());
+        words
     }
 
-    /// The same by what was looked at.
+    /// The same, and what noise on the input does, by what was looked at.
     #[must_use]
-    pub fn findings(&self) -> [(&'static str, Vec<String>); 3] {
+    pub fn findings(&self) -> [(&'static str, Vec<String>); 4] {
         [
             ("draws of phases", self.equal_words()),
             ("excited lines", Vec::from_iter(self.left_out_words())),
             ("distortion", Vec::from_iter(self.rough_words())),
+            (
+                "noise on the input",
+                Vec::from_iter(self.noise_bias.map(|bias| bias.to_string())),
+            ),
         ]
     }
 

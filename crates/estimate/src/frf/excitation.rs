@@ -57,6 +57,8 @@ pub(crate) struct Excitation {
     u: Tested,
     /// The reference, where the estimate goes through it, and whether each input follows it.
     r: Option<(Tested, Vec<bool>)>,
+    /// The output, where noise on it biases the estimate.
+    y: Option<Tested>,
 }
 
 /// A signal against its noise, `(channel, line)`.
@@ -70,7 +72,11 @@ struct Tested {
 
 impl Excitation {
     /// Of complete blocks, by realization and period.
-    pub(crate) fn of(realizations: &[Vec<Block>], through_reference: bool) -> Self {
+    pub(crate) fn of(
+        realizations: &[Vec<Block>],
+        through_reference: bool,
+        by_output: bool,
+    ) -> Self {
         let u = Tested::of(Spread::of(realizations, |run| Some(&run.u)));
         let reference = || {
             let r = Tested::of(Spread::of(realizations, |run| run.r.as_ref()));
@@ -78,7 +84,23 @@ impl Excitation {
             (r, follows)
         };
         let r = through_reference.then(reference);
-        Self { u, r }
+        let output = || Tested::of(Spread::of(realizations, |run| Some(&run.y)));
+        let y = by_output.then(output);
+        Self { u, r, y }
+    }
+
+    /// Power over that of the noise in one period, of the weakest input and the weakest output; the
+    /// output's is infinite where it was not asked for. `None` with one period.
+    pub(crate) fn weakest(&self, line: usize) -> Option<[f64; 2]> {
+        let output = self
+            .y
+            .as_ref()
+            .map_or(Some(f64::INFINITY), |y| y.weakest(line));
+        let input = match &self.r {
+            Some((r, _)) => self.u.weakest_along(&r.spread, line),
+            None => self.u.weakest(line),
+        };
+        Some([input?, output?])
     }
 
     /// Why the line cannot be used, by the first input that is not excited on it.
@@ -213,6 +235,31 @@ impl Tested {
         let own = self.spread.means.len() as f64 * noise;
         let excited = (self.evidence[[channel, line]] - own).max(0.0);
         Some(excited / (self.spread.n_runs as f64 * noise))
+    }
+
+    /// The same of the weakest channel, of the excitation that follows a reference: over many realizations
+    /// it is better known.
+    fn weakest_along(&self, r: &Spread, line: usize) -> Option<f64> {
+        let powers = power_along(&self.spread, r, line);
+        let n_references = powers.len() as f64;
+        let snr = |(channel, power): (usize, f64)| {
+            let noise = self.noise(channel, line)?.power;
+            let excited = (power - n_references * noise).max(0.0);
+            Some(excited / (self.spread.n_runs as f64 * noise))
+        };
+        let snr = powers.into_iter().enumerate().map(snr);
+        snr.collect::<Option<Vec<f64>>>()?
+            .into_iter()
+            .reduce(f64::min)
+    }
+
+    /// The same of the weakest channel.
+    fn weakest(&self, line: usize) -> Option<f64> {
+        let channels = 0..self.power.nrows();
+        let snr = channels.map(|channel| self.snr(channel, line));
+        snr.collect::<Option<Vec<f64>>>()?
+            .into_iter()
+            .reduce(f64::min)
     }
 
     /// The same in dB; not a number with one period.

@@ -21,10 +21,17 @@ use crate::frf::blocks::{
 };
 use crate::frf::matrices::Matrix;
 use crate::frf::mean_of_frfs::MeanOfFrfs;
+use crate::frf::noise_bias::NoiseSeen;
 
 pub(crate) struct LogarithmicMean;
 
 impl BlockMethod for LogarithmicMean {
+    /// `E ln|1 + n| = E_1(SNR)/2` for circular normal noise, and `E_1(x) < exp(-x) ln(1 + 1/x)`
+    /// (Abramowitz, Stegun, 5.1.20).
+    fn noise_bias(&self, noise: &NoiseSeen) -> f64 {
+        0.5 * noise.bias_of_quotient(1) * noise.input_snr.recip().ln_1p()
+    }
+
     fn estimates(
         &self,
         blocks: &[Vec<LineBlock>],

@@ -3,11 +3,17 @@
 
 use crate::error::deficient_line::DeficientLine;
 use crate::frf::blocks::{BlockEstimates, BlockMethod, Invertible, LineBlock};
+use crate::frf::noise_bias::NoiseSeen;
 use crate::frf::right_division::right_divide;
 
 pub(crate) struct MeanOfFrfs;
 
 impl BlockMethod for MeanOfFrfs {
+    /// Each FRF is divided by one period.
+    fn noise_bias(&self, noise: &NoiseSeen) -> f64 {
+        noise.bias_of_quotient(1)
+    }
+
     fn estimates(
         &self,
         blocks: &[Vec<LineBlock>],

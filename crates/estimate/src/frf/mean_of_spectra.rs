@@ -7,11 +7,17 @@
 use crate::error::deficient_line::DeficientLine;
 use crate::frf::blocks::{BlockEstimates, BlockMethod, Invertible, LineBlock, mean};
 use crate::frf::matrices::Matrix;
+use crate::frf::noise_bias::NoiseSeen;
 use crate::frf::right_division::right_divide;
 
 pub(crate) struct MeanOfSpectra;
 
 impl BlockMethod for MeanOfSpectra {
+    /// Each FRF is divided by the mean over the periods of a realization.
+    fn noise_bias(&self, noise: &NoiseSeen) -> f64 {
+        noise.bias_of_quotient(noise.n_periods)
+    }
+
     fn estimates(
         &self,
         blocks: &[Vec<LineBlock>],

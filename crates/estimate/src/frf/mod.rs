@@ -5,11 +5,12 @@ pub(crate) mod estimate;
 pub(crate) mod excerpts;
 mod excitation;
 mod f_distribution;
-mod joint_input_output;
+mod instruments;
 mod logarithmic_mean;
 pub(crate) mod matrices;
 mod mean_of_frfs;
 mod mean_of_spectra;
+pub(crate) mod noise_bias;
 pub(crate) mod right_division;
 pub(crate) mod roughness;
 pub(crate) mod singular;
@@ -21,7 +22,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::EstimateError;
 use crate::frf::estimate::FrfEstimate;
-use crate::frf::joint_input_output::JointInputOutput;
+use crate::frf::instruments::{H1, H2, JointInputOutput};
 use crate::frf::logarithmic_mean::LogarithmicMean;
 use crate::frf::mean_of_frfs::MeanOfFrfs;
 use crate::frf::mean_of_spectra::MeanOfSpectra;
@@ -32,8 +33,10 @@ use crate::spectra::campaign::Campaign;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
-    /// The FRFs of single periods are averaged, SK15 (14).
+    /// What is known decides: through the reference where there is one, else the mean of spectra.
     #[default]
+    Auto,
+    /// The FRFs of single periods are averaged, SK15 (14).
     MeanOfFrfs,
     /// The spectra are averaged over periods before dividing: better when the input is noisy.
     MeanOfSpectra,
@@ -42,6 +45,12 @@ pub enum Method {
     LogarithmicMean,
     /// Through the reference, over periods and realizations: noise on the input does not bias it.
     JointInputOutput,
+    /// `(sum Y U^H) (sum U U^H)^-1`: noise on the output alone does not bias it, noise on the input
+    /// biases it to 0.
+    H1,
+    /// `(sum Y Y^H) (sum U Y^H)^-1`: noise on the input alone does not bias it, noise on the output
+    /// biases it away from 0.
+    H2,
 }
 
 /// From the spectra of a campaign to its FRF.
@@ -82,24 +91,42 @@ impl From<Method> for FrfOptions {
 }
 
 impl Method {
-    fn estimator(&self) -> &'static dyn FrfMethod {
+    /// The method that `Auto` stands for.
+    #[must_use]
+    pub fn with_reference(self, is_given: bool) -> Self {
+        match (self, is_given) {
+            (Self::Auto, true) => Self::JointInputOutput,
+            (Self::Auto, false) => Self::MeanOfSpectra,
+            _ => self,
+        }
+    }
+
+    fn estimator(self) -> &'static dyn FrfMethod {
         match self {
             Self::MeanOfFrfs => &MeanOfFrfs,
-            Self::MeanOfSpectra => &MeanOfSpectra,
+            Self::Auto | Self::MeanOfSpectra => &MeanOfSpectra,
             Self::LogarithmicMean => &LogarithmicMean,
             Self::JointInputOutput => &JointInputOutput,
+            Self::H1 => &H1,
+            Self::H2 => &H2,
         }
+    }
+
+    /// Whether it takes the reference where there is one.
+    #[must_use]
+    pub fn takes_reference(self) -> bool {
+        self.with_reference(true).needs_reference()
     }
 
     /// Whether it needs the reference.
     #[must_use]
-    pub fn needs_reference(&self) -> bool {
+    pub fn needs_reference(self) -> bool {
         self.estimator().needs_reference()
     }
 
     /// Refuses a reference that the method would not use: whoever gives one expects that it is.
     pub(crate) fn check_reference(self, is_given: bool) -> Result<(), SignalError> {
-        if is_given && !self.needs_reference() {
+        if is_given && !self.takes_reference() {
             let what = "a reference r is given, but the method does without; leave it out, or \
                         estimate through it by the method joint-input-output";
             return Err(SignalError::unfit("r", what));
@@ -135,7 +162,9 @@ impl Campaign {
     /// [`EstimateError::RankDeficient`] if every line would be left out;
     /// [`SignalError::Unfit`] if the method needs the reference and a run lacks it.
     pub fn estimate_lines(&self, options: &FrfOptions) -> Result<FrfEstimate, EstimateError> {
-        options.method.require_reference(self.has_reference())?;
-        options.method.estimator().frf(self, options)
+        let has_reference = self.has_reference();
+        options.method.require_reference(has_reference)?;
+        let method = options.method.with_reference(has_reference);
+        method.estimator().frf(self, options)
     }
 }

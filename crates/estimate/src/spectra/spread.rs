@@ -24,7 +24,8 @@ impl Spread {
         realizations: &[Vec<Block<'a>>],
         signal: impl Fn(&'a RunSpectra) -> Option<&'a Array2<Complex64>>,
     ) -> Self {
-        let mut spread = Self::empty(realizations[0][0][0].u.dim());
+        let first = signal(realizations[0][0][0]);
+        let mut spread = Self::empty(first.map_or((0, 0), Array2::dim));
         for periods in realizations {
             for experiment in 0..periods[0].len() {
                 let spectra = periods.iter().filter_map(|block| signal(block[experiment]));

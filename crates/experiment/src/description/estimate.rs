@@ -12,11 +12,13 @@ use crate::description::fault::Fault;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct EstimateTable {
-    /// How spectra become an FRF; by `average` and `indirect` without it.
+    /// How spectra become an FRF; by `average` and `indirect` without it, and without these by what is
+    /// known: through the reference where there is one, else the mean of spectra.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub method: Option<Method>,
     /// What is averaged over periods: the FRFs (the paper) or the spectra (better when u is noisy).
-    pub average: Average,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub average: Option<Average>,
     /// What the glides take off every run of a constant velocity.
     pub glide_subtraction: GlideSubtraction,
     /// Estimate through the reference (joint input-output), which noise on u does not bias.
@@ -30,7 +32,7 @@ impl Default for EstimateTable {
     fn default() -> Self {
         Self {
             method: None,
-            average: Average::Frfs,
+            average: None,
             glide_subtraction: GlideSubtraction::Time,
             indirect: false,
             n_frequencies: 200,
@@ -44,20 +46,21 @@ impl EstimateTable {
     pub fn method(&self) -> Method {
         self.method.unwrap_or(match (self.indirect, self.average) {
             (true, _) => Method::JointInputOutput,
-            (false, Average::Frfs) => Method::MeanOfFrfs,
-            (false, Average::Spectra) => Method::MeanOfSpectra,
+            (false, None) => Method::Auto,
+            (false, Some(Average::Frfs)) => Method::MeanOfFrfs,
+            (false, Some(Average::Spectra)) => Method::MeanOfSpectra,
         })
     }
 
-    /// The reference of a record, where the method needs it.
+    /// The reference of a record, where the method takes it.
     pub(crate) fn reference_of<'r>(&self, record: &'r Record) -> Option<&'r Array2<f64>> {
         let reference = record.r.as_ref();
-        reference.filter(|_| self.method().needs_reference())
+        reference.filter(|_| self.method().takes_reference())
     }
 
     /// Refuses two answers to one question.
     pub(crate) fn check(&self) -> Result<(), Fault> {
-        if self.method.is_some() && (self.indirect || self.average != Average::default()) {
+        if self.method.is_some() && (self.indirect || self.average.is_some()) {
             let message = "the method is given twice: keep `method`, and leave `average` and \
                            `indirect` out";
             return Err(Fault::new(&["method"], message));
@@ -80,11 +83,10 @@ pub enum GlideSubtraction {
 }
 
 /// What is averaged over periods.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Average {
     /// The FRFs of single periods, SK15 (14).
-    #[default]
     Frfs,
     /// The spectra, before dividing.
     Spectra,

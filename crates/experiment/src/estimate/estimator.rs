@@ -3,7 +3,7 @@
 
 use std::iter::zip;
 
-use frfid_estimate::{Campaign, Evaluation, FrfEstimate, PeriodIndex, RunSpectra};
+use frfid_estimate::{Campaign, Evaluation, FrfEstimate, NoiseBias, PeriodIndex, RunSpectra};
 use frfid_signals::{Frf, Plan, Record, RunId, RunKind};
 use ndarray::s;
 
@@ -55,6 +55,8 @@ pub struct Estimated {
     pub remarks: Vec<String>,
     /// Number of lines that were left out.
     pub n_left_out: usize,
+    /// Lines that noise on the input biases.
+    pub noise_bias: Option<NoiseBias>,
     /// What has not settled from period to period, run by run.
     pub unsettled: Unsettled,
     /// Runs that were missing: their periods are not in the estimate.
@@ -235,6 +237,7 @@ impl Estimator {
             ..campaign.estimate_lines(&self.options.method().into())?
         };
         let (remarks, n_left_out) = (estimate.warnings(), estimate.left_out.len());
+        let noise_bias = estimate.noise_bias;
         let frf = Frf {
             relative_resolution: self.evaluation.relative_resolution,
             ..estimate.frf
@@ -248,6 +251,7 @@ impl Estimator {
             frf,
             remarks,
             n_left_out,
+            noise_bias,
             missing,
             ripple,
         })

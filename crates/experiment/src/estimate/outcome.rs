@@ -3,6 +3,7 @@
 
 use std::path::PathBuf;
 
+use frfid_estimate::NoiseBias;
 use frfid_files::{Check, ResultFile, sha256_file};
 use frfid_signals::{Frf, Limit};
 
@@ -65,6 +66,7 @@ impl Experiment {
         let mut checks = vec![complete, condition_check(&estimated.frf, torques)];
         checks.extend(estimated.unsettled.check());
         checks.extend(left_out_check(estimated.n_left_out));
+        checks.extend(noise_bias_check(estimated.noise_bias));
         checks.extend(strength.and_then(Strength::sign_check));
         let warnings = warnings(&estimated, strength, inventory);
         let result = ResultFile {
@@ -158,6 +160,19 @@ pub(crate) fn left_out_check(n_left_out: usize) -> Option<Check> {
         found: format!("{n_left_out} without excitation, left out"),
         needed: "every line excited well above what stands beside it and its own noise".into(),
         advice: "leave out the lines that are not excited, or excite them more strongly".into(),
+    })
+}
+
+/// A check that fails where noise on the input biases the FRF; `None` where it does not.
+pub(crate) fn noise_bias_check(bias: Option<NoiseBias>) -> Option<Check> {
+    bias.map(|bias| Check {
+        name: "noise on the input".into(),
+        passed: false,
+        found: bias.to_string(),
+        needed: "a bias below 0.3 of the standard deviation".into(),
+        advice: "estimate through the reference (--indirect), average spectra over more periods \
+                 (--average spectra), or excite more strongly"
+            .into(),
     })
 }
 

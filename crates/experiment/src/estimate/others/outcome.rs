@@ -11,7 +11,7 @@ use crate::estimate::others::estimated::Estimated;
 use crate::estimate::others::found::Found;
 use crate::estimate::others::recording::{Odd, Recording};
 use crate::estimate::others::run::measured::Measured;
-use crate::estimate::outcome::{Outcome, condition_check, left_out_check};
+use crate::estimate::outcome::{Outcome, condition_check, left_out_check, noise_bias_check};
 
 /// Levels of one input that differ by more than this are told: a nonlinear machine has another FRF
 /// at each.
@@ -65,6 +65,7 @@ impl Found {
                 checks::settled(&estimated.runs),
             ])
             .chain(left_out_check(n_left_out))
+            .chain(noise_bias_check(estimated.estimate.noise_bias))
             .chain([condition_check(frf, &[])]);
         all.collect()
     }

@@ -20,7 +20,10 @@ impl Found {
         let mut provenance = metadata([
             ("frfid_version", env!("CARGO_PKG_VERSION").to_owned()),
             ("log_map", json(map)),
-            ("method", json(&options.method())),
+            (
+                "method",
+                json(&options.method().with_reference(!map.r.is_empty())),
+            ),
             ("recordings_used", self.n_recordings_used().to_string()),
             ("duration_s", significant(self.duration_s(), 9)),
         ]);

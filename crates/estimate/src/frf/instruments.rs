@@ -1,0 +1,181 @@
+//! Estimates by instruments: signals Z that noise does, or does not, meet.
+//!
+//! ```text
+//! G = (sum Y Z^H) (sum U Z^H)^-1
+//! ```
+//!
+//! summed over experiments and periods, and over realizations too. Joint input-output (indirect)
+//! takes the known reference, `Z = R`: R^H refers each realization to its own phases, and noise is not
+//! correlated with R, so the sums lose it *before* the division; dividing block by block with n_ex = n_u
+//! would cancel R and cure nothing. H1 takes `Z = U`, which noise on u biases to 0, H2 `Z = Y`, which
+//! noise on y biases away from it.
+//!
+//! Variance: with the true G in the residuals `E = Y - G U`, the error is exactly
+//! `sum_pq E_pq Z_pq^H S^-1`, `S = sum U Z^H`: a sum of independent terms D_pq, one per block. As
+//! `T_pq = G + n D_pq` (n the number of blocks) their mean is G and their spread its covariance, by
+//! the same formulas as for direct estimates. The spread of FRFs per block would not do: its
+//! distribution has no variance when U is noisy. (R. Pintelon, J. Schoukens, System Identification,
+//! 2nd ed., ch. 2, 3.)
+
+use std::iter::zip;
+
+use nalgebra::DMatrix;
+use num_complex::Complex64;
+
+use crate::error::deficient_line::DeficientLine;
+use crate::frf::blocks::{BlockEstimates, BlockMethod, Invertible, LineBlock, map_blocks};
+use crate::frf::matrices::Matrix;
+use crate::frf::noise_bias::NoiseSeen;
+use crate::frf::right_division::right_divide;
+
+/// Joint input-output: through the reference.
+pub(crate) struct JointInputOutput;
+/// H1: through the input.
+pub(crate) struct H1;
+/// H2: through the output.
+pub(crate) struct H2;
+
+impl BlockMethod for JointInputOutput {
+    const NEEDS_REFERENCE: bool = true;
+
+    /// Divided by the mean over all blocks.
+    fn noise_bias(&self, noise: &NoiseSeen) -> f64 {
+        noise.bias_of_quotient(noise.n_blocks)
+    }
+
+    fn estimates(
+        &self,
+        blocks: &[Vec<LineBlock>],
+        invertible: &Invertible,
+    ) -> Result<BlockEstimates, DeficientLine> {
+        Through(|block| block.r.as_ref()).estimates(blocks, invertible)
+    }
+}
+
+impl BlockMethod for H1 {
+    /// The power of the noise is in `U U^H`.
+    fn noise_bias(&self, noise: &NoiseSeen) -> f64 {
+        1.0 / (1.0 + noise.input_snr)
+    }
+
+    fn estimates(
+        &self,
+        blocks: &[Vec<LineBlock>],
+        invertible: &Invertible,
+    ) -> Result<BlockEstimates, DeficientLine> {
+        Through(|block| Some(&block.u)).estimates(blocks, invertible)
+    }
+}
+
+impl BlockMethod for H2 {
+    const DIVIDES_BY_OUTPUT: bool = true;
+
+    /// The power of the noise is in `Y Y^H`.
+    fn noise_bias(&self, noise: &NoiseSeen) -> f64 {
+        1.0 / noise.output_snr
+    }
+
+    fn estimates(
+        &self,
+        blocks: &[Vec<LineBlock>],
+        invertible: &Invertible,
+    ) -> Result<BlockEstimates, DeficientLine> {
+        Through(|block| Some(&block.y)).estimates(blocks, invertible)
+    }
+}
+
+/// The estimate through one signal of every block.
+struct Through(fn(&LineBlock) -> Option<&Matrix>);
+
+impl Through {
+    /// Block estimates `T_pq = G + n D_pq`.
+    fn estimates(
+        &self,
+        blocks: &[Vec<LineBlock>],
+        invertible: &Invertible,
+    ) -> Result<BlockEstimates, DeficientLine> {
+        let instruments = self.instruments(blocks);
+        let s_u = correlation(blocks, &instruments, |block| &block.u);
+        let s_y = correlation(blocks, &instruments, |block| &block.y);
+        let condition = invertible(&s_u)?;
+        let response = right_divide(&s_y, &s_u);
+        let division = Division { response, s_u };
+        let realizations = zip(blocks, &instruments);
+        let of_realization = |(periods, instruments): (&Vec<LineBlock>, &Vec<Matrix>)| {
+            division.of_realization(periods, instruments, blocks.len())
+        };
+        Ok(BlockEstimates {
+            blocks: realizations.map(of_realization).collect(),
+            condition,
+        })
+    }
+
+    /// `Z^H` of every block, each channel scaled to unit power over the campaign: G does not depend on
+    /// the scale, but the condition number would.
+    fn instruments(&self, blocks: &[Vec<LineBlock>]) -> Vec<Vec<Matrix>> {
+        let sizes = self.sizes(blocks);
+        map_blocks(blocks, |block| scaled_adjoint(self.0(block), &sizes))
+    }
+
+    /// Root of the power of every channel over the campaign.
+    fn sizes(&self, blocks: &[Vec<LineBlock>]) -> Vec<f64> {
+        let signals = || blocks.iter().flatten().filter_map(self.0);
+        let n_channels = signals().next().map_or(0, DMatrix::nrows);
+        let power =
+            |channel: usize| -> f64 { signals().map(|z| z.row(channel).norm_squared()).sum() };
+        (0..n_channels)
+            .map(|channel| power(channel).sqrt())
+            .collect()
+    }
+}
+
+/// G and what it was divided by, `S = sum U Z^H`.
+struct Division {
+    response: Matrix,
+    s_u: Matrix,
+}
+
+impl Division {
+    /// Estimates of the periods of one of `n_realizations`.
+    fn of_realization(
+        &self,
+        periods: &[LineBlock],
+        instruments: &[Matrix],
+        n_realizations: usize,
+    ) -> Vec<Matrix> {
+        // mean over periods, then realizations: with unequal numbers of periods each block weighs
+        // n_p n_q of its own
+        let weight = Complex64::from((periods.len() * n_realizations) as f64);
+        let blocks = zip(periods, instruments);
+        blocks
+            .map(|(block, instrument)| self.of_block(block, instrument, weight))
+            .collect()
+    }
+
+    fn of_block(&self, block: &LineBlock, instrument: &Matrix, weight: Complex64) -> Matrix {
+        let residual = (&block.y - &self.response * &block.u) * instrument * weight;
+        &self.response + right_divide(&residual, &self.s_u)
+    }
+}
+
+/// `sum X Z^H` of a signal over all blocks.
+fn correlation(
+    blocks: &[Vec<LineBlock>],
+    instruments: &[Vec<Matrix>],
+    signal: impl Fn(&LineBlock) -> &Matrix,
+) -> Matrix {
+    zip(blocks.iter().flatten(), instruments.iter().flatten())
+        .map(|(block, instrument)| signal(block) * instrument)
+        .sum()
+}
+
+/// `Z^H`, every channel over its size; empty without Z.
+fn scaled_adjoint(z: Option<&Matrix>, sizes: &[f64]) -> Matrix {
+    let mut adjoint = z.map(DMatrix::adjoint).unwrap_or_default();
+    for (mut column, &size) in zip(adjoint.column_iter_mut(), sizes) {
+        if size > 0.0 {
+            column /= Complex64::from(size);
+        }
+    }
+    adjoint
+}

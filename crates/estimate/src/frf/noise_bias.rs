@@ -1,0 +1,156 @@
+//! Bias of an FRF by noise on what it is divided by, held against the uncertainty it claims.
+
+use std::fmt;
+use std::iter::zip;
+
+use frfid_signals::Frf;
+use frfid_signals::format::{count, significant};
+use ndarray::Axis;
+
+use crate::frf::excitation::Excitation;
+
+/// A bias of this share of a line's own standard deviation matters: the 95 % region would hold 94 %.
+const MATERIAL: f64 = 0.3;
+/// A bias below this share of the line is rounding.
+const ROUNDING: f64 = 1e-9;
+
+/// What is known of the noise on a line.
+pub(crate) struct NoiseSeen {
+    /// Power over that of the noise in one period, of the weakest input.
+    pub(crate) input_snr: f64,
+    /// The same of the weakest output, where a method asked for it; infinite otherwise.
+    pub(crate) output_snr: f64,
+    pub(crate) n_inputs: usize,
+    /// Periods of a realization that are averaged, the fewest.
+    pub(crate) n_periods: usize,
+    /// Blocks of the campaign.
+    pub(crate) n_blocks: usize,
+}
+
+/// Lines on which noise on the input biases the FRF by more than its region allows, with the worst of
+/// them.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NoiseBias {
+    /// How many lines.
+    pub n_lines: usize,
+    /// Of how many.
+    pub n_all: usize,
+    /// Frequency of the worst in Hz.
+    pub frequency_hz: f64,
+    /// Power of the input (of the output, where that is what the method divides by) there over that of
+    /// its noise in one period, in dB.
+    pub snr_db: f64,
+    /// Bias there, as a share of the response.
+    pub relative_bias: f64,
+    /// The same over the standard deviation that is stated.
+    pub bias_over_deviation: f64,
+}
+
+/// For people: what was found.
+impl fmt::Display for NoiseBias {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(
+            f,
+            "{} of {}, worst {} Hz: at {:.0} dB of signal over noise in a period the response is about {} % off, \
+             {} times its standard deviation",
+            count(self.n_lines, "line"),
+            self.n_all,
+            significant(self.frequency_hz, 4),
+            self.snr_db,
+            significant(100.0 * self.relative_bias, 2),
+            significant(self.bias_over_deviation, 2),
+        )
+    }
+}
+
+/// A line and what noise does to it.
+struct Line {
+    place: usize,
+    snr: f64,
+    bias: f64,
+    over_deviation: f64,
+}
+
+/// What noise does to an FRF whose method has a relative bias of so much; `None` where it does no harm,
+/// or the noise is not known.
+pub(crate) fn noise_bias(
+    frf: &Frf,
+    excitation: &Excitation,
+    (n_periods, n_blocks): (usize, usize),
+    of_method: impl Fn(&NoiseSeen) -> f64,
+) -> Option<NoiseBias> {
+    let deviations = relative_deviations(frf)?;
+    let line = |(place, deviation): (usize, f64)| {
+        let [input_snr, output_snr] = excitation.weakest(place)?;
+        let seen = NoiseSeen {
+            input_snr,
+            output_snr,
+            n_inputs: frf.n_inputs(),
+            n_periods,
+            n_blocks,
+        };
+        let bias = of_method(&seen);
+        let over_deviation = bias / deviation;
+        let is_material = bias > ROUNDING && over_deviation > MATERIAL;
+        is_material.then_some(Line {
+            place,
+            snr: if output_snr.is_finite() { output_snr } else { input_snr },
+            bias,
+            over_deviation,
+        })
+    };
+    let lines = deviations.into_iter().enumerate().filter_map(line);
+    worst_of(frf, lines.collect())
+}
+
+fn worst_of(frf: &Frf, lines: Vec<Line>) -> Option<NoiseBias> {
+    let by_deviation = |a: &&Line, b: &&Line| a.over_deviation.total_cmp(&b.over_deviation);
+    let worst = lines.iter().max_by(by_deviation)?;
+    Some(NoiseBias {
+        n_lines: lines.len(),
+        n_all: frf.n_frequencies(),
+        frequency_hz: frf.frequency_hz[worst.place],
+        snr_db: 10.0 * worst.snr.log10(),
+        relative_bias: worst.bias,
+        bias_over_deviation: worst.over_deviation,
+    })
+}
+
+/// Standard deviation of the matrix by noise, as a share of its size, line by line; `None` where the
+/// noise was not measured.
+fn relative_deviations(frf: &Frf) -> Option<Vec<f64>> {
+    let variances = frf.noise_variance()?;
+    let lines = zip(
+        variances.axis_iter(Axis(0)),
+        frf.response.axis_iter(Axis(0)),
+    );
+    let deviation = |(variance, response): (ndarray::ArrayView2<f64>, ndarray::ArrayView2<_>)| {
+        let size: f64 = response.iter().map(num_complex::Complex64::norm_sqr).sum();
+        (variance.sum() / size).sqrt()
+    };
+    Some(lines.map(deviation).collect())
+}
+
+impl NoiseSeen {
+    /// Share by which the mean of `(I + N)^-1` falls short of I, N of `n` by `n` circular normal numbers that
+    /// stand for the noise left after so many periods are averaged: with `x = n averaged SNR`
+    ///
+    /// ```text
+    /// 1/n sum_k Q(k, x),   Q(k, x) = exp(-x) sum_{j < k} x^j / j!
+    /// ```
+    ///
+    /// the share of N's eigenvalues beyond the circle, their squares being Gamma(1..n) distributed (E.
+    /// Kostlan, Linear Algebra Appl. 162 (1992) 385); `exp(-SNR)` for one input (R. Pintelon, J. Schoukens,
+    /// System Identification, 2nd ed., section 2.6).
+    pub(crate) fn bias_of_quotient(&self, averaged: usize) -> f64 {
+        let n = self.n_inputs;
+        let x = (n * averaged) as f64 * self.input_snr;
+        let (mut term, mut sum, mut total) = ((-x).exp(), 0.0, 0.0);
+        for k in 1..=n {
+            sum += term;
+            total += sum;
+            term *= x / k as f64;
+        }
+        if term.is_nan() { 0.0 } else { total / n as f64 }
+    }
+}
