@@ -4,6 +4,7 @@
 //! Equation numbers are those of Saupe and Knoblach, MSSP 52-53 (2015) 60-72, cited SK15. Shapes,
 //! units and the DFT follow `frfid_signals`. Nothing here knows files, clocks or chance.
 
+mod closed_loop;
 mod compare;
 /// Correlation of a signal with itself: power that repeats after a lag, over holes and rests.
 mod correlation {
@@ -43,6 +44,7 @@ mod spectrogram;
 mod testing;
 mod trend;
 
+pub use closed_loop::{ClosedLoop, Entry, Response};
 pub use compare::change::{Change, Side, Sides};
 pub use compare::resonance::{Feature, FeatureKind, find_features};
 pub use compare::verdict::Verdict;

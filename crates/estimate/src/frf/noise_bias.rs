@@ -94,7 +94,11 @@ pub(crate) fn noise_bias(
         let is_material = bias > ROUNDING && over_deviation > MATERIAL;
         is_material.then_some(Line {
             place,
-            snr: if output_snr.is_finite() { output_snr } else { input_snr },
+            snr: if output_snr.is_finite() {
+                output_snr
+            } else {
+                input_snr
+            },
             bias,
             over_deviation,
         })
