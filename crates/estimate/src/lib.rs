@@ -44,7 +44,7 @@ mod spectrogram;
 mod testing;
 mod trend;
 
-pub use closed_loop::{ClosedLoop, Entry, Response};
+pub use closed_loop::{ClosedLoop, Entry, Port, Response};
 pub use compare::change::{Change, Side, Sides};
 pub use compare::resonance::{Feature, FeatureKind, find_features};
 pub use compare::verdict::Verdict;

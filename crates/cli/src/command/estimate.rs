@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use frfid_estimate::Method;
+use frfid_estimate::{Entry, Method, Response};
 use frfid_experiment::{Average, EstimateOptions, EstimateTable, Outcome, estimate_logs};
 use frfid_files::{ResultFile, write_bytes, write_result};
 use frfid_report::result_page;
@@ -63,6 +63,12 @@ struct EstimatorOptions {
     /// Estimate through the reference, which noise on the input does not bias
     #[arg(long)]
     indirect: bool,
+    /// Which response of the loop is estimated
+    #[arg(long, value_parser = named::<Response>())]
+    response: Option<Response>,
+    /// Where the reference enters the loop
+    #[arg(long = "loop", value_parser = named::<Entry>())]
+    entry: Option<Entry>,
     /// Number of frequencies at which a chirp is evaluated
     #[arg(long, value_name = "N")]
     n_frequencies: Option<usize>,
@@ -73,12 +79,16 @@ impl EstimatorOptions {
         let given = self.method.is_some()
             || self.average.is_some()
             || self.indirect
+            || self.response.is_some()
+            || self.entry.is_some()
             || self.n_frequencies.is_some();
         let default = EstimateTable::default();
         given.then(|| EstimateTable {
             method: self.method,
             average: self.average,
             indirect: self.indirect,
+            response: self.response,
+            entry: self.entry,
             n_frequencies: self.n_frequencies.unwrap_or(default.n_frequencies),
             ..default
         })

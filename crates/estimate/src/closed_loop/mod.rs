@@ -60,6 +60,40 @@ pub enum Response {
     OpenLoop,
 }
 
+/// A place in a loop, where a response begins or ends.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Port {
+    /// The reference r.
+    Reference,
+    /// The input u.
+    Input,
+    /// The output y.
+    Output,
+    /// The control error r - y.
+    Error,
+    /// What the controller gives, in the unit of the input.
+    Controller,
+}
+
+impl Response {
+    /// Where it begins and ends.
+    #[must_use]
+    pub fn ports(self, entry: Option<Entry>) -> [Port; 2] {
+        let is_set_point = entry != Some(Entry::Input);
+        match self {
+            Self::Plant => [Port::Input, Port::Output],
+            Self::RToU => [Port::Reference, Port::Input],
+            Self::RToY => [Port::Reference, Port::Output],
+            Self::Sensitivity if is_set_point => [Port::Reference, Port::Error],
+            Self::Sensitivity => [Port::Reference, Port::Input],
+            Self::ComplementarySensitivity if is_set_point => [Port::Reference, Port::Output],
+            Self::ComplementarySensitivity => [Port::Reference, Port::Controller],
+            Self::OpenLoop if is_set_point => [Port::Error, Port::Output],
+            Self::OpenLoop => [Port::Input, Port::Controller],
+        }
+    }
+}
+
 /// The joint FRF from the reference to input and output.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClosedLoop {

@@ -1,6 +1,6 @@
 //! Table `[estimate]`: how the records become an FRF.
 
-use frfid_estimate::Method;
+use frfid_estimate::{Entry, Method, Response};
 use frfid_signals::Record;
 use ndarray::Array2;
 use schemars::JsonSchema;
@@ -23,6 +23,12 @@ pub struct EstimateTable {
     pub glide_subtraction: GlideSubtraction,
     /// Estimate through the reference (joint input-output), which noise on u does not bias.
     pub indirect: bool,
+    /// Which response of the loop is estimated; the plant without it, the others need a reference.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub response: Option<Response>,
+    /// Where the reference enters the loop: it decides what the sensitivities and the open loop are.
+    #[serde(rename = "loop", skip_serializing_if = "Option::is_none")]
+    pub entry: Option<Entry>,
     /// Frequencies at which a chirp is evaluated: their number, logarithmically spaced over the
     /// band.
     pub n_frequencies: usize,
@@ -35,6 +41,8 @@ impl Default for EstimateTable {
             average: None,
             glide_subtraction: GlideSubtraction::Time,
             indirect: false,
+            response: None,
+            entry: None,
             n_frequencies: 200,
         }
     }
@@ -52,10 +60,16 @@ impl EstimateTable {
         })
     }
 
-    /// The reference of a record, where the method takes it.
+    /// The response that is asked for, if it is not the plant.
+    pub(crate) fn response_but_plant(&self) -> Option<Response> {
+        self.response
+            .filter(|&response| response != Response::Plant)
+    }
+
+    /// The reference of a record, where the method or the response takes it.
     pub(crate) fn reference_of<'r>(&self, record: &'r Record) -> Option<&'r Array2<f64>> {
-        let reference = record.r.as_ref();
-        reference.filter(|_| self.method().takes_reference())
+        let is_taken = self.method().takes_reference() || self.response_but_plant().is_some();
+        record.r.as_ref().filter(|_| is_taken)
     }
 
     /// Refuses two answers to one question.

@@ -10,6 +10,7 @@ use ndarray::s;
 use crate::description::estimate::{EstimateTable, GlideSubtraction};
 use crate::error::ExperimentError;
 use crate::estimate::glide_baseline::Baseline;
+use crate::estimate::loop_response::LoopResponse;
 use crate::estimate::ripple_residual::{FreeSpectra, RippleResidual};
 use crate::estimate::unsettled::Unsettled;
 
@@ -51,6 +52,8 @@ impl Spectra {
 pub struct Estimated {
     /// The FRF; lines that were left out are NaN.
     pub frf: Frf,
+    /// The response of the loop that is asked for in place of the plant.
+    pub(crate) response: Option<LoopResponse>,
     /// Lines that were left out, realizations that were counted as repetitions, in words.
     pub remarks: Vec<String>,
     /// Number of lines that were left out.
@@ -90,7 +93,7 @@ impl Estimator {
         Ok(Self {
             plan: plan.clone(),
             period_samples,
-            options: options.clone(),
+            options: options.in_plan(plan),
             evaluation: Evaluation::of(plan, options.n_frequencies)?,
             baseline: Baseline::None,
             residual: RippleResidual::of_plan(plan, options)?,
@@ -248,6 +251,7 @@ impl Estimator {
         };
         Ok(Estimated {
             unsettled: Unsettled::of(&spectra.periods, &self.plan, &frf)?,
+            response: self.options.loop_response(&campaign)?,
             frf,
             remarks,
             n_left_out,

@@ -5,6 +5,7 @@ pub(crate) mod estimator;
 pub(crate) mod find_logs;
 pub(crate) mod gather;
 pub(crate) mod glide_baseline;
+pub(crate) mod loop_response;
 pub(crate) mod majority;
 pub(crate) mod others;
 pub(crate) mod our_logs;

@@ -10,6 +10,7 @@ use frfid_signals::{Frf, Limit};
 use crate::error::ExperimentError;
 use crate::estimate::estimator::Estimated;
 use crate::estimate::gather::Gathered;
+use crate::estimate::loop_response::Named;
 use crate::experiment::Experiment;
 use crate::run::load::Load;
 use crate::run::provenance::Metadata;
@@ -69,11 +70,14 @@ impl Experiment {
         checks.extend(noise_bias_check(estimated.noise_bias));
         checks.extend(strength.and_then(Strength::sign_check));
         let warnings = warnings(&estimated, strength, inventory);
-        let result = ResultFile {
+        let mut result = ResultFile {
             flagged: estimated.ripple,
             checks,
             ..self.result(estimated.frf, load)
         };
+        if let Some(response) = estimated.response {
+            response.put_into(&mut result, &self.reference_names());
+        }
         Outcome {
             result,
             warnings,
@@ -81,6 +85,14 @@ impl Experiment {
             strength: strength.cloned(),
             load: load.cloned(),
         }
+    }
+
+    /// Names and units of the references.
+    fn reference_names(&self) -> Named {
+        let joints = self.joint_names.iter();
+        let names: Vec<String> = joints.map(|joint| format!("{joint} reference")).collect();
+        let units = vec![self.plan.injection.unit().to_string(); names.len()];
+        (names, units)
     }
 
     /// Whether every run of the plan is there and whole.

@@ -43,6 +43,10 @@ pub struct Log {
     pub input_names: Vec<String>,
     /// Where each output comes from.
     pub output_names: Vec<String>,
+    /// Where each reference comes from; empty without.
+    pub reference_names: Vec<String>,
+    /// SI unit of each reference.
+    pub reference_units: Vec<String>,
     /// SI unit of each input.
     pub input_units: Vec<String>,
     /// SI unit of each output.
@@ -244,6 +248,8 @@ fn sort_into_roles(map: &LogMap, values: &Array2<f64>, clock: ClockFit) -> Log {
         record: record(map, values, clock.sample_time_s),
         input_names: names(&map.u),
         output_names: names(&map.y),
+        reference_names: names(&map.r),
+        reference_units: units(&map.r),
         input_units: units(&map.u),
         output_units: units(&map.y),
         losses: Vec::new(),

@@ -5,6 +5,7 @@ use frfid_files::LogMap;
 
 use crate::description::estimate::EstimateTable;
 use crate::error::ExperimentError;
+use crate::estimate::loop_response::LoopResponse;
 use crate::estimate::others::found::Found;
 use crate::estimate::others::placing::{RunOf, as_stated, by_phases};
 use crate::estimate::others::run::measured::Measured;
@@ -13,6 +14,8 @@ use crate::estimate::others::run::measured::Measured;
 pub(super) struct Estimated {
     pub(super) runs: Vec<Measured>,
     pub(super) estimate: FrfEstimate,
+    /// The response of the loop that is asked for in place of the plant.
+    pub(super) response: Option<LoopResponse>,
     /// Runs that are one draw of phases.
     pub(super) equal: Vec<EqualDraws>,
     /// Periods that are left out because another experiment lacks them.
@@ -49,6 +52,7 @@ impl Found {
         }
         Ok(Estimated {
             runs,
+            response: options.loop_response(&placed.campaign)?,
             estimate,
             equal: placed.equal,
             n_incomplete,

@@ -46,13 +46,14 @@ pub(crate) fn estimate_others_logs(
 
 /// Refuses a method that estimates through a reference that is not there.
 fn check_reference(map: &LogMap, options: &EstimateTable) -> Result<(), ExperimentError> {
-    if !map.r.is_empty() || !options.method().needs_reference() {
+    let is_needed = options.method().needs_reference() || options.response_but_plant().is_some();
+    if !map.r.is_empty() || !is_needed {
         return Ok(());
     }
     Err(ExperimentError::logs(
         "reference",
         "none in the log map",
-        "one for each input: the indirect estimate goes through it",
-        "name it by --r, r in the map, or estimate without --indirect",
+        "one for each input: the estimate goes through it",
+        "name it by --r, r in the map, or estimate without --indirect and --response",
     ))
 }

@@ -33,7 +33,7 @@ impl Found {
         let is_lossy = self.is_lossy(&estimated);
         let first = self.recordings.into_iter().next();
         let log = first.expect("runs come from recordings").log;
-        let result = ResultFile {
+        let mut result = ResultFile {
             frf: estimated.estimate.frf,
             input_names: log.input_names,
             output_names: log.output_names,
@@ -44,6 +44,10 @@ impl Found {
             checks,
             provenance,
         };
+        if let Some(response) = estimated.response {
+            let reference = (log.reference_names, log.reference_units);
+            response.put_into(&mut result, &reference);
+        }
         Outcome {
             result,
             warnings,
