@@ -1,6 +1,7 @@
 //! FRF of a campaign: the methods. A method is a file of this folder and a variant here.
 
 pub(crate) mod blocks;
+pub(crate) mod coherence;
 pub(crate) mod estimate;
 pub(crate) mod excerpts;
 mod excitation;
@@ -14,6 +15,7 @@ pub(crate) mod noise_bias;
 pub(crate) mod right_division;
 pub(crate) mod roughness;
 pub(crate) mod singular;
+pub(crate) mod spectra_covariance;
 pub(crate) mod time_series;
 
 use frfid_signals::{Frf, SignalError};
