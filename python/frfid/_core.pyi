@@ -22,14 +22,17 @@ __all__ = [
     "Shaped",
     "__version__",
     "cli",
+    "coherence",
     "compare",
     "estimate",
     "estimate_bla",
     "estimate_chirp",
+    "estimate_loop",
     "load",
     "loop_frf",
     "run_closed_loop",
     "shape",
+    "spectra_covariance",
     "spectrogram",
     "subtract_glide",
 ]
@@ -491,6 +494,21 @@ def estimate_bla(
     average: Literal["frfs", "spectra"] = "spectra",
     max_condition: float | None = None,
 ) -> Frf: ...
+def estimate_loop(
+    u: ArrayLike,
+    y: ArrayLike,
+    r: ArrayLike,
+    *,
+    sample_time_s: float,
+    harmonics: ArrayLike,
+    loop: Literal["set-point", "input"] | None = None,
+) -> dict[str, Frf]: ...
+def coherence(
+    u: ArrayLike, y: ArrayLike, *, sample_time_s: float, harmonics: ArrayLike
+) -> list[NDArray[np.float64]]: ...
+def spectra_covariance(
+    u: ArrayLike, y: ArrayLike, *, sample_time_s: float, harmonics: ArrayLike, r: ArrayLike | None = None
+) -> dict[str, NDArray[np.complex128] | None]: ...
 def estimate_chirp(
     u: ArrayLike,
     y: ArrayLike,

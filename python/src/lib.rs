@@ -3,6 +3,7 @@
 
 /// Estimators on arrays, and what is looked at beside them.
 mod estimate {
+    pub(crate) mod campaign;
     pub(crate) mod compare;
     pub(crate) mod excerpt;
     pub(crate) mod glide;
@@ -66,6 +67,8 @@ mod _core {
     use crate::cli::cli;
     #[pymodule_export]
     use crate::error::NumericalError;
+    #[pymodule_export]
+    use crate::estimate::campaign::{coherence, estimate_loop, spectra_covariance};
     #[pymodule_export]
     use crate::estimate::compare::{Comparison, compare};
     #[pymodule_export]

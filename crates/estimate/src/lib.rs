@@ -65,7 +65,7 @@ pub use frf::noise_bias::NoiseBias;
 pub use frf::roughness::{Roughness, roughness};
 pub use frf::singular::{condition_number, scaled_condition_number, singular_values};
 pub use frf::spectra_covariance::SpectraCovariance;
-pub use frf::time_series::{estimate_bla, estimate_periods};
+pub use frf::time_series::{campaign_of_periods, estimate_bla, estimate_periods};
 pub use frf::{FrfOptions, Method};
 pub use glide::by_position::RippleTorque;
 pub use glide::in_time::subtract_glide;

@@ -11,7 +11,7 @@ use crate::choice::from_python;
 use crate::error;
 use crate::frf::matrix::Frf;
 
-const CAMPAIGN: Axes = &["realization", "experiment", "period", "channel", "sample"];
+pub(crate) const CAMPAIGN: Axes = &["realization", "experiment", "period", "channel", "sample"];
 /// Best linear approximation with its variances, SK15 (13) and (14).
 ///
 /// Without ``r`` the direct estimate; with it the indirect one (joint input-output), which noise on

@@ -63,13 +63,28 @@ pub fn estimate_periods(
     options: &FrfOptions,
 ) -> Result<FrfEstimate, EstimateError> {
     options.method.check_reference(r.is_some())?;
-    check_same_shape(&u, &y, r.as_ref())?;
-    let dft = LineDft::new(u.len_of(Axis(4)), harmonics)?;
-    let mut campaign = Campaign::new(dft.frequency_hz(sample_time_s)?)?;
-    TimeSeries { u, y, r }.transform_into(&mut campaign, &dft)?;
+    let mut campaign = campaign_of_periods(u, y, r, sample_time_s, harmonics)?;
     let equal_draws = campaign.pool_equal_draws();
     Ok(FrfEstimate {
         equal_draws,
         ..campaign.estimate_lines(options)?
     })
+}
+
+/// The spectra of time series as [`estimate_bla`] takes them, realizations as they are given.
+///
+/// # Errors
+/// Shapes that differ, samples that are not finite, lines off the grid.
+pub fn campaign_of_periods(
+    u: ArrayView5<f64>,
+    y: ArrayView5<f64>,
+    r: Option<ArrayView5<f64>>,
+    sample_time_s: f64,
+    harmonics: &[usize],
+) -> Result<Campaign, EstimateError> {
+    check_same_shape(&u, &y, r.as_ref())?;
+    let dft = LineDft::new(u.len_of(Axis(4)), harmonics)?;
+    let mut campaign = Campaign::new(dft.frequency_hz(sample_time_s)?)?;
+    TimeSeries { u, y, r }.transform_into(&mut campaign, &dft)?;
+    Ok(campaign)
 }
