@@ -61,6 +61,7 @@ def test_every_response_of_the_loop(tmp_path, response, enters):
     error = np.abs(outcome.frf[:, 0, 0] - truth(response, enters))
     dof = outcome.result["noise"]["degrees_of_freedom"]
     limit = outcome.variance()[:, 0] * dof * (0.05 ** (-1 / dof) - 1)
+    assert not outcome.said("noise runs around the loop")
     assert np.median(error / np.abs(truth(response, enters))) < 1e-2 and np.mean(error**2 <= limit) > 0.85
     units = (outcome.result["input_units"], outcome.result["output_units"])
     unit = "N m" if enters == "input" else "rad/s"
@@ -84,4 +85,5 @@ def test_the_default_goes_through_the_reference(tmp_path, level):
     naive = estimate(tmp_path, ["a.csv"], *MAP, "--method", "mean-of-frfs")
     assert through.inside() > 0.88, through.text
     assert np.nanmean(naive.error() ** 2) > 1.3 * np.nanmean(through.error() ** 2)
+    assert through.said("noise runs around the loop"), through.text
     assert "noise on the input" in naive.failed and "noise on the input" not in through.failed

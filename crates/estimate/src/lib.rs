@@ -59,6 +59,7 @@ pub use excitation_strength::stuck::standing_share;
 pub use excitation_strength::warnings::strength_warnings;
 pub use excitation_strength::{AxisStrength, BandStrength, strength};
 pub use frf::coherence::Coherence;
+pub use frf::direct_difference::DirectDifference;
 pub use frf::estimate::FrfEstimate;
 pub use frf::excerpts::{estimate_chirp, estimate_repeats};
 pub use frf::noise_bias::NoiseBias;

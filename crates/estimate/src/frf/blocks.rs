@@ -73,6 +73,7 @@ impl<M: BlockMethod> FrfMethod for M {
             frf,
             left_out,
             input_snr_db: blocks.excitation.snr_db(),
+            direct_difference: None,
             equal_draws: Vec::new(),
         })
     }

@@ -5,6 +5,7 @@ use frfid_signals::Frf;
 use ndarray::Array2;
 
 use crate::error::deficient_line::DeficientLine;
+use crate::frf::direct_difference::DirectDifference;
 use crate::frf::noise_bias::NoiseBias;
 use crate::frf::roughness::roughness;
 use crate::spectra::equal_draws::EqualDraws;
@@ -27,6 +28,9 @@ pub struct FrfEstimate {
     /// Lines that noise on the input biases by more than their region allows; `None` where it does not,
     /// or its noise is not known.
     pub noise_bias: Option<NoiseBias>,
+    /// How far y over u alone is off, where the estimate goes through the reference; `None` where that is within
+    /// its uncertainty.
+    pub direct_difference: Option<DirectDifference>,
     /// Realizations that were counted as repetitions, where equal draws were looked for.
     pub equal_draws: Vec<EqualDraws>,
 }
@@ -39,6 +43,10 @@ impl FrfEstimate {
         let mut words = self.equal_words();
         words.extend(self.left_out_words());
         words.extend(self.rough_words());
+        words.extend(
+            self.direct_difference
+                .map(|difference| difference.to_string()),
+        );
         words
     }
 

@@ -2,6 +2,7 @@
 
 pub(crate) mod blocks;
 pub(crate) mod coherence;
+pub(crate) mod direct_difference;
 pub(crate) mod estimate;
 pub(crate) mod excerpts;
 mod excitation;
@@ -23,6 +24,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::EstimateError;
+use crate::frf::direct_difference::{DirectDifference, direct_difference};
 use crate::frf::estimate::FrfEstimate;
 use crate::frf::instruments::{H1, H2, JointInputOutput};
 use crate::frf::logarithmic_mean::LogarithmicMean;
@@ -167,6 +169,22 @@ impl Campaign {
         let has_reference = self.has_reference();
         options.method.require_reference(has_reference)?;
         let method = options.method.with_reference(has_reference);
-        method.estimator().frf(self, options)
+        let estimate = method.estimator().frf(self, options)?;
+        Ok(FrfEstimate {
+            direct_difference: self.direct_difference(&estimate, method, options),
+            ..estimate
+        })
+    }
+
+    /// How far y over u alone (H1) is off an estimate through the reference.
+    fn direct_difference(
+        &self,
+        estimate: &FrfEstimate,
+        method: Method,
+        options: &FrfOptions,
+    ) -> Option<DirectDifference> {
+        let direct = || H1.frf(self, options).ok();
+        let direct = method.needs_reference().then(direct)??;
+        direct_difference(&estimate.frf, &direct.frf)
     }
 }
