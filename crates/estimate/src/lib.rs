@@ -56,7 +56,7 @@ pub use error::deficient_line::{Deficiency, DeficientLine};
 pub use error::unlined::Unlined;
 pub use excitation_strength::pooling::pooled_strength;
 pub use excitation_strength::stuck::standing_share;
-pub use excitation_strength::warnings::strength_warnings;
+pub use excitation_strength::warnings::{MOST_STUCK, strength_warnings};
 pub use excitation_strength::{AxisStrength, BandStrength, strength};
 pub use frf::coherence::Coherence;
 pub use frf::direct_difference::DirectDifference;

@@ -1,6 +1,8 @@
 //! Frequency response matrix with its uncertainty: what every estimator returns.
 
-use ndarray::{Array2, Array3, Axis};
+use std::iter::zip;
+
+use ndarray::{Array2, Array3, ArrayView2, Axis};
 use num_complex::Complex64;
 
 use crate::error::SignalError;
@@ -135,6 +137,19 @@ impl Frf {
             (total - noise)
                 .mapv(|difference| (realizations * difference).clamp(0.0, f64::INFINITY)),
         )
+    }
+
+    /// Standard deviation of the matrix by noise as a share of its size, line by line; `None` if the noise was
+    /// not measured.
+    #[must_use]
+    pub fn relative_noise(&self) -> Option<Vec<f64>> {
+        let variances = self.noise_variance()?;
+        let lines = zip(variances.outer_iter(), self.response.outer_iter());
+        let share = |(variance, response): (ArrayView2<f64>, ArrayView2<Complex64>)| {
+            let size: f64 = response.iter().map(Complex64::norm_sqr).sum();
+            (variance.sum() / size).sqrt()
+        };
+        Some(lines.map(share).collect())
     }
 
     /// Magnitude of one entry in dB over frequency.

@@ -6,8 +6,8 @@ use std::iter::zip;
 use crate::excitation_strength::pooling::known_friction_nm;
 use crate::excitation_strength::{AxisStrength, BandStrength};
 
-/// Largest share of the time that an axis may stick without a warning.
-const STUCK: f64 = 0.15;
+/// Largest share of the time that an axis may stick without being told: beyond it what one sees is friction.
+pub const MOST_STUCK: f64 = 0.15;
 
 /// Warnings about axes that stick, are driven too weakly or turn back on their constant velocity;
 /// empty if all is well.
@@ -71,7 +71,7 @@ fn sticking(axis: &AxisStrength, name: &str, coulomb_nm: Option<f64>) -> Vec<Str
 }
 
 fn sticks(band: &BandStrength) -> bool {
-    band.stuck_share.is_some_and(|share| share > STUCK)
+    band.stuck_share.is_some_and(|share| share > MOST_STUCK)
 }
 
 /// An axis that sticks in a run of bands.
@@ -88,7 +88,7 @@ fn sticking_in(
 
 /// An axis that sticks at some time of the whole run.
 fn sticking_throughout(axis: &AxisStrength, name: &str, coulomb_nm: Option<f64>) -> Option<String> {
-    let percent = 100.0 * axis.stuck_share.filter(|share| *share > STUCK)?;
+    let percent = 100.0 * axis.stuck_share.filter(|share| *share > MOST_STUCK)?;
     let torque = format!("torque {:.0} N m rms", axis.rms_nm);
     let torque = against_friction(torque, axis.rms_nm, coulomb_nm);
     Some(format!(

@@ -1,11 +1,9 @@
 //! Bias of an FRF by noise on what it is divided by, held against the uncertainty it claims.
 
 use std::fmt;
-use std::iter::zip;
 
 use frfid_signals::Frf;
 use frfid_signals::format::{count, significant};
-use ndarray::Axis;
 
 use crate::frf::excitation::Excitation;
 
@@ -79,7 +77,7 @@ pub(crate) fn noise_bias(
     (n_periods, n_blocks): (usize, usize),
     of_method: impl Fn(&NoiseSeen) -> f64,
 ) -> Option<NoiseBias> {
-    let deviations = relative_deviations(frf)?;
+    let deviations = frf.relative_noise()?;
     let line = |(place, deviation): (usize, f64)| {
         let [input_snr, output_snr] = excitation.weakest(place)?;
         let seen = NoiseSeen {
@@ -118,21 +116,6 @@ fn worst_of(frf: &Frf, lines: Vec<Line>) -> Option<NoiseBias> {
         relative_bias: worst.bias,
         bias_over_deviation: worst.over_deviation,
     })
-}
-
-/// Standard deviation of the matrix by noise, as a share of its size, line by line; `None` where the
-/// noise was not measured.
-fn relative_deviations(frf: &Frf) -> Option<Vec<f64>> {
-    let variances = frf.noise_variance()?;
-    let lines = zip(
-        variances.axis_iter(Axis(0)),
-        frf.response.axis_iter(Axis(0)),
-    );
-    let deviation = |(variance, response): (ndarray::ArrayView2<f64>, ndarray::ArrayView2<_>)| {
-        let size: f64 = response.iter().map(num_complex::Complex64::norm_sqr).sum();
-        (variance.sum() / size).sqrt()
-    };
-    Some(lines.map(deviation).collect())
 }
 
 impl NoiseSeen {

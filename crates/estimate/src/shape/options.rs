@@ -4,6 +4,8 @@ use frfid_signals::checks::{self, require};
 use frfid_signals::{Limits, Record, SignalError};
 use ndarray::Array2;
 
+use crate::excitation_strength::warnings::MOST_STUCK;
+
 /// The measured signal that is to follow the desired one; any with an invertible path from r.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Target {
@@ -109,7 +111,7 @@ impl Default for ShapeOptions {
             largest_change: 3.0,
             limits: Limits::default(),
             margin: 2.0,
-            max_stuck_share: 0.15,
+            max_stuck_share: MOST_STUCK,
             still_rad_s: 0.0,
             coulomb_nm: None,
         }

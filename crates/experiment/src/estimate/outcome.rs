@@ -5,7 +5,8 @@ use std::path::PathBuf;
 
 use frfid_estimate::NoiseBias;
 use frfid_files::{Check, ResultFile, sha256_file};
-use frfid_signals::{Frf, Limit};
+use frfid_signals::format::significant;
+use frfid_signals::{Frf, Limit, median};
 
 use crate::error::ExperimentError;
 use crate::estimate::estimator::Estimated;
@@ -18,6 +19,10 @@ use crate::run::strength::Strength;
 
 /// Largest condition number of U that passes the check.
 const GOOD_CONDITION: f64 = 20.0;
+
+/// Standard deviation by noise, as a share of the response, from which on half of a curve says nothing: its
+/// 95 % region reaches half way to 0.
+const LOST_IN_NOISE: f64 = 0.3;
 
 /// What was estimated, and what a careful reader should know besides.
 #[derive(Debug, Clone, PartialEq)]
@@ -68,7 +73,9 @@ impl Experiment {
         checks.extend(estimated.unsettled.check());
         checks.extend(left_out_check(estimated.n_left_out));
         checks.extend(noise_bias_check(estimated.noise_bias));
+        checks.extend(noise_check(&estimated.frf));
         checks.extend(strength.and_then(Strength::sign_check));
+        checks.extend(strength.and_then(Strength::sticking_check));
         let warnings = warnings(&estimated, strength, inventory);
         let mut result = ResultFile {
             flagged: estimated.ripple,
@@ -185,6 +192,21 @@ pub(crate) fn noise_bias_check(bias: Option<NoiseBias>) -> Option<Check> {
         advice: "estimate through the reference (--indirect), average spectra over more periods \
                  (--average spectra), or excite more strongly"
             .into(),
+    })
+}
+
+/// A check that fails where noise leaves little of the FRF; `None` where it does not, or is not known.
+pub(crate) fn noise_check(frf: &Frf) -> Option<Check> {
+    let usual = median(frf.relative_noise()?)?;
+    (usual > LOST_IN_NOISE).then(|| Check {
+        name: "noise".into(),
+        passed: false,
+        found: format!(
+            "standard deviation {} % of the response on half of the lines",
+            significant(100.0 * usual, 2)
+        ),
+        needed: format!("{:.0} % or less", 100.0 * LOST_IN_NOISE),
+        advice: "record more periods, or excite more strongly".into(),
     })
 }
 

@@ -11,7 +11,9 @@ use crate::estimate::others::estimated::Estimated;
 use crate::estimate::others::found::Found;
 use crate::estimate::others::recording::{Odd, Recording};
 use crate::estimate::others::run::measured::Measured;
-use crate::estimate::outcome::{Outcome, condition_check, left_out_check, noise_bias_check};
+use crate::estimate::outcome::{
+    Outcome, condition_check, left_out_check, noise_bias_check, noise_check,
+};
 
 /// Levels of one input that differ by more than this are told: a nonlinear machine has another FRF
 /// at each.
@@ -70,6 +72,7 @@ impl Found {
             ])
             .chain(left_out_check(n_left_out))
             .chain(noise_bias_check(estimated.estimate.noise_bias))
+            .chain(noise_check(frf))
             .chain([condition_check(frf, &[])]);
         all.collect()
     }
