@@ -57,6 +57,7 @@ pub use excitation_strength::stuck::standing_share;
 pub use excitation_strength::warnings::strength_warnings;
 pub use excitation_strength::{AxisStrength, BandStrength, strength};
 pub use frf::estimate::FrfEstimate;
+pub use frf::excerpt_bias::WholeRecord;
 pub use frf::excerpts::{estimate_chirp, estimate_repeats};
 pub use frf::roughness::{Roughness, roughness};
 pub use frf::singular::{condition_number, scaled_condition_number, singular_values};

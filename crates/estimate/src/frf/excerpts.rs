@@ -3,7 +3,8 @@
 //! drop out.
 //!
 //! Known to be biased near sharp resonances: on the paper's linear example 0.03 dB in the median
-//! and 1.8 dB, 14 deg at worst.
+//! and 1.8 dB, 14 deg at worst, 33 dB at a damping of 0.1 %. With repeats the bias is part of the
+//! covariance ([`crate::frf::excerpt_bias`]).
 
 use frfid_signals::{Chirp, Frf};
 use ndarray::{ArrayView4, ArrayView5, Axis};
@@ -11,6 +12,7 @@ use ndarray::{ArrayView4, ArrayView5, Axis};
 use crate::error::EstimateError;
 use crate::frf::FrfOptions;
 use crate::frf::estimate::FrfEstimate;
+use crate::frf::excerpt_bias::WholeRecord;
 use crate::spectra::campaign::Campaign;
 use crate::spectra::excerpt::{ExcerptOptions, Excerpts};
 use crate::spectra::time_series::{TimeSeries, check_same_shape};
@@ -18,7 +20,8 @@ use crate::spectra::time_series::{TimeSeries, check_same_shape};
 /// FRF at `frequencies_hz` (rising) from recordings `(repeat, experiment, channel, sample)` of the
 /// same chirp, which starts `start_s` after the first sample.
 ///
-/// Repeats give the noise covariance; with one it is `None`. The reference `r` is for methods that
+/// Repeats give the noise covariance, to which the bias of the excerpts is added, as far as the
+/// whole record shows it; with one it is `None`, where the record is too short NaN. The reference `r` is for methods that
 /// estimate through it.
 ///
 /// # Errors
@@ -83,7 +86,13 @@ pub fn estimate_repeats(
     };
     series.transform_into(&mut campaign, &excerpts)?;
     let mut estimate = campaign.estimate_lines(options)?;
-    estimate.frf.relative_resolution = Some(cut.relative_resolution());
+    estimate.frf.relative_resolution = Some(cut.relative_resolution(chirp));
+    if estimate.frf.noise.is_some() {
+        let whole = WholeRecord::new(chirp, frequencies_hz, sample_time_s, n_samples)?;
+        let mut spectra = whole.campaign()?;
+        series.transform_into(&mut spectra, &whole)?;
+        whole.add_bias(&mut estimate.frf, &spectra)?;
+    }
     Ok(estimate)
 }
 
