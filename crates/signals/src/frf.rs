@@ -31,16 +31,17 @@ pub struct Frf {
     pub frequency_hz: Vec<f64>,
     /// Response, `(frequency, output, input)`; rad/s per N m for motor torque to motor velocity.
     pub response: Array3<Complex64>,
-    /// Measurement noise of the averaged FRF; `None` with one period.
+    /// Measurement noise of the averaged FRF; `None` with one period. For excerpts of a chirp with the
+    /// bias of the method, NaN where that is unknown.
     pub noise: Option<Uncertainty>,
     /// Measurement noise and nonlinear distortion of the averaged FRF; `None` with one realization.
     pub total: Option<Uncertainty>,
     /// 2-norm condition number of U per frequency; `None` where no U was inverted (an analytic
     /// FRF).
     pub condition: Option<Vec<f64>>,
-    /// Half width, relative to the frequency, of the band over which each value blurs the response:
-    /// 1/(2n) for excerpts of n periods of a chirp. `None` for lines of a period, which blur
-    /// nothing.
+    /// Half width, relative to the frequency, of the band over which a value blurs the response: for
+    /// excerpts of a chirp that in the middle of its band, 1/(2n) with n periods each, or more where
+    /// the sweep is fast. `None` for lines of a period, which blur nothing.
     pub relative_resolution: Option<f64>,
 }
 

@@ -168,7 +168,8 @@ fn estimated(
 
 /// The FRF; what was left out, counted otherwise than given or hides in one draw fails its check.
 pub(crate) fn checked(estimate: FrfEstimate) -> Frf {
-    let checks = estimate.findings().map(|(name, said)| Check {
+    let findings = estimate.findings().into_iter();
+    let checks = findings.map(|(name, said)| Check {
         name: name.into(),
         passed: said.is_empty(),
         found: said.join("; "),
@@ -176,7 +177,7 @@ pub(crate) fn checked(estimate: FrfEstimate) -> Frf {
         advice: String::new(),
     });
     let mut result = Frf::from(estimate.frf).result;
-    result.checks = checks.into();
+    result.checks = checks.collect();
     Frf::of(result)
 }
 

@@ -32,7 +32,8 @@ use crate::pickle::{NewArguments, attributes};
 /// condition : array_like, shape (frequency,), optional
 ///     Condition number of U.
 /// relative_resolution : float, optional
-///     Half width, relative to the frequency, of the band over which each value blurs the response.
+///     Half width, relative to the frequency, of the band over which a value blurs the response,
+///     in the middle of a chirp's band.
 /// torque_rms_nm : sequence of float, optional
 ///     Rms of the motor torque of each input in N m: which of two results had the stronger
 ///     excitation.

@@ -154,11 +154,15 @@ fn summary(result: &ResultFile) -> String {
     let inputs = with_units(&result.input_names, &result.input_units);
     let outputs = with_units(&result.output_names, &result.output_units);
     let [noise, total] = Spread::noise_and_total(&result.frf);
+    let noise_name = match (&noise, result.frf.relative_resolution) {
+        (Some(_), Some(_)) => "noise and bias of excerpts",
+        _ => "noise",
+    };
     list(&[
         ("inputs", inputs),
         ("outputs", outputs),
         ("frequencies", frequencies(&result.frf)),
-        ("noise", known(noise, "two periods")),
+        (noise_name, known(noise, "two periods")),
         ("noise and nonlinear", known(total, "two realizations")),
     ])
 }

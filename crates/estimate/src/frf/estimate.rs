@@ -1,6 +1,8 @@
 //! Estimate of an FRF: the FRF itself, the lines that were left out of it, and what was found out
 //! about its excitation.
 
+use std::iter::zip;
+
 use frfid_signals::Frf;
 use ndarray::Array2;
 
@@ -40,12 +42,17 @@ impl FrfEstimate {
 
     /// The same by what was looked at.
     #[must_use]
-    pub fn findings(&self) -> [(&'static str, Vec<String>); 3] {
-        [
+    pub fn findings(&self) -> Vec<(&'static str, Vec<String>)> {
+        let mut findings = vec![
             ("draws of phases", self.equal_words()),
             ("excited lines", Vec::from_iter(self.left_out_words())),
             ("distortion", Vec::from_iter(self.rough_words())),
-        ]
+        ];
+        if self.frf.relative_resolution.is_some() {
+            let said = Vec::from_iter(self.unknown_bias_words());
+            findings.push(("bias of excerpts", said));
+        }
+        findings
     }
 
     /// Which realizations are one draw.
@@ -62,6 +69,23 @@ impl FrfEstimate {
     fn rough_words(&self) -> Option<String> {
         let is_one_draw = self.frf.total.is_none() && self.frf.relative_resolution.is_none();
         is_one_draw.then(|| roughness(&self.frf))??.warning()
+    }
+
+    /// Where excerpts of a chirp have a value and no region.
+    fn unknown_bias_words(&self) -> Option<String> {
+        let covariance = &self.frf.noise.as_ref()?.covariance;
+        let both = zip(self.frf.response.outer_iter(), covariance.outer_iter());
+        let unknown = both.filter(|(value, covariance)| {
+            value.iter().all(|entry| entry.is_finite())
+                && covariance.iter().any(|entry| entry.is_nan())
+        });
+        let (count, all) = (unknown.count(), self.frf.n_frequencies());
+        (count > 0).then(|| {
+            format!(
+                "the bias of the excerpts is unknown at {count} of {all} frequencies, and so is their uncertainty (NaN): \
+                 the record holds too few lines of the sweep's band; record a longer sweep, or one over a wider band"
+            )
+        })
     }
 
     /// Which lines are NaN, and why the first of them is.

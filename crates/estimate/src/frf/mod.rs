@@ -2,12 +2,10 @@
 
 pub(crate) mod blocks;
 pub(crate) mod estimate;
-pub(crate) mod excerpt_bias;
 pub(crate) mod excerpts;
 mod excitation;
 mod f_distribution;
 mod joint_input_output;
-mod local_rational;
 mod logarithmic_mean;
 pub(crate) mod matrices;
 mod mean_of_frfs;

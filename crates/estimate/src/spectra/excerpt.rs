@@ -243,19 +243,21 @@ mod tests {
 
     const SAMPLE_TIME_S: f64 = 1e-3;
 
-    fn excerpt(hz: f64) -> Excerpt {
-        let amplitude = vec![Profile::constant(1.0)];
-        let chirp = Chirp {
+    fn chirp(duration_s: f64) -> Chirp {
+        Chirp {
             low_hz: 1.0,
             high_hz: 60.0,
-            duration_s: 20.0,
-            amplitude,
+            duration_s,
+            amplitude: vec![Profile::constant(1.0)],
             fade_s: 0.0,
             tail_s: 0.0,
-        };
+        }
+    }
+
+    fn excerpt(hz: f64) -> Excerpt {
         Excerpt::cut(
             hz,
-            &chirp,
+            &chirp(20.0),
             0.0,
             SAMPLE_TIME_S,
             20_000,
@@ -297,5 +299,25 @@ mod tests {
             )
         );
         assert_eq!((excerpt(1.0).first, excerpt(60.0).last), (0, 19_999));
+    }
+
+    /// By the DFT for slow sweeps, by their rate for fast ones, by how far they run within an excerpt
+    /// for very fast ones.
+    #[test]
+    fn the_resolution_is_that_of_the_sweep() {
+        let cut = ExcerptOptions::default();
+        let growth = |duration_s: f64| 60f64.ln() / duration_s / 60f64.sqrt();
+        for (duration_s, expected) in [
+            (200.0, 0.125),
+            (20.0, growth(20.0).sqrt()),
+            (5.0, growth(5.0).sqrt()),
+            (0.5, (2.0 * growth(0.5)).exp() - 1.0),
+        ] {
+            let found = cut.relative_resolution(&chirp(duration_s));
+            assert!(
+                (found / expected - 1.0).abs() < 1e-9,
+                "{duration_s} s: {found}"
+            );
+        }
     }
 }

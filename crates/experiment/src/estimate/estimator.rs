@@ -9,6 +9,7 @@ use ndarray::s;
 
 use crate::description::estimate::{EstimateTable, GlideSubtraction};
 use crate::error::ExperimentError;
+use crate::estimate::excerpt_bias::{ExcerptBias, WholeSpectra};
 use crate::estimate::glide_baseline::Baseline;
 use crate::estimate::ripple_residual::{FreeSpectra, RippleResidual};
 use crate::estimate::unsettled::Unsettled;
@@ -21,6 +22,7 @@ pub struct Estimator {
     evaluation: Evaluation,
     baseline: Baseline,
     residual: Option<RippleResidual>,
+    bias: Option<ExcerptBias>,
 }
 
 /// Spectra of records, in any order.
@@ -30,6 +32,8 @@ pub struct Spectra {
     periods: Vec<(PeriodIndex, RunSpectra)>,
     /// On the lines around them that are not excited.
     free: Vec<FreeSpectra>,
+    /// Of whole chirps, period by period.
+    whole: WholeSpectra,
 }
 
 impl Spectra {
@@ -43,6 +47,7 @@ impl Spectra {
     pub fn extend(&mut self, other: Self) {
         self.periods.extend(other.periods);
         self.free.extend(other.free);
+        self.whole.extend(other.whole);
     }
 }
 
@@ -85,11 +90,13 @@ impl Estimator {
     pub fn new(plan: &Plan, options: &EstimateTable) -> Result<Self, ExperimentError> {
         plan.check()?;
         let period_samples = plan.period_samples()?;
+        let evaluation = Evaluation::of(plan, options.n_frequencies)?;
         Ok(Self {
             plan: plan.clone(),
             period_samples,
             options: options.clone(),
-            evaluation: Evaluation::of(plan, options.n_frequencies)?,
+            bias: ExcerptBias::of_plan(plan, &evaluation.frequency_hz)?,
+            evaluation,
             baseline: Baseline::None,
             residual: RippleResidual::of_plan(plan, options)?,
         })
@@ -184,6 +191,9 @@ impl Estimator {
         let place = self.place(id, period);
         let on_lines = RunSpectra::of(&*self.evaluation.transform, u, y, r)?;
         spectra.periods.push((place, on_lines));
+        if let Some(bias) = &self.bias {
+            spectra.whole.push((place, bias.spectra(u, y)?));
+        }
         if let Some(residual) = &self.residual {
             spectra.free.extend(residual.spectra(place, u, y)?);
         }
@@ -230,15 +240,16 @@ impl Estimator {
         }
         let missing = campaign.drop_incomplete();
         let equal_draws = campaign.pool_equal_draws();
-        let estimate = FrfEstimate {
+        let mut estimate = FrfEstimate {
             equal_draws,
             ..campaign.estimate_lines(&self.options.method().into())?
         };
+        estimate.frf.relative_resolution = self.evaluation.relative_resolution;
+        if let Some(bias) = &self.bias {
+            bias.add_to(&mut estimate.frf, spectra.whole)?;
+        }
         let (remarks, n_left_out) = (estimate.warnings(), estimate.left_out.len());
-        let frf = Frf {
-            relative_resolution: self.evaluation.relative_resolution,
-            ..estimate.frf
-        };
+        let frf = estimate.frf;
         let ripple = match &self.residual {
             Some(residual) => residual.exceeds_noise(spectra.free, &frf)?,
             None => None,

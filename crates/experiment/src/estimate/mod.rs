@@ -2,6 +2,7 @@
 
 pub(crate) mod digest;
 pub(crate) mod estimator;
+mod excerpt_bias;
 pub(crate) mod find_logs;
 pub(crate) mod gather;
 pub(crate) mod glide_baseline;

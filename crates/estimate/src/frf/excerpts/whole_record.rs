@@ -3,7 +3,7 @@
 //! An excerpt holds what rings on from the frequencies passed before, the less of it the more the
 //! plant is damped: the same in every repeat, so that no spread over repeats shows it. The spectra of
 //! the whole record know of no excerpts. From them the FRF follows by the local rational method
-//! ([`crate::frf::local_rational`]), G_w with covariance C_w, and
+//! ([`crate::frf::excerpts::local_rational`]), G_w with covariance C_w, and
 //!
 //! ```text
 //! b = vec(G - G_w),   covariance = noise covariance + b b^H + C_w
@@ -21,7 +21,7 @@ use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::frf::local_rational::{LocalFit, WholeLine};
+use crate::frf::excerpts::local_rational::{LocalFit, WholeLine};
 use crate::frf::matrices::{Matrix, matrix};
 use crate::spectra::Transform;
 use crate::spectra::campaign::{Block, Campaign};
@@ -84,7 +84,7 @@ impl WholeRecord {
     /// An empty campaign for the spectra of whole recordings.
     ///
     /// # Errors
-    /// None: the lines rise.
+    /// [`EstimateError::EmptyList`] without frequencies.
     pub fn campaign(&self) -> Result<Campaign, EstimateError> {
         Campaign::new(self.line_hz.clone())
     }
