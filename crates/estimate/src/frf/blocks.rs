@@ -102,16 +102,16 @@ impl<'a> Blocks<'a> {
         let n_realizations = self.realizations.len();
         let n_periods: usize = self.realizations.iter().map(Vec::len).sum();
         Freedom {
-            noise: n_periods - n_realizations,
-            total: n_realizations - 1,
+            noise: (n_periods - n_realizations) as f64,
+            total: (n_realizations - 1) as f64,
         }
     }
 }
 
 /// Degrees of freedom of the covariances.
 struct Freedom {
-    noise: usize,
-    total: usize,
+    noise: f64,
+    total: f64,
 }
 
 /// The FRF on a line, or why there is none.
@@ -277,7 +277,7 @@ fn assemble(frequency_hz: &[f64], lines: &[LineEstimate], freedom: Freedom) -> F
 /// The covariances of all lines; `None` where they were not measured.
 fn uncertainty<'a>(
     covariances: impl Iterator<Item = Option<&'a Matrix>>,
-    degrees_of_freedom: usize,
+    degrees_of_freedom: f64,
 ) -> Option<Uncertainty> {
     let covariances = covariances.collect::<Option<Vec<_>>>()?;
     Some(Uncertainty {
