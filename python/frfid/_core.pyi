@@ -477,7 +477,7 @@ def estimate(
     *,
     sample_time_s: float,
     harmonics: ArrayLike,
-    method: Literal["mean-of-frfs", "mean-of-spectra", "logarithmic-mean", "joint-input-output"] | None = None,
+    method: Literal["mean-of-frfs", "mean-of-spectra", "logarithmic-mean", "least-squares", "joint-input-output"] | None = None,
     r: ArrayLike | None = None,
     max_condition: float | None = None,
 ) -> Frf: ...

@@ -129,16 +129,15 @@ impl Frf {
     }
 
     /// Level of the stochastic nonlinear distortion of one realization, `n_p (total - noise)` per
-    /// entry, floored at 0 (the noise alone may exceed the total by chance; NaN stays NaN),
-    /// `(frequency, output, input)`; `None` unless both are known.
+    /// entry, `(frequency, output, input)`; `None` unless both are known.
+    ///
+    /// Without distortion its mean is 0, and it is negative on every other line: floored at 0 it would
+    /// tell distortion of a linear machine. Draw it floored, average it as it is.
     #[must_use]
     pub fn nonlinear_variance(&self) -> Option<Array3<f64>> {
         let realizations = self.total.as_ref()?.degrees_of_freedom + 1.0;
         let (total, noise) = (self.total_variance()?, self.noise_variance()?);
-        Some(
-            (total - noise)
-                .mapv(|difference| (realizations * difference).clamp(0.0, f64::INFINITY)),
-        )
+        Some(realizations * (total - noise))
     }
 
     /// Magnitude of one entry in dB over frequency.

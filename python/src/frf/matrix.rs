@@ -169,8 +169,9 @@ impl Frf {
             .get(py, || self.result.frf.total_variance())
     }
 
-    /// Level of the stochastic nonlinear distortion of one realization, shape (frequency, output,
-    /// input); None unless both variances were measured.
+    /// Level of the stochastic nonlinear distortion of one realization, n_p (total - noise), shape
+    /// (frequency, output, input); None unless both variances were measured. Its mean is 0 on a linear
+    /// machine, so that it may be negative.
     #[getter]
     fn nonlinear_variance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
         self.arrays

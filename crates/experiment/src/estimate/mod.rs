@@ -5,6 +5,7 @@ pub(crate) mod estimator;
 pub(crate) mod find_logs;
 pub(crate) mod gather;
 pub(crate) mod glide_baseline;
+pub(crate) mod glide_spectra;
 pub(crate) mod majority;
 pub(crate) mod others;
 pub(crate) mod our_logs;
@@ -12,6 +13,7 @@ pub(crate) mod outcome;
 pub(crate) mod records;
 pub(crate) mod ripple_residual;
 pub(crate) mod unsettled;
+pub(crate) mod way;
 
 use std::path::PathBuf;
 
