@@ -22,6 +22,7 @@ mod glide {
     pub(crate) mod apparent_inertia;
     pub(crate) mod by_position;
     pub(crate) mod in_time;
+    pub(crate) mod residual_level;
     pub(crate) mod ripple_residual;
     pub(crate) mod torque_table;
 }
@@ -65,7 +66,8 @@ pub use frf::time_series::{estimate_bla, estimate_periods};
 pub use frf::{FrfOptions, Method};
 pub use glide::by_position::RippleTorque;
 pub use glide::in_time::subtract_glide;
-pub use glide::ripple_residual::{FreeLines, ResidualLevel};
+pub use glide::residual_level::ResidualLevel;
+pub use glide::ripple_residual::FreeLines;
 pub use harmonics::harmonic_levels;
 pub use lines::unexcited_lines::unexcited_lines;
 pub use lines::{find_lines, lines_at};

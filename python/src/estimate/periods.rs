@@ -99,7 +99,8 @@ pub(crate) fn estimate_bla(
 /// method : str, optional
 ///     ``"mean-of-frfs"``, the paper's; ``"mean-of-spectra"``, better where ``u`` is noisy;
 ///     ``"logarithmic-mean"``, of magnitudes and phases, with less bias by noise on ``u``;
-///     ``"joint-input-output"``, through ``r``, which noise on ``u`` does not bias. Without it the
+///     ``"least-squares"``, one division by all realizations, where a single one may be conditioned
+///     badly; ``"joint-input-output"``, through ``r``, which noise on ``u`` does not bias. Without it the
 ///     last where ``r`` is given, and the first where not.
 /// r : array_like, shape as u, optional
 ///     Reference, for methods that estimate through it.

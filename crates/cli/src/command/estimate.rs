@@ -193,7 +193,7 @@ fn known(spread: Option<Spread>, needed: &str) -> String {
     let Some(spread) = spread else {
         return format!("not available: it takes at least {needed}");
     };
-    let degrees = spread.degrees_of_freedom;
+    let degrees = significant(spread.degrees_of_freedom, 3);
     match spread.median_relative_deviation {
         Some(deviation) => {
             let percent = significant(100.0 * deviation, 2);
@@ -206,7 +206,7 @@ fn known(spread: Option<Spread>, needed: &str) -> String {
 /// How far an FRF may be from the true one.
 #[derive(Serialize)]
 struct Spread {
-    degrees_of_freedom: usize,
+    degrees_of_freedom: f64,
     /// Median of standard deviation over magnitude, over all entries and frequencies.
     median_relative_deviation: Option<f64>,
 }

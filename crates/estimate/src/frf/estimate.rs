@@ -4,6 +4,7 @@
 use std::iter::zip;
 
 use frfid_signals::Frf;
+use frfid_signals::format::significant;
 use ndarray::Array2;
 
 use crate::error::deficient_line::DeficientLine;
@@ -12,6 +13,9 @@ use crate::spectra::equal_draws::EqualDraws;
 
 /// Frequencies that are named one by one before the rest is only counted.
 const NAMED: usize = 3;
+/// Realizations are conditioned alike where they count for this share of their number: with orthogonal
+/// experiments and equal peaks it is 0.95 and more, with independent phases and n_ex = n_u at most 0.75.
+const EVEN: f64 = 0.8;
 
 /// An FRF and what a careful reader should know of the spectra it came from.
 #[derive(Debug, Clone, PartialEq)]
@@ -27,6 +31,9 @@ pub struct FrfEstimate {
     pub input_snr_db: Option<Array2<f64>>,
     /// Realizations that were counted as repetitions, where equal draws were looked for.
     pub equal_draws: Vec<EqualDraws>,
+    /// Effective number of realizations in the noise over that of all, 1 where all are conditioned
+    /// alike; `None` for methods that divide once.
+    pub evenness: Option<f64>,
 }
 
 impl FrfEstimate {
@@ -46,6 +53,7 @@ impl FrfEstimate {
         let mut findings = vec![
             ("draws of phases", self.equal_words()),
             ("excited lines", Vec::from_iter(self.left_out_words())),
+            ("condition", Vec::from_iter(self.uneven_words())),
             ("distortion", Vec::from_iter(self.rough_words())),
         ];
         if self.frf.relative_resolution.is_some() {
@@ -63,6 +71,25 @@ impl FrfEstimate {
         };
         let draws = self.equal_draws.iter();
         draws.map(|draws| format!("{draws}{lost}")).collect()
+    }
+
+    /// Whether few realizations rule the estimate.
+    fn uneven_words(&self) -> Option<String> {
+        let evenness = self.evenness.filter(|&evenness| evenness < EVEN)?;
+        let percent = significant(100.0 * evenness, 2);
+        let worst = self
+            .frf
+            .condition
+            .iter()
+            .flatten()
+            .copied()
+            .fold(1.0, f64::max);
+        let worst = significant(worst, 3);
+        Some(format!(
+            "a few realizations in which the inputs are nearly alike (condition number {worst} at worst) \
+             bring most of the noise, as if {percent} % of all had been measured: estimate by the method \
+             least-squares, which divides once by all of them"
+        ))
     }
 
     /// Whether one draw of phases shows that there is distortion. Excerpts of a chirp have no phases.

@@ -27,6 +27,7 @@ pub(crate) struct JointInputOutput;
 
 impl BlockMethod for JointInputOutput {
     const NEEDS_REFERENCE: bool = true;
+    const DIVIDES_ONCE: bool = true;
 
     /// Block estimates `T_pq = G + n D_pq`.
     fn estimates(
@@ -46,8 +47,17 @@ impl BlockMethod for JointInputOutput {
         };
         Ok(BlockEstimates {
             blocks: realizations.map(of_realization).collect(),
+            realizations: None,
             condition,
         })
+    }
+
+    /// `W_p = sum_q R_pq^H S^-1`.
+    fn weights(&self, blocks: &[Vec<LineBlock>]) -> Vec<Matrix> {
+        let instruments = instruments(blocks);
+        let s_u = correlation(blocks, &instruments, |block| &block.u);
+        let weight = |periods: &Vec<Matrix>| right_divide(&periods.iter().sum(), &s_u);
+        instruments.iter().map(weight).collect()
     }
 }
 

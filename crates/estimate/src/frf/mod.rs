@@ -4,8 +4,12 @@ pub(crate) mod blocks;
 pub(crate) mod estimate;
 pub(crate) mod excerpts;
 mod excitation;
-mod f_distribution;
+pub(crate) mod f_distribution;
+mod freedom;
+mod glide_noise;
 mod joint_input_output;
+mod least_squares;
+mod line_estimate;
 mod logarithmic_mean;
 pub(crate) mod matrices;
 mod mean_of_frfs;
@@ -22,6 +26,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::EstimateError;
 use crate::frf::estimate::FrfEstimate;
 use crate::frf::joint_input_output::JointInputOutput;
+use crate::frf::least_squares::LeastSquares;
 use crate::frf::logarithmic_mean::LogarithmicMean;
 use crate::frf::mean_of_frfs::MeanOfFrfs;
 use crate::frf::mean_of_spectra::MeanOfSpectra;
@@ -40,6 +45,9 @@ pub enum Method {
     /// The FRFs of single periods are averaged as magnitude and phase: less bias by noise on the
     /// input, no block outweighs the others.
     LogarithmicMean,
+    /// One division by the inputs of all realizations: where a realization alone may be conditioned
+    /// badly, as with independent phases and as many experiments as inputs.
+    LeastSquares,
     /// Through the reference, over periods and realizations: noise on the input does not bias it.
     JointInputOutput,
 }
@@ -87,6 +95,7 @@ impl Method {
             Self::MeanOfFrfs => &MeanOfFrfs,
             Self::MeanOfSpectra => &MeanOfSpectra,
             Self::LogarithmicMean => &LogarithmicMean,
+            Self::LeastSquares => &LeastSquares,
             Self::JointInputOutput => &JointInputOutput,
         }
     }

@@ -6,6 +6,7 @@ mod excerpt_bias;
 pub(crate) mod find_logs;
 pub(crate) mod gather;
 pub(crate) mod glide_baseline;
+pub(crate) mod glide_spectra;
 pub(crate) mod majority;
 pub(crate) mod others;
 pub(crate) mod our_logs;
@@ -13,6 +14,7 @@ pub(crate) mod outcome;
 pub(crate) mod records;
 pub(crate) mod ripple_residual;
 pub(crate) mod unsettled;
+pub(crate) mod way;
 
 use std::path::PathBuf;
 

@@ -157,7 +157,7 @@ fn repeats_give_the_noise_variance() {
     let variance = frf.noise_variance().expect("40 repeats");
     assert_eq!(
         frf.noise.as_ref().expect("40 repeats").degrees_of_freedom,
-        39
+        39.0
     );
     for (line, variance) in variance.iter().enumerate() {
         let squared = (frf.response[[line, 0, 0]] - exact.response[[line, 0, 0]]).norm_sqr();
