@@ -80,12 +80,12 @@ fn main() -> Result<(), Box<dyn Error>> {
             .iter()
             .flatten()
             .zip(&frf.response)
-            .map(|(v, g)| 10.0 * (v / g.norm_sqr()).log10())
+            .map(|(v, g)| v / g.norm_sqr())
             .collect();
         relative.sort_by(f64::total_cmp);
         println!(
             "{name} variance: {:.0} dB of the response in the median",
-            relative[relative.len() / 2]
+            10.0 * relative[relative.len() / 2].log10()
         );
     };
     level("noise", frf.noise_variance());

@@ -76,7 +76,7 @@ fn assert_same(
                 n_lines,
             );
             assert!(worst < 1e-12, "{what}: {worst:e}");
-            assert_eq!(known.degrees_of_freedom, freedom);
+            assert_eq!(known.degrees_of_freedom, freedom as f64);
         }
     }
 }

@@ -59,8 +59,8 @@ fn logs_become_a_result_a_report_and_a_table() {
         assert!(text.contains(told), "{told} is not told in\n{text}");
     }
     let result = json(&here.join("frf.json"));
-    assert_eq!(result["noise"]["degrees_of_freedom"], 8);
-    assert_eq!(result["total"]["degrees_of_freedom"], 3);
+    assert_eq!(result["noise"]["degrees_of_freedom"], 8.0);
+    assert_eq!(result["total"]["degrees_of_freedom"], 3.0);
     let page = fs::read_to_string(here.join("frf.html")).expect("written");
     assert!(page.starts_with("<!DOCTYPE html>") && page.contains("Provenance"));
 
@@ -368,7 +368,7 @@ fn a_recording_that_is_not_ours_is_estimated_from_its_reference() {
         );
         assert_eq!(
             (&summary["noise"]["degrees_of_freedom"], &summary["total"]),
-            (&18.into(), &Value::Null)
+            (&18.0.into(), &Value::Null)
         );
     }
     // response and noise covariance of both files agree number by number

@@ -87,6 +87,7 @@ fn a_joint_that_sticks_at_first_comes_to_the_desired_torque_and_everything_is_on
     let told = stdout(&shape);
     for part in [
         "error in %",
+        "worst octave in %",
         "stuck in %",
         "peak torque",
         "iteration 1: every axis was stuck",
@@ -105,6 +106,10 @@ fn a_joint_that_sticks_at_first_comes_to_the_desired_torque_and_everything_is_on
         "{errors:?}"
     );
     let last = &iterations[iterations.len() - 1];
+    let octaves = last["octave_error"].as_array().expect("a list");
+    let error = |octave: &Value| octave["axis_error"][0].as_f64().expect("known");
+    let worst = octaves.iter().map(error).fold(0.0, f64::max);
+    assert!(octaves.len() > 2 && worst > errors[errors.len() - 1]);
     assert!(
         last["stuck_share"][0]
             .as_f64()

@@ -71,7 +71,7 @@ fn coverage(case: Case) -> f64 {
             estimate_logs(std::slice::from_ref(&path), &options(), &silent).expect("sound");
         let frf_found = &outcome.result.frf;
         let noise = frf_found.noise.as_ref().expect("several periods");
-        let factor = noise.degrees_of_freedom as f64;
+        let factor = noise.degrees_of_freedom;
         let quantile = factor * (0.05_f64.powf(-1.0 / factor) - 1.0);
         for (place, &line) in LINES.iter().enumerate() {
             let error = (frf_found.response[[place, 0, 0]] - frf(line)).norm_sqr();

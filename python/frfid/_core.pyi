@@ -328,9 +328,9 @@ class Frf:
         frequency_hz: ArrayLike,
         response: ArrayLike,
         noise_covariance: ArrayLike | None = None,
-        noise_degrees_of_freedom: int | None = None,
+        noise_degrees_of_freedom: float | None = None,
         total_covariance: ArrayLike | None = None,
-        total_degrees_of_freedom: int | None = None,
+        total_degrees_of_freedom: float | None = None,
         condition: ArrayLike | None = None,
         relative_resolution: float | None = None,
         torque_rms_nm: Sequence[float] | None = None,
@@ -359,9 +359,9 @@ class Frf:
     @property
     def total_covariance(self) -> NDArray[np.complex128] | None: ...
     @property
-    def noise_degrees_of_freedom(self) -> int | None: ...
+    def noise_degrees_of_freedom(self) -> float | None: ...
     @property
-    def total_degrees_of_freedom(self) -> int | None: ...
+    def total_degrees_of_freedom(self) -> float | None: ...
     @property
     def condition(self) -> NDArray[np.float64] | None: ...
     @property
@@ -480,7 +480,10 @@ def estimate(
     *,
     sample_time_s: float,
     harmonics: ArrayLike,
-    method: Literal["auto", "mean-of-frfs", "mean-of-spectra", "logarithmic-mean", "joint-input-output", "h1", "h2"] | None = None,
+    method: Literal[
+        "auto", "mean-of-frfs", "mean-of-spectra", "logarithmic-mean", "least-squares", "joint-input-output", "h1", "h2"
+    ]
+    | None = None,
     r: ArrayLike | None = None,
     max_condition: float | None = None,
 ) -> Frf: ...

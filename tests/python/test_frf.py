@@ -28,7 +28,7 @@ def test_shapes_and_covariances(frf):
         np.testing.assert_array_equal(frf.noise_variance[:, output, k], frf.noise_covariance[:, entry, entry].real)
         np.testing.assert_array_equal(frf.total_variance[:, output, k], frf.total_covariance[:, entry, entry].real)
     assert frf.covariance is frf.total_covariance
-    np.testing.assert_array_equal(frf.nonlinear_variance, np.maximum(4 * (frf.total_variance - frf.noise_variance), 0))
+    np.testing.assert_array_equal(frf.nonlinear_variance, 4 * (frf.total_variance - frf.noise_variance))
 
 
 def test_what_was_not_measured_is_none():

@@ -205,8 +205,8 @@ fn two_and_two_are_two_draws_of_twice_the_periods() {
     assert_eq!(equal[0].realizations, [0, 2]);
     assert_eq!(equal[1].realizations, [1, 3]);
     let frf = campaign.estimate(&FrfOptions::default()).expect("sound");
-    assert_eq!(frf.noise.expect("four periods").degrees_of_freedom, 6);
-    assert_eq!(frf.total.expect("two draws").degrees_of_freedom, 1);
+    assert_eq!(frf.noise.expect("four periods").degrees_of_freedom, 6.0);
+    assert_eq!(frf.total.expect("two draws").degrees_of_freedom, 1.0);
 }
 
 /// Turned by the delay, the spectra of all realizations average as those of one.
@@ -224,7 +224,7 @@ fn spectra_of_shifted_repetitions_may_be_averaged() {
             .estimate(&Method::MeanOfSpectra.into())
             .expect("sound");
         assert!(frf.total.is_none());
-        assert_eq!(frf.noise.as_ref().expect("eight").degrees_of_freedom, 7);
+        assert_eq!(frf.noise.as_ref().expect("eight").degrees_of_freedom, 7.0);
         for ((k, output, input), value) in frf.response.indexed_iter() {
             let error = (value - truth(output, input, shifted.lines[k])).norm();
             assert!(error < 0.004, "{error}");

@@ -65,7 +65,7 @@ fn frf(
         response,
         noise: Some(Uncertainty {
             covariance,
-            degrees_of_freedom: freedom,
+            degrees_of_freedom: freedom as f64,
         }),
         total: None,
         condition: None,

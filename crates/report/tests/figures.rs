@@ -137,7 +137,7 @@ fn a_region_has_gaps_where_nothing_is_known() {
         }
         frf.noise = Some(Uncertainty {
             covariance,
-            degrees_of_freedom: 10,
+            degrees_of_freedom: 10.0,
         });
         let curve = Curve {
             band: Band::Noise,

@@ -40,8 +40,8 @@ fn frf() -> Frf {
         })
     };
     Frf {
-        noise: known(40),
-        total: known(9),
+        noise: known(40.0),
+        total: known(9.0),
         ..Frf::new(hz, response).expect("shapes agree")
     }
 }

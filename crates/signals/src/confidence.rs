@@ -15,16 +15,34 @@ impl Uncertainty {
     /// hence two real ones each.
     #[must_use]
     pub fn confidence_factor_95(&self) -> f64 {
-        match self.degrees_of_freedom {
-            0 => f64::INFINITY,
-            dof => f_quantile(0.95, 2.0 * dof as f64),
+        if self.degrees_of_freedom > 0.0 {
+            f_quantile(0.95, 2.0 * self.degrees_of_freedom)
+        } else {
+            f64::INFINITY
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use ndarray::Array3;
+
     use super::*;
+
+    #[test]
+    fn degrees_of_freedom_need_not_be_whole() {
+        let factor = |degrees_of_freedom| {
+            let covariance = Array3::zeros((1, 1, 1));
+            let known = Uncertainty {
+                covariance,
+                degrees_of_freedom,
+            };
+            known.confidence_factor_95()
+        };
+        // scipy 1.17: `scipy.stats.f.ppf(0.95, 2, 5)`
+        assert!((factor(2.5) - 5.786135043349963).abs() < 1e-12);
+        assert_eq!(factor(0.0), f64::INFINITY);
+    }
 
     /// scipy 1.17: `scipy.stats.f.ppf(p, 2, m)`.
     #[test]

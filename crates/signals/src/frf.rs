@@ -6,7 +6,7 @@ use ndarray::{Array2, Array3, ArrayView2, Axis};
 use num_complex::Complex64;
 
 use crate::error::SignalError;
-use crate::number::checks::{of_axes, require_shape};
+use crate::number::checks::{of_axes, require, require_shape};
 
 /// How well the entries of an FRF are known: variances *of the averaged FRF*, with the degrees of
 /// freedom behind them.
@@ -19,8 +19,9 @@ pub struct Uncertainty {
     /// Covariance of vec(G), `(frequency, n_outputs n_inputs, n_outputs n_inputs)`, squared units
     /// of G.
     pub covariance: Array3<Complex64>,
-    /// Complex degrees of freedom of the estimate: n_p (n_q - 1) for noise, n_p - 1 for the total.
-    pub degrees_of_freedom: usize,
+    /// Complex degrees of freedom of the estimate, real where parts of unequal size make it up:
+    /// n_p (n_q - 1) for noise alike in all realizations, n_p - 1 for the total.
+    pub degrees_of_freedom: f64,
 }
 
 /// A frequency response matrix, `(frequency, output, input)`, with what is known about its
@@ -33,16 +34,17 @@ pub struct Frf {
     pub frequency_hz: Vec<f64>,
     /// Response, `(frequency, output, input)`; rad/s per N m for motor torque to motor velocity.
     pub response: Array3<Complex64>,
-    /// Measurement noise of the averaged FRF; `None` with one period.
+    /// Measurement noise of the averaged FRF; `None` with one period. For excerpts of a chirp with the
+    /// bias of the method, NaN where that is unknown.
     pub noise: Option<Uncertainty>,
     /// Measurement noise and nonlinear distortion of the averaged FRF; `None` with one realization.
     pub total: Option<Uncertainty>,
     /// 2-norm condition number of U per frequency; `None` where no U was inverted (an analytic
     /// FRF).
     pub condition: Option<Vec<f64>>,
-    /// Half width, relative to the frequency, of the band over which each value blurs the response:
-    /// 1/(2n) for excerpts of n periods of a chirp. `None` for lines of a period, which blur
-    /// nothing.
+    /// Half width, relative to the frequency, of the band over which a value blurs the response: for
+    /// excerpts of a chirp that in the middle of its band, 1/(2n) with n periods each, or more where
+    /// the sweep is fast. `None` for lines of a period, which blur nothing.
     pub relative_resolution: Option<f64>,
 }
 
@@ -64,10 +66,11 @@ impl Frf {
         Ok(frf)
     }
 
-    /// Checks that every array has one entry per frequency, and covariances the size of vec(G).
+    /// Checks that every array has one entry per frequency, covariances the size of vec(G), and
+    /// degrees of freedom that are a number.
     ///
     /// # Errors
-    /// [`SignalError::Shape`].
+    /// [`SignalError::Shape`], [`SignalError::Parameter`].
     pub fn check(&self) -> Result<(), SignalError> {
         let (lines, entries) = (self.frequency_hz.len(), self.n_outputs() * self.n_inputs());
         let fits = self.response.len_of(Axis(0)) == lines && entries > 0;
@@ -91,7 +94,9 @@ impl Frf {
         let Some(known) = known else { return Ok(()) };
         let (found, needed) = (known.covariance.dim(), (lines, entries, entries));
         let shape = known.covariance.shape();
-        require_shape(name, shape, found == needed, format_args!("{needed:?}"))
+        require_shape(name, shape, found == needed, format_args!("{needed:?}"))?;
+        let freedom = known.degrees_of_freedom;
+        require("degrees of freedom", freedom, freedom >= 0.0, "0 or more")
     }
 
     /// Number of frequencies.
@@ -127,16 +132,15 @@ impl Frf {
     }
 
     /// Level of the stochastic nonlinear distortion of one realization, `n_p (total - noise)` per
-    /// entry, floored at 0 (the noise alone may exceed the total by chance; NaN stays NaN),
-    /// `(frequency, output, input)`; `None` unless both are known.
+    /// entry, `(frequency, output, input)`; `None` unless both are known.
+    ///
+    /// Without distortion its mean is 0, and it is negative on every other line: floored at 0 it would
+    /// tell distortion of a linear machine. Draw it floored, average it as it is.
     #[must_use]
     pub fn nonlinear_variance(&self) -> Option<Array3<f64>> {
-        let realizations = (self.total.as_ref()?.degrees_of_freedom + 1) as f64;
+        let realizations = self.total.as_ref()?.degrees_of_freedom + 1.0;
         let (total, noise) = (self.total_variance()?, self.noise_variance()?);
-        Some(
-            (total - noise)
-                .mapv(|difference| (realizations * difference).clamp(0.0, f64::INFINITY)),
-        )
+        Some(realizations * (total - noise))
     }
 
     /// Standard deviation of the matrix by noise as a share of its size, line by line; `None` if the noise was
@@ -216,7 +220,7 @@ mod tests {
         let known = Frf {
             noise: Some(Uncertainty {
                 covariance,
-                degrees_of_freedom: 3,
+                degrees_of_freedom: 3.0,
             }),
             ..frf()
         };

@@ -42,7 +42,8 @@ const RECORDINGS: [Axes; 2] = [
 /// Returns
 /// -------
 /// Frf
-///     Repeats give the noise variance; with one recording it is None.
+///     Repeats give the noise variance, the bias of the excerpts included, NaN where the sweep is
+///     too short to tell it; with one recording it is None.
 ///
 /// Raises
 /// ------

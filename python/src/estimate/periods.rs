@@ -99,9 +99,10 @@ pub(crate) fn estimate_bla(
 /// method : str, optional
 ///     ``"auto"``, the default: ``"joint-input-output"`` where ``r`` is given, through which noise on
 ///     ``u`` does not bias, else ``"mean-of-spectra"``. By name also ``"mean-of-frfs"``, the paper's;
-///     ``"logarithmic-mean"``, of magnitudes and phases, with less bias by noise on ``u``; ``"h1"`` and
-///     ``"h2"``, through ``u`` and through ``y``. Where noise on what is divided by biases the FRF, a
-///     failed check says so.
+///     ``"logarithmic-mean"``, of magnitudes and phases, with less bias by noise on ``u``;
+///     ``"least-squares"``, one division by all realizations, where a single one may be conditioned
+///     badly; ``"h1"`` and ``"h2"``, through ``u`` and through ``y``. Where noise on what is divided by
+///     biases the FRF, a failed check says so.
 /// r : array_like, shape as u, optional
 ///     Reference, for methods that estimate through it.
 /// max_condition : float, optional
@@ -168,7 +169,8 @@ fn estimated(
 
 /// The FRF; what was left out, counted otherwise than given or hides in one draw fails its check.
 pub(crate) fn checked(estimate: FrfEstimate) -> Frf {
-    let checks = estimate.findings().map(|(name, said)| Check {
+    let findings = estimate.findings().into_iter();
+    let checks = findings.map(|(name, said)| Check {
         name: name.into(),
         passed: said.is_empty(),
         found: said.join("; "),
@@ -176,7 +178,7 @@ pub(crate) fn checked(estimate: FrfEstimate) -> Frf {
         advice: String::new(),
     });
     let mut result = Frf::from(estimate.frf).result;
-    result.checks = checks.into();
+    result.checks = checks.collect();
     Frf::of(result)
 }
 

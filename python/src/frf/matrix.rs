@@ -27,12 +27,13 @@ use crate::pickle::{NewArguments, attributes};
 /// noise_covariance, total_covariance : array_like, shape (frequency, n_outputs * n_inputs, same), optional
 ///     Covariance of vec(G), its columns stacked, from noise alone, and from noise and nonlinear
 ///     distortion.
-/// noise_degrees_of_freedom, total_degrees_of_freedom : int, optional
+/// noise_degrees_of_freedom, total_degrees_of_freedom : float, optional
 ///     Complex degrees of freedom behind them.
 /// condition : array_like, shape (frequency,), optional
 ///     Condition number of U.
 /// relative_resolution : float, optional
-///     Half width, relative to the frequency, of the band over which each value blurs the response.
+///     Half width, relative to the frequency, of the band over which a value blurs the response,
+///     in the middle of a chirp's band.
 /// torque_rms_nm : sequence of float, optional
 ///     Rms of the motor torque of each input in N m: which of two results had the stronger
 ///     excitation.
@@ -78,9 +79,9 @@ impl Frf {
         frequency_hz: &Bound<'_, PyAny>,
         response: &Bound<'_, PyAny>,
         noise_covariance: Option<&Bound<'_, PyAny>>,
-        noise_degrees_of_freedom: Option<usize>,
+        noise_degrees_of_freedom: Option<f64>,
         total_covariance: Option<&Bound<'_, PyAny>>,
-        total_degrees_of_freedom: Option<usize>,
+        total_degrees_of_freedom: Option<f64>,
         condition: Option<&Bound<'_, PyAny>>,
         relative_resolution: Option<f64>,
         torque_rms_nm: Option<Vec<f64>>,
@@ -169,8 +170,9 @@ impl Frf {
             .get(py, || self.result.frf.total_variance())
     }
 
-    /// Level of the stochastic nonlinear distortion of one realization, shape (frequency, output,
-    /// input); None unless both variances were measured.
+    /// Level of the stochastic nonlinear distortion of one realization, n_p (total - noise), shape
+    /// (frequency, output, input); None unless both variances were measured. Its mean is 0 on a linear
+    /// machine, so that it may be negative.
     #[getter]
     fn nonlinear_variance<'py>(&self, py: Python<'py>) -> Option<Bound<'py, PyAny>> {
         self.arrays
@@ -205,7 +207,7 @@ impl Frf {
 
     /// Complex degrees of freedom of the noise variance; None if not measured.
     #[getter]
-    fn noise_degrees_of_freedom(&self) -> Option<usize> {
+    fn noise_degrees_of_freedom(&self) -> Option<f64> {
         self.result
             .frf
             .noise
@@ -215,7 +217,7 @@ impl Frf {
 
     /// Complex degrees of freedom of the total variance; None if not measured.
     #[getter]
-    fn total_degrees_of_freedom(&self) -> Option<usize> {
+    fn total_degrees_of_freedom(&self) -> Option<f64> {
         self.result
             .frf
             .total

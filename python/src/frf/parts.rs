@@ -46,7 +46,7 @@ pub(crate) const PARTS: [&str; 16] = [
 pub(crate) fn uncertainty(
     name: &str,
     covariance: Option<&Bound<'_, PyAny>>,
-    degrees: Option<usize>,
+    degrees: Option<f64>,
 ) -> PyResult<Option<Uncertainty>> {
     match (covariance, degrees) {
         (None, None) => Ok(None),

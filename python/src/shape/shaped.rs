@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use frfid_estimate::{Shaped as Shaping, Summary};
+use frfid_estimate::{OctaveError, Shaped as Shaping, Summary};
 use ndarray::Array1;
 use numpy::{PyArray1, PyArray2, PyArray3};
 use pyo3::prelude::*;
@@ -111,7 +111,7 @@ impl Shaped {
             .collect()
     }
 
-    /// Every iteration as a dict: errors, stuck share, damping, peaks predicted and measured,
+    /// Every iteration as a dict: errors over the band and octave by octave, stuck share, damping, peaks predicted and measured,
     /// notes.
     #[getter]
     fn iterations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
@@ -162,6 +162,12 @@ impl Shaped {
             self.shaping.stop,
             self.number()
         );
+        let estimate = self.shaping.best.estimate.as_ref();
+        if let Some(worst) =
+            estimate.and_then(|best| OctaveError::worst_in_words(&best.octave_error))
+        {
+            let _ = write!(text, "\noff {worst}");
+        }
         self.sticking()
             .iter()
             .for_each(|line| text += &format!("\n{line}"));

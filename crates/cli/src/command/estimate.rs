@@ -164,11 +164,15 @@ fn summary(result: &ResultFile) -> String {
     let inputs = with_units(&result.input_names, &result.input_units);
     let outputs = with_units(&result.output_names, &result.output_units);
     let [noise, total] = Spread::noise_and_total(&result.frf);
+    let noise_name = match (&noise, result.frf.relative_resolution) {
+        (Some(_), Some(_)) => "noise and bias of excerpts",
+        _ => "noise",
+    };
     list(&[
         ("inputs", inputs),
         ("outputs", outputs),
         ("frequencies", frequencies(&result.frf)),
-        ("noise", known(noise, "two periods")),
+        (noise_name, known(noise, "two periods")),
         ("noise and nonlinear", known(total, "two realizations")),
     ])
 }
@@ -199,7 +203,7 @@ fn known(spread: Option<Spread>, needed: &str) -> String {
     let Some(spread) = spread else {
         return format!("not available: it takes at least {needed}");
     };
-    let degrees = spread.degrees_of_freedom;
+    let degrees = significant(spread.degrees_of_freedom, 3);
     match spread.median_relative_deviation {
         Some(deviation) => {
             let percent = significant(100.0 * deviation, 2);
@@ -212,7 +216,7 @@ fn known(spread: Option<Spread>, needed: &str) -> String {
 /// How far an FRF may be from the true one.
 #[derive(Serialize)]
 struct Spread {
-    degrees_of_freedom: usize,
+    degrees_of_freedom: f64,
     /// Median of standard deviation over magnitude, over all entries and frequencies.
     median_relative_deviation: Option<f64>,
 }

@@ -4,6 +4,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use frfid_estimate::OctaveError;
 use frfid_experiment::{
     Experiment, IterationReport, ShapeFolderOptions, ShapeReport, shape_to_folder,
 };
@@ -85,7 +86,31 @@ fn as_text(report: &ShapeReport) -> String {
         _ => String::new(),
     };
     let checks = checks_as_text(&report.checks);
-    iterations(report) + &notes(report) + &end + &checks
+    iterations(report) + &notes(report) + &end + &octaves(report) + &checks
+}
+
+/// The errors of the best iteration, a row for each octave.
+fn octaves(report: &ShapeReport) -> String {
+    let best = report
+        .iterations
+        .iter()
+        .find(|iteration| Some(iteration.number) == report.best);
+    let octaves = best
+        .and_then(|best| best.octave_error.as_deref())
+        .unwrap_or_default();
+    let percent =
+        |octave: &OctaveError| per_axis(octave.axis_error.iter().map(|error| 100.0 * error), 2);
+    let mut rows = vec![row(["octave", "error in %"])];
+    rows.extend(
+        octaves
+            .iter()
+            .map(|octave| vec![octave.place(), percent(octave)]),
+    );
+    if octaves.is_empty() {
+        String::new()
+    } else {
+        table(&rows)
+    }
 }
 
 /// A row for each iteration; where there are several axes, their values stand beside each other.
@@ -93,6 +118,7 @@ fn iterations(report: &ShapeReport) -> String {
     let title = [
         "iteration",
         "error in %",
+        "worst octave in %",
         "stuck in %",
         "peak torque in N m",
         "damping",
@@ -108,6 +134,9 @@ fn row_of(iteration: &IterationReport) -> Vec<String> {
     vec![
         iteration.number.to_string(),
         error.map_or_else(|| "stopped".into(), percent),
+        or_dash(iteration.octave_error.as_deref(), |octaves| {
+            percent(&OctaveError::worst_of_axes(octaves))
+        }),
         percent(&iteration.stuck_share),
         per_axis(iteration.peaks.torque_nm.iter().copied(), 3),
         or_dash(iteration.damping, |damping| significant(damping, 3)),

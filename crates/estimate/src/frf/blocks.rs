@@ -13,20 +13,22 @@
 //! direct FRF (7). Source of the variances: R. Pintelon, J. Schoukens, System Identification, 2nd
 //! ed., ch. 3 and 4.
 
-use frfid_signals::{Frf, Uncertainty};
 use nalgebra::{DMatrix, DVector};
 use ndarray::Array2;
 use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::error::EstimateError;
-use crate::error::deficient_line::{Deficiency, DeficientLine};
+use crate::error::deficient_line::DeficientLine;
 use crate::frf::excitation::Excitation;
-use crate::frf::matrices::{Matrix, stacked, vector};
+use crate::frf::freedom::Freedom;
+use crate::frf::glide_noise::GlideNoise;
+use crate::frf::line_estimate::{LineEstimate, LineResult, assemble, left_out, with_gaps};
+use crate::frf::matrices::{Matrix, vector};
 use crate::frf::noise_bias::{NoiseSeen, noise_bias};
-use crate::frf::right_division::{check_excited, check_rank};
+use crate::frf::right_division::{check_excited, check_rank, right_divide};
 use crate::frf::{FrfEstimate, FrfMethod, FrfOptions};
-use crate::spectra::campaign::{Block, Campaign};
+use crate::spectra::campaign::{Block, Campaign, RunSpectra};
 
 /// A method that works line by line, from the spectra of all blocks to an estimate of each.
 pub(crate) trait BlockMethod: Sync {
@@ -34,6 +36,9 @@ pub(crate) trait BlockMethod: Sync {
     const NEEDS_REFERENCE: bool = false;
     /// Whether noise on the output biases it.
     const DIVIDES_BY_OUTPUT: bool = false;
+    /// Whether all realizations are divided by one matrix, so that none outweighs the others by being
+    /// conditioned badly.
+    const DIVIDES_ONCE: bool = false;
 
     /// Share of the response by which noise on what is divided by biases it.
     fn noise_bias(&self, noise: &NoiseSeen) -> f64;
@@ -45,6 +50,18 @@ pub(crate) trait BlockMethod: Sync {
         blocks: &[Vec<LineBlock>],
         invertible: &Invertible,
     ) -> Result<BlockEstimates, DeficientLine>;
+
+    /// What noise on the outputs of a realization, the same in all its periods, is multiplied by in
+    /// the FRF, `(experiment, input)`: `dG = sum_p E_p W_p` to first order. Here `W_p = U_p^+ / n_p`.
+    fn weights(&self, blocks: &[Vec<LineBlock>]) -> Vec<Matrix> {
+        let n_realizations = Complex64::from(blocks.len() as f64);
+        let weight = |periods: &Vec<LineBlock>| {
+            let u = mean(periods.iter().map(|block| &block.u));
+            let n_experiments = u.ncols();
+            right_divide(&DMatrix::identity(n_experiments, n_experiments), &u) / n_realizations
+        };
+        blocks.iter().map(weight).collect()
+    }
 }
 
 /// The condition number of a matrix, or why it cannot be inverted.
@@ -66,15 +83,17 @@ impl<M: BlockMethod> FrfMethod for M {
         let Some(lines) = with_gaps(lines) else {
             return Err(EstimateError::RankDeficient(left_out));
         };
-        let frf = assemble(hz, &lines, blocks.freedom());
+        let freedom = Freedom::of(&lines, &blocks.n_periods(), blocks.glides.len());
+        let frf = assemble(hz, &lines, &freedom);
         let bias = |noise: &NoiseSeen| self.noise_bias(noise);
         Ok(FrfEstimate {
-            noise_bias: noise_bias(&frf, &blocks.excitation, blocks.counts(), bias),
+            noise_bias: noise_bias(&frf, &blocks.excitation, &blocks.n_periods(), bias),
             frf,
             left_out,
             input_snr_db: blocks.excitation.snr_db(),
             direct_difference: None,
             equal_draws: Vec::new(),
+            evenness: (!M::DIVIDES_ONCE).then_some(freedom.evenness),
         })
     }
 }
@@ -82,6 +101,7 @@ impl<M: BlockMethod> FrfMethod for M {
 /// The blocks of a campaign, and what decides whether a line of them can be used.
 struct Blocks<'a> {
     realizations: Vec<Vec<Block<'a>>>,
+    glides: &'a [RunSpectra],
     excitation: Excitation,
     max_condition: f64,
 }
@@ -95,6 +115,7 @@ impl<'a> Blocks<'a> {
         Ok(Self {
             excitation: Excitation::of(&realizations, M::NEEDS_REFERENCE, M::DIVIDES_BY_OUTPUT),
             realizations,
+            glides: &campaign.glides,
             max_condition,
         })
     }
@@ -105,44 +126,17 @@ impl<'a> Blocks<'a> {
         let invertible = |u: &Matrix| check_rank(u, self.max_condition, hz);
         let blocks = map_blocks(&self.realizations, |block| LineBlock::of(block, line));
         let estimates = method.estimates(&blocks, &invertible)?;
-        Ok(with_covariances(&estimates))
+        let known = with_covariances(&estimates);
+        let glides = GlideNoise::of(self.glides, line);
+        let of_glides = glides.covariance(&known.response, &blocks);
+        let weights = method.weights(&blocks);
+        Ok(known.with_parts(&weights, &self.n_periods(), of_glides))
     }
 
-    /// Fewest periods of a realization, and number of blocks.
-    fn counts(&self) -> (usize, usize) {
-        let periods = || self.realizations.iter().map(Vec::len);
-        (periods().min().unwrap_or(0), periods().sum())
+    /// Number of periods of every realization.
+    fn n_periods(&self) -> Vec<usize> {
+        self.realizations.iter().map(Vec::len).collect()
     }
-
-    fn freedom(&self) -> Freedom {
-        let n_realizations = self.realizations.len();
-        let n_periods: usize = self.realizations.iter().map(Vec::len).sum();
-        Freedom {
-            noise: n_periods - n_realizations,
-            total: n_realizations - 1,
-        }
-    }
-}
-
-/// Degrees of freedom of the covariances.
-struct Freedom {
-    noise: usize,
-    total: usize,
-}
-
-/// The FRF on a line, or why there is none.
-type LineResult = Result<LineEstimate, DeficientLine>;
-
-/// The lines that are deficient.
-fn left_out(lines: &[LineResult]) -> impl Iterator<Item = DeficientLine> {
-    lines.iter().filter_map(|line| line.as_ref().err().cloned())
-}
-
-/// The estimates, unknown where a line is deficient; `None` if none is left.
-fn with_gaps(lines: Vec<LineResult>) -> Option<Vec<LineEstimate>> {
-    let gap = lines.iter().flatten().next().map(LineEstimate::unknown)?;
-    let filled = |line: LineResult| line.unwrap_or_else(|cause| gap.because_of(&cause));
-    Some(lines.into_iter().map(filled).collect())
 }
 
 /// What follows from each block on its own, `(realization, period)` as the blocks.
@@ -182,62 +176,32 @@ fn on_line<'a>(line: usize, spectra: impl IntoIterator<Item = &'a Array2<Complex
 /// has the errors of the FRF.
 pub(crate) struct BlockEstimates {
     pub(crate) blocks: Vec<Vec<Matrix>>,
+    /// Estimates of realizations whose spread about the FRF is that of independent ones, where that
+    /// of the means over periods is not.
+    pub(crate) realizations: Option<Vec<Matrix>>,
     /// Worst condition number of the matrices inverted.
     pub(crate) condition: f64,
-}
-
-/// The FRF on one line with its covariances.
-#[derive(Clone)]
-struct LineEstimate {
-    response: Matrix,
-    noise: Option<Matrix>,
-    total: Option<Matrix>,
-    condition: f64,
-}
-
-impl LineEstimate {
-    /// NaN in the shapes of another line.
-    fn unknown(other: &Self) -> Self {
-        Self {
-            response: unknown(&other.response),
-            noise: other.noise.as_ref().map(unknown),
-            total: other.total.as_ref().map(unknown),
-            condition: f64::NAN,
-        }
-    }
-
-    /// The same, with the condition number where that is what is wrong.
-    fn because_of(&self, line: &DeficientLine) -> Self {
-        let condition = match line.cause {
-            Deficiency::InputSilent { .. } | Deficiency::ExperimentsAlike { .. } => line.condition,
-            Deficiency::InputWeak { .. } | Deficiency::InputNoisy { .. } => f64::NAN,
-        };
-        Self {
-            condition,
-            ..self.clone()
-        }
-    }
-}
-
-/// NaN in the shape of another matrix.
-fn unknown(matrix: &Matrix) -> Matrix {
-    matrix.map(|_| Complex64::new(f64::NAN, f64::NAN))
 }
 
 /// The means and covariances at the head of this file.
 fn with_covariances(estimates: &BlockEstimates) -> LineEstimate {
     let per_realization = means_over_periods(&estimates.blocks);
+    let response = mean(&per_realization);
+    let independent = estimates.realizations.as_ref().unwrap_or(&per_realization);
     LineEstimate {
-        response: mean(&per_realization),
         noise: noise_covariance(&estimates.blocks),
-        total: covariance_of_mean(&per_realization),
+        total: covariance_about(&response, independent),
         condition: estimates.condition,
+        response,
+        noise_parts: None,
     }
 }
 
 /// The noise covariance at the head of this file; `None` where a realization has one period.
 fn noise_covariance(blocks: &[Vec<Matrix>]) -> Option<Matrix> {
-    let of_means = blocks.iter().map(|periods| covariance_of_mean(periods));
+    let of_means = blocks
+        .iter()
+        .map(|periods| covariance_about(&mean(periods), periods));
     let of_means: Option<Vec<_>> = of_means.collect();
     Some(mean(&of_means?) / Complex64::from(blocks.len() as f64))
 }
@@ -259,10 +223,11 @@ pub(crate) fn mean<'a>(matrices: impl IntoIterator<Item = &'a Matrix>) -> Matrix
     sum / Complex64::from(count)
 }
 
-/// Covariance of the mean of vec(matrix), `sum d d^H / (n (n - 1))`; `None` for one matrix.
-fn covariance_of_mean(matrices: &[Matrix]) -> Option<Matrix> {
+/// Covariance of the mean of vec(matrix), `sum d d^H / (n (n - 1))`, d the deviations from it; `None`
+/// for one matrix.
+fn covariance_about(mean: &Matrix, matrices: &[Matrix]) -> Option<Matrix> {
     let n = matrices.len() as f64;
-    let squares = || squares_about(&mean(matrices), matrices);
+    let squares = || squares_about(mean, matrices);
     (n > 1.0).then(|| squares() / Complex64::from(n * (n - 1.0)))
 }
 
@@ -274,30 +239,4 @@ fn squares_about(centre: &Matrix, matrices: &[Matrix]) -> Matrix {
         sum.gerc(Complex64::ONE, &deviation, &deviation, Complex64::ONE);
     }
     sum
-}
-
-/// Puts the lines together as an [`Frf`].
-fn assemble(frequency_hz: &[f64], lines: &[LineEstimate], freedom: Freedom) -> Frf {
-    let responses: Vec<_> = lines.iter().map(|line| &line.response).collect();
-    let condition = lines.iter().map(|line| line.condition).collect();
-    Frf {
-        frequency_hz: frequency_hz.to_vec(),
-        response: stacked(&responses),
-        noise: uncertainty(lines.iter().map(|line| line.noise.as_ref()), freedom.noise),
-        total: uncertainty(lines.iter().map(|line| line.total.as_ref()), freedom.total),
-        condition: Some(condition),
-        relative_resolution: None,
-    }
-}
-
-/// The covariances of all lines; `None` where they were not measured.
-fn uncertainty<'a>(
-    covariances: impl Iterator<Item = Option<&'a Matrix>>,
-    degrees_of_freedom: usize,
-) -> Option<Uncertainty> {
-    let covariances = covariances.collect::<Option<Vec<_>>>()?;
-    Some(Uncertainty {
-        covariance: stacked(&covariances),
-        degrees_of_freedom,
-    })
 }

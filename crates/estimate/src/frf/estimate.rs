@@ -1,7 +1,10 @@
 //! Estimate of an FRF: the FRF itself, the lines that were left out of it, and what was found out
 //! about its excitation.
 
+use std::iter::zip;
+
 use frfid_signals::Frf;
+use frfid_signals::format::significant;
 use ndarray::Array2;
 
 use crate::error::deficient_line::DeficientLine;
@@ -12,6 +15,9 @@ use crate::spectra::equal_draws::EqualDraws;
 
 /// Frequencies that are named one by one before the rest is only counted.
 const NAMED: usize = 3;
+/// Realizations are conditioned alike where they count for this share of their number: with orthogonal
+/// experiments and equal peaks it is 0.95 and more, with independent phases and n_ex = n_u at most 0.75.
+const EVEN: f64 = 0.8;
 
 /// An FRF and what a careful reader should know of the spectra it came from.
 #[derive(Debug, Clone, PartialEq)]
@@ -33,6 +39,9 @@ pub struct FrfEstimate {
     pub direct_difference: Option<DirectDifference>,
     /// Realizations that were counted as repetitions, where equal draws were looked for.
     pub equal_draws: Vec<EqualDraws>,
+    /// Effective number of realizations in the noise over that of all, 1 where all are conditioned
+    /// alike; `None` for methods that divide once.
+    pub evenness: Option<f64>,
 }
 
 impl FrfEstimate {
@@ -52,16 +61,22 @@ impl FrfEstimate {
 
     /// The same, and what noise on the input does, by what was looked at.
     #[must_use]
-    pub fn findings(&self) -> [(&'static str, Vec<String>); 4] {
-        [
+    pub fn findings(&self) -> Vec<(&'static str, Vec<String>)> {
+        let mut findings = vec![
             ("draws of phases", self.equal_words()),
             ("excited lines", Vec::from_iter(self.left_out_words())),
+            ("condition", Vec::from_iter(self.uneven_words())),
             ("distortion", Vec::from_iter(self.rough_words())),
             (
                 "noise on the input",
                 Vec::from_iter(self.noise_bias.map(|bias| bias.to_string())),
             ),
-        ]
+        ];
+        if self.frf.relative_resolution.is_some() {
+            let said = Vec::from_iter(self.unknown_bias_words());
+            findings.push(("bias of excerpts", said));
+        }
+        findings
     }
 
     /// Which realizations are one draw.
@@ -74,10 +89,46 @@ impl FrfEstimate {
         draws.map(|draws| format!("{draws}{lost}")).collect()
     }
 
+    /// Whether few realizations rule the estimate.
+    fn uneven_words(&self) -> Option<String> {
+        let evenness = self.evenness.filter(|&evenness| evenness < EVEN)?;
+        let percent = significant(100.0 * evenness, 2);
+        let worst = self
+            .frf
+            .condition
+            .iter()
+            .flatten()
+            .copied()
+            .fold(1.0, f64::max);
+        let worst = significant(worst, 3);
+        Some(format!(
+            "a few realizations in which the inputs are nearly alike (condition number {worst} at worst) \
+             bring most of the noise, as if {percent} % of all had been measured: estimate by the method \
+             least-squares, which divides once by all of them"
+        ))
+    }
+
     /// Whether one draw of phases shows that there is distortion. Excerpts of a chirp have no phases.
     fn rough_words(&self) -> Option<String> {
         let is_one_draw = self.frf.total.is_none() && self.frf.relative_resolution.is_none();
         is_one_draw.then(|| roughness(&self.frf))??.warning()
+    }
+
+    /// Where excerpts of a chirp have a value and no region.
+    fn unknown_bias_words(&self) -> Option<String> {
+        let covariance = &self.frf.noise.as_ref()?.covariance;
+        let both = zip(self.frf.response.outer_iter(), covariance.outer_iter());
+        let unknown = both.filter(|(value, covariance)| {
+            value.iter().all(|entry| entry.is_finite())
+                && covariance.iter().any(|entry| entry.is_nan())
+        });
+        let (count, all) = (unknown.count(), self.frf.n_frequencies());
+        (count > 0).then(|| {
+            format!(
+                "the bias of the excerpts is unknown at {count} of {all} frequencies, and so is their uncertainty (NaN): \
+                 the record holds too few lines of the sweep's band; record a longer sweep, or one over a wider band"
+            )
+        })
     }
 
     /// Which lines are NaN, and why the first of them is.

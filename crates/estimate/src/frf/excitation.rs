@@ -285,7 +285,7 @@ impl Noise {
     /// Whether a sum of so many powers is larger than noise makes it but by this chance.
     fn is_below(&self, power: f64, terms: usize, chance: f64) -> bool {
         let ratio = power / (terms as f64 * self.power);
-        self.power <= 0.0 || f_tail(ratio, terms, self.freedom) <= chance
+        self.power <= 0.0 || f_tail(ratio, terms, self.freedom as f64) <= chance
     }
 }
 

@@ -1,10 +1,10 @@
-//! F distribution with even degrees of freedom, as ratios of powers of complex numbers have.
+//! F distribution with an even number of degrees of freedom above, as ratios of powers of complex numbers have.
 
 /// Probability that an F variable with `2 a` and `2 b` degrees of freedom exceeds `ratio`: with
 /// `w = a ratio / (b + a ratio)` it is `(1 - w)^b sum_(i < a) C(b + i - 1, i) w^i`. (M. Abramowitz,
 /// I. Stegun, Handbook of Mathematical Functions, 26.5.6 and 26.6.2.)
-pub(crate) fn f_tail(ratio: f64, a: usize, b: usize) -> f64 {
-    let (scaled, b) = (a as f64 * ratio, b as f64);
+pub(crate) fn f_tail(ratio: f64, a: usize, b: f64) -> f64 {
+    let scaled = a as f64 * ratio;
     let ln_w = (scaled / (b + scaled)).ln();
     let mut ln_term = -b * (scaled / b).ln_1p();
     let (mut ln_largest, mut sum) = (ln_term, 1.0);
@@ -29,15 +29,16 @@ mod tests {
     #[test]
     fn tails_are_those_of_scipy() {
         for (ratio, a, b, expected) in [
-            (1.0, 1, 1, 0.5),
-            (9.3, 1, 12, 0.00102239734095827),
-            (0.0, 3, 4, 1.0),
-            (2.27, 10, 990, 0.0010726129797984517),
-            (2.6, 10, 90, 0.00044019540348577257),
-            (1.05, 1000, 9000, 0.06915877921632729),
-            (0.9, 1000, 99000, 0.9994199322550574),
-            (50.0, 2, 5, 1.4108134842661235e-06),
-            (3.0, 100, 11, 0.0018483978747967714),
+            (1.0, 1, 1.0, 0.5),
+            (9.3, 1, 12.0, 0.00102239734095827),
+            (0.0, 3, 4.0, 1.0),
+            (2.27, 10, 990.0, 0.0010726129797984517),
+            (2.6, 10, 90.0, 0.00044019540348577257),
+            (1.05, 1000, 9000.0, 0.06915877921632729),
+            (0.9, 1000, 99000.0, 0.9994199322550574),
+            (50.0, 2, 5.0, 1.4108134842661235e-06),
+            (3.0, 100, 11.0, 0.0018483978747967714),
+            (2.0, 3, 2.5, 0.23197281538689354),
         ] {
             let found = f_tail(ratio, a, b);
             assert!(

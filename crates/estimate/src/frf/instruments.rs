@@ -37,6 +37,7 @@ pub(crate) struct H2;
 
 impl BlockMethod for JointInputOutput {
     const NEEDS_REFERENCE: bool = true;
+    const DIVIDES_ONCE: bool = true;
 
     /// Divided by the mean over all blocks.
     fn noise_bias(&self, noise: &NoiseSeen) -> f64 {
@@ -50,9 +51,15 @@ impl BlockMethod for JointInputOutput {
     ) -> Result<BlockEstimates, DeficientLine> {
         Through(|block| block.r.as_ref()).estimates(blocks, invertible)
     }
+
+    fn weights(&self, blocks: &[Vec<LineBlock>]) -> Vec<Matrix> {
+        Through(|block| block.r.as_ref()).weights(blocks)
+    }
 }
 
 impl BlockMethod for H1 {
+    const DIVIDES_ONCE: bool = true;
+
     /// The power of the noise is in `U U^H`.
     fn noise_bias(&self, noise: &NoiseSeen) -> f64 {
         1.0 / (1.0 + noise.input_snr)
@@ -65,9 +72,14 @@ impl BlockMethod for H1 {
     ) -> Result<BlockEstimates, DeficientLine> {
         Through(|block| Some(&block.u)).estimates(blocks, invertible)
     }
+
+    fn weights(&self, blocks: &[Vec<LineBlock>]) -> Vec<Matrix> {
+        Through(|block| Some(&block.u)).weights(blocks)
+    }
 }
 
 impl BlockMethod for H2 {
+    const DIVIDES_ONCE: bool = true;
     const DIVIDES_BY_OUTPUT: bool = true;
 
     /// The power of the noise is in `Y Y^H`.
@@ -81,6 +93,10 @@ impl BlockMethod for H2 {
         invertible: &Invertible,
     ) -> Result<BlockEstimates, DeficientLine> {
         Through(|block| Some(&block.y)).estimates(blocks, invertible)
+    }
+
+    fn weights(&self, blocks: &[Vec<LineBlock>]) -> Vec<Matrix> {
+        Through(|block| Some(&block.y)).weights(blocks)
     }
 }
 
@@ -106,8 +122,17 @@ impl Through {
         };
         Ok(BlockEstimates {
             blocks: realizations.map(of_realization).collect(),
+            realizations: None,
             condition,
         })
+    }
+
+    /// `W_p = sum_q Z_pq^H S^-1`.
+    fn weights(&self, blocks: &[Vec<LineBlock>]) -> Vec<Matrix> {
+        let instruments = self.instruments(blocks);
+        let s_u = correlation(blocks, &instruments, |block| &block.u);
+        let weight = |periods: &Vec<Matrix>| right_divide(&periods.iter().sum(), &s_u);
+        instruments.iter().map(weight).collect()
     }
 
     /// `Z^H` of every block, each channel scaled to unit power over the campaign: G does not depend on

@@ -28,6 +28,10 @@ impl BlockMethod for MeanOfFrfs {
             .iter()
             .map(|periods| periods.iter().map(&mut estimate).collect())
             .collect::<Result<_, _>>()?;
-        Ok(BlockEstimates { blocks, condition })
+        Ok(BlockEstimates {
+            blocks,
+            realizations: None,
+            condition,
+        })
     }
 }

@@ -30,7 +30,11 @@ impl BlockMethod for MeanOfSpectra {
             Ok(contributions(periods, &u))
         };
         let blocks = blocks.iter().map(&mut estimate).collect::<Result<_, _>>()?;
-        Ok(BlockEstimates { blocks, condition })
+        Ok(BlockEstimates {
+            blocks,
+            realizations: None,
+            condition,
+        })
     }
 }
 

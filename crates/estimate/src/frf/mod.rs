@@ -6,8 +6,12 @@ pub(crate) mod direct_difference;
 pub(crate) mod estimate;
 pub(crate) mod excerpts;
 mod excitation;
-mod f_distribution;
+pub(crate) mod f_distribution;
+mod freedom;
+mod glide_noise;
 mod instruments;
+mod least_squares;
+mod line_estimate;
 mod logarithmic_mean;
 pub(crate) mod matrices;
 mod mean_of_frfs;
@@ -27,6 +31,7 @@ use crate::error::EstimateError;
 use crate::frf::direct_difference::{DirectDifference, direct_difference};
 use crate::frf::estimate::FrfEstimate;
 use crate::frf::instruments::{H1, H2, JointInputOutput};
+use crate::frf::least_squares::LeastSquares;
 use crate::frf::logarithmic_mean::LogarithmicMean;
 use crate::frf::mean_of_frfs::MeanOfFrfs;
 use crate::frf::mean_of_spectra::MeanOfSpectra;
@@ -47,6 +52,9 @@ pub enum Method {
     /// The FRFs of single periods are averaged as magnitude and phase: less bias by noise on the
     /// input, no block outweighs the others.
     LogarithmicMean,
+    /// One division by the inputs of all realizations: where a realization alone may be conditioned
+    /// badly, as with independent phases and as many experiments as inputs.
+    LeastSquares,
     /// Through the reference, over periods and realizations: noise on the input does not bias it.
     JointInputOutput,
     /// `(sum Y U^H) (sum U U^H)^-1`: noise on the output alone does not bias it, noise on the input
@@ -110,6 +118,7 @@ impl Method {
             Self::MeanOfFrfs => &MeanOfFrfs,
             Self::Auto | Self::MeanOfSpectra => &MeanOfSpectra,
             Self::LogarithmicMean => &LogarithmicMean,
+            Self::LeastSquares => &LeastSquares,
             Self::JointInputOutput => &JointInputOutput,
             Self::H1 => &H1,
             Self::H2 => &H2,

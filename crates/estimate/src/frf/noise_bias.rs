@@ -74,7 +74,7 @@ struct Line {
 pub(crate) fn noise_bias(
     frf: &Frf,
     excitation: &Excitation,
-    (n_periods, n_blocks): (usize, usize),
+    n_periods: &[usize],
     of_method: impl Fn(&NoiseSeen) -> f64,
 ) -> Option<NoiseBias> {
     let deviations = frf.relative_noise()?;
@@ -84,8 +84,8 @@ pub(crate) fn noise_bias(
             input_snr,
             output_snr,
             n_inputs: frf.n_inputs(),
-            n_periods,
-            n_blocks,
+            n_periods: n_periods.iter().copied().min().unwrap_or(0),
+            n_blocks: n_periods.iter().sum(),
         };
         let bias = of_method(&seen);
         let over_deviation = bias / deviation;

@@ -1,19 +1,8 @@
 //! Residual of ripple after the glide was subtracted, seen on the lines that a multisine leaves free.
 //!
-//! Around every excited line s stand free lines h, on which a linear machine answers with noise
-//! alone. Over the n_q repetitions of one reference the noise differs, what remains of ripple (and
-//! other distortion by the machine) does not:
-//!
-//! ```text
-//! C(s) = mean over h of |X(h)|^2,   X = 1/n_q sum_q X_q                    coherent part and noise of the mean
-//! N(s) = mean over h of sum_q |X_q(h) - X(h)|^2 / (n_q (n_q - 1))          noise of the mean alone
-//! ```
-//!
-//! E C = residual^2 + N, so residual^2 = C - N, floored at 0. Without a residual C/N is
-//! F-distributed with 2 n and 2 n (n_q - 1) degrees of freedom, n the number of free lines: with n
-//! = 12 and n_q = 5 it exceeds 2, which is where the residual is taken to exceed the noise, in 1
-//! line of 100. (Sample mean and variance over periods: R. Pintelon, J. Schoukens, System
-//! Identification, 2nd ed., ch. 2 and 4.)
+//! Around every excited line stand free lines, on which a linear machine answers with noise alone:
+//! what repeats there in every repetition of a reference is ripple, or other distortion by the
+//! machine. [`ResidualLevel`] has the statistics.
 
 use std::collections::BTreeSet;
 
@@ -23,6 +12,7 @@ use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
+use crate::glide::residual_level::ResidualLevel;
 use crate::spectra::Transform;
 use crate::spectra::line_dft::LineDft;
 
@@ -33,16 +23,6 @@ pub struct FreeLines {
     excited: Vec<usize>,
     /// Per excited line the places of its neighbours among the lines of the DFT.
     neighbours: Vec<Vec<usize>>,
-}
-
-/// Coherent part and noise around every excited line, as squared single-sided amplitudes (2|X|/N)^2
-/// in the signal's unit, `(channel, excited line)`; both of the mean over the repetitions.
-#[derive(Debug, Clone, PartialEq)]
-pub struct ResidualLevel {
-    /// C(s): what repeats, with the noise of the mean on top.
-    pub coherent_power: Array2<f64>,
-    /// N(s): the noise of the mean.
-    pub noise_power: Array2<f64>,
 }
 
 impl FreeLines {
@@ -133,45 +113,62 @@ impl FreeLines {
         }
     }
 
-    /// Levels from spectra of the repetitions of one reference, of [`Transform::transform`] or
-    /// [`FreeLines::unexplained`]: same realization, same experiment, glide subtracted.
+    /// Levels from spectra of the repetitions of each reference (same realization, same experiment),
+    /// of [`Transform::transform`] or [`FreeLines::unexplained`], and of the glides whose mean was
+    /// subtracted from all of them.
     ///
     /// # Errors
-    /// [`frfid_signals::SignalError`] for fewer than two repetitions, and if they differ in shape.
-    pub fn level(&self, repetitions: &[Array2<Complex64>]) -> Result<ResidualLevel, EstimateError> {
-        let n_q = repetitions.len() as f64;
-        let [first, _, ..] = repetitions else {
+    /// [`frfid_signals::SignalError`] unless a reference has two repetitions or more, and for spectra
+    /// of different shapes.
+    pub fn level(
+        &self,
+        references: &[Vec<Array2<Complex64>>],
+        glides: &[Array2<Complex64>],
+    ) -> Result<ResidualLevel, EstimateError> {
+        let all = references.iter().flatten().chain(glides);
+        self.check_shapes(&all.collect::<Vec<_>>())?;
+        let repeated: Vec<_> = references.iter().filter(|one| one.len() > 1).collect();
+        if repeated.is_empty() {
+            let most = references.iter().map(Vec::len).max().unwrap_or(0);
             return Err(EstimateError::parameter(
                 "repetitions of one reference",
-                n_q,
+                most as f64,
                 "2 or more, or what repeats cannot be told from noise",
             ));
-        };
-        let mut sum = Array2::zeros(first.dim());
-        for spectra in repetitions {
-            if spectra.dim() != first.dim() || spectra.ncols() != self.n_lines() {
-                let needed = format!("({}, {}), as the first", first.nrows(), self.n_lines());
-                let name = "spectra of a repetition";
-                return Err(EstimateError::shape(name, spectra.shape(), needed));
-            }
-            sum += spectra;
         }
-        let mean = sum / Complex64::from(n_q);
-        let scatter = scatter(repetitions, &mean);
-        Ok(ResidualLevel {
-            coherent_power: self.around(&mean.mapv(|value| value.norm_sqr())),
-            noise_power: self.around(&(scatter / (n_q * (n_q - 1.0)))),
-        })
+        Ok(ResidualLevel::of(self, &repeated, glides))
+    }
+
+    /// Refuses spectra of other lines, or of other channels than the first.
+    fn check_shapes(&self, all: &[&Array2<Complex64>]) -> Result<(), EstimateError> {
+        let Some(first) = all.first() else {
+            return Ok(());
+        };
+        let needed = (first.nrows(), self.n_lines());
+        let Some(odd) = all.iter().find(|spectra| spectra.dim() != needed) else {
+            return Ok(());
+        };
+        let needed = format!("{needed:?}, as the first");
+        Err(EstimateError::shape(
+            "spectra of a repetition",
+            odd.shape(),
+            needed,
+        ))
     }
 
     /// Mean over the neighbours of every excited line, from |X|^2 to squared amplitudes.
-    fn around(&self, power: &Array2<f64>) -> Array2<f64> {
+    pub(crate) fn around(&self, power: &Array2<f64>) -> Array2<f64> {
         let scale = 4.0 / (self.dft.n_samples() as f64).powi(2);
         Array2::from_shape_fn((power.nrows(), self.neighbours.len()), |(channel, line)| {
             let around = &self.neighbours[line];
             let sum: f64 = around.iter().map(|&place| power[[channel, place]]).sum();
             scale * sum / around.len() as f64
         })
+    }
+
+    /// Number of free lines around every excited one.
+    pub(crate) fn n_neighbours(&self) -> Vec<usize> {
+        self.neighbours.iter().map(Vec::len).collect()
     }
 
     fn n_lines(&self) -> usize {
@@ -195,17 +192,6 @@ fn nearest_free(n_samples: usize, excited: &[usize], n_neighbours: usize) -> Vec
     excited.iter().map(nearest).collect()
 }
 
-/// `sum_q |X_q - X|^2` about the mean X.
-fn scatter(spectra: &[Array2<Complex64>], mean: &Array2<Complex64>) -> Array2<f64> {
-    let mut scatter = Array2::zeros(mean.dim());
-    for spectra in spectra {
-        scatter.zip_mut_with(&(spectra - mean), |scatter, deviation| {
-            *scatter += deviation.norm_sqr();
-        });
-    }
-    scatter
-}
-
 fn check_dim(
     name: &'static str,
     found: &Array2<Complex64>,
@@ -225,91 +211,10 @@ impl Transform for FreeLines {
     }
 }
 
-impl ResidualLevel {
-    /// The mean level of several references (realizations, experiments); `None` of none, or of
-    /// different shapes.
-    #[must_use]
-    pub fn mean(levels: &[Self]) -> Option<Self> {
-        let shapes = |level: &Self| (level.coherent_power.dim(), level.noise_power.dim());
-        let alike = |(first, rest): &(&Self, &[Self])| {
-            rest.iter().all(|level| shapes(level) == shapes(first))
-        };
-        let (first, rest) = levels.split_first().filter(alike)?;
-        let mut mean = first.clone();
-        for level in rest {
-            mean.coherent_power += &level.coherent_power;
-            mean.noise_power += &level.noise_power;
-        }
-        mean.coherent_power /= levels.len() as f64;
-        mean.noise_power /= levels.len() as f64;
-        Some(mean)
-    }
-
-    /// Amplitude of the residual over that of the noise of the mean, `sqrt((C - N)/N)` floored at
-    /// 0, `(channel, excited line)`; infinite where a residual stands out of no noise at all.
-    #[must_use]
-    pub fn ratio(&self) -> Array2<f64> {
-        let mut ratio = &self.coherent_power - &self.noise_power;
-        ratio.zip_mut_with(&self.noise_power, |excess, noise| {
-            *excess = if *excess > 0.0 {
-                (*excess / noise).sqrt()
-            } else {
-                0.0
-            };
-        });
-        ratio
-    }
-
-    /// Whether the residual exceeds the noise in any channel, per excited line: there the
-    /// uncertainty that repetitions show is not the whole error.
-    #[must_use]
-    pub fn exceeds_noise(&self) -> Vec<bool> {
-        self.ratio()
-            .columns()
-            .into_iter()
-            .map(|channels| channels.iter().any(|&ratio| ratio > 1.0))
-            .collect()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::testing::refusal;
-    use frfid_signals::random::{normal, stream};
-    use std::f64::consts::TAU;
-
-    const SAMPLES: usize = 4096;
-    const REPETITIONS: u64 = 5;
-
-    fn excited() -> Vec<usize> {
-        let odd = |k| (25.0 * 20f64.powf(f64::from(k) / 59.0) / 2.0) as usize * 2 + 1;
-        (0..60)
-            .map(odd)
-            .collect::<BTreeSet<_>>()
-            .into_iter()
-            .collect()
-    }
-
-    /// Two channels of a multisine with white noise of rms 1, the second with a residual on a free
-    /// line.
-    fn level(residual: f64, free_line: usize, seed: u64) -> ResidualLevel {
-        let lines = FreeLines::new(SAMPLES, &excited(), 12).expect("sound");
-        let sine = |line: usize, k: usize| {
-            (TAU * (line * k % SAMPLES) as f64 / SAMPLES as f64 + line as f64).sin()
-        };
-        let clean = Array2::from_shape_fn((2, SAMPLES), |(channel, k)| {
-            let multisine: f64 = excited().iter().map(|&line| 10.0 * sine(line, k)).sum();
-            multisine + channel as f64 * residual * sine(free_line, k)
-        });
-        let spectra = (0..REPETITIONS).map(|repetition| {
-            let mut rng = stream(seed, "noise", &[repetition]);
-            lines
-                .transform("y", clean.mapv(|value| value + normal(&mut rng)).view())
-                .expect("fits")
-        });
-        lines.level(&spectra.collect::<Vec<_>>()).expect("five")
-    }
 
     #[test]
     fn what_the_plant_explains_is_no_residual() {
@@ -339,56 +244,6 @@ mod tests {
     }
 
     #[test]
-    fn the_level_is_that_of_the_residual_and_of_the_noise() {
-        // one of the twelve lines around its excited neighbour holds all of the residual
-        let (residual, line) = (0.3, 100);
-        let level = level(residual, line, 1);
-        let index = excited().partition_point(|&other| other < line);
-        let noise_power = 4.0 / (SAMPLES as f64 * REPETITIONS as f64); // variance of 2|X|/N for white noise of rms 1
-        let mean_noise = level.noise_power.mean().expect("not empty");
-        assert!(
-            (mean_noise / noise_power - 1.0).abs() < 0.05,
-            "{mean_noise:e} against {noise_power:e}"
-        );
-        let excess = level.coherent_power[[1, index]] - noise_power;
-        assert!(
-            (excess * 12.0 / (residual * residual) - 1.0).abs() < 0.1,
-            "{excess:e}"
-        );
-        let ratio = level.ratio();
-        let expected = residual / (12.0 * noise_power).sqrt();
-        assert!(
-            (ratio[[1, index]] / expected - 1.0).abs() < 0.3,
-            "{} against {expected}",
-            ratio[[1, index]]
-        );
-        let flagged = level.exceeds_noise();
-        assert!(flagged[index] && flagged.iter().filter(|&&flag| flag).count() < 10);
-    }
-
-    #[test]
-    fn noise_alone_is_seldom_flagged() {
-        let levels: Vec<ResidualLevel> = (10..30).map(|seed| level(0.0, 100, seed)).collect();
-        let flags: Vec<bool> = levels
-            .iter()
-            .flat_map(ResidualLevel::exceeds_noise)
-            .collect();
-        let share = flags.iter().filter(|&&flag| flag).count() as f64 / flags.len() as f64;
-        assert!(share < 0.04, "two channels, one in a hundred each: {share}");
-        let mean = ResidualLevel::mean(&levels).expect("not empty");
-        assert!(
-            mean.exceeds_noise().iter().all(|&flag| !flag) && ResidualLevel::mean(&[]).is_none()
-        );
-        let other = ResidualLevel {
-            noise_power: Array2::zeros((1, 3)),
-            ..mean.clone()
-        };
-        assert_eq!(ResidualLevel::mean(&[mean.clone(), other]), None);
-        let ratio = mean.coherent_power.sum() / mean.noise_power.sum();
-        assert!((ratio - 1.0).abs() < 0.05, "{ratio}");
-    }
-
-    #[test]
     fn what_cannot_be_measured_is_refused() {
         let all: Vec<usize> = (1..32).collect();
         assert_eq!(
@@ -400,23 +255,19 @@ mod tests {
         let spectra = lines
             .transform("u", Array2::zeros((1, 64)).view())
             .expect("fits");
-        let said = refusal(lines.level(std::slice::from_ref(&spectra)));
+        let level = |one: &[Array2<Complex64>]| lines.level(&[one.to_vec()], &[]);
+        let said = refusal(level(std::slice::from_ref(&spectra)));
         assert!(
             said.starts_with("repetitions of one reference is 1,"),
             "{said}"
         );
-        let said = refusal(lines.level(&[spectra.clone(), Array2::zeros((1, 2))]));
+        let said = refusal(level(&[spectra.clone(), Array2::zeros((1, 2))]));
         assert!(
             said.starts_with("spectra of a repetition has shape [1, 2]"),
             "{said}"
         );
-        assert_eq!(
-            lines
-                .level(&[spectra.clone(), spectra])
-                .expect("fits")
-                .ratio()
-                .sum(),
-            0.0
-        );
+        let still = level(&[spectra.clone(), spectra]).expect("fits");
+        assert_eq!(still.ratio().sum(), 0.0);
+        assert!(!still.exceeds_noise().contains(&true));
     }
 }

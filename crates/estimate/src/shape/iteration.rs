@@ -3,6 +3,7 @@
 use frfid_signals::{Frf, Peaks, Record};
 use ndarray::{Array2, Array3};
 
+use crate::shape::measure::octave_error::OctaveError;
 use crate::shape::note::Note;
 use crate::shape::options::Target;
 use crate::shape::sticking::BandMotion;
@@ -48,6 +49,8 @@ pub struct Estimate {
     pub error_per_frequency: Array2<f64>,
     /// Rms of it over the band, per channel.
     pub channel_error: Vec<f64>,
+    /// Rms of it over every octave of the band, per channel.
+    pub octave_error: Vec<OctaveError>,
     /// Rms of it over band and channels.
     pub error: f64,
     /// Condition number of U per frequency, its channels scaled to equal size: 1 if the experiments

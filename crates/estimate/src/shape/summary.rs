@@ -6,6 +6,7 @@ use frfid_signals::{Limit, Peaks};
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::shape::iteration::Iteration;
+use crate::shape::measure::octave_error::OctaveError;
 use crate::shape::note::Note;
 use crate::shape::sticking::Sticking;
 
@@ -60,6 +61,8 @@ pub struct Summary {
     pub error: Option<f64>,
     /// The same per channel.
     pub channel_error: Option<Vec<f64>>,
+    /// The same per octave of the band.
+    pub octave_error: Option<Vec<OctaveError>>,
     /// Share of the sweep that each axis was stuck.
     pub stuck_share: Vec<f64>,
     /// Damping of the step that led here.
@@ -87,6 +90,10 @@ impl Iteration {
                 .estimate
                 .as_ref()
                 .map(|estimate| estimate.channel_error.clone()),
+            octave_error: self
+                .estimate
+                .as_ref()
+                .map(|estimate| estimate.octave_error.clone()),
             stuck_share: self.stuck_share.clone(),
             damping: self.damping,
             predicted: self.predicted.clone(),

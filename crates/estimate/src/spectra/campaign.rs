@@ -76,6 +76,8 @@ type Shapes = [Option<(usize, usize)>; 3];
 pub struct Campaign {
     pub(super) frequency_hz: Vec<f64>,
     pub(super) runs: BTreeMap<PeriodIndex, RunSpectra>,
+    /// Glides whose mean is not in the runs any more.
+    pub(crate) glides: Vec<RunSpectra>,
 }
 
 /// All experiments of one period of one realization: the columns of U and Y.
@@ -91,6 +93,7 @@ impl Campaign {
         Ok(Self {
             frequency_hz,
             runs: BTreeMap::new(),
+            glides: Vec::new(),
         })
     }
 
@@ -116,6 +119,17 @@ impl Campaign {
             return Err(EstimateError::Duplicate(place));
         }
         self.runs.insert(place, run);
+        Ok(())
+    }
+
+    /// Adds a glide: the runs are those from which the mean of all glides is subtracted, whose noise
+    /// is hence in every one of them and counts as noise of the FRF.
+    ///
+    /// # Errors
+    /// As [`Campaign::insert`].
+    pub fn insert_glide(&mut self, glide: RunSpectra) -> Result<(), EstimateError> {
+        self.check(&glide)?;
+        self.glides.push(glide);
         Ok(())
     }
 

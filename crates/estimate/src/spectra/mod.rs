@@ -115,7 +115,7 @@ impl Evaluation {
         let cut = ExcerptOptions::default();
         let excerpts = Excerpts::new(chirp, &hz, sample_time_s, 0.0, n_samples, &cut)?;
         Ok(Self {
-            relative_resolution: Some(cut.relative_resolution()),
+            relative_resolution: Some(cut.relative_resolution(chirp)),
             ..Self::on_frequencies(hz, excerpts)
         })
     }

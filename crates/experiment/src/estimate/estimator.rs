@@ -2,6 +2,7 @@
 //! campaign is too long for the memory.
 
 use std::iter::zip;
+use std::ops::Range;
 
 use frfid_estimate::{Campaign, Evaluation, FrfEstimate, NoiseBias, PeriodIndex, RunSpectra};
 use frfid_signals::{Frf, Plan, Record, RunId, RunKind};
@@ -9,9 +10,11 @@ use ndarray::s;
 
 use crate::description::estimate::{EstimateTable, GlideSubtraction};
 use crate::error::ExperimentError;
+use crate::estimate::excerpt_bias::{ExcerptBias, WholeSpectra};
 use crate::estimate::glide_baseline::Baseline;
+use crate::estimate::glide_spectra::GlideSpectra;
 use crate::estimate::loop_response::LoopResponse;
-use crate::estimate::ripple_residual::{FreeSpectra, RippleResidual};
+use crate::estimate::ripple_residual::{FreeSpectra, OnFreeLines, RippleResidual, is_looked_at};
 use crate::estimate::unsettled::Unsettled;
 
 /// Turns the records of one plan into spectra, and the spectra into an FRF.
@@ -21,7 +24,9 @@ pub struct Estimator {
     options: EstimateTable,
     evaluation: Evaluation,
     baseline: Baseline,
+    glides: GlideSpectra,
     residual: Option<RippleResidual>,
+    bias: Option<ExcerptBias>,
 }
 
 /// Spectra of records, in any order.
@@ -31,6 +36,8 @@ pub struct Spectra {
     periods: Vec<(PeriodIndex, RunSpectra)>,
     /// On the lines around them that are not excited.
     free: Vec<FreeSpectra>,
+    /// Of whole chirps, period by period.
+    whole: WholeSpectra,
 }
 
 impl Spectra {
@@ -44,6 +51,7 @@ impl Spectra {
     pub fn extend(&mut self, other: Self) {
         self.periods.extend(other.periods);
         self.free.extend(other.free);
+        self.whole.extend(other.whole);
     }
 }
 
@@ -90,12 +98,15 @@ impl Estimator {
     pub fn new(plan: &Plan, options: &EstimateTable) -> Result<Self, ExperimentError> {
         plan.check()?;
         let period_samples = plan.period_samples()?;
+        let evaluation = Evaluation::of(plan, options.n_frequencies)?;
         Ok(Self {
             plan: plan.clone(),
             period_samples,
             options: options.in_plan(plan),
-            evaluation: Evaluation::of(plan, options.n_frequencies)?,
+            bias: ExcerptBias::of_plan(plan, &evaluation.frequency_hz)?,
+            evaluation,
             baseline: Baseline::None,
+            glides: GlideSpectra::default(),
             residual: RippleResidual::of_plan(plan, options)?,
         })
     }
@@ -118,6 +129,10 @@ impl Estimator {
                 format!("at least one of the plan's {}", self.plan.n_glides),
                 "without them nothing can be subtracted; add their records",
             ));
+        }
+        for glide in glides {
+            let periods = (0..self.n_complete(glide)).map(|period| self.period(glide, period));
+            self.glides.add(periods.collect::<Result<Vec<_>, _>>()?);
         }
         Ok(self)
     }
@@ -160,7 +175,18 @@ impl Estimator {
         let record = rest.as_ref().unwrap_or(record);
         let mut spectra = Spectra::default();
         for period in (0..self.n_complete(record)).filter(|&period| !lost(period)) {
-            self.add_period(&mut spectra, id, record, period)?;
+            let place = self.place(id, period);
+            let (on_lines, free) = self.period(record, period)?;
+            spectra.periods.push((place, on_lines));
+            if let Some(bias) = &self.bias {
+                let window = s![.., self.window(period)];
+                let (u, y) = (record.u.slice(window), record.y.slice(window));
+                spectra.whole.push((place, bias.spectra(u, y)?));
+            }
+            spectra.free.extend(
+                free.filter(|_| is_looked_at(place))
+                    .map(|signals| FreeSpectra { place, signals }),
+            );
         }
         Ok(spectra)
     }
@@ -173,26 +199,26 @@ impl Estimator {
         (after_lead_in / self.period_samples).min(self.plan.n_periods)
     }
 
-    /// Adds the spectra of one period of a record, from which the baseline is taken off.
-    fn add_period(
+    /// The samples of a period.
+    fn window(&self, period: usize) -> Range<usize> {
+        let start = self.plan.lead_in_samples + period * self.period_samples;
+        start..start + self.period_samples
+    }
+
+    /// Spectra of one period of a record, on the lines and on the free ones around them.
+    fn period(
         &self,
-        spectra: &mut Spectra,
-        id: RunId,
         record: &Record,
         period: usize,
-    ) -> Result<(), ExperimentError> {
-        let start = self.plan.lead_in_samples + period * self.period_samples;
-        let window = s![.., start..start + self.period_samples];
+    ) -> Result<(RunSpectra, Option<OnFreeLines>), ExperimentError> {
+        let window = s![.., self.window(period)];
         let (u, y) = (record.u.slice(window), record.y.slice(window));
         let reference = self.options.reference_of(record);
         let r = reference.map(|r| r.slice(window));
-        let place = self.place(id, period);
         let on_lines = RunSpectra::of(&*self.evaluation.transform, u, y, r)?;
-        spectra.periods.push((place, on_lines));
-        if let Some(residual) = &self.residual {
-            spectra.free.extend(residual.spectra(place, u, y)?);
-        }
-        Ok(())
+        let free = self.residual.as_ref();
+        let free = free.map(|residual| residual.spectra(u, y)).transpose()?;
+        Ok((on_lines, free))
     }
 
     /// Index of a period in the campaign: repetitions and periods back to back together are the
@@ -233,20 +259,25 @@ impl Estimator {
         for (place, run) in &spectra.periods {
             campaign.insert(*place, run.clone())?;
         }
+        for glide in &self.glides.on_lines {
+            campaign.insert_glide(glide.clone())?;
+        }
         let missing = campaign.drop_incomplete();
         let equal_draws = campaign.pool_equal_draws();
-        let estimate = FrfEstimate {
+        let mut estimate = FrfEstimate {
             equal_draws,
             ..campaign.estimate_lines(&self.options.method().into())?
         };
-        let (remarks, n_left_out) = (estimate.warnings(), estimate.left_out.len());
+        estimate.frf.relative_resolution = self.evaluation.relative_resolution;
+        if let Some(bias) = &self.bias {
+            bias.add_to(&mut estimate.frf, spectra.whole)?;
+        }
+        let (mut remarks, n_left_out) = (estimate.warnings(), estimate.left_out.len());
         let noise_bias = estimate.noise_bias;
-        let frf = Frf {
-            relative_resolution: self.evaluation.relative_resolution,
-            ..estimate.frf
-        };
+        let frf = estimate.frf;
+        remarks.extend(self.glides.remark(&frf));
         let ripple = match &self.residual {
-            Some(residual) => residual.exceeds_noise(spectra.free, &frf)?,
+            Some(residual) => residual.exceeds_noise(spectra.free, &self.glides.free, &frf)?,
             None => None,
         };
         Ok(Estimated {

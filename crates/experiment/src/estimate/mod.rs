@@ -2,9 +2,11 @@
 
 pub(crate) mod digest;
 pub(crate) mod estimator;
+mod excerpt_bias;
 pub(crate) mod find_logs;
 pub(crate) mod gather;
 pub(crate) mod glide_baseline;
+pub(crate) mod glide_spectra;
 pub(crate) mod loop_response;
 pub(crate) mod majority;
 pub(crate) mod others;
@@ -13,6 +15,7 @@ pub(crate) mod outcome;
 pub(crate) mod records;
 pub(crate) mod ripple_residual;
 pub(crate) mod unsettled;
+pub(crate) mod way;
 
 use std::path::PathBuf;
 

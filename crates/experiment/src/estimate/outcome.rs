@@ -12,6 +12,7 @@ use crate::error::ExperimentError;
 use crate::estimate::estimator::Estimated;
 use crate::estimate::gather::Gathered;
 use crate::estimate::loop_response::Named;
+use crate::estimate::way::way;
 use crate::experiment::Experiment;
 use crate::run::load::Load;
 use crate::run::provenance::Metadata;
@@ -127,6 +128,12 @@ impl Experiment {
         let mut provenance = self.provenance();
         provenance.insert("experiment_toml".into(), self.to_toml());
         provenance.extend(load.into_iter().flat_map(reached));
+        let moves = self
+            .plan
+            .velocity_rad_s
+            .iter()
+            .any(|&velocity| velocity != 0.0);
+        provenance.extend(load.filter(|_| moves).into_iter().flat_map(way));
         ResultFile {
             torque_rms_nm: load.map(|load| load.torque_rms_nm.clone()),
             provenance,

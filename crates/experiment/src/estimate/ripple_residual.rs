@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use frfid_estimate::{FreeLines, PeriodIndex, ResidualLevel, Transform};
+use frfid_estimate::{FreeLines, PeriodIndex, Transform};
 use frfid_signals::{Excitation, Frf, Multisine, Plan};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
@@ -20,9 +20,15 @@ const REALIZATIONS: usize = 4;
 /// Spectra of u and y on the free lines of one period.
 #[derive(Debug, Clone)]
 pub(crate) struct FreeSpectra {
-    place: PeriodIndex,
-    u: Array2<Complex64>,
-    y: Array2<Complex64>,
+    pub(crate) place: PeriodIndex,
+    pub(crate) signals: OnFreeLines,
+}
+
+/// u and y on the free lines.
+#[derive(Debug, Clone)]
+pub(crate) struct OnFreeLines {
+    pub(crate) u: Array2<Complex64>,
+    pub(crate) y: Array2<Complex64>,
 }
 
 /// Realization and experiment: what was applied.
@@ -31,6 +37,11 @@ type Reference = (usize, usize);
 /// Looks at the free lines of a plan.
 pub(crate) struct RippleResidual {
     lines: FreeLines,
+}
+
+/// Whether the free lines of a period are looked at.
+pub(crate) fn is_looked_at(place: PeriodIndex) -> bool {
+    place.realization < REALIZATIONS
 }
 
 fn is_subtracted_and_repeated(plan: &Plan, options: &EstimateTable) -> bool {
@@ -60,47 +71,47 @@ impl RippleResidual {
         }))
     }
 
-    /// Spectra of one period, of the realizations that are looked at.
+    /// Spectra of one period of a glide, or a run.
     ///
     /// # Errors
     /// [`ExperimentError::Estimate`] for samples that are not finite.
     pub(crate) fn spectra(
         &self,
-        place: PeriodIndex,
         u: ArrayView2<f64>,
         y: ArrayView2<f64>,
-    ) -> Result<Option<FreeSpectra>, ExperimentError> {
-        if place.realization >= REALIZATIONS {
-            return Ok(None);
-        }
-        Ok(Some(FreeSpectra {
-            place,
+    ) -> Result<OnFreeLines, ExperimentError> {
+        Ok(OnFreeLines {
             u: self.lines.transform("u", u)?,
             y: self.lines.transform("y", y)?,
-        }))
+        })
     }
 
-    /// Whether what `plant` does not explain exceeds its noise, line by line; `None` without a
-    /// repeated reference.
+    /// Whether what `plant` does not explain exceeds its noise and that of the glides, line by line;
+    /// `None` without a repeated reference.
     ///
     /// # Errors
     /// [`ExperimentError::Estimate`] for spectra of different shapes.
     pub(crate) fn exceeds_noise(
         &self,
         mut free: Vec<FreeSpectra>,
+        glides: &[OnFreeLines],
         plant: &Frf,
     ) -> Result<Option<Vec<bool>>, ExperimentError> {
         // a mean must not depend on the order in which the records came
         free.sort_by_key(|FreeSpectra { place, .. }| {
             (place.realization, place.experiment, place.period)
         });
-        let mut levels = Vec::new();
-        for repetitions in self.unexplained(free, plant)?.values() {
-            if repetitions.len() > 1 {
-                levels.push(self.lines.level(repetitions)?);
-            }
+        let references: Vec<_> = self.unexplained(free, plant)?.into_values().collect();
+        if !references.iter().any(|repetitions| repetitions.len() > 1) {
+            return Ok(None);
         }
-        Ok(ResidualLevel::mean(&levels).map(|mean| mean.exceeds_noise()))
+        let glides = glides
+            .iter()
+            .map(|glide| self.lines.unexplained(&glide.u, &glide.y, plant));
+        let glides: Vec<_> = glides.collect::<Result<_, _>>()?;
+        Ok(Some(
+            self.lines.level(&references, &glides)?.exceeds_noise(),
+        ))
     }
 
     /// What `plant` does not explain in the repetitions of every reference.
@@ -110,9 +121,9 @@ impl RippleResidual {
         plant: &Frf,
     ) -> Result<BTreeMap<Reference, Vec<Array2<Complex64>>>, ExperimentError> {
         let mut references: BTreeMap<_, Vec<_>> = BTreeMap::new();
-        for FreeSpectra { place, u, y } in free {
+        for FreeSpectra { place, signals } in free {
             let repetitions = references.entry((place.realization, place.experiment));
-            let unexplained = self.lines.unexplained(&u, &y, plant)?;
+            let unexplained = self.lines.unexplained(&signals.u, &signals.y, plant)?;
             repetitions.or_default().push(unexplained);
         }
         Ok(references)

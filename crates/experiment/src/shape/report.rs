@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::io::ErrorKind;
 use std::path::Path;
 
-use frfid_estimate::{Estimate, Iteration, ShapeOptions, ShapePeaks, Shaped, Target};
+use frfid_estimate::{Estimate, Iteration, OctaveError, ShapeOptions, ShapePeaks, Shaped, Target};
 use frfid_files::{Check, FileError};
 use serde::{Deserialize, Serialize};
 
@@ -70,6 +70,9 @@ pub struct IterationReport {
     pub error: Option<f64>,
     /// The same for each axis.
     pub axis_error: Option<Vec<f64>>,
+    /// The same for each octave of the band; `None` in files of versions that did not tell it, too.
+    #[serde(default)]
+    pub octave_error: Option<Vec<OctaveError>>,
     /// Share of the sweep that each axis was stuck.
     pub stuck_share: Vec<f64>,
     /// Largest condition number of U; `None` if a run was stopped.
@@ -97,6 +100,7 @@ impl IterationReport {
             number: iteration.number,
             error: iteration.error(),
             axis_error: estimate.map(|estimate| estimate.channel_error.clone()),
+            octave_error: estimate.map(|estimate| estimate.octave_error.clone()),
             stuck_share: iteration.stuck_share.clone(),
             condition: estimate.map(worst_condition),
             damping: iteration.damping,
@@ -198,10 +202,13 @@ impl ShapeReport {
     fn follows(&self, shaped: &Shaped) -> Check {
         let estimate = shaped.best.estimate.as_ref();
         let errors = estimate.map_or(&[][..], |estimate| &estimate.channel_error);
+        let octaves = estimate.map_or(&[][..], |estimate| &estimate.octave_error);
+        let worst = OctaveError::worst_in_words(octaves);
+        let worst = worst.map_or(String::new(), |worst| format!(", {worst}"));
         Check {
             name: format!("{} as desired", self.target),
             passed: !errors.is_empty() && errors.iter().all(|&error| error <= self.good_enough),
-            found: format!("off by {}", per_axis(errors)),
+            found: format!("off by {}{worst}", per_axis(errors)),
             needed: format!("{} % or less on every axis", 100.0 * self.good_enough),
             advice: "allow more iterations if the error still falls; if not, look at the notes: a limit held the steps back, or friction an axis"
                 .into(),
@@ -251,5 +258,19 @@ fn read_if_there(path: &Path) -> Result<Option<Vec<u8>>, FileError> {
         Ok(text) => Ok(Some(text)),
         Err(error) if error.kind() == ErrorKind::NotFound => Ok(None),
         Err(error) => Err(FileError::cannot("read", path)(error)),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_iteration_written_before_octaves_were_told_is_read() {
+        let text = r#"{"number": 1, "error": 0.5, "axis_error": [0.5], "stuck_share": [0.1], "condition": 1.0,
+            "damping": null, "predicted": null, "within_limits": true, "notes": [], "files": {},
+            "peaks": {"torque_nm": [1.0], "velocity_rad_s": [1.0], "travel_rad": [1.0]}}"#;
+        let before: IterationReport = serde_json::from_str(text).expect("as it was");
+        assert_eq!(before.octave_error, None);
     }
 }

@@ -10,7 +10,7 @@ use crate::result::result_file::ResultFile;
 pub(crate) enum NamedArray<'a> {
     Real(CowArray<'a, f64, IxDyn>),
     Complex(ArrayViewD<'a, Complex64>),
-    Count(usize),
+    Number(f64),
     Flags(&'a [bool]),
     Texts(&'a [String]),
 }
@@ -67,7 +67,7 @@ fn uncertainty<'a>(
     };
     let variance = NamedArray::Real(variance.into_dyn().into());
     let covariance = NamedArray::Complex(known.covariance.view().into_dyn());
-    let freedom = NamedArray::Count(known.degrees_of_freedom);
+    let freedom = NamedArray::Number(known.degrees_of_freedom);
     vec![
         (format!("{name}_variance"), variance),
         (format!("{name}_covariance"), covariance),

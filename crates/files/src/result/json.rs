@@ -48,7 +48,7 @@ struct Json {
 
 #[derive(Serialize, Deserialize)]
 struct UncertaintyJson {
-    degrees_of_freedom: usize,
+    degrees_of_freedom: f64,
     covariance: Complexes,
 }
 
@@ -207,6 +207,19 @@ mod tests {
         )
         .expect("written");
         read_result(&path)
+    }
+
+    #[test]
+    fn degrees_of_freedom_are_whole_in_old_files_and_any_number_in_new_ones() {
+        let with = |number: &str| {
+            let key = |number: &str| format!("\"degrees_of_freedom\":{number}");
+            rewritten(|text| text.replace(&key("40.0"), &key(number)))
+        };
+        for (number, expected) in [("40", 40.0), ("3.75", 3.75)] {
+            let known = with(number).expect("sound").frf.noise.expect("measured");
+            assert_eq!(known.degrees_of_freedom, expected);
+        }
+        assert!(with("-1").is_err() && with("null").is_err());
     }
 
     #[test]

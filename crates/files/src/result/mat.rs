@@ -79,9 +79,9 @@ fn matrix(name: &str, array: &NamedArray) -> io::Result<Vec<u8>> {
             ];
             variable(MX_DOUBLE | COMPLEX, name, values.shape(), &parts)
         }
-        NamedArray::Count(count) => {
-            let count = element(MI_DOUBLE, &(*count as f64).to_le_bytes())?;
-            variable(MX_DOUBLE, name, &[], &[count])
+        NamedArray::Number(number) => {
+            let number = element(MI_DOUBLE, &number.to_le_bytes())?;
+            variable(MX_DOUBLE, name, &[], &[number])
         }
         NamedArray::Flags(flags) => {
             let bytes: Vec<u8> = flags.iter().map(|&flag| flag.into()).collect();

@@ -39,7 +39,7 @@ fn put<W: Write + Seek>(npz: &mut NpzWriter<W>, name: &str, array: &NamedArray) 
     match array {
         NamedArray::Real(array) => put_numbers(npz, name, array.shape(), array.iter().copied()),
         NamedArray::Complex(array) => put_numbers(npz, name, array.shape(), array.iter().copied()),
-        NamedArray::Count(count) => put_numbers(npz, name, &[], [*count as i64]),
+        NamedArray::Number(number) => put_numbers(npz, name, &[], [*number]),
         NamedArray::Flags(flags) => put_numbers(npz, name, &[flags.len()], flags.iter().copied()),
         NamedArray::Texts(texts) => put_texts(npz, name, texts),
     }

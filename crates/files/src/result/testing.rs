@@ -19,7 +19,7 @@ pub(crate) fn result() -> ResultFile {
             response,
             noise: Some(Uncertainty {
                 covariance,
-                degrees_of_freedom: 40,
+                degrees_of_freedom: 40.0,
             }),
             total: None,
             condition: Some(vec![1.0, 2.0, f64::INFINITY, 1.5]),

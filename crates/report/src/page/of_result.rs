@@ -115,7 +115,7 @@ fn band(frf: &Frf) -> Band {
 
 /// What the figure shows, its shades and crosses included.
 fn caption(result: &ResultFile) -> String {
-    let shaded = shaded(band(&result.frf));
+    let shaded = shaded(&result.frf);
     let crossed = if result.flagged.iter().flatten().any(|flagged| *flagged) {
         "; crossed: lines at which what remains of the torque ripple exceeds the noise"
     } else {
@@ -124,11 +124,14 @@ fn caption(result: &ResultFile) -> String {
     format!("Frequency response{shaded}{crossed}")
 }
 
-fn shaded(band: Band) -> &'static str {
-    match band {
-        Band::Total => "; shaded: 95 % region of noise and nonlinear distortion",
-        Band::Noise => "; shaded: 95 % region of the measurement noise",
-        Band::None => "",
+fn shaded(frf: &Frf) -> &'static str {
+    match (band(frf), frf.relative_resolution) {
+        (Band::Total, _) => "; shaded: 95 % region of noise and nonlinear distortion",
+        (Band::Noise, None) => "; shaded: 95 % region of the measurement noise",
+        (Band::Noise, Some(_)) => {
+            "; shaded: 95 % region of the measurement noise and the bias of the excerpts"
+        }
+        (Band::None, _) => "",
     }
 }
 

@@ -1,6 +1,6 @@
 //! Tables of section 7: its numbers beside the paper's.
 
-use frfid_estimate::Summary;
+use frfid_estimate::{OctaveError, Summary};
 use frfid_report::Table;
 use frfid_signals::{Limit, Peaks, median};
 
@@ -85,6 +85,7 @@ fn shaping(section7: &Section7) -> Table {
             "Procedure",
             "Iteration",
             "Error of the torques in %",
+            "In the worst octave in %",
             "Stuck in %",
             "cond(U), made at u (median)",
             "cond(U), made at r (median)",
@@ -103,12 +104,14 @@ fn shaping(section7: &Section7) -> Table {
     }
 }
 
-/// Number, error and stuck share of an iteration.
+/// Number, error over the band and in its worst octave, and stuck share of an iteration.
 fn reached(iteration: Option<&Summary>) -> Vec<String> {
     let number = iteration.map(|summary| summary.number.to_string());
     let error = iteration.and_then(|summary| summary.channel_error.as_deref());
+    let octaves = iteration.and_then(|summary| summary.octave_error.as_deref());
+    let worst = octaves.map(|octaves| percents(&OctaveError::worst_of_axes(octaves)));
     let stuck = iteration.map(|summary| summary.stuck_share.as_slice());
-    [number, error.map(percents), stuck.map(percents)]
+    [number, error.map(percents), worst, stuck.map(percents)]
         .map(|cell| cell.unwrap_or(NONE.into()))
         .to_vec()
 }

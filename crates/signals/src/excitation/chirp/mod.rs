@@ -55,7 +55,8 @@ impl Chirp {
     }
 
     /// Growth rate `a` of the frequency in 1/s.
-    fn rate(&self) -> f64 {
+    #[must_use]
+    pub fn rate(&self) -> f64 {
         (self.high_hz / self.low_hz).ln() / self.duration_s
     }
 

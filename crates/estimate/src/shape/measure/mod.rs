@@ -1,5 +1,7 @@
 //! Measurement of an iteration by its records: responses, errors, whether every run was complete.
 
+pub(crate) mod octave_error;
+
 use frfid_signals::checks::{require, require_shape};
 use frfid_signals::power::rms;
 use frfid_signals::{Event, EventKind, Frf, Record, SignalError};
@@ -11,6 +13,7 @@ use crate::frf::singular::scaled_condition_number;
 use crate::glide::in_time::same_clock;
 use crate::shape::error::ShapeError;
 use crate::shape::iteration::Estimate;
+use crate::shape::measure::octave_error::OctaveError;
 use crate::shape::note::Note;
 use crate::shape::options::{ShapeOptions, Target};
 use crate::shape::spectra::Band;
@@ -21,7 +24,7 @@ use crate::shape::step::{coherence, response};
 const NEEDED_COHERENCE: f64 = 0.3;
 
 /// Checks shapes and finiteness; every run that was stopped before its end is a note.
-pub(super) fn stopped(
+pub(in crate::shape) fn stopped(
     records: &[Record],
     (n_experiments, n_axes, n_samples): (usize, usize, usize),
     sample_time_s: f64,
@@ -72,7 +75,7 @@ fn reason_to_stop(record: &Record) -> String {
 }
 
 /// Responses and errors of complete records of a reference.
-pub(super) fn estimate(
+pub(in crate::shape) fn estimate(
     records: &[Record],
     reference: &Array3<f64>,
     band: &Band,
@@ -95,6 +98,11 @@ pub(super) fn estimate(
         r_to_y: frf(hz, &response(&y, &r, bins, hz)?)?,
         channel_error: rms_per_channel(&error_per_frequency),
         error: rms(&error_per_frequency.iter().copied().collect::<Vec<_>>()),
+        octave_error: OctaveError::of_band(
+            hz,
+            &error_per_frequency,
+            [options.low_hz, options.high_hz],
+        ),
         condition: conditions(&u)?,
         error_per_frequency,
     })
@@ -131,7 +139,10 @@ fn conditions(u: &[Matrix]) -> Result<Vec<f64>, EstimateError> {
 
 /// One signal of all records, `(experiment, channel, sample)`; what is missing of a run that was
 /// stopped is 0.
-pub(super) fn stack(records: &[Record], signal: impl Fn(&Record) -> &Array2<f64>) -> Array3<f64> {
+pub(in crate::shape) fn stack(
+    records: &[Record],
+    signal: impl Fn(&Record) -> &Array2<f64>,
+) -> Array3<f64> {
     let n_samples = records.iter().map(Record::n_samples).max().unwrap_or(0);
     let n_channels = records.first().map_or(0, |record| signal(record).nrows());
     let mut stacked = Array3::zeros((records.len(), n_channels, n_samples));

@@ -1,0 +1,59 @@
+//! Spectra of the glides whose mean is taken off every run: their spread is noise that all runs share.
+
+use frfid_estimate::RunSpectra;
+use frfid_signals::Frf;
+use ndarray::Array2;
+use num_complex::Complex64;
+
+use crate::estimate::ripple_residual::OnFreeLines;
+
+/// Spectra of the glides, each the mean over the periods of a run, which a run without excitation has
+/// in common with the others.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct GlideSpectra {
+    /// On the lines of the estimate.
+    pub(crate) on_lines: Vec<RunSpectra>,
+    /// On the lines around them that are not excited.
+    pub(crate) free: Vec<OnFreeLines>,
+}
+
+impl GlideSpectra {
+    /// Adds the periods of a glide; nothing if it holds none.
+    pub(crate) fn add(&mut self, periods: Vec<(RunSpectra, Option<OnFreeLines>)>) {
+        let (on_lines, free): (Vec<_>, Vec<_>) = periods.into_iter().unzip();
+        let mean_of = |signal: fn(&RunSpectra) -> Option<&Array2<Complex64>>| {
+            mean(on_lines.iter().filter_map(signal))
+        };
+        if let (Some(u), Some(y)) = (mean_of(|run| Some(&run.u)), mean_of(|run| Some(&run.y))) {
+            let r = mean_of(|run| run.r.as_ref());
+            self.on_lines.push(RunSpectra { u, y, r });
+        }
+        let free = || free.iter().flatten();
+        let (u, y) = (
+            mean(free().map(|free| &free.u)),
+            mean(free().map(|free| &free.y)),
+        );
+        self.free
+            .extend(u.zip(y).map(|(u, y)| OnFreeLines { u, y }));
+    }
+
+    /// What a noise variance rests on with one glide.
+    pub(crate) fn remark(&self, frf: &Frf) -> Option<String> {
+        let is_assumed = self.on_lines.len() == 1 && frf.noise.is_some();
+        is_assumed.then(|| {
+            "one glide: its noise is in every run, and the noise variance takes it to be as large as that \
+             of a run; record two or more glides to measure it"
+                .into()
+        })
+    }
+}
+
+/// Mean of spectra of one shape; `None` of none.
+fn mean<'a>(spectra: impl Iterator<Item = &'a Array2<Complex64>>) -> Option<Array2<Complex64>> {
+    let mut count = 0.0;
+    let sum = spectra.fold(None, |sum: Option<Array2<Complex64>>, spectra| {
+        count += 1.0;
+        Some(sum.map_or_else(|| spectra.clone(), |sum| sum + spectra))
+    });
+    sum.map(|sum| sum / Complex64::from(count))
+}

@@ -1,0 +1,177 @@
+//! Glides of a campaign on a constant velocity: their noise is stated, and is no torque ripple. The r3 of
+//! the template, without and with ripple.
+
+use std::path::Path;
+
+use frfid_experiment::{Experiment, Outcome, silent};
+use frfid_plant::Hold;
+use frfid_signals::{Frf, Uncertainty};
+
+/// What is changed of the template.
+#[derive(Clone, Copy)]
+struct Case {
+    is_whole: bool,
+    has_ripple: bool,
+    moves: bool,
+    n_glides: usize,
+}
+
+/// A small campaign of the same robot: a period of 2 s, 3 realizations of 3 repetitions.
+const SMALL: Case = Case {
+    is_whole: false,
+    has_ripple: false,
+    moves: false,
+    n_glides: 5,
+};
+
+impl Case {
+    fn experiment(self) -> Experiment {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let path = path.join("../../examples/experiments/r3_multisine.toml");
+        let experiment = Experiment::load(&path).expect("an example");
+        let changed = experiment.with(|config| {
+            config.robot.challenges.position_dependence = Some(self.moves);
+            config.robot.challenges.torque_ripple = Some(self.has_ripple);
+            let velocity = config.constant_velocity.as_mut().expect("there");
+            velocity.glides = self.n_glides;
+            if !self.is_whole {
+                let multisine = config.multisine.as_mut().expect("there");
+                multisine.resolution_hz = 0.5;
+                config.averaging.realizations = 3;
+                config.averaging.repetitions = 3;
+            }
+        });
+        changed.expect("sound")
+    }
+
+    fn outcome(self) -> (Outcome, Frf) {
+        let experiment = self.experiment();
+        let outcome = experiment.measure(&*experiment.testbed(), 0, &silent);
+        let outcome = outcome.expect("the model runs");
+        let hz = &outcome.result.frf.frequency_hz;
+        let truth = experiment.truth(hz, Hold::Zoh, true).expect("linear");
+        (outcome, truth)
+    }
+}
+
+/// Number of flagged lines.
+fn n_flagged(outcome: &Outcome) -> usize {
+    let flagged = outcome.result.flagged.iter().flatten();
+    flagged.filter(|&&is_flagged| is_flagged).count()
+}
+
+/// Share in percent of the entries whose 95 % region holds the truth.
+fn coverage(frf: &Frf, known: Option<&Uncertainty>, truth: &Frf) -> f64 {
+    let known = known.expect("measured");
+    let factor = known.confidence_factor_95();
+    let inside = frf
+        .response
+        .indexed_iter()
+        .filter(|((line, output, input), g)| {
+            let entry = input * frf.n_outputs() + output;
+            let variance = known.covariance[[*line, entry, entry]].re;
+            (*g - truth.response[[*line, *output, *input]]).norm_sqr() <= factor * variance
+        });
+    100.0 * inside.count() as f64 / frf.response.len() as f64
+}
+
+/// Prints and returns coverage by the noise and by the total, and flagged lines of all.
+fn figures(case: Case) -> ([f64; 2], usize, usize) {
+    let (outcome, truth) = case.outcome();
+    let frf = &outcome.result.frf;
+    let known = [frf.noise.as_ref(), frf.total.as_ref()];
+    let coverage = known.map(|known| coverage(frf, known, &truth));
+    let (flagged, all) = (n_flagged(&outcome), frf.n_frequencies());
+    let nu = known.map(|known| known.expect("measured").degrees_of_freedom);
+    println!(
+        "ripple {}, moving {}, {} glides: noise {:.1} %, total {:.1} %, {flagged} of {all} flagged, nu {nu:.2?}",
+        case.has_ripple, case.moves, case.n_glides, coverage[0], coverage[1]
+    );
+    (coverage, flagged, all)
+}
+
+#[test]
+fn without_ripple_nothing_is_flagged_and_the_noise_region_holds() {
+    for n_glides in [1, 5] {
+        let case = Case { n_glides, ..SMALL };
+        let ([noise, total], flagged, all) = figures(case);
+        assert!(20 * flagged <= all, "{flagged} of {all}");
+        assert!(noise > 90.0 && total > 92.0, "{noise}, {total}");
+    }
+}
+
+#[test]
+fn one_glide_is_remarked_and_ripple_is_flagged() {
+    let case = Case {
+        has_ripple: true,
+        n_glides: 1,
+        ..SMALL
+    };
+    let (outcome, _) = case.outcome();
+    let said = outcome.warnings.join("\n");
+    assert!(
+        said.contains("one glide: its noise is in every run"),
+        "{said}"
+    );
+    assert!(n_flagged(&outcome) > 0, "{said}");
+    assert!(said.contains("torque ripple exceeds the noise"), "{said}");
+}
+
+/// The template as shipped and with challenges off, 155 runs each: minutes.
+#[test]
+#[ignore = "minutes: figures of the whole template"]
+fn the_whole_template() {
+    for (has_ripple, moves) in [(false, false), (false, true), (true, false), (true, true)] {
+        for n_glides in [1, 5] {
+            let whole = Case {
+                is_whole: true,
+                has_ripple,
+                moves,
+                n_glides,
+            };
+            let (_, flagged, all) = figures(whole);
+            assert!(has_ripple || 20 * flagged <= all);
+        }
+    }
+}
+
+#[test]
+#[ignore = "diagnosis"]
+fn diagnosis() {
+    for n_glides in [1, 2, 5] {
+        let case = Case {
+            is_whole: true,
+            has_ripple: false,
+            moves: false,
+            n_glides,
+        };
+        let (outcome, truth) = case.outcome();
+        let frf = &outcome.result.frf;
+        let noise = frf.noise_variance().expect("measured");
+        let total = frf.total_variance().expect("measured");
+        for input in 0..3 {
+            for output in 0..3 {
+                let n = frf.n_frequencies();
+                let mut chi: Vec<f64> = (0..n)
+                    .map(|k| {
+                        (frf.response[[k, output, input]] - truth.response[[k, output, input]])
+                            .norm_sqr()
+                            / noise[[k, output, input]]
+                    })
+                    .collect();
+                let low: f64 = chi[..n / 4].iter().sum::<f64>() / (n / 4) as f64;
+                let high: f64 = chi[3 * n / 4..].iter().sum::<f64>() / (n - 3 * n / 4) as f64;
+                chi.sort_by(f64::total_cmp);
+                let ratio: f64 = (0..n)
+                    .map(|k| (total[[k, output, input]] / noise[[k, output, input]]).ln())
+                    .sum::<f64>()
+                    / n as f64;
+                println!(
+                    "{n_glides} glides, output {output} input {input}: median chi2 {:.2} (0.69), low {low:.2}, high {high:.2}, total/noise {:.2}",
+                    chi[n / 2],
+                    ratio.exp()
+                );
+            }
+        }
+    }
+}
