@@ -139,7 +139,12 @@ fn the_whole_template() {
 #[ignore = "diagnosis"]
 fn diagnosis() {
     for n_glides in [1, 2, 5] {
-        let case = Case { is_whole: true, has_ripple: false, moves: false, n_glides };
+        let case = Case {
+            is_whole: true,
+            has_ripple: false,
+            moves: false,
+            n_glides,
+        };
         let (outcome, truth) = case.outcome();
         let frf = &outcome.result.frf;
         let noise = frf.noise_variance().expect("measured");
@@ -147,12 +152,46 @@ fn diagnosis() {
         for input in 0..3 {
             for output in 0..3 {
                 let n = frf.n_frequencies();
-                let mut chi: Vec<f64> = (0..n).map(|k| (frf.response[[k, output, input]] - truth.response[[k, output, input]]).norm_sqr() / noise[[k, output, input]]).collect();
+                let mut chi: Vec<f64> = (0..n)
+                    .map(|k| {
+                        (frf.response[[k, output, input]] - truth.response[[k, output, input]])
+                            .norm_sqr()
+                            / noise[[k, output, input]]
+                    })
+                    .collect();
                 let low: f64 = chi[..n / 4].iter().sum::<f64>() / (n / 4) as f64;
                 let high: f64 = chi[3 * n / 4..].iter().sum::<f64>() / (n - 3 * n / 4) as f64;
                 chi.sort_by(f64::total_cmp);
-                let ratio: f64 = (0..n).map(|k| (total[[k, output, input]] / noise[[k, output, input]]).ln()).sum::<f64>() / n as f64;
-                println!("{n_glides} glides, output {output} input {input}: median chi2 {:.2} (0.69), low {low:.2}, high {high:.2}, total/noise {:.2}", chi[n / 2], ratio.exp());
+                let ratio: f64 = (0..n)
+                    .map(|k| (total[[k, output, input]] / noise[[k, output, input]]).ln())
+                    .sum::<f64>()
+                    / n as f64;
+                println!(
+                    "{n_glides} glides, output {output} input {input}: median chi2 {:.2} (0.69), low {low:.2}, high {high:.2}, total/noise {:.2}",
+                    chi[n / 2],
+                    ratio.exp()
+                );
+            }
+        }
+    }
+}
+
+#[test]
+#[ignore = "diagnosis"]
+fn dump() {
+    use frfid_signals::{RunId, Testbed};
+    use std::io::Write;
+    for has_ripple in [false, true] {
+        let case = Case { is_whole: true, has_ripple, moves: true, n_glides: 5 };
+        let experiment = case.experiment();
+        let testbed = experiment.testbed();
+        for k in 0..3 {
+            let run = experiment.plan().run(RunId::glide(k)).expect("planned");
+            let record = testbed.run(&run).expect("runs");
+            let mut file = std::fs::File::create(format!("/tmp/glide_{has_ripple}_{k}.csv")).expect("tmp");
+            for i in 0..record.n_samples() {
+                for v in record.u.column(i).iter().chain(record.y.column(i).iter()) { write!(file, "{v:e},").expect("w"); }
+                writeln!(file).expect("w");
             }
         }
     }

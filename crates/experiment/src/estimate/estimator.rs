@@ -10,7 +10,7 @@ use ndarray::s;
 use crate::description::estimate::{EstimateTable, GlideSubtraction};
 use crate::error::ExperimentError;
 use crate::estimate::glide_baseline::Baseline;
-use crate::estimate::glide_spectra::GlideSpectra;
+use crate::estimate::glide_spectra::{GlideSpectra, coherence};
 use crate::estimate::ripple_residual::{FreeSpectra, OnFreeLines, RippleResidual, is_looked_at};
 use crate::estimate::unsettled::Unsettled;
 
@@ -32,6 +32,8 @@ pub struct Spectra {
     periods: Vec<(PeriodIndex, RunSpectra)>,
     /// On the lines around them that are not excited.
     free: Vec<FreeSpectra>,
+    /// Variance in s^2 of the time by which the noise of the glides is shifted in each run.
+    wander_s2: Vec<f64>,
 }
 
 impl Spectra {
@@ -45,6 +47,7 @@ impl Spectra {
     pub fn extend(&mut self, other: Self) {
         self.periods.extend(other.periods);
         self.free.extend(other.free);
+        self.wander_s2.extend(other.wander_s2);
     }
 }
 
@@ -159,8 +162,12 @@ impl Estimator {
             return Ok(Spectra::default());
         }
         let rest = self.baseline.subtract_from(record)?;
+        let wander_s2 = self.baseline.wander_s2(record)?;
         let record = rest.as_ref().unwrap_or(record);
-        let mut spectra = Spectra::default();
+        let mut spectra = Spectra {
+            wander_s2: vec![wander_s2],
+            ..Spectra::default()
+        };
         for period in (0..self.n_complete(record)).filter(|&period| !lost(period)) {
             let place = self.place(id, period);
             let (on_lines, free) = self.period(record, period)?;
@@ -239,6 +246,7 @@ impl Estimator {
         for glide in &self.glides.on_lines {
             campaign.insert_glide(glide.clone())?;
         }
+        campaign.set_glide_coherence(coherence(&spectra.wander_s2, campaign.frequency_hz()))?;
         let missing = campaign.drop_incomplete();
         let equal_draws = campaign.pool_equal_draws();
         let estimate = FrfEstimate {

@@ -1,7 +1,9 @@
 //! Spectra of the glides whose mean is taken off every run: their spread is noise that all runs share.
 
+use std::f64::consts::TAU;
+
 use frfid_estimate::RunSpectra;
-use frfid_signals::Frf;
+use frfid_signals::{Frf, median};
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -46,6 +48,16 @@ impl GlideSpectra {
                 .into()
         })
     }
+}
+
+/// Coherence of the glides' noise from one reference to another, `exp(-(2 pi f)^2 s^2)`: the expectation
+/// of `exp(2 pi i f (t - t'))` of two shifts in time that are normally distributed, as multisines make
+/// them, each of variance s^2; the median of the runs, since lost samples spoil that of a few.
+pub(crate) fn coherence(wander_s2: &[f64], frequency_hz: &[f64]) -> Vec<f64> {
+    let known = wander_s2.iter().copied().filter(|wander| wander.is_finite());
+    let wander_s2 = median(known.collect()).unwrap_or(0.0);
+    let at = |hz: &f64| (-(TAU * hz).powi(2) * wander_s2).exp();
+    frequency_hz.iter().map(at).collect()
 }
 
 /// Mean of spectra of one shape; `None` of none.
