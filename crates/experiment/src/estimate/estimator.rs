@@ -3,7 +3,9 @@
 
 use std::iter::zip;
 
-use frfid_estimate::{Campaign, Evaluation, FrfEstimate, PeriodIndex, RunSpectra};
+use frfid_estimate::{
+    Campaign, Evaluation, FrfEstimate, PeriodIndex, RunSpectra, has_ripple_lines,
+};
 use frfid_signals::{Frf, Plan, Record, RunId, RunKind};
 use ndarray::s;
 
@@ -124,7 +126,18 @@ impl Estimator {
             let periods = (0..self.n_complete(glide)).map(|period| self.period(glide, period));
             self.glides.add(periods.collect::<Result<Vec<_>, _>>()?);
         }
+        self.glides.show_ripple = self.shows_ripple();
         Ok(self)
+    }
+
+    /// Whether the mean glide has lines of ripple, in the period that is estimated.
+    fn shows_ripple(&self) -> bool {
+        let Baseline::Glide(glide) = &self.baseline else {
+            return false;
+        };
+        let end = glide.n_samples();
+        let start = end.min(self.plan.lead_in_samples);
+        has_ripple_lines(glide.u.slice(s![.., start..end]))
     }
 
     /// Whether [`Estimator::with_ripple_of`] is needed before spectra are taken.
@@ -259,10 +272,11 @@ impl Estimator {
             relative_resolution: self.evaluation.relative_resolution,
             ..estimate.frf
         };
-        let ripple = match &self.residual {
+        let repeats = match &self.residual {
             Some(residual) => residual.exceeds_noise(spectra.free, &self.glides.free, &frf)?,
             None => None,
         };
+        let ripple = repeats.map(|exceeds| self.glides.attributed(exceeds, &mut remarks));
         Ok(Estimated {
             unsettled: Unsettled::of(&spectra.periods, &self.plan, &frf)?,
             frf,
