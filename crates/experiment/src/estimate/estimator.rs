@@ -4,7 +4,9 @@
 use std::iter::zip;
 use std::ops::Range;
 
-use frfid_estimate::{Campaign, Evaluation, FrfEstimate, NoiseBias, PeriodIndex, RunSpectra};
+use frfid_estimate::{
+    Campaign, Evaluation, FrfEstimate, NoiseBias, PeriodIndex, RunSpectra, has_ripple_lines,
+};
 use frfid_signals::{Frf, Plan, Record, RunId, RunKind};
 use ndarray::s;
 
@@ -12,7 +14,7 @@ use crate::description::estimate::{EstimateTable, GlideSubtraction};
 use crate::error::ExperimentError;
 use crate::estimate::excerpt_bias::{ExcerptBias, WholeSpectra};
 use crate::estimate::glide_baseline::Baseline;
-use crate::estimate::glide_spectra::GlideSpectra;
+use crate::estimate::glide_spectra::{GlideSpectra, coherence};
 use crate::estimate::loop_response::LoopResponse;
 use crate::estimate::ripple_residual::{FreeSpectra, OnFreeLines, RippleResidual, is_looked_at};
 use crate::estimate::unsettled::Unsettled;
@@ -38,6 +40,8 @@ pub struct Spectra {
     free: Vec<FreeSpectra>,
     /// Of whole chirps, period by period.
     whole: WholeSpectra,
+    /// Variance in s^2 of the time by which the noise of the glides is shifted in each run.
+    wander_s2: Vec<f64>,
 }
 
 impl Spectra {
@@ -52,6 +56,7 @@ impl Spectra {
         self.periods.extend(other.periods);
         self.free.extend(other.free);
         self.whole.extend(other.whole);
+        self.wander_s2.extend(other.wander_s2);
     }
 }
 
@@ -134,7 +139,18 @@ impl Estimator {
             let periods = (0..self.n_complete(glide)).map(|period| self.period(glide, period));
             self.glides.add(periods.collect::<Result<Vec<_>, _>>()?);
         }
+        self.glides.show_ripple = self.shows_ripple();
         Ok(self)
+    }
+
+    /// Whether the mean glide has lines of ripple, in the period that is estimated.
+    fn shows_ripple(&self) -> bool {
+        let Baseline::Glide(glide) = &self.baseline else {
+            return false;
+        };
+        let end = glide.n_samples();
+        let start = end.min(self.plan.lead_in_samples);
+        has_ripple_lines(glide.u.slice(s![.., start..end]))
     }
 
     /// Whether [`Estimator::with_ripple_of`] is needed before spectra are taken.
@@ -172,8 +188,12 @@ impl Estimator {
             return Ok(Spectra::default());
         }
         let rest = self.baseline.subtract_from(record)?;
+        let wander_s2 = self.baseline.wander_s2(record)?;
         let record = rest.as_ref().unwrap_or(record);
-        let mut spectra = Spectra::default();
+        let mut spectra = Spectra {
+            wander_s2: vec![wander_s2],
+            ..Spectra::default()
+        };
         for period in (0..self.n_complete(record)).filter(|&period| !lost(period)) {
             let place = self.place(id, period);
             let (on_lines, free) = self.period(record, period)?;
@@ -262,6 +282,7 @@ impl Estimator {
         for glide in &self.glides.on_lines {
             campaign.insert_glide(glide.clone())?;
         }
+        campaign.set_glide_coherence(coherence(&spectra.wander_s2, campaign.frequency_hz()))?;
         let missing = campaign.drop_incomplete();
         let equal_draws = campaign.pool_equal_draws();
         let mut estimate = FrfEstimate {
@@ -276,10 +297,11 @@ impl Estimator {
         let noise_bias = estimate.noise_bias;
         let frf = estimate.frf;
         remarks.extend(self.glides.remark(&frf));
-        let ripple = match &self.residual {
+        let repeats = match &self.residual {
             Some(residual) => residual.exceeds_noise(spectra.free, &self.glides.free, &frf)?,
             None => None,
         };
+        let ripple = repeats.map(|exceeds| self.glides.attributed(exceeds, &mut remarks));
         Ok(Estimated {
             unsettled: Unsettled::of(&spectra.periods, &self.plan, &frf)?,
             response: self.options.loop_response(&campaign)?,
