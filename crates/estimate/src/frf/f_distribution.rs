@@ -1,10 +1,15 @@
 //! F distribution with even degrees of freedom, as ratios of powers of complex numbers have.
 
-/// Probability that an F variable with `2 a` and `2 b` degrees of freedom exceeds `ratio`: with
-/// `w = a ratio / (b + a ratio)` it is `(1 - w)^b sum_(i < a) C(b + i - 1, i) w^i`. (M. Abramowitz,
-/// I. Stegun, Handbook of Mathematical Functions, 26.5.6 and 26.6.2.)
+/// Probability that an F variable with `2 a` and `2 b` degrees of freedom exceeds `ratio`.
 pub(crate) fn f_tail(ratio: f64, a: usize, b: usize) -> f64 {
-    let (scaled, b) = (a as f64 * ratio, b as f64);
+    ln_f_tail(ratio, a, b as f64).exp()
+}
+
+/// Logarithm of [`f_tail`], b any number: with `w = a ratio / (b + a ratio)` it is that of
+/// `(1 - w)^b sum_(i < a) C(b + i - 1, i) w^i`. (M. Abramowitz, I. Stegun, Handbook of Mathematical
+/// Functions, 26.5.6 and 26.6.2.)
+pub(crate) fn ln_f_tail(ratio: f64, a: usize, b: f64) -> f64 {
+    let scaled = a as f64 * ratio;
     let ln_w = (scaled / (b + scaled)).ln();
     let mut ln_term = -b * (scaled / b).ln_1p();
     let (mut ln_largest, mut sum) = (ln_term, 1.0);
@@ -18,7 +23,7 @@ pub(crate) fn f_tail(ratio: f64, a: usize, b: usize) -> f64 {
             sum += (ln_term - ln_largest).exp();
         }
     }
-    (ln_largest + sum.ln()).exp()
+    ln_largest + sum.ln()
 }
 
 #[cfg(test)]

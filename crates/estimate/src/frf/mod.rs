@@ -4,7 +4,7 @@ pub(crate) mod blocks;
 pub(crate) mod estimate;
 pub(crate) mod excerpts;
 mod excitation;
-mod f_distribution;
+pub(crate) mod f_distribution;
 mod joint_input_output;
 mod logarithmic_mean;
 pub(crate) mod matrices;

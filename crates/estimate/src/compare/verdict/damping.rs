@@ -1,0 +1,86 @@
+//! Marks of more damping in one of two FRFs: a lower resonance, a shallower antiresonance, a phase
+//! pushed together.
+
+use crate::compare::change::{Change, Side, Sides};
+use crate::compare::curve::Curve;
+
+/// A level difference of a resonance or antiresonance that counts, in dB.
+const LEVEL_DB: f64 = 2.0;
+/// Standard deviations that it must exceed: by chance one in a hundred does.
+const SIGMAS: f64 = 2.6;
+/// A resonance that damping lowers by this much, in dB, is buried: what is left in its place says
+/// nothing about the spring.
+const BURIED_DB: f64 = 10.0;
+/// A difference of phase ranges that counts, in degrees.
+const PHASE_DEG: f64 = 5.0;
+
+/// The marks in one entry.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct DampingMarks {
+    /// The FRF that shows them.
+    pub side: Side,
+    /// How far its resonance lies below in dB.
+    pub resonance_down_db: f64,
+    /// Standard deviation of that; `None` where it is not known.
+    pub resonance_down_std_db: Option<f64>,
+    /// How much its antiresonance is filled up in dB, where there is one.
+    pub antiresonance_up_db: Option<f64>,
+    /// How much smaller its range of phase is in degrees.
+    pub phase_range_smaller_deg: f64,
+}
+
+impl DampingMarks {
+    pub(crate) fn buries_resonance(&self) -> bool {
+        self.resonance_down_db >= BURIED_DB
+    }
+}
+
+/// The marks by the most prominent resonance and antiresonance of A; `None` where they are no more
+/// than noise or the blur of a chirp explain.
+pub(crate) fn damping_marks(
+    changes: &[Change],
+    phase_range_deg: Sides<f64>,
+    curves: (&Curve, &Curve),
+) -> Option<DampingMarks> {
+    let resonance = most_prominent(changes.iter().filter(|change| change.is_resonance()))?;
+    let antiresonance = most_prominent(changes.iter().filter(|change| !change.is_resonance()));
+    let level_db = resonance.level_db?;
+    let (side, sign) = if level_db < 0.0 {
+        (Side::B, 1.0)
+    } else {
+        (Side::A, -1.0)
+    };
+    let resonance_down_std_db = resonance.level_std_db();
+    let uncertain_db = SIGMAS * resonance_down_std_db.unwrap_or(0.0);
+    let blur_db = down_by_blur_db(resonance, curves, side);
+    let marks = DampingMarks {
+        side,
+        resonance_down_db: -sign * level_db,
+        resonance_down_std_db,
+        antiresonance_up_db: antiresonance.and_then(|change| Some(sign * change.level_db?)),
+        phase_range_smaller_deg: sign * (phase_range_deg.a - phase_range_deg.b),
+    };
+    let second_mark = marks.antiresonance_up_db.is_some_and(|up| up >= LEVEL_DB)
+        || marks.phase_range_smaller_deg >= PHASE_DEG;
+    let is_lower = marks.resonance_down_db >= LEVEL_DB.max(uncertain_db).max(blur_db);
+    (is_lower && second_mark).then_some(marks)
+}
+
+/// How much lower a resonance would be by the blur of that side alone, in dB: the other's curve,
+/// blurred as far.
+fn down_by_blur_db(resonance: &Change, (a, b): (&Curve, &Curve), side: Side) -> f64 {
+    let (lower, other, feature) = match side {
+        Side::A => (a, b, resonance.b),
+        Side::B => (b, a, Some(resonance.a)),
+    };
+    let Some(feature) = feature.filter(|_| lower.relative_resolution > 0.0) else {
+        return 0.0;
+    };
+    let blurred = other.blurred_db_at(feature.frequency_hz, lower.relative_resolution);
+    blurred.map_or(0.0, |blurred| feature.magnitude_db - blurred)
+}
+
+/// The most prominent of these changes, in A.
+pub(crate) fn most_prominent<'a>(changes: impl Iterator<Item = &'a Change>) -> Option<&'a Change> {
+    changes.max_by(|x, y| x.a.prominence_db.total_cmp(&y.a.prominence_db))
+}
