@@ -13,11 +13,18 @@ const STEPS: usize = 30;
 /// Steps to either half-power point, in quarters of the distance of root and axis: with that many
 /// the level has long turned round.
 const STEPS_OUT: usize = 60;
+/// Furthest half-power point from the middle of the window, over its half width: a narrow window
+/// knows its root well enough.
+const FURTHEST: f64 = 2.0;
 /// Halvings of the step with the half-power point in it: its digits.
 const HALVINGS: usize = 40;
 /// Step of the derivatives in standard deviations: small, the errors are linear in it, and far
 /// above rounding.
 const STEP_SIGMAS: f64 = 1e-2;
+
+/// Standard deviation of the place over the distance of root and axis, half the half-power width, up
+/// to which errors are linear: beyond, the root may as well be one of the noise.
+const LINEAR: f64 = 0.25;
 
 /// The extremum in coordinates of the fit.
 #[derive(Clone, Copy)]
@@ -38,7 +45,8 @@ pub(crate) struct Errors {
     pub(crate) width: Option<f64>,
 }
 
-/// The extremum of that kind within the window, -1 to 1, and its standard deviations.
+/// The extremum of that kind within the window, -1 to 1, and its standard deviations; `None` where
+/// there is none, or the lines are too noisy for it.
 pub(crate) fn extremum(fit: &RationalFit, kind: FeatureKind) -> Option<(Extremum, Errors)> {
     let root = root(&fit.parameters, kind)?;
     let found = read(&fit.parameters, kind, root)?;
@@ -60,7 +68,7 @@ pub(crate) fn extremum(fit: &RationalFit, kind: FeatureKind) -> Option<(Extremum
         level: level.sqrt(),
         width: width.map(f64::sqrt),
     };
-    Some((found, errors))
+    (errors.place <= LINEAR * root.im.abs()).then_some((found, errors))
 }
 
 /// Derivatives by one complex parameter, `d/dRe + i d/dIm`.
@@ -166,7 +174,7 @@ fn slope_and_bend(p: &Parameters, x: f64) -> (f64, f64) {
     ((b_slope - a_slope).re, bend.re)
 }
 
-/// The place where the level has come half the power away from the extremum, within the window.
+/// The place where the level has come half the power away from the extremum.
 fn half_power(
     p: &Parameters,
     kind: FeatureKind,
@@ -183,7 +191,7 @@ fn half_power(
     let mut inside = place;
     for _ in 0..STEPS_OUT {
         let outside = inside + step;
-        if outside.abs() > 1.0 || fallen(outside) < fallen(inside) {
+        if outside.abs() > FURTHEST || fallen(outside) < fallen(inside) {
             return None;
         }
         if fallen(outside) >= half {

@@ -10,10 +10,14 @@ use crate::compare::scatter::Scatter;
 /// Lines to either side in the narrowest window: with three there are three more than parameters.
 const NARROWEST: usize = 3;
 /// Half width of the widest window over its frequency: beyond, other modes have their say.
-const WIDEST: f64 = 0.5;
+const WIDEST: f64 = 0.3;
 /// Misfit that the noise explains, in standard deviations beyond its mean: one window in twenty is
 /// called too wide though it is not, which costs little.
 const EXPLAINED: f64 = 1.65;
+/// Standard deviations by which what two windows find differs by more than noise.
+const BIASED: f64 = 1.0;
+/// Misfit of a window over that of the next one, of one and a half its width.
+const NARROWER: f64 = 0.4;
 /// Rounding of estimates, relative: a line is known no better, whatever its variance.
 const ROUNDING: f64 = 1e-9;
 
@@ -37,36 +41,95 @@ struct Window {
     half_hz: f64,
 }
 
-/// The extremum near line `top`, by the last but one window, growing, that the noise explains: the
-/// widest may hide a misfit as large as its noise. Where none is explained, by the narrowest, its
-/// errors enlarged by its misfit.
+/// The extremum near line `top` by the widest window, growing, before the first that is biased; its
+/// errors hold its share of that bias.
 pub(crate) fn local_extremum(curve: &Curve, top: usize, kind: FeatureKind) -> Option<Local> {
     let scatter = curve.scatter.as_ref()?;
-    let (mut last_but_one, mut last): (Option<Local>, Option<Local>) = (None, None);
+    let mut tried: Vec<Tried> = Vec::new();
     let mut half = NARROWEST;
     while let Some(window) = window(curve, top, half) {
-        let fit = fit(&samples(curve, scatter, &window)?)?;
-        let spare = (window.high - window.low + 1 - N_PARAMETERS) as f64;
-        let is_explained = fit.misfit <= spare + EXPLAINED * spare.sqrt();
-        if !is_explained && last.is_some() {
-            return last_but_one;
+        let samples = samples(curve, scatter, &window)?;
+        if let Some(found) = fit(&samples).and_then(|fit| try_window(&fit, kind, &window)) {
+            tried.push(found);
         }
-        let excess = if is_explained {
-            1.0
-        } else {
-            fit.misfit / spare
-        };
-        let found = in_units(&fit, kind, &window, excess);
-        if !is_explained {
-            return found;
-        }
-        if found.is_none() {
+        if tried.len() > 1 && is_biased(&tried) {
             break;
         }
-        (last_but_one, last) = (last.or(found), found);
         half += half.div_ceil(2);
     }
-    last
+    best(&tried)
+}
+
+/// What a window finds, and its misfit over the noise where that is more than chance, else 1.
+struct Tried {
+    local: Local,
+    excess: f64,
+}
+
+fn try_window(fit: &RationalFit, kind: FeatureKind, window: &Window) -> Option<Tried> {
+    let spare = (window.high - window.low + 1 - N_PARAMETERS) as f64;
+    let is_explained = fit.misfit <= spare + EXPLAINED * spare.sqrt();
+    let excess = if is_explained {
+        1.0
+    } else {
+        fit.misfit / spare
+    };
+    let local = in_units(fit, kind, window, excess)?;
+    Some(Tried { local, excess })
+}
+
+/// Whether the last window misses more than the noise, or finds something else than a narrower one
+/// by more than their noise. (Of an efficient estimate and another the difference has the
+/// difference of their variances: J. Hausman, Econometrica 46 (1978) 1251.)
+fn is_biased(tried: &[Tried]) -> bool {
+    let Some((wide, narrower)) = tried.split_last() else {
+        return false;
+    };
+    let differs = |narrow: &Tried| {
+        let (narrow, wide) = (narrow.local.quantities(), wide.local.quantities());
+        let mut pairs = narrow.into_iter().zip(wide).filter_map(|(x, y)| x.zip(y));
+        pairs.any(|((x, std), (y, least))| {
+            (x - y).abs() > BIASED * (std * std - least * least).max(0.0).sqrt()
+        })
+    };
+    wide.excess > 1.0 || narrower.iter().any(differs)
+}
+
+fn best(tried: &[Tried]) -> Option<Local> {
+    match tried {
+        [] => None,
+        [only] => Some(only.local),
+        [.., narrow, wide] if is_biased(tried) => Some(narrow.local.unlike(&wide.local)),
+        [.., last] => Some(last.local),
+    }
+}
+
+impl Local {
+    /// Frequency, level and, where there is one, damping with their standard deviations.
+    fn quantities(&self) -> [Option<(f64, f64)>; 3] {
+        [
+            Some((self.frequency_hz, self.frequency_std_hz)),
+            Some((self.level, self.level_std)),
+            self.damping.zip(self.damping_std),
+        ]
+    }
+
+    /// With errors that hold what a wider window finds differently: a misfit grows with the cube of
+    /// the width or faster.
+    fn unlike(self, wider: &Self) -> Self {
+        let enlarged = |std: f64, apart: f64| std.hypot(NARROWER * apart);
+        let dampings = self.damping.zip(wider.damping);
+        let damping_apart = dampings.map_or(0.0, |(narrow, wide)| narrow - wide);
+        Self {
+            frequency_std_hz: enlarged(
+                self.frequency_std_hz,
+                self.frequency_hz - wider.frequency_hz,
+            ),
+            level_std: enlarged(self.level_std, self.level - wider.level),
+            damping_std: self.damping_std.map(|std| enlarged(std, damping_apart)),
+            ..self
+        }
+    }
 }
 
 /// Lines `half` to either side of `top`, shifted inwards at the ends; `None` if there are fewer, or

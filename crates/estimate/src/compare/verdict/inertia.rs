@@ -2,8 +2,8 @@
 //! inertia asks.
 //!
 //! Two masses on a spring: another link moves the notch more than the peak, and the level below both
-//! by `2 ln(notch) - 2 ln(peak)`; another motor leaves the notch, and moves the level above both by
-//! `2 ln(peak)` and more.
+//! by `2 ln(notch) - 2 ln(peak)`, not the level above; another motor leaves the notch, and moves the
+//! level above both by `2 ln(peak)` and more.
 
 use crate::compare::change::Change;
 use crate::compare::entry::EntryComparison;
@@ -13,6 +13,8 @@ use crate::compare::verdict::mass_lines::LevelChange;
 
 /// Share of the level change that the shifts ask for, at least and (inverse) at most.
 const SHARE: f64 = 0.5;
+/// Change of the level above over that below up to which the motor is the same.
+const STAYS: f64 = 0.25;
 /// Standard deviations that count.
 const SIGMAS: f64 = 2.6;
 
@@ -43,11 +45,14 @@ pub(crate) fn other_inertia(entry: &EntryComparison) -> Option<Inertia<'_>> {
     let apart = of_notch.value - of_peak.value;
     let uncertain = SIGMAS * of_notch.std.hypot(of_peak.std) + of_notch.bound + of_peak.bound;
     let lines = &entry.mass_lines;
-    let whose = if apart.abs() <= uncertain {
+    let is_unlike = apart.abs() > uncertain;
+    let is_the_notch = of_notch.value.abs() > of_peak.value.abs();
+    let whose = if !is_unlike {
         None
-    } else if notch.has_moved() && of_notch.value.abs() > of_peak.value.abs() {
-        follows(lines.below?, 2.0 * apart).then_some(Whose::Link)
-    } else if peak.has_moved() && !notch.has_moved() {
+    } else if is_the_notch && notch.has_moved() {
+        let (below, above) = (lines.below?, lines.above?);
+        (follows(below, 2.0 * apart) && stays(above, below)).then_some(Whose::Link)
+    } else if !is_the_notch && peak.has_moved() {
         follows(lines.above?, 2.0 * of_peak.value).then_some(Whose::Motor)
     } else {
         None
@@ -58,6 +63,11 @@ pub(crate) fn other_inertia(entry: &EntryComparison) -> Option<Inertia<'_>> {
         notch,
         peak,
     })
+}
+
+/// Whether a level moved far less than another.
+fn stays(level: LevelChange, other: LevelChange) -> bool {
+    level.db.abs() <= STAYS * other.db.abs() + SIGMAS * level.std_db
 }
 
 /// Whether a level moved as far as it should, in nepers.

@@ -35,18 +35,19 @@ pub(crate) fn judge(
         .or_else(|| unexplained(&axes, agreement))
 }
 
-/// Stiffness, where every axis that moved moved as by a spring, in one sense.
+/// Stiffness, where all axes together, or each that moved, moved as by a spring, in one sense.
 fn stiffness(axes: &[&EntryComparison], stronger: Option<Side>) -> Option<Judgement> {
     let moved = || {
         axes.iter()
             .filter(|entry| entry.changes.iter().any(Change::has_moved))
     };
-    let alike: Option<Vec<Stiffening>> = moved().map(|entry| moved_alike(entry)).collect();
-    let alone = || -> Option<Vec<Stiffening>> {
+    let together = || Some(vec![moved_alike(axes)?]);
+    let each = || moved().map(|entry| moved_alike(&[entry])).collect();
+    let alone = || {
         stronger?;
         moved().map(|entry| peak_moved_alone(entry)).collect()
     };
-    let found = alike.or_else(alone)?;
+    let found: Vec<Stiffening> = together().or_else(each).or_else(alone)?;
     let largest = found
         .iter()
         .max_by(|x, y| x.shift.abs().total_cmp(&y.shift.abs()))?;

@@ -13,57 +13,65 @@ use crate::compare::verdict::mass_lines::{LevelChange, MassLines};
 
 /// Difference of two shifts that are alike, over their mean.
 const ALIKE: f64 = 0.1;
-/// Uncertainty of a shift over the mean of all beyond which it does not tell alike from unlike.
+/// Uncertainty of the shift of the notches, or of the peaks, over the mean of both beyond which it
+/// does not tell alike from unlike.
 const TELLING: f64 = 0.25;
-/// Standard deviations of a difference that are chance.
+/// Standard deviations of a difference that are chance, of one and of the worst of many.
 const SIGMAS: f64 = 2.0;
-/// Change of a level that a spring may make, over the shift: below half its frequency a resonance
-/// raises the level by a quarter and less.
-const SAME_INERTIA: f64 = 0.5;
+const SIGMAS_OF_MANY: f64 = 3.5;
+/// Change of a level that a spring may make, over that of an inertia that shifts as far: below half
+/// its frequency a resonance raises the level by a quarter and less.
+const SAME_INERTIA: f64 = 0.25;
 
-/// The resonance of an axis that a spring moved.
+/// The resonance that a spring moved.
 pub(crate) struct Stiffening<'a> {
     pub(crate) entry: &'a EntryComparison,
     pub(crate) peak: &'a Change,
-    /// Logarithm of the ratio by which the features of the axis moved, B over A.
+    /// Logarithm of the ratio by which the features moved, B over A.
     pub(crate) shift: f64,
 }
 
-/// Whether the features of an axis all moved by one ratio, notch and peak among them, and its
-/// inertias stayed.
-pub(crate) fn moved_alike(entry: &EntryComparison) -> Option<Stiffening<'_>> {
-    let shifts: Vec<(&Change, LogRatio)> = shifts(entry).collect();
-    let mean = mean(shifts.iter().map(|(_, shift)| shift))?;
-    let is_telling = |shift: &LogRatio| SIGMAS * shift.std + shift.bound <= TELLING * mean.abs();
-    let telling = || shifts.iter().filter(|(_, shift)| is_telling(shift));
-    let is_alike = |(_, shift): &(&Change, LogRatio)| {
-        let apart = (shift.value - mean).abs();
-        apart <= ALIKE * mean.abs() + SIGMAS * shift.std + shift.bound
+/// Whether the features of these axes all moved by one ratio, notches and peaks, while the inertias
+/// stayed.
+pub(crate) fn moved_alike<'a>(axes: &[&'a EntryComparison]) -> Option<Stiffening<'a>> {
+    let shifts: Vec<Shift> = axes.iter().flat_map(|entry| shifts(entry)).collect();
+    let of_kind = |is_resonance: bool| {
+        mean(
+            shifts
+                .iter()
+                .filter(|shift| shift.change.is_resonance() == is_resonance),
+        )
     };
-    let peaks = || {
-        telling()
-            .map(|(change, _)| *change)
-            .filter(|change| change.is_resonance())
+    let (all, peaks, notches) = (mean(shifts.iter())?, of_kind(true)?, of_kind(false)?);
+    let size = all.value.abs();
+    let is_telling = |mean: LogRatio| {
+        SIGMAS * mean.std + mean.bound <= TELLING * size && mean.value.abs() > mean.uncertain()
     };
-    let has_notch = telling().any(|(change, _)| !change.is_resonance());
-    let moved = telling().all(|(change, _)| change.has_moved());
-    if !(has_notch
-        && moved
-        && shifts.iter().all(is_alike)
-        && keeps_inertia(&entry.mass_lines, mean))
-    {
+    let apart = (peaks.value - notches.value).abs();
+    let chance = SIGMAS * peaks.std.hypot(notches.std) + peaks.bound + notches.bound;
+    let is_alike = |shift: &Shift| {
+        let LogRatio { value, std, bound } = shift.ratio;
+        (value - all.value).abs() <= ALIKE * size + SIGMAS_OF_MANY * std + bound
+    };
+    let found = is_telling(peaks) && is_telling(notches) && apart <= ALIKE * size + chance;
+    let stays = |entry: &&EntryComparison| keeps_inertia(&entry.mass_lines, all.value);
+    if !(found && shifts.iter().all(is_alike) && axes.iter().all(stays)) {
         return None;
     }
+    let resonances = shifts.iter().filter(|shift| shift.change.is_resonance());
+    let prominence = |shift: &&Shift| shift.change.a.prominence_db;
+    let Shift { entry, change, .. } =
+        *resonances.max_by(|x, y| prominence(x).total_cmp(&prominence(y)))?;
     Some(Stiffening {
         entry,
-        peak: most_prominent(peaks())?,
-        shift: mean,
+        peak: change,
+        shift: all.value,
     })
 }
 
-/// Whether the most prominent resonance alone moved, away from an antiresonance that stayed, while
-/// the inertias stayed: no linear joint does that, but one whose spring is another one where it
-/// deflects.
+/// Whether the only resonance moved, by more than its width, away from an antiresonance that stayed,
+/// while the inertias stayed: no linear joint does that, but one whose spring is another one where
+/// it deflects.
 pub(crate) fn peak_moved_alone(entry: &EntryComparison) -> Option<Stiffening<'_>> {
     let of_kind = |is_resonance: bool| {
         let changes = entry.changes.iter().filter(|change| change.b.is_some());
@@ -74,32 +82,57 @@ pub(crate) fn peak_moved_alone(entry: &EntryComparison) -> Option<Stiffening<'_>
         most_prominent(of_kind(false))?,
     );
     let shift = peak.log_ratio()?.value;
+    let damping = peak.a.damping?.max(peak.b?.damping?);
     let MassLines { below, above } = entry.mass_lines;
     let is_alone = of_kind(true).count() == 1 && peak.has_moved() && !notch.has_moved();
-    (is_alone && below.is_some() && above.is_some() && keeps_inertia(&entry.mass_lines, shift))
+    let is_known = below.is_some() && above.is_some();
+    (is_alone && is_known && shift.abs() > damping && keeps_inertia(&entry.mass_lines, shift))
         .then_some(Stiffening { entry, peak, shift })
 }
 
-/// The shifts of all features that both have.
-fn shifts(entry: &EntryComparison) -> impl Iterator<Item = (&Change, LogRatio)> {
-    let changes = entry.changes.iter();
-    changes.filter_map(|change| Some((change, change.log_ratio()?)))
+/// Shift of a feature that both have.
+#[derive(Clone, Copy)]
+struct Shift<'a> {
+    entry: &'a EntryComparison,
+    change: &'a Change,
+    ratio: LogRatio,
+}
+
+fn shifts(entry: &EntryComparison) -> impl Iterator<Item = Shift<'_>> {
+    let ratio = |change| Some((change, Change::log_ratio(change)?));
+    let found = entry.changes.iter().filter_map(ratio);
+    found.map(move |(change, ratio)| Shift {
+        entry,
+        change,
+        ratio,
+    })
 }
 
 /// Mean with the weights of the uncertainties; `None` of none.
-fn mean<'a>(shifts: impl Iterator<Item = &'a LogRatio>) -> Option<f64> {
-    // a hundredth of a per cent: features that are known exactly count alike
-    let weight = |shift: &LogRatio| 1.0 / (shift.std.powi(2) + shift.bound.powi(2) + 1e-8);
-    let sums = shifts.fold((0.0, 0.0), |(sum, weights), shift| {
-        (sum + weight(shift) * shift.value, weights + weight(shift))
-    });
-    (sums.1 > 0.0).then(|| sums.0 / sums.1)
+fn mean<'a>(shifts: impl Iterator<Item = &'a Shift<'a>>) -> Option<LogRatio> {
+    let (mut value, mut variance, mut bound, mut weights) = (0.0, 0.0, 0.0, 0.0);
+    for Shift { ratio, .. } in shifts {
+        // a hundredth of a per cent: features that are known exactly count alike
+        let weight = 1.0 / (ratio.std.powi(2) + ratio.bound.powi(2) + 1e-8);
+        value += weight * ratio.value;
+        variance += (weight * ratio.std).powi(2);
+        bound += weight * ratio.bound;
+        weights += weight;
+    }
+    (weights > 0.0).then(|| LogRatio {
+        value: value / weights,
+        std: variance.sqrt() / weights,
+        bound: bound / weights,
+    })
 }
 
-/// Whether the levels beside the resonances, where they are known, moved less than an inertia that
-/// shifts them so far would move them, `2 |shift|`.
-pub(crate) fn keeps_inertia(lines: &MassLines, shift: f64) -> bool {
-    let least_db = SAME_INERTIA * DB_PER_NEPER * shift.abs();
-    let stays = |level: LevelChange| level.db.abs() <= least_db + SIGMAS * level.std_db;
+/// Whether the levels beside the resonances, where they are known, moved far less than an inertia
+/// that shifts them so far would move them, `2 |shift|`, and well enough known for that.
+fn keeps_inertia(lines: &MassLines, shift: f64) -> bool {
+    let least_db = SAME_INERTIA * 2.0 * DB_PER_NEPER * shift.abs();
+    let stays = |level: LevelChange| {
+        let chance_db = SIGMAS * level.std_db;
+        level.db.abs() <= least_db + chance_db && chance_db <= least_db
+    };
     lines.below.is_none_or(stays) && lines.above.is_none_or(stays)
 }
