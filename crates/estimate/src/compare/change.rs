@@ -43,6 +43,8 @@ pub struct Change {
     /// Level of B over A in dB: feature against feature, or at A's frequency where B has none;
     /// `None` outside of B's band.
     pub level_db: Option<f64>,
+    /// Standard deviation of that level in dB; `None` unless it is known of both.
+    pub level_std_db: Option<f64>,
 }
 
 /// Natural logarithm of a ratio, with what is uncertain of it.
@@ -73,7 +75,7 @@ impl Serialize for Change {
         map.serialize_field("shift_std_percent", &self.shift_std_percent())?;
         map.serialize_field("damping_ratio", &self.damping_ratio())?;
         map.serialize_field("level_db", &self.level_db)?;
-        map.serialize_field("level_std_db", &self.level_std_db())?;
+        map.serialize_field("level_std_db", &self.level_std_db)?;
         map.serialize_field("has_moved", &self.has_moved())?;
         map.end()
     }
@@ -115,18 +117,21 @@ impl Change {
         Some(self.b?.damping? / self.a.damping?)
     }
 
-    /// Standard deviation of the level of B over A in dB; `None` unless it is known of both.
-    #[must_use]
-    pub fn level_std_db(&self) -> Option<f64> {
-        Some(self.a.magnitude_std_db?.hypot(self.b?.magnitude_std_db?))
-    }
-
     /// Whether the shift exceeds 2.6 of its standard deviations, what the frequency grids (where
     /// no standard deviation is known) and the blur of chirps leave uncertain, and 1 %.
     #[must_use]
     pub fn has_moved(&self) -> bool {
         let moved = |shift: LogRatio| shift.value.abs() > shift.uncertain().max(LEAST_SHIFT);
         self.log_ratio().is_some_and(moved)
+    }
+
+    /// Whether it moved by more than half its half-power width in either; one of unknown width, a flat
+    /// top, did not.
+    pub(crate) fn has_moved_beyond_width(&self) -> bool {
+        let dampings = self.a.damping.zip(self.b.and_then(|b| b.damping));
+        let is_beyond =
+            |shift: LogRatio| dampings.is_some_and(|(a, b)| shift.value.abs() > a.max(b));
+        self.has_moved() && self.log_ratio().is_some_and(is_beyond)
     }
 
     /// Logarithm of the frequency in B over that in A.

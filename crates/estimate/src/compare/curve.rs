@@ -6,6 +6,9 @@ use num_complex::Complex64;
 use crate::compare::measured::{Line, Measured};
 use crate::compare::scatter::Scatter;
 
+/// Decibels of one natural logarithm of a magnitude.
+pub(crate) const DB_PER_NEPER: f64 = 20.0 * std::f64::consts::LOG10_E;
+
 /// A Bode curve that can be read between its points.
 pub(crate) struct Curve {
     pub(crate) frequency_hz: Vec<f64>,
@@ -67,6 +70,15 @@ impl Curve {
         Some(db(
             (lines.iter().sum::<Complex64>() / lines.len() as f64).norm()
         ))
+    }
+
+    /// Standard deviation of the magnitude in dB at the first line from `hz` on; `None` where it is
+    /// not known.
+    pub(crate) fn std_db_near(&self, hz: f64) -> Option<f64> {
+        let line = self.frequency_hz.partition_point(|&f| f < hz);
+        let variance = self.scatter.as_ref()?.pooled.get(line)?;
+        // half the variance lies along the response
+        Some(DB_PER_NEPER * (0.5 * variance).sqrt() / self.response[line].norm())
     }
 
     fn between(&self, values: &[f64], hz: f64) -> Option<f64> {

@@ -3,7 +3,7 @@
 
 pub(crate) mod agreement;
 pub(crate) mod change;
-mod curve;
+pub(crate) mod curve;
 pub(crate) mod entry;
 /// Resonances and antiresonances of one curve, each with its errors.
 pub(crate) mod feature {

@@ -114,14 +114,18 @@ fn price(a: &Feature, b: &Feature, largest_shift: f64) -> f64 {
 
 /// What became of a feature of A.
 fn change(a: Feature, b: Option<Feature>, curve_b: &Curve) -> Change {
-    let level_db = match b {
-        Some(b) => Some(b.magnitude_db),
-        None => curve_b.magnitude_db_at(a.frequency_hz),
+    let (level_db, std_db) = match b {
+        Some(b) => (Some(b.magnitude_db), b.magnitude_std_db),
+        None => (
+            curve_b.magnitude_db_at(a.frequency_hz),
+            curve_b.std_db_near(a.frequency_hz),
+        ),
     };
     Change {
         a,
         b,
         level_db: level_db.map(|level_db| level_db - a.magnitude_db),
+        level_std_db: a.magnitude_std_db.zip(std_db).map(|(a, b)| a.hypot(b)),
     }
 }
 

@@ -4,7 +4,7 @@
 use frfid_signals::Frf;
 use serde::Serialize;
 
-use crate::compare::curve::Curve;
+use crate::compare::curve::{Curve, DB_PER_NEPER};
 use crate::compare::feature::parabola::{half_power_bandwidth, parabola_top};
 use crate::compare::feature::prominence::saddles;
 use crate::compare::feature::windows::{Local, local_extremum};
@@ -13,8 +13,6 @@ use crate::compare::measured::Measured;
 /// Probability with which all lines of a curve lie within their regions at once: an extremum whose
 /// region lies above those of its saddles is then no wiggle of the noise.
 const NO_WIGGLE: f64 = 0.95;
-/// Decibels of one natural logarithm of a magnitude.
-pub(crate) const DB_PER_NEPER: f64 = 20.0 * std::f64::consts::LOG10_E;
 
 /// Peak or notch of the magnitude.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -52,8 +50,8 @@ pub struct Feature {
     pub frequency_hz: f64,
     /// Its standard deviation in Hz.
     pub frequency_std_hz: Option<f64>,
-    /// Half the distance between the points around it in Hz, or what the estimate blurs if that is
-    /// more.
+    /// Half the distance in Hz between the lines around it, or between those that may be the extreme
+    /// one by their noise where no fit tells them apart, or what the estimate blurs if that is more.
     pub resolution_hz: f64,
     /// How far the estimate blurs there, in Hz; 0 for lines of a period, which do not.
     pub blur_hz: f64,
@@ -158,21 +156,34 @@ fn peaks(curve: &Curve, regions: &Regions, kind: FeatureKind, least: f64) -> Vec
     inner
         .filter(|&k| level[k - 1] < level[k] && level[k] >= level[k + 1])
         .filter(|&k| level[k] - beside[k] >= least && regions.low[k] > highest_beside[k])
-        .map(|k| feature(curve, level, k, kind, level[k] - beside[k]))
+        .map(|k| feature(curve, regions, k, kind, level[k] - beside[k]))
         .collect()
+}
+
+/// Half the distance of the lines around `top`, or of those that may be as high by their regions.
+fn resolution_hz(curve: &Curve, regions: &Regions, top: usize) -> f64 {
+    let hz = &curve.frequency_hz;
+    let may_be_top = |k: &usize| regions.high[*k] >= regions.low[top];
+    let left = (0..top).rev().take_while(may_be_top).last();
+    let right = (top + 1..hz.len()).take_while(may_be_top).last();
+    let as_high_hz = 0.5 * (hz[right.unwrap_or(top)] - hz[left.unwrap_or(top)]);
+    (0.25 * (hz[top + 1] - hz[top - 1])).max(as_high_hz)
 }
 
 /// The feature whose highest line is `top`.
 fn feature(
     curve: &Curve,
-    level: &[f64],
+    regions: &Regions,
     top: usize,
     kind: FeatureKind,
     prominence_db: f64,
 ) -> Feature {
-    let hz = &curve.frequency_hz;
+    let (hz, level) = (&curve.frequency_hz, &regions.level);
     let fitted = local_extremum(curve, top, kind);
-    let resolution_hz = 0.25 * (hz[top + 1] - hz[top - 1]);
+    let resolution_hz = match fitted {
+        Some(_) => 0.25 * (hz[top + 1] - hz[top - 1]),
+        None => resolution_hz(curve, regions, top),
+    };
     let (frequency_hz, height, damping) = match &fitted {
         Some(local) => (
             local.frequency_hz,

@@ -11,6 +11,9 @@ const SIGMAS: f64 = 2.6;
 /// A resonance that damping lowers by this much, in dB, is buried: what is left in its place says
 /// nothing about the spring.
 const BURIED_DB: f64 = 10.0;
+/// Standard deviation of a line, in dB, in which a resonance may be hidden: that there is none says
+/// nothing.
+const HIDING_DB: f64 = 0.5;
 /// A difference of phase ranges that counts, in degrees.
 const PHASE_DEG: f64 = 5.0;
 
@@ -50,7 +53,10 @@ pub(crate) fn damping_marks(
     } else {
         (Side::A, -1.0)
     };
-    let resonance_down_std_db = resonance.level_std_db();
+    let resonance_down_std_db = resonance.level_std_db;
+    if resonance.b.is_none() && resonance_down_std_db.is_some_and(|std| std > HIDING_DB) {
+        return None;
+    }
     let uncertain_db = SIGMAS * resonance_down_std_db.unwrap_or(0.0);
     let blur_db = down_by_blur_db(resonance, curves, side);
     let marks = DampingMarks {

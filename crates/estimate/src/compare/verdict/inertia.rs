@@ -6,8 +6,8 @@
 //! level above both by `2 ln(peak)` and more.
 
 use crate::compare::change::Change;
+use crate::compare::curve::DB_PER_NEPER;
 use crate::compare::entry::EntryComparison;
-use crate::compare::feature::resonance::DB_PER_NEPER;
 use crate::compare::verdict::damping::most_prominent;
 use crate::compare::verdict::mass_lines::LevelChange;
 

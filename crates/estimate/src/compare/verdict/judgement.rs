@@ -29,7 +29,7 @@ pub(crate) fn judge(
         .or_else(|| inertia(&axes))
         .or_else(|| {
             damping
-                .filter(|_| !has_moved(&axes))
+                .filter(|_| !has_moved_away(&axes))
                 .map(|(entry, marks)| damped(entry, marks, stronger))
         })
         .or_else(|| unexplained(&axes, agreement))
@@ -117,9 +117,10 @@ fn damped(entry: &EntryComparison, marks: DampingMarks, stronger: Option<Side>) 
     Judgement::of(verdict, entry)
 }
 
-fn has_moved(axes: &[&EntryComparison]) -> bool {
-    axes.iter()
-        .any(|entry| entry.changes.iter().any(Change::has_moved))
+/// Whether a feature moved by more than its width, which damping alone does not do.
+fn has_moved_away(axes: &[&EntryComparison]) -> bool {
+    let mut changes = axes.iter().flat_map(|entry| &entry.changes);
+    changes.any(Change::has_moved_beyond_width)
 }
 
 /// That they differ: by the test, or by a feature that moved.

@@ -6,8 +6,8 @@
 //! and moves the level below or above them by twice the difference of their logarithms.
 
 use crate::compare::change::{Change, LogRatio};
+use crate::compare::curve::DB_PER_NEPER;
 use crate::compare::entry::EntryComparison;
-use crate::compare::feature::resonance::DB_PER_NEPER;
 use crate::compare::verdict::damping::most_prominent;
 use crate::compare::verdict::mass_lines::{LevelChange, MassLines};
 
@@ -15,7 +15,7 @@ use crate::compare::verdict::mass_lines::{LevelChange, MassLines};
 const ALIKE: f64 = 0.1;
 /// Uncertainty of the shift of the notches, or of the peaks, over the mean of both beyond which it
 /// does not tell alike from unlike.
-const TELLING: f64 = 0.25;
+const TELLING: f64 = 0.2;
 /// Standard deviations of a difference that are chance, of one and of the worst of many.
 const SIGMAS: f64 = 2.0;
 const SIGMAS_OF_MANY: f64 = 3.5;
@@ -32,7 +32,8 @@ pub(crate) struct Stiffening<'a> {
 }
 
 /// Whether the features of these axes all moved by one ratio, notches and peaks, while the inertias
-/// stayed.
+/// stayed. Where the levels on both sides of the features are known, which an inertia that moved the
+/// peaks would have moved, the notches need only not contradict.
 pub(crate) fn moved_alike<'a>(axes: &[&'a EntryComparison]) -> Option<Stiffening<'a>> {
     let shifts: Vec<Shift> = axes.iter().flat_map(|entry| shifts(entry)).collect();
     let of_kind = |is_resonance: bool| {
@@ -53,7 +54,11 @@ pub(crate) fn moved_alike<'a>(axes: &[&'a EntryComparison]) -> Option<Stiffening
         let LogRatio { value, std, bound } = shift.ratio;
         (value - all.value).abs() <= ALIKE * size + SIGMAS_OF_MANY * std + bound
     };
-    let found = is_telling(peaks) && is_telling(notches) && apart <= ALIKE * size + chance;
+    let by_levels = axes
+        .iter()
+        .all(|entry| would_show_inertia(&entry.mass_lines, all.value));
+    let is_told = is_telling(peaks) && (by_levels || is_telling(notches));
+    let found = is_told && apart <= ALIKE * size + chance;
     let stays = |entry: &&EntryComparison| keeps_inertia(&entry.mass_lines, all.value);
     if !(found && shifts.iter().all(is_alike) && axes.iter().all(stays)) {
         return None;
@@ -82,12 +87,14 @@ pub(crate) fn peak_moved_alone(entry: &EntryComparison) -> Option<Stiffening<'_>
         most_prominent(of_kind(false))?,
     );
     let shift = peak.log_ratio()?.value;
-    let damping = peak.a.damping?.max(peak.b?.damping?);
-    let MassLines { below, above } = entry.mass_lines;
-    let is_alone = of_kind(true).count() == 1 && peak.has_moved() && !notch.has_moved();
-    let is_known = below.is_some() && above.is_some();
-    (is_alone && is_known && shift.abs() > damping && keeps_inertia(&entry.mass_lines, shift))
-        .then_some(Stiffening { entry, peak, shift })
+    let is_alone =
+        of_kind(true).count() == 1 && peak.has_moved_beyond_width() && !notch.has_moved();
+    let is_known = would_show_inertia(&entry.mass_lines, shift);
+    (is_alone && is_known && keeps_inertia(&entry.mass_lines, shift)).then_some(Stiffening {
+        entry,
+        peak,
+        shift,
+    })
 }
 
 /// Shift of a feature that both have.
@@ -126,13 +133,21 @@ fn mean<'a>(shifts: impl Iterator<Item = &'a Shift<'a>>) -> Option<LogRatio> {
     })
 }
 
-/// Whether the levels beside the resonances, where they are known, moved far less than an inertia
-/// that shifts them so far would move them, `2 |shift|`, and well enough known for that.
+/// Whether no level beside the resonances moved as an inertia that shifts them so far would move it,
+/// by `2 |shift|`.
 fn keeps_inertia(lines: &MassLines, shift: f64) -> bool {
-    let least_db = SAME_INERTIA * 2.0 * DB_PER_NEPER * shift.abs();
-    let stays = |level: LevelChange| {
-        let chance_db = SIGMAS * level.std_db;
-        level.db.abs() <= least_db + chance_db && chance_db <= least_db
-    };
+    let stays =
+        |level: LevelChange| level.db.abs() <= least_db(shift) + SIGMAS_OF_MANY * level.std_db;
     lines.below.is_none_or(stays) && lines.above.is_none_or(stays)
+}
+
+/// Whether both levels are known so well that an inertia would have been seen.
+fn would_show_inertia(lines: &MassLines, shift: f64) -> bool {
+    let is_known = |level: LevelChange| SIGMAS * level.std_db <= least_db(shift);
+    lines.below.is_some_and(is_known) && lines.above.is_some_and(is_known)
+}
+
+/// Change of a level that a spring may make.
+fn least_db(shift: f64) -> f64 {
+    SAME_INERTIA * 2.0 * DB_PER_NEPER * shift.abs()
 }
