@@ -11,6 +11,8 @@ const SIGMAS: f64 = 2.6;
 /// A resonance that damping lowers by this much, in dB, is buried: what is left in its place says
 /// nothing about the spring.
 const BURIED_DB: f64 = 10.0;
+/// Ratio of two dampings that counts: 2 dB of level are a quarter more.
+const MORE_DAMPING: f64 = 1.15;
 /// Standard deviation of a line, in dB, in which a resonance may be hidden: that there is none says
 /// nothing.
 const HIDING_DB: f64 = 0.5;
@@ -54,7 +56,7 @@ pub(crate) fn damping_marks(
         (Side::A, -1.0)
     };
     let resonance_down_std_db = resonance.level_std_db;
-    if resonance.b.is_none() && resonance_down_std_db.is_some_and(|std| std > HIDING_DB) {
+    if !is_known(resonance, curves) || !has_more_damping(resonance, side) {
         return None;
     }
     let uncertain_db = SIGMAS * resonance_down_std_db.unwrap_or(0.0);
@@ -66,10 +68,31 @@ pub(crate) fn damping_marks(
         antiresonance_up_db: antiresonance.and_then(|change| Some(sign * change.level_db?)),
         phase_range_smaller_deg: sign * (phase_range_deg.a - phase_range_deg.b),
     };
-    let second_mark = marks.antiresonance_up_db.is_some_and(|up| up >= LEVEL_DB)
-        || marks.phase_range_smaller_deg >= PHASE_DEG;
+    let antiresonance_std_db = antiresonance.and_then(|change| change.level_std_db);
+    let least_up_db = LEVEL_DB.max(SIGMAS * antiresonance_std_db.unwrap_or(0.0));
+    let is_told = antiresonance.is_some_and(|change| is_known(change, curves));
+    let is_shallower = marks
+        .antiresonance_up_db
+        .is_some_and(|up| up >= least_up_db);
+    let second_mark = is_told && is_shallower || marks.phase_range_smaller_deg >= PHASE_DEG;
     let is_lower = marks.resonance_down_db >= LEVEL_DB.max(uncertain_db).max(blur_db);
     (is_lower && second_mark).then_some(marks)
+}
+
+/// Whether a change of level, as far as there is noise, is known in spite of it.
+fn is_known(change: &Change, (a, b): (&Curve, &Curve)) -> bool {
+    let has_noise = a.scatter.is_some() && b.scatter.is_some();
+    let is_precise = |std: f64| change.b.is_some() || std <= HIDING_DB;
+    !has_noise || change.level_std_db.is_some_and(is_precise)
+}
+
+/// Whether the damping of that side is the larger, where both are known.
+fn has_more_damping(resonance: &Change, side: Side) -> bool {
+    let ratio = resonance.damping_ratio();
+    ratio.is_none_or(|ratio| match side {
+        Side::A => ratio * MORE_DAMPING <= 1.0,
+        Side::B => ratio >= MORE_DAMPING,
+    })
 }
 
 /// How much lower a resonance would be by the blur of that side alone, in dB: the other's curve,

@@ -15,7 +15,7 @@ use crate::compare::verdict::mass_lines::{LevelChange, MassLines};
 const ALIKE: f64 = 0.1;
 /// Uncertainty of the shift of the notches, or of the peaks, over the mean of both beyond which it
 /// does not tell alike from unlike.
-const TELLING: f64 = 0.2;
+const TELLING: f64 = 0.15;
 /// Standard deviations of a difference that are chance, of one and of the worst of many.
 const SIGMAS: f64 = 2.0;
 const SIGMAS_OF_MANY: f64 = 3.5;
