@@ -116,7 +116,7 @@ fn inertias_are_no_stiffness() {
 fn coverage(n_lines: usize, relative: f64, joints: u64, draws: u64) -> ([f64; 3], usize) {
     let fine_hz = log_spaced(1.0, 60.0, 40_001).expect("a band");
     let hz = log_spaced(1.0, 60.0, n_lines).expect("a band");
-    let (mut inside, mut all, mut too_many) = ([0; 3], [0; 3], 0);
+    let (mut inside, mut all, mut too_many) = ([0_u32; 3], [0_u32; 3], 0);
     for seed in 0..joints {
         let joint = Arm::random(1, 300 + seed);
         let truth = find_features(&joint.frf(&fine_hz), 0, 0, 3.0);
@@ -129,7 +129,7 @@ fn coverage(n_lines: usize, relative: f64, joints: u64, draws: u64) -> ([f64; 3]
                 let same = truth.iter().find(|truth| truth.kind == feature.kind);
                 for (place, is_inside) in holds(feature, same.expect("notch and peak")) {
                     all[place] += 1;
-                    inside[place] += usize::from(is_inside);
+                    inside[place] += u32::from(is_inside);
                 }
             }
         }

@@ -10,6 +10,7 @@
 
 pub(crate) mod common_lines;
 mod hotelling;
+mod words;
 
 use serde::Serialize;
 
@@ -28,7 +29,7 @@ const STANDS_OUT: f64 = 3.0;
 
 /// Whether two FRFs, or one entry of both, agree within their noise.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case", tag = "known")]
+#[serde(rename_all = "kebab-case", tag = "kind")]
 pub enum Agreement {
     /// It was tested.
     Tested(NoiseTest),

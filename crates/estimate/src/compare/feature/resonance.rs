@@ -160,16 +160,6 @@ fn peaks(curve: &Curve, regions: &Regions, kind: FeatureKind, least: f64) -> Vec
         .collect()
 }
 
-/// Half the distance of the lines around `top`, or of those that may be as high by their regions.
-fn resolution_hz(curve: &Curve, regions: &Regions, top: usize) -> f64 {
-    let hz = &curve.frequency_hz;
-    let may_be_top = |k: &usize| regions.high[*k] >= regions.low[top];
-    let left = (0..top).rev().take_while(may_be_top).last();
-    let right = (top + 1..hz.len()).take_while(may_be_top).last();
-    let as_high_hz = 0.5 * (hz[right.unwrap_or(top)] - hz[left.unwrap_or(top)]);
-    (0.25 * (hz[top + 1] - hz[top - 1])).max(as_high_hz)
-}
-
 /// The feature whose highest line is `top`.
 fn feature(
     curve: &Curve,
@@ -178,41 +168,68 @@ fn feature(
     kind: FeatureKind,
     prominence_db: f64,
 ) -> Feature {
+    let feature = match local_extremum(curve, top, kind) {
+        Some(local) => fitted(&local, curve, top, kind),
+        None => read_off(curve, regions, top, kind),
+    };
+    let blur_hz = curve.relative_resolution * feature.frequency_hz;
+    Feature {
+        prominence_db,
+        blur_hz,
+        resolution_hz: feature.resolution_hz.max(blur_hz),
+        ..feature
+    }
+}
+
+/// By a local fit.
+fn fitted(local: &Local, curve: &Curve, top: usize, kind: FeatureKind) -> Feature {
+    Feature {
+        kind,
+        frequency_hz: local.frequency_hz,
+        frequency_std_hz: Some(local.frequency_std_hz),
+        resolution_hz: half_spacing_hz(curve, top),
+        blur_hz: 0.0,
+        magnitude_db: DB_PER_NEPER * local.level,
+        magnitude_std_db: Some(DB_PER_NEPER * local.level_std),
+        prominence_db: 0.0,
+        damping: local.damping,
+        damping_std: local.damping_std,
+    }
+}
+
+/// By a parabola, without errors.
+fn read_off(curve: &Curve, regions: &Regions, top: usize, kind: FeatureKind) -> Feature {
     let (hz, level) = (&curve.frequency_hz, &regions.level);
-    let fitted = local_extremum(curve, top, kind);
-    let resolution_hz = match fitted {
-        Some(_) => 0.25 * (hz[top + 1] - hz[top - 1]),
-        None => resolution_hz(curve, regions, top),
-    };
-    let (frequency_hz, height, damping) = match &fitted {
-        Some(local) => (
-            local.frequency_hz,
-            DB_PER_NEPER * local.level,
-            local.damping,
-        ),
-        None => {
-            let (hz_top, height) = parabola_top(hz, level, top);
-            let width = half_power_bandwidth(hz, level, top, height);
-            let upright = if kind == FeatureKind::Resonance {
-                height
-            } else {
-                -height
-            };
-            (hz_top, upright, width.map(|width| 0.5 * width / hz_top))
-        }
-    };
-    let std = |value: fn(&Local) -> Option<f64>| fitted.as_ref().and_then(value);
-    let blur_hz = curve.relative_resolution * frequency_hz;
+    let (frequency_hz, height) = parabola_top(hz, level, top);
+    let width_hz = half_power_bandwidth(hz, level, top, height);
     Feature {
         kind,
         frequency_hz,
-        frequency_std_hz: std(|local| Some(local.frequency_std_hz)),
-        resolution_hz: resolution_hz.max(blur_hz),
-        blur_hz,
-        magnitude_db: height,
-        magnitude_std_db: std(|local| Some(DB_PER_NEPER * local.level_std)),
-        prominence_db,
-        damping,
-        damping_std: std(|local| local.damping_std),
+        frequency_std_hz: None,
+        resolution_hz: as_high_hz(curve, regions, top).max(half_spacing_hz(curve, top)),
+        blur_hz: 0.0,
+        magnitude_db: if kind == FeatureKind::Resonance {
+            height
+        } else {
+            -height
+        },
+        magnitude_std_db: None,
+        prominence_db: 0.0,
+        damping: width_hz.map(|width_hz| 0.5 * width_hz / frequency_hz),
+        damping_std: None,
     }
+}
+
+/// Half the mean distance to the lines beside `top`.
+fn half_spacing_hz(curve: &Curve, top: usize) -> f64 {
+    0.25 * (curve.frequency_hz[top + 1] - curve.frequency_hz[top - 1])
+}
+
+/// Half the distance of the outermost lines around `top` that may be as high by their regions.
+fn as_high_hz(curve: &Curve, regions: &Regions, top: usize) -> f64 {
+    let hz = &curve.frequency_hz;
+    let may_be_top = |k: &usize| regions.high[*k] >= regions.low[top];
+    let left = (0..top).rev().take_while(may_be_top).last();
+    let right = (top + 1..hz.len()).take_while(may_be_top).last();
+    0.5 * (hz[right.unwrap_or(top)] - hz[left.unwrap_or(top)])
 }

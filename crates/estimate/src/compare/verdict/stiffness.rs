@@ -16,6 +16,8 @@ const ALIKE: f64 = 0.1;
 /// Uncertainty of the shift of the notches, or of the peaks, over the mean of both beyond which it
 /// does not tell alike from unlike.
 const TELLING: f64 = 0.15;
+/// Typical error of what lies within a bound, over the bound.
+const TYPICAL: f64 = 0.5;
 /// Standard deviations of a difference that are chance, of one and of the worst of many.
 const SIGMAS: f64 = 2.0;
 const SIGMAS_OF_MANY: f64 = 3.5;
@@ -46,7 +48,8 @@ pub(crate) fn moved_alike<'a>(axes: &[&'a EntryComparison]) -> Option<Stiffening
     let (all, peaks, notches) = (mean(shifts.iter())?, of_kind(true)?, of_kind(false)?);
     let size = all.value.abs();
     let is_telling = |mean: LogRatio| {
-        SIGMAS * mean.std + mean.bound <= TELLING * size && mean.value.abs() > mean.uncertain()
+        SIGMAS * mean.std + TYPICAL * mean.bound <= TELLING * size
+            && mean.value.abs() > mean.uncertain()
     };
     let apart = (peaks.value - notches.value).abs();
     let chance = SIGMAS * peaks.std.hypot(notches.std) + peaks.bound + notches.bound;
