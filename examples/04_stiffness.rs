@@ -123,12 +123,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         stronger: Some(Side::B),
         ..CompareOptions::default()
     };
-    for verdict in compare(&bla, &excerpts, &options)?
-        .entries
-        .into_iter()
-        .flat_map(|entry| entry.verdicts)
-    {
-        println!("{verdict}");
+    if let Some(judgement) = compare(&bla, &excerpts, &options)?.judgement {
+        println!("{}", judgement.verdict);
     }
     Ok(())
 }

@@ -249,7 +249,8 @@ fn comparing_says_what_moved_and_what_that_means() {
         "{text}"
     );
     assert!(
-        text.contains("verdict: stiffness grows with deflection"),
+        text.contains("verdict: stiffness grows with deflection")
+            && text.contains("agreement: whether they agree within their noise is not known"),
         "{text}"
     );
     let machine = frfid(
@@ -264,9 +265,9 @@ fn comparing_says_what_moved_and_what_that_means() {
         ],
     );
     let value: Value = serde_json::from_slice(&machine.stdout).expect("JSON");
-    let verdict = value["entries"][0]["verdicts"][0]
-        .as_str()
-        .expect("a verdict");
+    assert_eq!(value["agreement"]["reason"], "blurred");
+    assert_eq!(value["verdict_entry"], serde_json::json!([0, 0]));
+    let verdict = value["verdict"].as_str().expect("a verdict");
     assert!(
         verdict.starts_with("stiffness falls with deflection"),
         "{verdict}"

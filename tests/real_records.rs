@@ -250,7 +250,8 @@ fn f16_resonances_fall_with_the_level() {
         prominence_db: 6.0,
         ..Default::default()
     };
-    for entry in compare(low, high, &options).expect("the same band").entries {
+    let found = compare(low, high, &options).expect("the same band");
+    for entry in &found.entries {
         let wing = entry
             .changes
             .iter()
@@ -263,21 +264,18 @@ fn f16_resonances_fall_with_the_level() {
             "output {}",
             entry.output
         );
-        // softer springs and rubbing bolts both show; which verdict comes first is not for this
-        // record to say
-        let said = |verdict: &Verdict| {
-            matches!(
-                verdict,
-                Verdict::StiffnessFallsWithDeflection { .. }
-                    | Verdict::FrictionIn { side: Side::B, .. }
-            )
-        };
-        assert!(
-            !entry.verdicts.is_empty() && entry.verdicts.iter().all(said),
-            "{:?}",
-            entry.verdicts
-        );
     }
+    // softer springs and rubbing bolts both show, on modes that move unlike: that they differ is
+    // certain, a growing stiffness is not
+    let verdict = found.judgement.map(|judgement| judgement.verdict);
+    println!("F-16: {verdict:?}");
+    assert!(
+        verdict.is_some_and(|verdict| !matches!(
+            verdict,
+            Verdict::StiffnessGrowsWithDeflection { .. }
+        )),
+        "{verdict:?}"
+    );
 }
 
 /// What is no multisine is refused. The EMPS reference repeats exactly after 6240 samples, so it is

@@ -166,7 +166,11 @@ def test_two_frfs_are_compared():
     assert (notch["a"]["kind"], peak["a"]["kind"]) == ("antiresonance", "resonance")
     for change, shift in ((notch, 6.5590 - 5.0289), (peak, 15.1254 - 11.6211)):
         assert change["has_moved"] and change["shift_hz"] == pytest.approx(shift, abs=0.02)
-    assert str(frfid.compare(soft, soft)) == "nothing stands out" and frfid.compare(soft, soft).verdicts == []
+    assert (verdict.verdict, verdict.verdict_entry) == (str(verdict), (0, 0))
+    same = frfid.compare(soft, soft)
+    assert str(same) == "nothing stands out" and same.verdict is None
+    assert same.agrees is None and same.agreement == {"kind": "unknown", "reason": "no-covariance"}
+    assert notch["a"]["frequency_std_hz"] is None and notch["shift_std_percent"] is None
     with pytest.raises(ValueError, match="stronger: unknown variant `c`"):
         frfid.compare(soft, stiff, stronger="c")
     with pytest.raises(ValueError, match="60"):

@@ -27,6 +27,7 @@ mod progress;
 /// Texts for people: tables of what was designed, reached and checked.
 mod text {
     pub(crate) mod checks;
+    pub(crate) mod comparison;
     pub(crate) mod load;
     pub(crate) mod plan;
     pub(crate) mod strength;

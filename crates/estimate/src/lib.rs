@@ -47,10 +47,15 @@ mod testing;
 mod trend;
 
 pub use closed_loop::{ClosedLoop, Entry, Port, Response};
+pub use compare::agreement::{Agreement, NoiseTest, UnknownAgreement, WorstBand};
 pub use compare::change::{Change, Side, Sides};
-pub use compare::resonance::{Feature, FeatureKind, find_features};
-pub use compare::verdict::Verdict;
-pub use compare::{CompareOptions, Comparison, EntryComparison, compare};
+pub use compare::entry::EntryComparison;
+pub use compare::feature::resonance::{Feature, FeatureKind, find_features};
+pub use compare::measured::Spread;
+pub use compare::verdict::damping::DampingMarks;
+pub use compare::verdict::mass_lines::{LevelChange, MassLines};
+pub use compare::verdict::{Judgement, Peak, Verdict};
+pub use compare::{CompareOptions, Comparison, compare};
 pub use error::EstimateError;
 pub use error::aperiodic::Aperiodic;
 pub use error::aperiodic::Sweep;

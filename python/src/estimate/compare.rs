@@ -7,7 +7,7 @@ use crate::choice::{choice, to_python};
 use crate::error;
 use crate::frf::matrix::Frf;
 
-/// Two FRFs side by side; made by ``frfid.compare``. Printed, it is its verdicts.
+/// Two FRFs side by side; made by ``frfid.compare``. Printed, it is its verdict.
 #[pyclass(frozen, module = "frfid")]
 pub(crate) struct Comparison {
     compared: Compared,
@@ -15,14 +15,34 @@ pub(crate) struct Comparison {
 
 #[pymethods]
 impl Comparison {
-    /// What the difference says about the machine, in sentences; empty if nothing stands out.
+    /// What the difference says about the machine, in a sentence; ``None`` if the FRFs agree within
+    /// their noise, or nothing stands out.
     #[getter]
-    fn verdicts(&self) -> Vec<String> {
+    fn verdict(&self) -> Option<String> {
+        let judgement = self.compared.judgement;
+        judgement.map(|judgement| judgement.verdict.to_string())
+    }
+
+    /// Entry (output, input) whose numbers the verdict gives; ``None`` where it speaks of all.
+    #[getter]
+    fn verdict_entry(&self) -> Option<(usize, usize)> {
         self.compared
-            .entries
-            .iter()
-            .flat_map(|entry| entry.verdicts.iter().map(ToString::to_string))
-            .collect()
+            .judgement
+            .and_then(|judgement| judgement.entry)
+    }
+
+    /// Whether they agree within their noise, by a test over all lines that they share; ``None``
+    /// where that cannot be told.
+    #[getter]
+    fn agrees(&self) -> Option<bool> {
+        self.compared.agreement.agrees()
+    }
+
+    /// The test as a dict: ``statistic``, by chance ``n_lines``, ``p_value``, the ``worst`` band; or
+    /// the ``reason`` why it cannot be told.
+    #[getter]
+    fn agreement<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.compared.agreement)
     }
 
     /// Band in Hz that both cover.
@@ -40,19 +60,22 @@ impl Comparison {
     }
 
     /// Every entry of the matrix, outputs first, as a dict: ``changes`` holds each resonance and
-    /// antiresonance of ``a``, what became of it in ``b``, and its shift.
+    /// antiresonance of ``a``, what became of it in ``b``, and its shift, with standard deviations
+    /// where the covariances are known.
     #[getter]
     fn entries<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         to_python(py, &self.compared.entries)
     }
 
     fn __str__(&self) -> String {
-        let verdicts = self.verdicts();
-        if verdicts.is_empty() {
-            "nothing stands out".to_owned()
-        } else {
-            verdicts.join("\n")
-        }
+        let agrees = self.agrees() == Some(true);
+        self.verdict().unwrap_or_else(|| {
+            if agrees {
+                self.compared.agreement.to_string()
+            } else {
+                "nothing stands out".to_owned()
+            }
+        })
     }
 
     fn __repr__(&self) -> String {
@@ -64,8 +87,8 @@ impl Comparison {
     }
 }
 
-/// Compares two FRFs: shift of resonances and antiresonances, damping, and what it says about
-/// stiffness and friction.
+/// Compares two FRFs: whether they agree within their noise, shift of resonances and antiresonances,
+/// damping, and what that says about stiffness, inertia and friction.
 ///
 /// Parameters
 /// ----------

@@ -3,18 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use frfid_estimate::{Change, CompareOptions, EntryComparison, Feature, Side, Sides, compare};
+use frfid_estimate::{CompareOptions, Comparison, Side, Sides, compare};
 use frfid_files::{ResultFile, read_result};
 use frfid_signals::format::significant;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::options::{Options, existing_path, named};
-use crate::text::table::{or_dash, row, table};
+use crate::text::comparison::entry_as_text;
 
-/// Compare two FRFs: shifts of resonances and antiresonances, damping, and what it says about
-/// stiffness and friction
+/// Compare two FRFs: whether they agree within their noise, shifts of resonances and antiresonances,
+/// damping, and what that says about stiffness, inertia and friction
 #[derive(Debug, Args)]
 #[command(before_help = "\
 Examples:
@@ -49,22 +49,52 @@ pub(crate) fn run(
     };
     let comparison = compare(&a.frf, &b.frf, &settings).map_err(|error| Failure::failed(&error))?;
     if options.json {
-        let (low, high) = comparison.band_hz;
-        console.json(&json!({
-            "low_hz": low,
-            "high_hz": high,
-            "unknown_lines": comparison.unknown_lines,
-            "entries": comparison.entries,
-        }))?;
+        console.json(&as_json(&comparison))?;
         return Ok(Exit::Done);
     }
     console.data(&heading(arguments, settings.stronger, comparison.band_hz))?;
     console.data(&unknown(comparison.unknown_lines))?;
+    console.data(&machine(&comparison, &a))?;
     for entry in &comparison.entries {
-        let (input, output) = (&a.input_names[entry.input], &a.output_names[entry.output]);
-        console.data(&format!("\n{input} to {output}\n{}", as_text(entry)))?;
+        let names = names(&a, (entry.output, entry.input));
+        console.data(&format!("\n{names}\n{}", entry_as_text(entry)))?;
     }
     Ok(Exit::Done)
+}
+
+fn as_json(comparison: &Comparison) -> Value {
+    let (low, high) = comparison.band_hz;
+    let judgement = comparison.judgement.as_ref();
+    json!({
+        "low_hz": low,
+        "high_hz": high,
+        "unknown_lines": comparison.unknown_lines,
+        "agreement": comparison.agreement,
+        "verdict": judgement.map(|judgement| judgement.verdict),
+        "verdict_entry": judgement.and_then(|judgement| judgement.entry),
+        "entries": comparison.entries,
+    })
+}
+
+/// An entry by the names of its channels.
+fn names(result: &ResultFile, (output, input): (usize, usize)) -> String {
+    format!(
+        "{} to {}",
+        result.input_names[input], result.output_names[output]
+    )
+}
+
+/// Whether both agree, and the verdict on the machine.
+fn machine(comparison: &Comparison, result: &ResultFile) -> String {
+    let agreement = &comparison.agreement;
+    let verdict = match &comparison.judgement {
+        None => "nothing stands out".to_owned(),
+        Some(judgement) => match judgement.entry.filter(|_| comparison.entries.len() > 1) {
+            Some(entry) => format!("{} ({})", judgement.verdict, names(result, entry)),
+            None => judgement.verdict.to_string(),
+        },
+    };
+    format!("agreement: {agreement}\nverdict: {verdict}\n")
 }
 
 /// Both results, which of them was measured with the stronger excitation, and their common band.
@@ -108,60 +138,4 @@ fn is_larger(torques: &[f64], others: &[f64]) -> bool {
     const CLEARLY: f64 = 1.1;
     let mut pairs = torques.iter().zip(others);
     torques.len() == others.len() && pairs.all(|(torque, other)| *torque > CLEARLY * other)
-}
-
-/// The table of features, what differs elsewhere, and the verdicts.
-fn as_text(entry: &EntryComparison) -> String {
-    let Sides { a, b } = entry.phase_range_deg;
-    let mut text = features(entry);
-    text += &format!(
-        "  over the band, B/A: median {:+.2} dB, median size {:.2} dB; phase spans {a:.0} deg in A, {b:.0} deg in B\n",
-        entry.level_db, entry.difference_db
-    );
-    if entry.verdicts.is_empty() {
-        text += "  verdict: nothing stands out\n";
-    }
-    for verdict in &entry.verdicts {
-        text += &format!("  verdict: {verdict}\n");
-    }
-    text
-}
-
-/// A row for each resonance and antiresonance: those of A, beside those of B that they moved to,
-/// and those that are in B alone.
-fn features(entry: &EntryComparison) -> String {
-    let title = ["", "A", "B", "shift", "damping A", "damping B", "level B/A"];
-    let mut rows = vec![row(title)];
-    rows.extend(entry.changes.iter().map(changed));
-    rows.extend(entry.only_in_b.iter().map(only_in_b));
-    table(&rows)
-}
-
-fn changed(change: &Change) -> Vec<String> {
-    let shift = change.shift_percent();
-    vec![
-        change.a.kind.name().to_owned(),
-        or_dash(Some(change.a.frequency_hz), in_hz),
-        or_dash(change.b.map(|b| b.frequency_hz), in_hz),
-        or_dash(shift, |percent| format!("{percent:+.1} %")),
-        or_dash(change.a.damping, damping),
-        or_dash(change.b.and_then(|b| b.damping), damping),
-        or_dash(change.level_db, |level| format!("{level:+.1} dB")),
-    ]
-}
-
-fn only_in_b(feature: &Feature) -> Vec<String> {
-    let mut cells = row(["-"; 7]);
-    cells[0] = feature.kind.name().to_owned();
-    cells[2] = in_hz(feature.frequency_hz);
-    cells[5] = or_dash(feature.damping, damping);
-    cells
-}
-
-fn in_hz(frequency_hz: f64) -> String {
-    format!("{} Hz", significant(frequency_hz, 4))
-}
-
-fn damping(damping: f64) -> String {
-    significant(damping, 4)
 }

@@ -1,24 +1,36 @@
-//! Comparison of two FRFs: what moved, what is damped, and what that says about stiffness and
-//! friction.
+//! Comparison of two FRFs: whether they agree within their noise, what moved, what is damped, and
+//! what that says about the machine.
 
-pub(crate) mod bode;
+pub(crate) mod agreement;
 pub(crate) mod change;
+pub(crate) mod curve;
+pub(crate) mod entry;
+/// Resonances and antiresonances of one curve, each with its errors.
+pub(crate) mod feature {
+    mod fitted_extremum;
+    mod parabola;
+    mod prominence;
+    mod rational_fit;
+    pub(crate) mod resonance;
+    mod windows;
+}
+pub(crate) mod measured;
 mod pairing;
-pub(crate) mod resonance;
+mod scatter;
 pub(crate) mod verdict;
 
 use std::iter::zip;
 
-use frfid_signals::{Frf, checks::require_shape, median};
+use frfid_signals::{Frf, checks::require_shape};
 use ndarray::{ArrayView2, indices};
 use num_complex::Complex64;
-use serde::Serialize;
 
-use crate::compare::bode::Bode;
-use crate::compare::change::{Change, Side, Sides};
-use crate::compare::pairing::pair;
-use crate::compare::resonance::{Feature, features_of};
-use crate::compare::verdict::{Verdict, verdicts};
+use crate::compare::agreement::{Agreement, agreements};
+use crate::compare::change::{Side, Sides};
+use crate::compare::entry::{EntryComparison, compare_entry};
+use crate::compare::measured::Measured;
+use crate::compare::verdict::Judgement;
+use crate::compare::verdict::judgement::judge;
 use crate::error::EstimateError;
 
 /// How two FRFs are compared.
@@ -42,28 +54,6 @@ impl Default for CompareOptions {
     }
 }
 
-/// One entry of the two matrices compared, over the band they share.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct EntryComparison {
-    /// Output channel.
-    pub output: usize,
-    /// Input channel.
-    pub input: usize,
-    /// Resonances and antiresonances of A within the common band, and what became of them.
-    pub changes: Vec<Change>,
-    /// Features of B within the common band that A has not.
-    pub only_in_b: Vec<Feature>,
-    /// Median level of B over A in dB; NaN where they have no line in common.
-    pub level_db: f64,
-    /// Median size of the difference of levels in dB; NaN as well.
-    pub difference_db: f64,
-    /// Range of the phase (largest minus smallest, unwrapped) of A and of B in degrees; NaN where
-    /// nothing is known of it.
-    pub phase_range_deg: Sides<f64>,
-    /// What it says about the machine; empty if nothing stands out.
-    pub verdicts: Vec<Verdict>,
-}
-
 /// Comparison of two FRFs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Comparison {
@@ -71,11 +61,18 @@ pub struct Comparison {
     pub band_hz: (f64, f64),
     /// Lines within that band of which nothing is known (NaN): they are left out.
     pub unknown_lines: Sides<usize>,
+    /// Whether they agree within their noise.
+    pub agreement: Agreement,
+    /// What all entries together say about the machine; `None` if the FRFs agree, or nothing stands
+    /// out.
+    pub judgement: Option<Judgement>,
     /// Every entry, outputs first.
     pub entries: Vec<EntryComparison>,
 }
 
-/// Compares `b` with `a`, entry by entry, over the band they share; the frequency grids may differ.
+/// Compares `b` with `a` over the band they share: first whether they agree within their noise, then
+/// the resonances and antiresonances of every entry, which may lie on other lines, then what all of
+/// it says about the machine.
 ///
 /// ```
 /// use frfid_estimate::{CompareOptions, compare};
@@ -110,16 +107,28 @@ pub fn compare(a: &Frf, b: &Frf, options: &CompareOptions) -> Result<Comparison,
     let needed = format_args!("(frequency, {n_outputs}, {n_inputs}), as a");
     require_shape("b", b.response.shape(), fits, needed)?;
     let band_hz = common_band(a, b)?;
-    let entry = |entry| compare_entry(a, b, entry, band_hz, options);
-    let entries = indices((n_outputs, n_inputs)).into_iter().map(entry);
+    let (a, b) = (&Measured::of(a), &Measured::of(b));
+    let (agreement, each) = agreements(a, b, band_hz);
+    let places = indices((n_outputs, n_inputs)).into_iter();
+    let entries = zip(places, each)
+        .map(|(place, agreement)| compare_entry((a, b), place, agreement, band_hz, options));
+    let entries: Vec<EntryComparison> = entries.collect();
+    let judgement = judge(
+        &entries,
+        n_outputs == n_inputs,
+        &agreement,
+        options.stronger,
+    );
     let unknown = |frf: &Frf| n_within(frf, band_hz) - n_known_within(frf, band_hz);
     Ok(Comparison {
         band_hz,
         unknown_lines: Sides {
-            a: unknown(a),
-            b: unknown(b),
+            a: unknown(a.frf),
+            b: unknown(b.frf),
         },
-        entries: entries.collect(),
+        agreement,
+        judgement,
+        entries,
     })
 }
 
@@ -158,62 +167,6 @@ fn ends_hz(frf: &Frf) -> (f64, f64) {
     )
 }
 
-fn is_within(band_hz: (f64, f64), hz: f64) -> bool {
+pub(crate) fn is_within(band_hz: (f64, f64), hz: f64) -> bool {
     (band_hz.0..=band_hz.1).contains(&hz)
-}
-
-fn compare_entry(
-    a: &Frf,
-    b: &Frf,
-    (output, input): (usize, usize),
-    band_hz: (f64, f64),
-    options: &CompareOptions,
-) -> EntryComparison {
-    let (a, b) = (Bode::of(a, output, input), Bode::of(b, output, input));
-    let features = |curve: &Bode| {
-        let mut features = features_of(curve, options.prominence_db);
-        features.retain(|feature| is_within(band_hz, feature.frequency_hz));
-        features
-    };
-    let (changes, only_in_b) = pair(&features(&a), features(&b), &b, options.largest_shift);
-    let levels = levels_db(&a, &b, band_hz);
-    let phase_range_deg = phase_ranges_deg(&a, &b, band_hz);
-    EntryComparison {
-        output,
-        input,
-        verdicts: verdicts(&changes, phase_range_deg, options.stronger),
-        changes,
-        only_in_b,
-        difference_db: median(levels.iter().map(|level| level.abs()).collect()).unwrap_or(f64::NAN),
-        level_db: median(levels).unwrap_or(f64::NAN),
-        phase_range_deg,
-    }
-}
-
-/// Places of A's own frequencies in a band, on which both are compared.
-fn places_in(a: &Bode, band_hz: (f64, f64)) -> impl Iterator<Item = usize> + Clone {
-    (0..a.frequency_hz.len()).filter(move |&k| is_within(band_hz, a.frequency_hz[k]))
-}
-
-/// Levels of B over A in dB.
-fn levels_db(a: &Bode, b: &Bode, band_hz: (f64, f64)) -> Vec<f64> {
-    places_in(a, band_hz)
-        .filter_map(|k| Some(b.magnitude_db_at(a.frequency_hz[k])? - a.magnitude_db[k]))
-        .collect()
-}
-
-/// Ranges of the phase in degrees.
-fn phase_ranges_deg(a: &Bode, b: &Bode, band_hz: (f64, f64)) -> Sides<f64> {
-    let places = || places_in(a, band_hz);
-    Sides {
-        a: range(places().map(|k| a.phase_deg[k])),
-        b: range(places().filter_map(|k| b.phase_deg_at(a.frequency_hz[k]))),
-    }
-}
-
-/// The largest minus the smallest value; NaN of none.
-fn range(values: impl Iterator<Item = f64> + Clone) -> f64 {
-    let high = values.clone().fold(f64::NEG_INFINITY, f64::max);
-    let low = values.fold(f64::INFINITY, f64::min);
-    if low <= high { high - low } else { f64::NAN }
 }

@@ -1,9 +1,14 @@
 //! F distribution with an even number of degrees of freedom above, as ratios of powers of complex numbers have.
 
-/// Probability that an F variable with `2 a` and `2 b` degrees of freedom exceeds `ratio`: with
-/// `w = a ratio / (b + a ratio)` it is `(1 - w)^b sum_(i < a) C(b + i - 1, i) w^i`. (M. Abramowitz,
-/// I. Stegun, Handbook of Mathematical Functions, 26.5.6 and 26.6.2.)
+/// Probability that an F variable with `2 a` and `2 b` degrees of freedom exceeds `ratio`.
 pub(crate) fn f_tail(ratio: f64, a: usize, b: f64) -> f64 {
+    ln_f_tail(ratio, a, b).exp()
+}
+
+/// Logarithm of [`f_tail`]: with `w = a ratio / (b + a ratio)` it is that of
+/// `(1 - w)^b sum_(i < a) C(b + i - 1, i) w^i`. (M. Abramowitz, I. Stegun, Handbook of Mathematical
+/// Functions, 26.5.6 and 26.6.2.)
+pub(crate) fn ln_f_tail(ratio: f64, a: usize, b: f64) -> f64 {
     let scaled = a as f64 * ratio;
     let ln_w = (scaled / (b + scaled)).ln();
     let mut ln_term = -b * (scaled / b).ln_1p();
@@ -18,7 +23,7 @@ pub(crate) fn f_tail(ratio: f64, a: usize, b: f64) -> f64 {
             sum += (ln_term - ln_largest).exp();
         }
     }
-    (ln_largest + sum.ln()).exp()
+    ln_largest + sum.ln()
 }
 
 #[cfg(test)]

@@ -70,8 +70,17 @@ impl Roughness {
 pub fn roughness(frf: &Frf) -> Option<Roughness> {
     let variance = frf.noise_variance()?;
     let entries = (0..frf.n_outputs()).flat_map(|o| (0..frf.n_inputs()).map(move |i| (o, i)));
-    let rough = entries.filter_map(|entry| scatter(&lines_of(frf, &variance, entry)));
+    let rough = entries.filter_map(|entry| entry_roughness(frf, &variance, entry));
     rough.max_by(|a, b| a.over_noise.total_cmp(&b.over_noise))
+}
+
+/// As [`roughness`], of one entry `(output, input)` with these variances of its noise.
+pub(crate) fn entry_roughness(
+    frf: &Frf,
+    variance: &Array3<f64>,
+    entry: (usize, usize),
+) -> Option<Roughness> {
+    scatter(&lines_of(frf, variance, entry))
 }
 
 /// The known lines of an entry.

@@ -174,8 +174,13 @@ impl Section6 {
             stronger: Some(Side::B),
             ..CompareOptions::default()
         };
-        let entries = compare(&multisine.frf, &chirp.frf, &options).ok()?.entries;
-        let mut verdicts = entries.into_iter().flat_map(|entry| entry.verdicts);
-        verdicts.find(|verdict| matches!(verdict, Verdict::StiffnessGrowsWithDeflection { .. }))
+        let judgement = compare(&multisine.frf, &chirp.frf, &options)
+            .ok()?
+            .judgement?;
+        let is_growing = matches!(
+            judgement.verdict,
+            Verdict::StiffnessGrowsWithDeflection { .. }
+        );
+        is_growing.then_some(judgement.verdict)
     }
 }

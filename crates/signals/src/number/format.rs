@@ -19,6 +19,16 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// A value and its standard deviation, both to two digits of the latter: `11.621 ± 0.023`.
+#[must_use]
+pub fn plus_minus(value: f64, std: f64) -> String {
+    if !(std > 0.0 && std.is_finite() && value.is_finite()) {
+        return format!("{} ± {}", significant(value, 4), significant(std, 2));
+    }
+    let decimals = (1.0 - std.log10().floor()).clamp(0.0, 9.0) as usize;
+    format!("{value:.decimals$} ± {std:.decimals$}")
+}
+
 /// `1 run`, `3 runs`.
 #[must_use]
 pub fn count(number: usize, noun: &str) -> String {
@@ -38,6 +48,20 @@ pub fn band([low_hz, high_hz]: [f64; 2]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn values_are_given_to_the_digits_of_their_errors() {
+        let all = [
+            (11.6213, 0.0234),
+            (0.09732, 0.0011),
+            (150.0, 12.0),
+            (3.0, f64::NAN),
+        ];
+        assert_eq!(
+            all.map(|(value, std)| plus_minus(value, std)),
+            ["11.621 ± 0.023", "0.0973 ± 0.0011", "150 ± 12", "3 ± NaN"]
+        );
+    }
 
     #[test]
     fn numbers_read_well() {
