@@ -29,6 +29,11 @@ mod glide {
     pub(crate) mod torque_table;
 }
 mod harmonics;
+/// Spectra of input and output together: coherence, covariances.
+mod joint_spectra {
+    pub(crate) mod coherence;
+    pub(crate) mod covariance;
+}
 mod lines;
 mod look;
 mod period_index;
@@ -65,7 +70,6 @@ pub use excitation_strength::pooling::pooled_strength;
 pub use excitation_strength::stuck::standing_share;
 pub use excitation_strength::warnings::{MOST_STUCK, strength_warnings};
 pub use excitation_strength::{AxisStrength, BandStrength, strength};
-pub use frf::coherence::Coherence;
 pub use frf::direct_difference::DirectDifference;
 pub use frf::estimate::FrfEstimate;
 pub use frf::excerpts::whole_record::WholeRecord;
@@ -73,7 +77,6 @@ pub use frf::excerpts::{estimate_chirp, estimate_repeats};
 pub use frf::noise_bias::NoiseBias;
 pub use frf::roughness::{Roughness, roughness};
 pub use frf::singular::{condition_number, scaled_condition_number, singular_values};
-pub use frf::spectra_covariance::SpectraCovariance;
 pub use frf::time_series::{campaign_of_periods, estimate_bla, estimate_periods};
 pub use frf::{FrfOptions, Method};
 pub use glide::by_position::RippleTorque;
@@ -82,6 +85,8 @@ pub use glide::residual_level::ResidualLevel;
 pub use glide::ripple_lines::has_ripple_lines;
 pub use glide::ripple_residual::FreeLines;
 pub use harmonics::harmonic_levels;
+pub use joint_spectra::coherence::Coherence;
+pub use joint_spectra::covariance::SpectraCovariance;
 pub use lines::unexcited_lines::unexcited_lines;
 pub use lines::{find_lines, lines_at};
 pub use look::look;

@@ -1,7 +1,6 @@
 //! FRF of a campaign: the methods. A method is a file in `methods` and a variant here.
 
 pub(crate) mod blocks;
-pub(crate) mod coherence;
 pub(crate) mod direct_difference;
 pub(crate) mod estimate;
 pub(crate) mod excerpts;
@@ -16,7 +15,6 @@ pub(crate) mod noise_bias;
 pub(crate) mod right_division;
 pub(crate) mod roughness;
 pub(crate) mod singular;
-pub(crate) mod spectra_covariance;
 pub(crate) mod time_series;
 
 use frfid_signals::{Frf, SignalError};

@@ -5,15 +5,18 @@ pub(crate) mod estimator;
 mod excerpt_bias;
 pub(crate) mod find_logs;
 pub(crate) mod gather;
-pub(crate) mod glide_baseline;
-pub(crate) mod glide_spectra;
+/// Glides: what is taken off, what their noise adds, and what remains of the ripple.
+pub(crate) mod glides {
+    pub(crate) mod glide_baseline;
+    pub(crate) mod glide_spectra;
+    pub(crate) mod ripple_residual;
+}
 pub(crate) mod loop_response;
 pub(crate) mod majority;
 pub(crate) mod others;
 pub(crate) mod our_logs;
 pub(crate) mod outcome;
 pub(crate) mod records;
-pub(crate) mod ripple_residual;
 pub(crate) mod unsettled;
 pub(crate) mod way;
 

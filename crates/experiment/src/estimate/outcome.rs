@@ -9,7 +9,7 @@ use frfid_signals::format::significant;
 use frfid_signals::{Frf, Limit, median};
 
 use crate::error::ExperimentError;
-use crate::estimate::estimator::Estimated;
+use crate::estimate::estimator::estimated::Estimated;
 use crate::estimate::gather::Gathered;
 use crate::estimate::loop_response::Named;
 use crate::estimate::way::way;

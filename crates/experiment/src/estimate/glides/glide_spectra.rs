@@ -7,7 +7,7 @@ use frfid_signals::{Frf, median};
 use ndarray::Array2;
 use num_complex::Complex64;
 
-use crate::estimate::ripple_residual::OnFreeLines;
+use crate::estimate::glides::ripple_residual::OnFreeLines;
 
 /// Spectra of the glides, each the mean over the periods of a run, which a run without excitation has
 /// in common with the others.

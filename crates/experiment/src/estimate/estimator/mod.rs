@@ -1,22 +1,28 @@
 //! Estimator of the FRF of a plan from its records: record by record, in any order, so that no
 //! campaign is too long for the memory.
 
+pub(crate) mod estimated;
+mod spectra;
+
 use std::iter::zip;
 use std::ops::Range;
 
 use frfid_estimate::{
-    Campaign, Evaluation, FrfEstimate, NoiseBias, PeriodIndex, RunSpectra, has_ripple_lines,
+    Campaign, Evaluation, FrfEstimate, PeriodIndex, RunSpectra, has_ripple_lines,
 };
 use frfid_signals::{Frf, Plan, Record, RunId, RunKind};
 use ndarray::s;
 
 use crate::description::estimate::{EstimateTable, GlideSubtraction};
 use crate::error::ExperimentError;
-use crate::estimate::excerpt_bias::{ExcerptBias, WholeSpectra};
-use crate::estimate::glide_baseline::Baseline;
-use crate::estimate::glide_spectra::{GlideSpectra, coherence};
-use crate::estimate::loop_response::LoopResponse;
-use crate::estimate::ripple_residual::{FreeSpectra, OnFreeLines, RippleResidual, is_looked_at};
+use crate::estimate::estimator::estimated::Estimated;
+pub use crate::estimate::estimator::spectra::Spectra;
+use crate::estimate::excerpt_bias::ExcerptBias;
+use crate::estimate::glides::glide_baseline::Baseline;
+use crate::estimate::glides::glide_spectra::{GlideSpectra, coherence};
+use crate::estimate::glides::ripple_residual::{
+    FreeSpectra, OnFreeLines, RippleResidual, is_looked_at,
+};
 use crate::estimate::unsettled::Unsettled;
 
 /// Turns the records of one plan into spectra, and the spectra into an FRF.
@@ -29,69 +35,6 @@ pub struct Estimator {
     glides: GlideSpectra,
     residual: Option<RippleResidual>,
     bias: Option<ExcerptBias>,
-}
-
-/// Spectra of records, in any order.
-#[derive(Debug, Clone, Default)]
-pub struct Spectra {
-    /// On the lines of the estimate, period by period.
-    periods: Vec<(PeriodIndex, RunSpectra)>,
-    /// On the lines around them that are not excited.
-    free: Vec<FreeSpectra>,
-    /// Of whole chirps, period by period.
-    whole: WholeSpectra,
-    /// Variance in s^2 of the time by which the noise of the glides is shifted in each run.
-    wander_s2: Vec<f64>,
-}
-
-impl Spectra {
-    /// Number of periods of runs.
-    #[must_use]
-    pub fn n_periods(&self) -> usize {
-        self.periods.len()
-    }
-
-    /// Adds those of other records.
-    pub fn extend(&mut self, other: Self) {
-        self.periods.extend(other.periods);
-        self.free.extend(other.free);
-        self.whole.extend(other.whole);
-        self.wander_s2.extend(other.wander_s2);
-    }
-}
-
-/// An FRF with what a careful reader should know besides.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Estimated {
-    /// The FRF; lines that were left out are NaN.
-    pub frf: Frf,
-    /// The response of the loop that is asked for in place of the plant.
-    pub(crate) response: Option<LoopResponse>,
-    /// Lines that were left out, realizations that were counted as repetitions, in words.
-    pub remarks: Vec<String>,
-    /// Number of lines that were left out.
-    pub n_left_out: usize,
-    /// Lines that noise on the input biases.
-    pub noise_bias: Option<NoiseBias>,
-    /// What has not settled from period to period, run by run.
-    pub unsettled: Unsettled,
-    /// Runs that were missing: their periods are not in the estimate.
-    pub missing: Vec<PeriodIndex>,
-    /// Whether what remains of the ripple exceeds the noise, line by line; `None` where it cannot
-    /// be told: no glide was subtracted, or every reference was applied but once.
-    pub ripple: Option<Vec<bool>>,
-}
-
-impl Estimated {
-    /// Frequencies in Hz at which what remains of the ripple exceeds the noise.
-    #[must_use]
-    pub fn disturbed_hz(&self) -> Vec<f64> {
-        let lines = zip(&self.frf.frequency_hz, self.ripple.iter().flatten());
-        lines
-            .filter(|(_, exceeds)| **exceeds)
-            .map(|(hz, _)| *hz)
-            .collect()
-    }
 }
 
 impl Estimator {

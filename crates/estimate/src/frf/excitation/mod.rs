@@ -17,19 +17,16 @@
 //! F = sum T M^-1 T^H / sum n_r s^2,   T = sum_p n_q U_p R_p^H,   M = sum_p n_q R_p R_p^H
 //! ```
 
-use std::iter::zip;
+mod along_reference;
+
 use std::ops::Range;
 
-use nalgebra::DMatrix;
 use ndarray::Array2;
-use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::error::deficient_line::Deficiency;
+use crate::frf::excitation::along_reference::power_along;
 use crate::frf::f_distribution::f_tail;
-use crate::frf::matrices::{Matrix, vector};
-use crate::frf::right_division::MAX_CONDITION;
-use crate::frf::singular::condition_of_finite;
 use crate::spectra::campaign::Block;
 use crate::spectra::spread::Spread;
 
@@ -307,37 +304,4 @@ fn decibels(ratio: f64) -> f64 {
 /// Lines within `reach` of a line.
 fn window(line: usize, reach: usize, n_lines: usize) -> Range<usize> {
     line.saturating_sub(reach)..(line + reach + 1).min(n_lines)
-}
-
-/// Power of every channel of u along the references, `T M^-1 T^H`; empty where the references do not
-/// span their space.
-fn power_along(u: &Spread, r: &Spread, line: usize) -> Vec<f64> {
-    let (mut t, mut m) = (moment(r, u, line), moment(r, r, line));
-    let sizes = m.diagonal().map(|power| Complex64::from(power.re.sqrt()));
-    if sizes.iter().any(|size| size.re <= 0.0) {
-        return Vec::new();
-    }
-    // channels to equal size first: they may have different units
-    m.zip_apply(&(&sizes * sizes.transpose()), |m, size| *m /= size);
-    t.column_iter_mut()
-        .for_each(|mut t| t.component_div_assign(&sizes));
-    quadratic_forms(&t, m).unwrap_or_default()
-}
-
-/// `t^H M^-1 t` of every column; `None` of a matrix that cannot be inverted.
-fn quadratic_forms(t: &Matrix, m: Matrix) -> Option<Vec<f64>> {
-    let is_invertible = condition_of_finite(&m) <= MAX_CONDITION;
-    let solved = m.cholesky().filter(|_| is_invertible)?.solve(t);
-    let pairs = zip(t.column_iter(), solved.column_iter());
-    Some(pairs.map(|(t, solved)| t.dotc(&solved).re).collect())
-}
-
-/// `sum n_q A B^H` of the means of two signals on a line.
-fn moment(a: &Spread, b: &Spread, line: usize) -> Matrix {
-    let mut sum = DMatrix::zeros(a.squares.nrows(), b.squares.nrows());
-    for ((a, n_periods), (b, _)) in zip(&a.means, &b.means) {
-        let [a, b] = [a, b].map(|means| vector(means.column(line)));
-        sum.gerc(Complex64::from(*n_periods as f64), &a, &b, Complex64::ONE);
-    }
-    sum
 }
