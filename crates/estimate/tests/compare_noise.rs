@@ -14,6 +14,8 @@ use frfid_estimate::{
 use frfid_signals::{Frf, log_spaced};
 use machines::{Arm, lines, measured};
 
+/// A change of a machine by its name.
+type Named = (&'static str, fn(&mut Arm));
 type Counts = BTreeMap<&'static str, usize>;
 
 fn compared(a: &Frf, b: &Frf) -> Comparison {
@@ -233,7 +235,7 @@ fn what_cannot_be_tested_is_said() {
 #[test]
 #[ignore = "by hand: some minutes"]
 fn tables() {
-    let changes: [(&str, fn(&mut Arm)); 10] = [
+    let changes: [Named; 10] = [
         ("same machine", |_| {}),
         ("gears +70 %", |arm| stiffer(1.7)(arm)),
         ("gears +30 %", |arm| stiffer(1.3)(arm)),
@@ -242,13 +244,13 @@ fn tables() {
         ("payload +10 kg", |arm| arm.payload += 10.0),
         ("payload x 2", |arm| arm.payload *= 2.0),
         ("motors +30 %", |arm| {
-            arm.motor.iter_mut().for_each(|inertia| *inertia *= 1.3)
+            arm.motor.iter_mut().for_each(|inertia| *inertia *= 1.3);
         }),
         ("pose +0.5 rad", |arm| {
-            arm.pose.iter_mut().for_each(|angle| *angle += 0.5)
+            arm.pose.iter_mut().for_each(|angle| *angle += 0.5);
         }),
         ("damping x 1.5", |arm| {
-            arm.damping.iter_mut().for_each(|damping| *damping *= 1.5)
+            arm.damping.iter_mut().for_each(|damping| *damping *= 1.5);
         }),
     ];
     for (name, change) in changes {

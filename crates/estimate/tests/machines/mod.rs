@@ -11,19 +11,19 @@ use std::f64::consts::TAU;
 
 /// Planar arm: motors behind springs and dampers, links in a row, a payload at the tip.
 #[derive(Clone)]
-pub struct Arm {
-    pub motor: Vec<f64>,
-    pub stiffness: Vec<f64>,
-    pub damping: Vec<f64>,
-    pub length: Vec<f64>,
-    pub mass: Vec<f64>,
-    pub payload: f64,
-    pub pose: Vec<f64>,
+pub(crate) struct Arm {
+    pub(crate) motor: Vec<f64>,
+    pub(crate) stiffness: Vec<f64>,
+    pub(crate) damping: Vec<f64>,
+    pub(crate) length: Vec<f64>,
+    pub(crate) mass: Vec<f64>,
+    pub(crate) payload: f64,
+    pub(crate) pose: Vec<f64>,
 }
 
 impl Arm {
     /// The paper's joint.
-    pub fn joint() -> Self {
+    pub(crate) fn joint() -> Self {
         Self {
             motor: vec![35.0],
             stiffness: vec![1.5e5],
@@ -37,7 +37,7 @@ impl Arm {
 
     /// One to three axes: locked-motor frequencies 4 to 12 Hz, damping 0.5 to 5 %, motors of 0.2 to 1
     /// of what they carry.
-    pub fn random(n_axes: usize, seed: u64) -> Self {
+    pub(crate) fn random(n_axes: usize, seed: u64) -> Self {
         let mut rng = stream(seed, "arm", &[n_axes as u64]);
         let mut between = |low: f64, high: f64| low + (high - low) * uniform(&mut rng);
         let mut arm = Self {
@@ -113,7 +113,7 @@ impl Arm {
     }
 
     /// Motor torques to motor velocities.
-    pub fn frf(&self, hz: &[f64]) -> Frf {
+    pub(crate) fn frf(&self, hz: &[f64]) -> Frf {
         let n = self.length.len();
         let inertia = self.inertia();
         let diagonal = |values: &[f64]| {
@@ -146,13 +146,13 @@ impl Arm {
 }
 
 /// 71 lines from 1 to 60 Hz, as the paper has.
-pub fn lines() -> Vec<f64> {
+pub(crate) fn lines() -> Vec<f64> {
     log_spaced(1.0, 60.0, 71).expect("a band")
 }
 
 /// The FRF as the mean of blocks with white noise of `relative` times the largest entry of each
 /// column of that line, in the mean, with the covariance of the mean from the spread of the blocks.
-pub fn measured(truth: &Frf, relative: f64, n_blocks: usize, seed: u64) -> Frf {
+pub(crate) fn measured(truth: &Frf, relative: f64, n_blocks: usize, seed: u64) -> Frf {
     let (n, outputs, inputs) = truth.response.dim();
     let mut rng = stream(seed, "noise", &[]);
     let entries = outputs * inputs;
