@@ -252,8 +252,21 @@ fn f16_resonances_fall_with_the_level() {
     };
     let found = compare(low, high, &options).expect("the same band");
     for entry in &found.entries {
-        for change in &entry.changes { println!("{} {:?} {:?} {:?} {:?} {:?} {:?}", entry.output, change.a.kind, change.a.frequency_hz, change.b.map(|b| b.frequency_hz), change.shift_std_percent(), change.a.resolution_hz, change.a.prominence_db); }
-        for f in &entry.only_in_b { println!("{} only b {:?} {:?}", entry.output, f.kind, f.frequency_hz); }
+        for change in &entry.changes {
+            println!(
+                "{} {:?} {:?} {:?} {:?} {:?} {:?}",
+                entry.output,
+                change.a.kind,
+                change.a.frequency_hz,
+                change.b.map(|b| b.frequency_hz),
+                change.shift_std_percent(),
+                change.a.resolution_hz,
+                change.a.prominence_db
+            );
+        }
+        for f in &entry.only_in_b {
+            println!("{} only b {:?} {:?}", entry.output, f.kind, f.frequency_hz);
+        }
         let wing = entry
             .changes
             .iter()

@@ -18,6 +18,7 @@
 //! ```
 
 mod along_reference;
+mod noise;
 
 use std::ops::Range;
 
@@ -26,7 +27,7 @@ use rayon::prelude::*;
 
 use crate::error::deficient_line::Deficiency;
 use crate::frf::excitation::along_reference::power_along;
-use crate::frf::f_distribution::f_tail;
+use crate::frf::excitation::noise::Noise;
 use crate::spectra::campaign::Block;
 use crate::spectra::spread::Spread;
 
@@ -262,27 +263,6 @@ impl Tested {
     /// The same in dB; not a number with one period.
     fn snr_db(&self, channel: usize, line: usize) -> f64 {
         decibels(self.snr(channel, line).unwrap_or(f64::NAN))
-    }
-}
-
-/// Noise of one period.
-struct Noise {
-    power: f64,
-    /// Complex degrees of freedom with which it is known.
-    freedom: usize,
-}
-
-impl Noise {
-    /// From a sum of squares; `None` without a degree of freedom.
-    fn of(squares: f64, freedom: usize) -> Option<Self> {
-        let power = squares / freedom as f64;
-        (freedom > 0).then_some(Self { power, freedom })
-    }
-
-    /// Whether a sum of so many powers is larger than noise makes it but by this chance.
-    fn is_below(&self, power: f64, terms: usize, chance: f64) -> bool {
-        let ratio = power / (terms as f64 * self.power);
-        self.power <= 0.0 || f_tail(ratio, terms, self.freedom as f64) <= chance
     }
 }
 
