@@ -139,12 +139,7 @@ fn the_whole_template() {
 #[ignore = "diagnosis"]
 fn diagnosis() {
     for n_glides in [1, 2, 5] {
-        let case = Case {
-            is_whole: true,
-            has_ripple: false,
-            moves: false,
-            n_glides,
-        };
+        let case = Case { is_whole: true, has_ripple: false, moves: false, n_glides };
         let (outcome, truth) = case.outcome();
         let frf = &outcome.result.frf;
         let noise = frf.noise_variance().expect("measured");
@@ -152,25 +147,12 @@ fn diagnosis() {
         for input in 0..3 {
             for output in 0..3 {
                 let n = frf.n_frequencies();
-                let mut chi: Vec<f64> = (0..n)
-                    .map(|k| {
-                        (frf.response[[k, output, input]] - truth.response[[k, output, input]])
-                            .norm_sqr()
-                            / noise[[k, output, input]]
-                    })
-                    .collect();
+                let mut chi: Vec<f64> = (0..n).map(|k| (frf.response[[k, output, input]] - truth.response[[k, output, input]]).norm_sqr() / noise[[k, output, input]]).collect();
                 let low: f64 = chi[..n / 4].iter().sum::<f64>() / (n / 4) as f64;
                 let high: f64 = chi[3 * n / 4..].iter().sum::<f64>() / (n - 3 * n / 4) as f64;
                 chi.sort_by(f64::total_cmp);
-                let ratio: f64 = (0..n)
-                    .map(|k| (total[[k, output, input]] / noise[[k, output, input]]).ln())
-                    .sum::<f64>()
-                    / n as f64;
-                println!(
-                    "{n_glides} glides, output {output} input {input}: median chi2 {:.2} (0.69), low {low:.2}, high {high:.2}, total/noise {:.2}",
-                    chi[n / 2],
-                    ratio.exp()
-                );
+                let ratio: f64 = (0..n).map(|k| (total[[k, output, input]] / noise[[k, output, input]]).ln()).sum::<f64>() / n as f64;
+                println!("{n_glides} glides, output {output} input {input}: median chi2 {:.2} (0.69), low {low:.2}, high {high:.2}, total/noise {:.2}", chi[n / 2], ratio.exp());
             }
         }
     }
