@@ -92,7 +92,7 @@ pub(crate) fn estimate_loop(
 }
 
 /// Responses by their names in Python; those that take the place of the reference are last.
-const RESPONSES: [(&'static str, Response); 6] = [
+const RESPONSES: [(&str, Response); 6] = [
     ("u_to_y", Response::Plant),
     ("r_to_u", Response::RToU),
     ("r_to_y", Response::RToY),

@@ -49,7 +49,7 @@ fn windowed_power(signal: ArrayView1<f64>) -> Vec<f64> {
     forward
         .process(&mut samples, &mut bins)
         .expect("the plan's own lengths");
-    bins.iter().map(|bin| bin.norm_sqr()).collect()
+    bins.iter().map(num_complex::Complex64::norm_sqr).collect()
 }
 
 /// Median power of the lines around one.

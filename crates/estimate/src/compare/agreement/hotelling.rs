@@ -110,5 +110,5 @@ fn covariance(side: &Measured, line: usize) -> Option<(DMatrix<Complex64>, f64)>
         let size = side.frf.response[[line, entry.0, entry.1]].norm_sqr();
         matrix[(k, k)] += side.rough(entry) * size;
     }
-    Some((matrix, known.degrees_of_freedom as f64))
+    Some((matrix, known.degrees_of_freedom))
 }
