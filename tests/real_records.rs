@@ -7,8 +7,8 @@ use std::path::{Path, PathBuf};
 
 use flate2::read::GzDecoder;
 use frfid::estimate::{
-    CompareOptions, EstimateError, Feature, FeatureKind, FrfOptions, Side, Verdict, compare,
-    count_transient_periods, estimate_bla, find_features, find_lines, find_period,
+    Change, CompareOptions, EstimateError, Feature, FeatureKind, FrfOptions, Side, Verdict,
+    compare, count_transient_periods, estimate_bla, find_features, find_lines, find_period,
 };
 use frfid::signals::Frf;
 use ndarray::{Array1, Array2, Array3, Array5, ArrayView2, Axis, ShapeBuilder, s, stack};
@@ -146,7 +146,7 @@ fn motor_bench() {
         &lines,
     );
     let noise = frf.noise.as_ref().expect("19 periods");
-    assert_eq!(noise.degrees_of_freedom, 18.0);
+    assert_eq!(noise.degrees_of_freedom, 18);
     assert!(frf.total.is_none(), "one realization");
     let (notch, peak) = (
         most_prominent(&frf, 0, FeatureKind::Antiresonance),
@@ -196,7 +196,7 @@ fn silverbox() {
             .as_ref()
             .expect("ten realizations")
             .degrees_of_freedom,
-        9.0
+        9
     );
     let peak = most_prominent(&frf, 0, FeatureKind::Resonance);
     println!(
@@ -252,33 +252,19 @@ fn f16_resonances_fall_with_the_level() {
     };
     let found = compare(low, high, &options).expect("the same band");
     for entry in &found.entries {
-        for change in &entry.changes {
-            println!(
-                "{} {:?} {:?} {:?} {:?} {:?} {:?}",
-                entry.output,
-                change.a.kind,
-                change.a.frequency_hz,
-                change.b.map(|b| b.frequency_hz),
-                change.shift_std_percent(),
-                change.a.resolution_hz,
-                change.a.prominence_db
-            );
-        }
-        for f in &entry.only_in_b {
-            println!("{} only b {:?} {:?}", entry.output, f.kind, f.frequency_hz);
-        }
-        let wing = entry
-            .changes
-            .iter()
-            .filter(|change| change.is_resonance() && (6.0..8.5).contains(&change.a.frequency_hz));
-        let moved = wing
-            .max_by(|a, b| a.a.prominence_db.total_cmp(&b.a.prominence_db))
-            .expect("a mode near 7 Hz");
+        let resonances = || entry.changes.iter().filter(|change| change.is_resonance());
+        let shifts = |change: &&Change| change.shift_hz().is_some_and(|shift| shift < 0.0);
+        let moved = || resonances().filter(|change| change.has_moved());
+        let output = entry.output;
         assert!(
-            moved.has_moved() && moved.shift_hz().is_some_and(|shift| shift < 0.0),
-            "output {}",
-            entry.output
+            moved().count() >= 2 && moved().all(|change| shifts(&change)),
+            "output {output}"
         );
+        // at the high level the distortion scatters the lines of the wing's mode by several per
+        // cent: that it fell is seen, that it did so beyond its error is not
+        let near_7_hz = |change: &&Change| (6.9..8.5).contains(&change.a.frequency_hz);
+        let wing = resonances().find(near_7_hz).expect("a mode near 7 Hz");
+        assert!(shifts(&wing), "output {output}");
     }
     // softer springs and rubbing bolts both show, on modes that move unlike: that they differ is
     // certain, a growing stiffness is not
