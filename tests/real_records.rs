@@ -146,7 +146,7 @@ fn motor_bench() {
         &lines,
     );
     let noise = frf.noise.as_ref().expect("19 periods");
-    assert_eq!(noise.degrees_of_freedom, 18);
+    assert_eq!(noise.degrees_of_freedom, 18.0);
     assert!(frf.total.is_none(), "one realization");
     let (notch, peak) = (
         most_prominent(&frf, 0, FeatureKind::Antiresonance),
@@ -196,7 +196,7 @@ fn silverbox() {
             .as_ref()
             .expect("ten realizations")
             .degrees_of_freedom,
-        9
+        9.0
     );
     let peak = most_prominent(&frf, 0, FeatureKind::Resonance);
     println!(
