@@ -48,8 +48,10 @@ fn logs_become_a_result_a_report_and_a_table() {
         &["estimate", "logs", "-o", "frf.json", "--report", "frf.html"],
     );
     let text = stdout(&output);
-    assert_eq!(code(&output), 0, "{}", stderr(&output));
+    // the joint sticks for nearly half of the time: what is seen is friction
+    assert_eq!(code(&output), 3, "{}", stderr(&output));
     for told in [
+        "sticking: axis 1",
         "frf.json",
         "joint_1 torque (N m)",
         "degrees of freedom",
@@ -136,7 +138,7 @@ fn damaged_logs_are_told_and_the_rest_is_used() {
     let folder = campaign();
     let here = folder.path();
     let (clean, whole, _) = estimate(here, "whole.json");
-    assert_eq!((clean, &whole["is_lossy"]), (0, &false.into()));
+    assert_eq!((clean, &whole["is_lossy"]), (3, &false.into())); // it sticks, nothing is lost
     let log = here.join("logs/p001-m0-q0.mcap");
     let bytes = fs::read(&log).expect("written");
     let cut = bytes[..bytes.len() * 9 / 10].to_vec();

@@ -44,6 +44,14 @@ impl Curve {
         }
     }
 
+    /// Half width of the band over which a chirp's excerpts blur the response at `hz`: the resolution is that in
+    /// the middle of the sweep, which has less time for a mode below.
+    pub(crate) fn blur_at_hz(&self, hz: f64) -> f64 {
+        let ends = self.frequency_hz.first().zip(self.frequency_hz.last());
+        let middle_hz = ends.map_or(hz, |(low_hz, high_hz)| (low_hz * high_hz).sqrt());
+        self.relative_resolution * hz * (middle_hz / hz).sqrt().max(1.0)
+    }
+
     /// Magnitude in dB at `hz`, linear over log frequency; `None` outside the curve.
     pub(crate) fn magnitude_db_at(&self, hz: f64) -> Option<f64> {
         self.between(&self.magnitude_db, hz)

@@ -172,7 +172,7 @@ fn feature(
         Some(local) => fitted(&local, curve, top, kind),
         None => read_off(curve, regions, top, kind),
     };
-    let blur_hz = curve.relative_resolution * feature.frequency_hz;
+    let blur_hz = curve.blur_at_hz(feature.frequency_hz);
     Feature {
         prominence_db,
         blur_hz,
