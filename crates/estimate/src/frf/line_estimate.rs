@@ -1,7 +1,5 @@
 //! FRF on one line with its covariances, and the lines together.
 
-use std::iter::zip;
-
 use frfid_signals::{Frf, Uncertainty};
 use num_complex::Complex64;
 
@@ -35,8 +33,8 @@ impl LineEstimate {
         if let (Some(noise), Some(of_glides)) = (&mut self.noise, &of_glides) {
             *noise += of_glides;
         }
-        let both = zip(of_runs, of_glides);
-        self.noise_parts = Some(NoiseParts::of(weights, n_periods, both.last()));
+        let both = of_runs.zip(of_glides);
+        self.noise_parts = Some(NoiseParts::of(weights, n_periods, both));
         self
     }
 

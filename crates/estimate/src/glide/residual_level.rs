@@ -64,7 +64,7 @@ impl ResidualLevel {
         let freedom = FreeLinesFreedom {
             references: all.len() as f64,
             runs: all.iter().map(Spread::freedom).sum(),
-            glides: (glides.len() > 1).then(|| glides.len() as f64 - 1.0),
+            glides: (glides.len() > 1).then_some(glides.len() as f64 - 1.0),
         };
         let chance = freedom.chance(&lines.n_neighbours(), &coherent_power, &of_runs, &of_glides);
         Self {
