@@ -30,7 +30,8 @@ use crate::spectra::time_series::{TimeSeries, check_same_shape};
 /// let options = Method::MeanOfFrfs.into();
 /// let frf = estimate_bla(u.view(), y.view(), None, 1e-3, &[1, 3, 5], &options)?;
 /// assert!((frf.response[[0, 0, 0]].re - 2.0).abs() < 1e-12);
-/// assert_eq!(frf.noise.map(|noise| noise.degrees_of_freedom), Some(3.0));
+/// // 3 (2 - 1), less where realizations are excited unlike
+/// assert!(frf.noise.is_some_and(|noise| noise.degrees_of_freedom <= 3.0));
 /// # Ok::<(), frfid_estimate::EstimateError>(())
 /// ```
 ///

@@ -6,6 +6,7 @@
 //! median, or more, in one record of twenty.
 
 use ndarray::{ArrayView1, ArrayView2};
+use num_complex::Complex64;
 use realfft::RealFftPlanner;
 
 /// Power over the median around it that is ripple: noise alone reaches 26 where the median of so many
@@ -49,7 +50,7 @@ fn windowed_power(signal: ArrayView1<f64>) -> Vec<f64> {
     forward
         .process(&mut samples, &mut bins)
         .expect("the plan's own lengths");
-    bins.iter().map(num_complex::Complex64::norm_sqr).collect()
+    bins.iter().map(Complex64::norm_sqr).collect()
 }
 
 /// Median power of the lines around one.
