@@ -11,6 +11,9 @@ use frfid_signals::{Frf, median};
 /// estimates independent; their errors are nearly the same.
 const SHARE: f64 = 0.05;
 
+/// A difference below this share of the response is rounding.
+const ROUNDING: f64 = 1e-9;
+
 /// How far the direct estimate is off the one through the reference.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DirectDifference {
@@ -54,7 +57,8 @@ pub(crate) fn direct_difference(through_reference: &Frf, direct: &Frf) -> Option
     let factor = known.confidence_factor_95();
     let exceeds = |((k, o, i), value): ((usize, usize, usize), &num_complex::Complex64)| {
         let squared = (direct.response[[k, o, i]] - value).norm_sqr();
-        let is_beyond = squared > factor * variance[[k, o, i]];
+        let rounding = (ROUNDING * value.norm()).powi(2);
+        let is_beyond = squared > (factor * variance[[k, o, i]]).max(rounding);
         is_beyond.then(|| (k, squared.sqrt() / value.norm()))
     };
     let beyond: Vec<(usize, f64)> = through_reference

@@ -51,7 +51,11 @@ impl FrfEstimate {
     pub fn warnings(&self) -> Vec<String> {
         let mut words = self.equal_words();
         words.extend(self.left_out_words());
+        words.extend(self.uneven_words());
         words.extend(self.rough_words());
+        if self.frf.relative_resolution.is_some() {
+            words.extend(self.unknown_bias_words());
+        }
         words.extend(
             self.direct_difference
                 .map(|difference| difference.to_string()),

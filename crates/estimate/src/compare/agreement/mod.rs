@@ -142,7 +142,8 @@ fn tested(lines: &CommonLines, ln_p: &[f64], entry: Option<(usize, usize)>) -> A
         let reason = UnknownAgreement::NotOnTheSameLines;
         return Agreement::Unknown { reason };
     }
-    let statistic = -known().sum::<f64>();
+    // not -0 of equal FRFs
+    let statistic = 0.0 - known().sum::<f64>();
     let p_value = gamma_tail(statistic, n_lines);
     Agreement::Tested(NoiseTest {
         agrees: p_value >= FALSE_ALARM,

@@ -7,12 +7,18 @@ use serde::Serialize;
 use crate::compare::curve::{Curve, DB_PER_NEPER};
 use crate::compare::feature::parabola::{half_power_bandwidth, parabola_top};
 use crate::compare::feature::prominence::saddles;
-use crate::compare::feature::windows::{Local, local_extremum};
+use crate::compare::feature::windows::{Local, LocalFit, local_fit};
 use crate::compare::measured::Measured;
 
 /// Probability with which all lines of a curve lie within their regions at once: an extremum whose
 /// region lies above those of its saddles is then no wiggle of the noise.
 const NO_WIGGLE: f64 = 0.95;
+
+/// Standard deviations within which two extrema are one.
+const SIGMAS_OF_ONE: f64 = 2.0;
+/// Radius of the 95 % region of a level in standard deviations of it: those of two numbers of which
+/// the level is one, sqrt(-2 ln 0.05).
+const REGION_SIGMAS: f64 = 2.45;
 
 /// Peak or notch of the magnitude.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -107,7 +113,16 @@ pub(crate) fn features_of(curve: &Curve, prominence_db: f64) -> Vec<Feature> {
         prominence_db,
     ));
     features.sort_by(|a, b| a.frequency_hz.total_cmp(&b.frequency_hz));
+    features.dedup_by(|next, before| is_the_same(before, next));
     features
+}
+
+/// Whether two neighbours are one extremum that two of its lines lead to.
+fn is_the_same(before: &Feature, next: &Feature) -> bool {
+    let stds = before.frequency_std_hz.zip(next.frequency_std_hz);
+    let apart_hz = next.frequency_hz - before.frequency_hz;
+    let is_within = |(a, b): (f64, f64)| apart_hz <= SIGMAS_OF_ONE * a.hypot(b);
+    before.kind == next.kind && stds.is_some_and(is_within)
 }
 
 /// Levels in dB with the ends of their regions.
@@ -137,6 +152,18 @@ impl Regions {
         }
     }
 
+    /// Whether a local maximum stands out of its saddles with all regions `times` as wide.
+    fn stand_out(&self, top: usize, times: f64) -> bool {
+        let low = self.level[top] - times * (self.level[top] - self.low[top]);
+        let high = |k: usize| self.level[k] + times * (self.high[k] - self.level[k]);
+        let is_below = |k: &usize| self.level[*k] <= self.level[top];
+        let left = (0..top).rev().take_while(is_below).map(high);
+        let right = (top + 1..self.level.len()).take_while(is_below).map(high);
+        let least = |ends: &mut dyn Iterator<Item = f64>| ends.fold(f64::INFINITY, f64::min);
+        let (mut left, mut right) = (left, right);
+        low > least(&mut left).max(least(&mut right))
+    }
+
     fn upside_down(self) -> Self {
         let turned = |values: Vec<f64>| values.into_iter().map(|value| -value).collect();
         Self {
@@ -156,29 +183,35 @@ fn peaks(curve: &Curve, regions: &Regions, kind: FeatureKind, least: f64) -> Vec
     inner
         .filter(|&k| level[k - 1] < level[k] && level[k] >= level[k + 1])
         .filter(|&k| level[k] - beside[k] >= least && regions.low[k] > highest_beside[k])
-        .map(|k| feature(curve, regions, k, kind, level[k] - beside[k]))
+        .filter_map(|k| feature(curve, regions, k, kind, level[k] - beside[k]))
         .collect()
 }
 
-/// The feature whose highest line is `top`.
+/// The feature whose highest line is `top`; `None` where it stands out of the noise, but not of what
+/// its own lines scatter besides.
 fn feature(
     curve: &Curve,
     regions: &Regions,
     top: usize,
     kind: FeatureKind,
     prominence_db: f64,
-) -> Feature {
-    let feature = match local_extremum(curve, top, kind) {
-        Some(local) => fitted(&local, curve, top, kind),
+) -> Option<Feature> {
+    let LocalFit { extremum, excess } = local_fit(curve, top, kind);
+    let feature = match &extremum {
+        Some(local) => fitted(local, curve, top, kind),
         None => read_off(curve, regions, top, kind),
     };
+    let region_db = feature
+        .magnitude_std_db
+        .map_or(0.0, |std_db| REGION_SIGMAS * std_db);
     let blur_hz = curve.blur_at_hz(feature.frequency_hz);
-    Feature {
+    let stands_out = prominence_db > region_db && regions.stand_out(top, excess.sqrt());
+    stands_out.then_some(Feature {
         prominence_db,
         blur_hz,
         resolution_hz: feature.resolution_hz.max(blur_hz),
         ..feature
-    }
+    })
 }
 
 /// By a local fit.

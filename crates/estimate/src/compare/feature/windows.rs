@@ -5,7 +5,6 @@ use crate::compare::curve::Curve;
 use crate::compare::feature::fitted_extremum::{Errors, Extremum, extremum};
 use crate::compare::feature::rational_fit::{N_PARAMETERS, RationalFit, Sample, fit};
 use crate::compare::feature::resonance::FeatureKind;
-use crate::compare::scatter::Scatter;
 
 /// Lines to either side in the narrowest window: with three there are three more than parameters.
 const NARROWEST: usize = 3;
@@ -41,23 +40,41 @@ struct Window {
     half_hz: f64,
 }
 
+/// What local fits around a line find.
+pub(crate) struct LocalFit {
+    /// The extremum; `None` where there is none, or no scatter is known.
+    pub(crate) extremum: Option<Local>,
+    /// Misfit of the lines next to it over their noise where that is more than chance, else 1.
+    pub(crate) excess: f64,
+}
+
 /// The extremum near line `top` by the widest window, growing, before the first that is biased; its
 /// errors hold its share of that bias.
-pub(crate) fn local_extremum(curve: &Curve, top: usize, kind: FeatureKind) -> Option<Local> {
-    let scatter = curve.scatter.as_ref()?;
-    let mut tried: Vec<Tried> = Vec::new();
+pub(crate) fn local_fit(curve: &Curve, top: usize, kind: FeatureKind) -> LocalFit {
+    let (mut tried, mut excess): (Vec<Tried>, f64) = (Vec::new(), 1.0);
     let mut half = NARROWEST;
     while let Some(window) = window(curve, top, half) {
-        let samples = samples(curve, scatter, &window)?;
-        if let Some(found) = fit(&samples).and_then(|fit| try_window(&fit, kind, &window)) {
-            tried.push(found);
+        let Some(samples) = samples(curve, &window) else {
+            break;
+        };
+        if let Some(fit) = fit(&samples) {
+            let found = excess_of(&fit, samples.len());
+            excess = if half == NARROWEST { found } else { excess };
+            let local = in_units(&fit, kind, &window, found);
+            tried.extend(local.map(|local| Tried {
+                local,
+                excess: found,
+            }));
         }
         if tried.len() > 1 && is_biased(&tried) {
             break;
         }
         half += half.div_ceil(2);
     }
-    best(&tried)
+    LocalFit {
+        extremum: best(&tried),
+        excess,
+    }
 }
 
 /// What a window finds, and its misfit over the noise where that is more than chance, else 1.
@@ -66,16 +83,14 @@ struct Tried {
     excess: f64,
 }
 
-fn try_window(fit: &RationalFit, kind: FeatureKind, window: &Window) -> Option<Tried> {
-    let spare = (window.high - window.low + 1 - N_PARAMETERS) as f64;
+fn excess_of(fit: &RationalFit, n_lines: usize) -> f64 {
+    let spare = (n_lines - N_PARAMETERS) as f64;
     let is_explained = fit.misfit <= spare + EXPLAINED * spare.sqrt();
-    let excess = if is_explained {
+    if is_explained {
         1.0
     } else {
         fit.misfit / spare
-    };
-    let local = in_units(fit, kind, window, excess)?;
-    Some(Tried { local, excess })
+    }
 }
 
 /// Whether the last window misses more than the noise, or finds something else than a narrower one
@@ -149,7 +164,8 @@ fn window(curve: &Curve, top: usize, half: usize) -> Option<Window> {
 }
 
 /// The lines of a window; `None` if the scatter of one is not known.
-fn samples(curve: &Curve, scatter: &Scatter, window: &Window) -> Option<Vec<Sample>> {
+fn samples(curve: &Curve, window: &Window) -> Option<Vec<Sample>> {
+    let scatter = curve.scatter.as_ref()?;
     let sample = |k: usize| {
         let rounding = (ROUNDING * curve.response[k].norm()).powi(2);
         let sample = Sample {
