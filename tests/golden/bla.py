@@ -104,6 +104,46 @@ def joint_input_output(u, y, r):
     return g, noise_covariance, total, np.linalg.cond(s_u / scale)
 
 
+def inverse_root(matrix):
+    """(matrix)^-1/2 of a Hermitian matrix, by its eigenvalues."""
+    values, vectors = np.linalg.eigh(matrix)
+    return vectors / np.sqrt(values) @ vectors.conj().T
+
+
+def least_squares(u, y):
+    """One division by the mean inputs of all realizations; the total covariance from residuals freed of their leverage."""
+    n_p = len(u)
+    mean_u, mean_y = u.mean(axis=1), y.mean(axis=1)
+    inverse = np.linalg.pinv(np.hstack(mean_u))
+    g, weights = np.hstack(mean_y) @ inverse, np.split(inverse, n_p)
+    _, noise_covariance, _ = block_average([[n_p * (y_pq - g @ u_pq) @ w for y_pq, u_pq in zip(y[p], u[p])] for p, w in enumerate(weights)])
+    total = None
+    if n_p > 1:
+        leverage = [inverse_root(np.eye(w.shape[0]) - w @ mean_u[p]) for p, w in enumerate(weights)]
+        errors = [vec((mean_y[p] - g @ mean_u[p]) @ leverage[p] @ w) for p, w in enumerate(weights)]
+        total = np.einsum("pi,pj->ij", errors, np.conj(errors))
+    return g, noise_covariance, total, np.linalg.cond(np.hstack(mean_u))
+
+
+def weights_of(method, u, r):
+    """What the noise of a realization is multiplied by, (realization, experiment, input)."""
+    mean_u = u.mean(axis=1)
+    if method == "least squares":
+        return np.split(np.linalg.pinv(np.hstack(mean_u)), len(u))
+    if method == "indirect":
+        r_h = r.conj().swapaxes(-1, -2)
+        return r_h.sum(axis=1) @ np.linalg.inv((u @ r_h).sum(axis=(0, 1)))
+    return np.linalg.pinv(mean_u)
+
+
+def noise_freedom(method, u, r):
+    """Degrees of freedom by Welch and Satterthwaite, over all lines; realizations that are nearly alike count as alike."""
+    n_p, n_q = u.shape[1:3]
+    parts = np.array([np.square(np.abs(weights_of(method, u[k], r[k]))).sum(axis=-2) for k in range(len(u))])
+    freedom = (n_q - 1) / np.mean(np.square(parts).sum(axis=1) / np.square(parts.sum(axis=1)))
+    return float(freedom) if freedom < 0.95 * n_p * (n_q - 1) else float(n_p * (n_q - 1))
+
+
 def numbers(array):
     """Row-major list re, im, re, im, ...; None stays None."""
     if array is None or array[0] is None:
@@ -122,6 +162,7 @@ def main():
             "frfs": [mean_of_frfs(u[k], y[k]) for k in range(len(lines))],
             "spectra": [mean_of_spectra(u[k], y[k]) for k in range(len(lines))],
             "logarithmic": [logarithmic_mean(u[k], y[k]) for k in range(len(lines))],
+            "least squares": [least_squares(u[k], y[k]) for k in range(len(lines))],
             "indirect": [joint_input_output(u[k], y[k], r[k]) for k in range(len(lines))],
         }
         for method, results in methods.items():
@@ -130,7 +171,7 @@ def main():
                 "case": name, "method": method,
                 "n_p": n_p, "n_ex": n_ex, "n_q": n_q, "n_u": n_u, "n_y": n_y, "n_samples": n, "lines": lines,
                 "response": numbers(response), "noise": numbers(noise_covariance), "total": numbers(total),
-                "condition": [float(c) for c in condition],
+                "noise_freedom": noise_freedom(method, u, r), "condition": [float(c) for c in condition],
             })  # fmt: skip
     rows = ",\n".join(json.dumps(entry) for entry in golden)
     pathlib.Path(__file__).with_suffix(".json").write_text(f"[\n{rows}\n]\n")

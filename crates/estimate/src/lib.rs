@@ -23,6 +23,7 @@ mod glide {
     pub(crate) mod by_position;
     pub(crate) mod in_time;
     pub(crate) mod residual_level;
+    pub(crate) mod ripple_lines;
     pub(crate) mod ripple_residual;
     pub(crate) mod torque_table;
 }
@@ -67,6 +68,7 @@ pub use frf::{FrfOptions, Method};
 pub use glide::by_position::RippleTorque;
 pub use glide::in_time::subtract_glide;
 pub use glide::residual_level::ResidualLevel;
+pub use glide::ripple_lines::has_ripple_lines;
 pub use glide::ripple_residual::FreeLines;
 pub use harmonics::harmonic_levels;
 pub use lines::unexcited_lines::unexcited_lines;

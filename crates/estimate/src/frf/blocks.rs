@@ -27,7 +27,7 @@ use crate::frf::line_estimate::{LineEstimate, LineResult, assemble, left_out, wi
 use crate::frf::matrices::{Matrix, vector};
 use crate::frf::right_division::{check_excited, check_rank, right_divide};
 use crate::frf::{FrfEstimate, FrfMethod, FrfOptions};
-use crate::spectra::campaign::{Block, Campaign, RunSpectra};
+use crate::spectra::campaign::{Block, Campaign};
 
 /// A method that works line by line, from the spectra of all blocks to an estimate of each.
 pub(crate) trait BlockMethod: Sync {
@@ -77,7 +77,7 @@ impl<M: BlockMethod> FrfMethod for M {
         let Some(lines) = with_gaps(lines) else {
             return Err(EstimateError::RankDeficient(left_out));
         };
-        let freedom = Freedom::of(&lines, &blocks.n_periods(), blocks.glides.len());
+        let freedom = Freedom::of(&lines, &blocks.n_periods(), campaign.glides.len());
         Ok(FrfEstimate {
             frf: assemble(hz, &lines, &freedom),
             left_out,
@@ -91,7 +91,7 @@ impl<M: BlockMethod> FrfMethod for M {
 /// The blocks of a campaign, and what decides whether a line of them can be used.
 struct Blocks<'a> {
     realizations: Vec<Vec<Block<'a>>>,
-    glides: &'a [RunSpectra],
+    campaign: &'a Campaign,
     excitation: Excitation,
     max_condition: f64,
 }
@@ -105,7 +105,7 @@ impl<'a> Blocks<'a> {
         Ok(Self {
             excitation: Excitation::of(&realizations, M::NEEDS_REFERENCE),
             realizations,
-            glides: &campaign.glides,
+            campaign,
             max_condition,
         })
     }
@@ -117,9 +117,9 @@ impl<'a> Blocks<'a> {
         let blocks = map_blocks(&self.realizations, |block| LineBlock::of(block, line));
         let estimates = method.estimates(&blocks, &invertible)?;
         let known = with_covariances(&estimates);
-        let glides = GlideNoise::of(self.glides, line);
-        let of_glides = glides.covariance(&known.response, &blocks);
         let weights = method.weights(&blocks);
+        let glides = GlideNoise::of(self.campaign, line);
+        let of_glides = glides.covariance(&known.response, &blocks, &weights);
         Ok(known.with_parts(&weights, &self.n_periods(), of_glides))
     }
 

@@ -8,10 +8,6 @@
 //!
 //! F. E. Satterthwaite, Biometrics Bulletin 2 (1946) 110; B. L. Welch, Biometrika 34 (1947) 28.
 
-use std::iter::zip;
-
-use nalgebra::DVector;
-
 use crate::frf::line_estimate::LineEstimate;
 use crate::frf::matrices::Matrix;
 
@@ -24,7 +20,7 @@ const ALIKE: f64 = 0.95;
 pub(crate) struct NoiseParts {
     /// `1/nu` of the realizations.
     of_runs: f64,
-    /// The same with one degree of freedom each.
+    /// The same with one period and one degree of freedom each.
     of_realizations: f64,
     /// Logarithm of the glides' variance over that of the runs for every input, mean over the outputs;
     /// empty without glides.
@@ -39,18 +35,13 @@ impl NoiseParts {
         covariances: Option<(Matrix, Matrix)>,
     ) -> Self {
         let n_inputs = weights.first().map_or(0, Matrix::ncols);
-        let shares = |input: usize| shares(weights, n_periods, input);
-        let shares: Vec<Vec<f64>> = (0..n_inputs).map(shares).collect();
-        let inverse = |freedom: fn(usize) -> f64| {
-            let of_input = |shares: &Vec<f64>| {
-                let parts = zip(shares, n_periods);
-                parts.map(|(v, &n)| v * v / freedom(n)).sum::<f64>()
-            };
-            shares.iter().map(of_input).sum::<f64>() / n_inputs as f64
+        let of_periods = |p: usize| {
+            let n_periods = n_periods[p] as f64;
+            (n_periods, (n_periods - 1.0).max(1.0))
         };
         Self {
-            of_runs: inverse(|n_periods| (n_periods as f64 - 1.0).max(1.0)),
-            of_realizations: inverse(|_| 1.0),
+            of_runs: inverse_freedom(weights, of_periods),
+            of_realizations: inverse_freedom(weights, |_| (1.0, 1.0)),
             glides_over_runs: covariances.map_or(Vec::new(), |(runs, glides)| {
                 log_ratios(&glides, &runs, n_inputs)
             }),
@@ -58,12 +49,20 @@ impl NoiseParts {
     }
 }
 
-/// Share of every realization in the variance of the entries of an input.
-fn shares(weights: &[Matrix], n_periods: &[usize], input: usize) -> Vec<f64> {
-    let parts = zip(weights, n_periods);
-    let parts = parts.map(|(w, &n)| w.column(input).norm_squared() / n as f64);
-    let parts = DVector::from_iterator(weights.len(), parts);
-    (&parts / parts.sum()).as_slice().to_vec()
+/// `1/nu` of the realizations, mean over the inputs, each with so many periods and degrees of freedom.
+fn inverse_freedom(weights: &[Matrix], of: impl Fn(usize) -> (f64, f64)) -> f64 {
+    let n_inputs = weights.first().map_or(0, Matrix::ncols);
+    let of_input = |input: usize| {
+        let (mut sum, mut squares) = (0.0, 0.0);
+        for (p, weight) in weights.iter().enumerate() {
+            let (n_periods, freedom) = of(p);
+            let part = weight.column(input).norm_squared() / n_periods;
+            sum += part;
+            squares += part * part / freedom;
+        }
+        squares / (sum * sum)
+    };
+    (0..n_inputs).map(of_input).sum::<f64>() / n_inputs as f64
 }
 
 /// Logarithm of a/b on the diagonals, for every input the mean over its entries; NaN where none is

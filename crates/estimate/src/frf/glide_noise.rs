@@ -8,6 +8,13 @@
 //! dG = -e w^T,   w^T = 1^T sum_p W_p,   cov vec(dG) = w w^H (x) C / n_g
 //! ```
 //!
+//! Where the ripple was subtracted by position, each reference meets the noise of the glide at other
+//! times. With the coherence c between them, 1 for subtraction in time, it is
+//!
+//! ```text
+//! cov vec(dG) = (c w w^H + (1 - c) sum_p W_p^T W_p^*) (x) C / n_g
+//! ```
+//!
 //! W_p is what the method multiplies the outputs of realization p by; with random phases |w|^2 falls
 //! with n_p, with n_q it does not: the noise of n_q repetitions, over n_q, comes with n_q/n_g times as
 //! much from the glides. C is the covariance of one glide's error, from the spread of the glides about
@@ -19,17 +26,20 @@ use num_complex::Complex64;
 
 use crate::frf::blocks::{LineBlock, mean};
 use crate::frf::matrices::{Matrix, vector};
-use crate::spectra::campaign::RunSpectra;
+use crate::spectra::campaign::Campaign;
 
 /// The glides on one line.
 pub(crate) struct GlideNoise {
     u: Vec<DVector<Complex64>>,
     y: Vec<DVector<Complex64>>,
+    coherence: f64,
 }
 
 impl GlideNoise {
-    pub(crate) fn of(glides: &[RunSpectra], line: usize) -> Self {
+    pub(crate) fn of(campaign: &Campaign, line: usize) -> Self {
+        let glides = &campaign.glides;
         Self {
+            coherence: campaign.glide_coherence.get(line).copied().unwrap_or(1.0),
             u: glides
                 .iter()
                 .map(|glide| vector(glide.u.column(line)))
@@ -41,11 +51,12 @@ impl GlideNoise {
         }
     }
 
-    /// `C / n_g`, `(output, output)`; `None` without glides, or with one and no repetitions.
+    /// Covariance of vec(G); `None` without glides, or with one and no repetitions.
     pub(crate) fn covariance(
         &self,
         response: &Matrix,
         blocks: &[Vec<LineBlock>],
+        weights: &[Matrix],
     ) -> Option<Matrix> {
         let n_glides = self.y.len();
         let of_one = match n_glides {
@@ -53,7 +64,20 @@ impl GlideNoise {
             1 => covariance_of_runs(response, blocks)?,
             _ => covariance(&[self.errors(response)], n_glides - 1),
         };
-        Some(of_one / Complex64::from(n_glides as f64))
+        let of_mean = of_one / Complex64::from(n_glides as f64);
+        Some(self.geometry(weights).kronecker(&of_mean))
+    }
+
+    /// `c w w^H + (1 - c) sum_p W_p^T W_p^*`.
+    fn geometry(&self, weights: &[Matrix]) -> Matrix {
+        let sum: Matrix = weights.iter().sum();
+        let w = sum.row_sum().transpose();
+        let apart = weights
+            .iter()
+            .map(|weight| weight.transpose() * weight.conjugate());
+        let apart: Matrix = apart.sum();
+        &w * w.adjoint() * Complex64::from(self.coherence)
+            + apart * Complex64::from(1.0 - self.coherence)
     }
 
     /// Errors of the glides from their mean, in columns.
@@ -92,11 +116,4 @@ fn deviations(response: &Matrix, periods: &[LineBlock]) -> Vec<Matrix> {
 fn covariance(errors: &[Matrix], freedom: usize) -> Matrix {
     let squares: Matrix = errors.iter().map(|errors| errors * errors.adjoint()).sum();
     squares / Complex64::from(freedom as f64)
-}
-
-/// Covariance of vec(G) where outputs are off by the same error of this covariance in all runs.
-pub(crate) fn common_covariance(weights: &[Matrix], on_outputs: &Matrix) -> Matrix {
-    let weight: Matrix = weights.iter().sum();
-    let w = weight.row_sum().transpose();
-    (&w * w.adjoint()).kronecker(on_outputs)
 }

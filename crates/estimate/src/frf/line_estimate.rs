@@ -7,7 +7,6 @@ use num_complex::Complex64;
 
 use crate::error::deficient_line::{Deficiency, DeficientLine};
 use crate::frf::freedom::{Freedom, NoiseParts};
-use crate::frf::glide_noise::common_covariance;
 use crate::frf::matrices::{Matrix, stacked};
 
 /// The FRF on one line with its covariances.
@@ -25,8 +24,7 @@ pub(crate) struct LineEstimate {
 pub(crate) type LineResult = Result<LineEstimate, DeficientLine>;
 
 impl LineEstimate {
-    /// The same with the noise of the glides, `of_glides` that of their mean on the outputs, and what
-    /// the noise is made up of.
+    /// The same with the noise of the glides, and what the noise is made up of.
     pub(crate) fn with_parts(
         mut self,
         weights: &[Matrix],
@@ -34,7 +32,6 @@ impl LineEstimate {
         of_glides: Option<Matrix>,
     ) -> Self {
         let of_runs = self.noise.clone();
-        let of_glides = of_glides.map(|on_outputs| common_covariance(weights, &on_outputs));
         if let (Some(noise), Some(of_glides)) = (&mut self.noise, &of_glides) {
             *noise += of_glides;
         }

@@ -1,4 +1,4 @@
-//! FRF of a campaign: the methods. A method is a file of this folder and a variant here.
+//! FRF of a campaign: the methods. A method is a file in `methods` and a variant here.
 
 pub(crate) mod blocks;
 pub(crate) mod estimate;
@@ -7,13 +7,9 @@ mod excitation;
 pub(crate) mod f_distribution;
 mod freedom;
 mod glide_noise;
-mod joint_input_output;
-mod least_squares;
 mod line_estimate;
-mod logarithmic_mean;
 pub(crate) mod matrices;
-mod mean_of_frfs;
-mod mean_of_spectra;
+mod methods;
 pub(crate) mod right_division;
 pub(crate) mod roughness;
 pub(crate) mod singular;
@@ -25,11 +21,11 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::EstimateError;
 use crate::frf::estimate::FrfEstimate;
-use crate::frf::joint_input_output::JointInputOutput;
-use crate::frf::least_squares::LeastSquares;
-use crate::frf::logarithmic_mean::LogarithmicMean;
-use crate::frf::mean_of_frfs::MeanOfFrfs;
-use crate::frf::mean_of_spectra::MeanOfSpectra;
+use crate::frf::methods::joint_input_output::JointInputOutput;
+use crate::frf::methods::least_squares::LeastSquares;
+use crate::frf::methods::logarithmic_mean::LogarithmicMean;
+use crate::frf::methods::mean_of_frfs::MeanOfFrfs;
+use crate::frf::methods::mean_of_spectra::MeanOfSpectra;
 use crate::frf::right_division::MAX_CONDITION;
 use crate::spectra::campaign::Campaign;
 

@@ -74,6 +74,24 @@ impl RippleTorque {
         })
     }
 
+    /// Variance in s^2 of the time by which the run is ahead of the glide at its positions, mean over the
+    /// axes that move: by so much the noise of the glide is shifted in the run.
+    ///
+    /// # Errors
+    /// [`EstimateError::NoPosition`], [`frfid_signals::SignalError::Shape`].
+    pub fn wander_s2(&self, run: &Record) -> Result<f64, EstimateError> {
+        let (run_position, glide_position) =
+            (position_of(run, "run")?, position_of(&self.glide, "glide")?);
+        let moving = (0..self.axes.len()).filter(|&axis| self.axes[axis].is_some());
+        let wander = moving.filter_map(|axis| {
+            let there = glide_position.slice(s![axis, ..run.n_samples()]);
+            let ahead_rad = &run_position.row(axis) - &there;
+            Some(ahead_rad.var(0.0) / self.glide.y.row(axis).mean()?.powi(2))
+        });
+        let wander: Vec<f64> = wander.collect();
+        Ok(wander.iter().sum::<f64>() / wander.len().max(1) as f64)
+    }
+
     /// The run without the glide and without the difference of ripple between the run's positions
     /// and the glide's; axes that stood still in the glide lose the glide alone.
     ///

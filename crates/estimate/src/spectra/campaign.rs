@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::iter::zip;
 
-use frfid_signals::checks::all_finite;
+use frfid_signals::checks::{all_finite, one_per_axis, require};
 use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
@@ -78,6 +78,8 @@ pub struct Campaign {
     pub(super) runs: BTreeMap<PeriodIndex, RunSpectra>,
     /// Glides whose mean is not in the runs any more.
     pub(crate) glides: Vec<RunSpectra>,
+    /// Coherence of their noise from run to run, line by line; empty: 1.
+    pub(crate) glide_coherence: Vec<f64>,
 }
 
 /// All experiments of one period of one realization: the columns of U and Y.
@@ -94,6 +96,7 @@ impl Campaign {
             frequency_hz,
             runs: BTreeMap::new(),
             glides: Vec::new(),
+            glide_coherence: Vec::new(),
         })
     }
 
@@ -130,6 +133,21 @@ impl Campaign {
     pub fn insert_glide(&mut self, glide: RunSpectra) -> Result<(), EstimateError> {
         self.check(&glide)?;
         self.glides.push(glide);
+        Ok(())
+    }
+
+    /// Says how coherent the noise of the glides is from one reference to another, line by line: 1 (as
+    /// without) where they were subtracted in time, less where by position, which differs from one to
+    /// the other.
+    ///
+    /// # Errors
+    /// [`frfid_signals::SignalError`] unless there is a number from 0 to 1 for each line.
+    pub fn set_glide_coherence(&mut self, coherence: Vec<f64>) -> Result<(), EstimateError> {
+        let n_lines = self.frequency_hz.len();
+        one_per_axis("coherence", Some(&coherence), n_lines, |key, value| {
+            require(key, value, (0.0..=1.0).contains(&value), "from 0 to 1")
+        })?;
+        self.glide_coherence = coherence;
         Ok(())
     }
 

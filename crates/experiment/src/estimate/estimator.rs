@@ -2,9 +2,10 @@
 //! campaign is too long for the memory.
 
 use std::iter::zip;
-use std::ops::Range;
 
-use frfid_estimate::{Campaign, Evaluation, FrfEstimate, PeriodIndex, RunSpectra};
+use frfid_estimate::{
+    Campaign, Evaluation, FrfEstimate, PeriodIndex, RunSpectra, has_ripple_lines,
+};
 use frfid_signals::{Frf, Plan, Record, RunId, RunKind};
 use ndarray::s;
 
@@ -12,7 +13,7 @@ use crate::description::estimate::{EstimateTable, GlideSubtraction};
 use crate::error::ExperimentError;
 use crate::estimate::excerpt_bias::{ExcerptBias, WholeSpectra};
 use crate::estimate::glide_baseline::Baseline;
-use crate::estimate::glide_spectra::GlideSpectra;
+use crate::estimate::glide_spectra::{GlideSpectra, coherence};
 use crate::estimate::ripple_residual::{FreeSpectra, OnFreeLines, RippleResidual, is_looked_at};
 use crate::estimate::unsettled::Unsettled;
 
@@ -37,6 +38,8 @@ pub struct Spectra {
     free: Vec<FreeSpectra>,
     /// Of whole chirps, period by period.
     whole: WholeSpectra,
+    /// Variance in s^2 of the time by which the noise of the glides is shifted in each run.
+    wander_s2: Vec<f64>,
 }
 
 impl Spectra {
@@ -51,6 +54,7 @@ impl Spectra {
         self.periods.extend(other.periods);
         self.free.extend(other.free);
         self.whole.extend(other.whole);
+        self.wander_s2.extend(other.wander_s2);
     }
 }
 
@@ -77,10 +81,8 @@ impl Estimated {
     #[must_use]
     pub fn disturbed_hz(&self) -> Vec<f64> {
         let lines = zip(&self.frf.frequency_hz, self.ripple.iter().flatten());
-        lines
-            .filter(|(_, exceeds)| **exceeds)
-            .map(|(hz, _)| *hz)
-            .collect()
+        let disturbed = lines.filter(|(_, exceeds)| **exceeds);
+        disturbed.map(|(hz, _)| *hz).collect()
     }
 }
 
@@ -129,7 +131,18 @@ impl Estimator {
             let periods = (0..self.n_complete(glide)).map(|period| self.period(glide, period));
             self.glides.add(periods.collect::<Result<Vec<_>, _>>()?);
         }
+        self.glides.show_ripple = self.shows_ripple();
         Ok(self)
+    }
+
+    /// Whether the mean glide has lines of ripple, in the period that is estimated.
+    fn shows_ripple(&self) -> bool {
+        let Baseline::Glide(glide) = &self.baseline else {
+            return false;
+        };
+        let end = glide.n_samples();
+        let start = end.min(self.plan.lead_in_samples);
+        has_ripple_lines(glide.u.slice(s![.., start..end]))
     }
 
     /// Whether [`Estimator::with_ripple_of`] is needed before spectra are taken.
@@ -167,17 +180,17 @@ impl Estimator {
             return Ok(Spectra::default());
         }
         let rest = self.baseline.subtract_from(record)?;
+        let wander_s2 = self.baseline.wander_s2(record)?;
         let record = rest.as_ref().unwrap_or(record);
-        let mut spectra = Spectra::default();
+        let mut spectra = Spectra {
+            wander_s2: vec![wander_s2],
+            ..Spectra::default()
+        };
         for period in (0..self.n_complete(record)).filter(|&period| !lost(period)) {
             let place = self.place(id, period);
-            let (on_lines, free) = self.period(record, period)?;
+            let (on_lines, free, whole) = self.period(record, period)?;
             spectra.periods.push((place, on_lines));
-            if let Some(bias) = &self.bias {
-                let window = s![.., self.window(period)];
-                let (u, y) = (record.u.slice(window), record.y.slice(window));
-                spectra.whole.push((place, bias.spectra(u, y)?));
-            }
+            spectra.whole.extend(whole.map(|whole| (place, whole)));
             spectra.free.extend(
                 free.filter(|_| is_looked_at(place))
                     .map(|signals| FreeSpectra { place, signals }),
@@ -194,26 +207,23 @@ impl Estimator {
         (after_lead_in / self.period_samples).min(self.plan.n_periods)
     }
 
-    /// The samples of a period.
-    fn window(&self, period: usize) -> Range<usize> {
-        let start = self.plan.lead_in_samples + period * self.period_samples;
-        start..start + self.period_samples
-    }
-
-    /// Spectra of one period of a record, on the lines and on the free ones around them.
+    /// Spectra of one period of a record: on the lines, on the free ones around them, of a whole chirp.
     fn period(
         &self,
         record: &Record,
         period: usize,
-    ) -> Result<(RunSpectra, Option<OnFreeLines>), ExperimentError> {
-        let window = s![.., self.window(period)];
+    ) -> Result<(RunSpectra, Option<OnFreeLines>, Option<RunSpectra>), ExperimentError> {
+        let start = self.plan.lead_in_samples + period * self.period_samples;
+        let window = s![.., start..start + self.period_samples];
         let (u, y) = (record.u.slice(window), record.y.slice(window));
         let reference = self.options.reference_of(record);
         let r = reference.map(|r| r.slice(window));
         let on_lines = RunSpectra::of(&*self.evaluation.transform, u, y, r)?;
         let free = self.residual.as_ref();
         let free = free.map(|residual| residual.spectra(u, y)).transpose()?;
-        Ok((on_lines, free))
+        let whole = self.bias.as_ref();
+        let whole = whole.map(|bias| bias.spectra(u, y)).transpose()?;
+        Ok((on_lines, free, whole))
     }
 
     /// Index of a period in the campaign: repetitions and periods back to back together are the
@@ -257,6 +267,7 @@ impl Estimator {
         for glide in &self.glides.on_lines {
             campaign.insert_glide(glide.clone())?;
         }
+        campaign.set_glide_coherence(coherence(&spectra.wander_s2, campaign.frequency_hz()))?;
         let missing = campaign.drop_incomplete();
         let equal_draws = campaign.pool_equal_draws();
         let mut estimate = FrfEstimate {
@@ -270,10 +281,11 @@ impl Estimator {
         let (mut remarks, n_left_out) = (estimate.warnings(), estimate.left_out.len());
         let frf = estimate.frf;
         remarks.extend(self.glides.remark(&frf));
-        let ripple = match &self.residual {
+        let repeats = match &self.residual {
             Some(residual) => residual.exceeds_noise(spectra.free, &self.glides.free, &frf)?,
             None => None,
         };
+        let ripple = repeats.map(|exceeds| self.glides.attributed(exceeds, &mut remarks));
         Ok(Estimated {
             unsettled: Unsettled::of(&spectra.periods, &self.plan, &frf)?,
             frf,

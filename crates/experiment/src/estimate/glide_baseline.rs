@@ -47,6 +47,18 @@ impl Baseline {
         }
     }
 
+    /// Variance in s^2 of the time by which the noise of the glides is shifted in a record; 0 where they
+    /// are subtracted in time.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Estimate`] for a record without positions.
+    pub(crate) fn wander_s2(&self, record: &Record) -> Result<f64, ExperimentError> {
+        Ok(match self {
+            Self::None | Self::Glide(_) => 0.0,
+            Self::Ripple(ripple) => ripple.wander_s2(record)?,
+        })
+    }
+
     /// The record without it.
     ///
     /// # Errors

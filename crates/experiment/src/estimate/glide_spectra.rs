@@ -1,7 +1,9 @@
 //! Spectra of the glides whose mean is taken off every run: their spread is noise that all runs share.
 
+use std::f64::consts::TAU;
+
 use frfid_estimate::RunSpectra;
-use frfid_signals::Frf;
+use frfid_signals::{Frf, median};
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -15,6 +17,8 @@ pub(crate) struct GlideSpectra {
     pub(crate) on_lines: Vec<RunSpectra>,
     /// On the lines around them that are not excited.
     pub(crate) free: Vec<OnFreeLines>,
+    /// Whether their mean has narrow lines of torque.
+    pub(crate) show_ripple: bool,
 }
 
 impl GlideSpectra {
@@ -37,6 +41,22 @@ impl GlideSpectra {
             .extend(u.zip(y).map(|(u, y)| OnFreeLines { u, y }));
     }
 
+    /// Lines at which what repeats exceeds the noise, as those of torque ripple: none, but a remark, where
+    /// the glides show no ripple.
+    pub(crate) fn attributed(&self, exceeds: Vec<bool>, remarks: &mut Vec<String>) -> Vec<bool> {
+        let n_lines = exceeds.iter().filter(|&&exceeds| exceeds).count();
+        if self.show_ripple || n_lines == 0 {
+            return exceeds;
+        }
+        remarks.push(format!(
+            "what repeats from run to run beside the response exceeds the noise at {n_lines} of {} lines; the \
+             glides show no torque ripple, so it is the machine's change along the way, or distortion: there \
+             the noise variance says too little, trust the total variance",
+            exceeds.len()
+        ));
+        vec![false; exceeds.len()]
+    }
+
     /// What a noise variance rests on with one glide.
     pub(crate) fn remark(&self, frf: &Frf) -> Option<String> {
         let is_assumed = self.on_lines.len() == 1 && frf.noise.is_some();
@@ -46,6 +66,19 @@ impl GlideSpectra {
                 .into()
         })
     }
+}
+
+/// Coherence of the glides' noise from one reference to another, `exp(-(2 pi f)^2 s^2)`: the expectation
+/// of `exp(2 pi i f (t - t'))` of two shifts in time that are normally distributed, as multisines make
+/// them, each of variance s^2; the median of the runs, since lost samples spoil that of a few.
+pub(crate) fn coherence(wander_s2: &[f64], frequency_hz: &[f64]) -> Vec<f64> {
+    let known = wander_s2
+        .iter()
+        .copied()
+        .filter(|wander| wander.is_finite());
+    let wander_s2 = median(known.collect()).unwrap_or(0.0);
+    let at = |hz: &f64| (-(TAU * hz).powi(2) * wander_s2).exp();
+    frequency_hz.iter().map(at).collect()
 }
 
 /// Mean of spectra of one shape; `None` of none.

@@ -20,7 +20,7 @@ use crate::frf::blocks::{
     BlockEstimates, BlockMethod, Invertible, LineBlock, map_blocks, mean, means_over_periods,
 };
 use crate::frf::matrices::Matrix;
-use crate::frf::mean_of_frfs::MeanOfFrfs;
+use crate::frf::methods::mean_of_frfs::MeanOfFrfs;
 
 pub(crate) struct LogarithmicMean;
 
