@@ -188,9 +188,11 @@ impl Estimator {
         };
         for period in (0..self.n_complete(record)).filter(|&period| !lost(period)) {
             let place = self.place(id, period);
-            let (on_lines, free, whole) = self.period(record, period)?;
+            let (on_lines, free) = self.period(record, period)?;
             spectra.periods.push((place, on_lines));
-            spectra.whole.extend(whole.map(|whole| (place, whole)));
+            if let Some(bias) = &self.bias {
+                spectra.whole.push((place, bias.spectra(record, period)?));
+            }
             spectra.free.extend(
                 free.filter(|_| is_looked_at(place))
                     .map(|signals| FreeSpectra { place, signals }),
@@ -207,12 +209,12 @@ impl Estimator {
         (after_lead_in / self.period_samples).min(self.plan.n_periods)
     }
 
-    /// Spectra of one period of a record: on the lines, on the free ones around them, of a whole chirp.
+    /// Spectra of one period of a record, on the lines and on the free ones around them.
     fn period(
         &self,
         record: &Record,
         period: usize,
-    ) -> Result<(RunSpectra, Option<OnFreeLines>, Option<RunSpectra>), ExperimentError> {
+    ) -> Result<(RunSpectra, Option<OnFreeLines>), ExperimentError> {
         let start = self.plan.lead_in_samples + period * self.period_samples;
         let window = s![.., start..start + self.period_samples];
         let (u, y) = (record.u.slice(window), record.y.slice(window));
@@ -221,9 +223,7 @@ impl Estimator {
         let on_lines = RunSpectra::of(&*self.evaluation.transform, u, y, r)?;
         let free = self.residual.as_ref();
         let free = free.map(|residual| residual.spectra(u, y)).transpose()?;
-        let whole = self.bias.as_ref();
-        let whole = whole.map(|bias| bias.spectra(u, y)).transpose()?;
-        Ok((on_lines, free, whole))
+        Ok((on_lines, free))
     }
 
     /// Index of a period in the campaign: repetitions and periods back to back together are the
