@@ -2,14 +2,16 @@
 //! excerpts.
 
 use frfid_estimate::{Campaign, PeriodIndex, RunSpectra, WholeRecord};
-use frfid_signals::{Excitation, Frf, Plan};
-use ndarray::ArrayView2;
+use frfid_signals::{Excitation, Frf, Plan, Record};
+use ndarray::s;
 
 use crate::error::ExperimentError;
 
 /// What shows the bias of the excerpts of a plan's chirp.
 pub(crate) struct ExcerptBias {
     whole: WholeRecord,
+    lead_in_samples: usize,
+    period_samples: usize,
 }
 
 /// Spectra of whole chirps, period by period.
@@ -30,20 +32,27 @@ impl ExcerptBias {
         if plan.n_repetitions * plan.n_periods < 2 {
             return Ok(None);
         }
-        let n_samples = plan.period_samples()?;
-        let whole = WholeRecord::new(chirp, frequency_hz, plan.sample_time_s, n_samples)?;
-        Ok(Some(Self { whole }))
+        let period_samples = plan.period_samples()?;
+        let whole = WholeRecord::new(chirp, frequency_hz, plan.sample_time_s, period_samples)?;
+        Ok(Some(Self {
+            whole,
+            lead_in_samples: plan.lead_in_samples,
+            period_samples,
+        }))
     }
 
-    /// Spectra of one whole chirp.
+    /// Spectra of the whole chirp in a period that the record holds to its end.
     ///
     /// # Errors
     /// [`ExperimentError::Estimate`] for samples that are not finite.
     pub(crate) fn spectra(
         &self,
-        u: ArrayView2<f64>,
-        y: ArrayView2<f64>,
+        record: &Record,
+        period: usize,
     ) -> Result<RunSpectra, ExperimentError> {
+        let start = self.lead_in_samples + period * self.period_samples;
+        let window = s![.., start..start + self.period_samples];
+        let (u, y) = (record.u.slice(window), record.y.slice(window));
         Ok(RunSpectra::of(&self.whole, u, y, None)?)
     }
 

@@ -5,7 +5,6 @@ pub(crate) mod estimated;
 mod spectra;
 
 use std::iter::zip;
-use std::ops::Range;
 
 use frfid_estimate::{
     Campaign, Evaluation, FrfEstimate, PeriodIndex, RunSpectra, has_ripple_lines,
@@ -142,9 +141,7 @@ impl Estimator {
             let (on_lines, free) = self.period(record, period)?;
             spectra.periods.push((place, on_lines));
             if let Some(bias) = &self.bias {
-                let window = s![.., self.window(period)];
-                let (u, y) = (record.u.slice(window), record.y.slice(window));
-                spectra.whole.push((place, bias.spectra(u, y)?));
+                spectra.whole.push((place, bias.spectra(record, period)?));
             }
             spectra.free.extend(
                 free.filter(|_| is_looked_at(place))
@@ -162,19 +159,14 @@ impl Estimator {
         (after_lead_in / self.period_samples).min(self.plan.n_periods)
     }
 
-    /// The samples of a period.
-    fn window(&self, period: usize) -> Range<usize> {
-        let start = self.plan.lead_in_samples + period * self.period_samples;
-        start..start + self.period_samples
-    }
-
     /// Spectra of one period of a record, on the lines and on the free ones around them.
     fn period(
         &self,
         record: &Record,
         period: usize,
     ) -> Result<(RunSpectra, Option<OnFreeLines>), ExperimentError> {
-        let window = s![.., self.window(period)];
+        let start = self.plan.lead_in_samples + period * self.period_samples;
+        let window = s![.., start..start + self.period_samples];
         let (u, y) = (record.u.slice(window), record.y.slice(window));
         let reference = self.options.reference_of(record);
         let r = reference.map(|r| r.slice(window));
