@@ -32,7 +32,7 @@ def test_bla_is_numpy_s(n_inputs, n_outputs, n_experiments, n_samples):
         np.broadcast_to(x, (n_p, n_experiments, n_q, *x.shape[3:])) + 0.1 * RNG.standard_normal((n_p, n_experiments, n_q, *x.shape[3:]))
         for x in (u, RNG.standard_normal((n_p, n_experiments, 1, n_outputs, n_samples)))
     )
-    frf = frfid.estimate_bla(u, y, sample_time_s=1e-3, harmonics=harmonics)
+    frf = frfid.estimate_bla(u, y, sample_time_s=1e-3, harmonics=harmonics, average="frfs")
     response, noise, total = numpy_bla(u, y, harmonics)
     np.testing.assert_allclose(frf.frequency_hz, harmonics / (n_samples * 1e-3), rtol=1e-15)
     for found, expected in ((frf.response, response), (frf.noise_covariance, noise), (frf.total_covariance, total)):
