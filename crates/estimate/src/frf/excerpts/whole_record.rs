@@ -28,8 +28,8 @@ use crate::spectra::campaign::{Block, Campaign};
 use crate::spectra::line_dft::LineDft;
 
 /// Lines of the whole record around a frequency that are fitted. Fewer leave too little beyond the
-/// unknowns to average noise, more hold several modes: of 15, 21, 31 and 41 the region of 21 held
-/// the truth most often on 3x3 plants and the shortest sweep.
+/// unknowns to average noise, more hold several modes: of 21, 31 and 41 the region of 21 held the truth
+/// most often on 2x2 and 3x3 plants and the shortest sweep; 15 was compared on single joints alone.
 const N_LINES: usize = 21;
 
 /// The lines of whole recordings of a chirp around the frequencies of its excerpts.
