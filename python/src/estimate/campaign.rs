@@ -7,15 +7,14 @@ use frfid_estimate::{
     Campaign, Coherence, Entry, FrfOptions, Method, Response, SpectraCovariance,
     campaign_of_periods,
 };
-use ndarray::Ix5;
 use num_complex::Complex64;
 use numpy::{PyArray2, PyArray3};
 use pyo3::prelude::*;
 
-use crate::array::{c_ordered, real};
+use crate::array::c_ordered;
 use crate::choice::from_python;
 use crate::error;
-use crate::estimate::periods::CAMPAIGN;
+use crate::estimate::periods::Signals;
 use crate::frf::matrix::Frf;
 
 /// Spectra of periods in the arrays that the functions take.
@@ -26,12 +25,8 @@ fn campaign(
     sample_time_s: f64,
     harmonics: &[usize],
 ) -> PyResult<Campaign> {
-    let (u, y) = (
-        real::<Ix5>("u", u, &[CAMPAIGN])?,
-        real::<Ix5>("y", y, &[CAMPAIGN])?,
-    );
-    let r = r.map(|r| real::<Ix5>("r", r, &[CAMPAIGN])).transpose()?;
-    let (u, y, r) = (u.as_array(), y.as_array(), r.as_ref().map(|r| r.as_array()));
+    let signals = Signals::of(u, y, r)?;
+    let (u, y, r) = signals.arrays();
     let found = py.detach(|| campaign_of_periods(u, y, r, sample_time_s, harmonics));
     found.map_err(error::estimate)
 }

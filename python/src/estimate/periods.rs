@@ -2,7 +2,8 @@
 
 use frfid_estimate::{FrfEstimate, FrfOptions, Method, estimate_periods};
 use frfid_files::Check;
-use ndarray::Ix5;
+use ndarray::{ArrayView5, Ix5};
+use numpy::PyReadonlyArray5;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -11,7 +12,7 @@ use crate::choice::from_python;
 use crate::error;
 use crate::frf::matrix::Frf;
 
-pub(crate) const CAMPAIGN: Axes = &["realization", "experiment", "period", "channel", "sample"];
+const CAMPAIGN: Axes = &["realization", "experiment", "period", "channel", "sample"];
 /// Best linear approximation with its variances, SK15 (13) and (14).
 ///
 /// Without ``r`` the direct estimate; with it the indirect one (joint input-output), which noise on
@@ -157,14 +158,43 @@ fn estimated(
     max_condition: Option<f64>,
 ) -> PyResult<Frf> {
     let options = frf_options(method, max_condition);
-    let (u, y) = (
-        real::<Ix5>("u", u, &[CAMPAIGN])?,
-        real::<Ix5>("y", y, &[CAMPAIGN])?,
-    );
-    let r = r.map(|r| real::<Ix5>("r", r, &[CAMPAIGN])).transpose()?;
-    let (u, y, r) = (u.as_array(), y.as_array(), r.as_ref().map(|r| r.as_array()));
+    let signals = Signals::of(u, y, r)?;
+    let (u, y, r) = signals.arrays();
     let estimate = || estimate_periods(u, y, r, sample_time_s, harmonics, &options);
     Ok(checked(py.detach(estimate).map_err(error::estimate)?))
+}
+
+/// Whole periods of input, output and reference.
+pub(crate) struct Signals<'py> {
+    u: PyReadonlyArray5<'py, f64>,
+    y: PyReadonlyArray5<'py, f64>,
+    r: Option<PyReadonlyArray5<'py, f64>>,
+}
+
+/// The arrays of [`Signals`].
+type Arrays<'a> = (
+    ArrayView5<'a, f64>,
+    ArrayView5<'a, f64>,
+    Option<ArrayView5<'a, f64>>,
+);
+
+impl<'py> Signals<'py> {
+    pub(crate) fn of(
+        u: &Bound<'py, PyAny>,
+        y: &Bound<'py, PyAny>,
+        r: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Self> {
+        Ok(Self {
+            u: real::<Ix5>("u", u, &[CAMPAIGN])?,
+            y: real::<Ix5>("y", y, &[CAMPAIGN])?,
+            r: r.map(|r| real::<Ix5>("r", r, &[CAMPAIGN])).transpose()?,
+        })
+    }
+
+    pub(crate) fn arrays(&self) -> Arrays<'_> {
+        let r = self.r.as_ref().map(|r| r.as_array());
+        (self.u.as_array(), self.y.as_array(), r)
+    }
 }
 
 /// The FRF; what was left out, counted otherwise than given or hides in one draw fails its check.

@@ -98,7 +98,6 @@ impl Response {
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClosedLoop {
     joint: Frf,
-    n_inputs: usize,
 }
 
 impl Campaign {
@@ -113,8 +112,7 @@ impl Campaign {
             max_condition,
         };
         let joint = joint.estimate(&options)?;
-        let n_inputs = joint.n_inputs();
-        Ok(ClosedLoop { joint, n_inputs })
+        Ok(ClosedLoop { joint })
     }
 }
 
@@ -160,18 +158,19 @@ impl ClosedLoop {
     }
 
     fn of(&self, equation: impl Fn(&Matrix, usize) -> Equation) -> Frf {
-        propagated(&self.joint, |joint| equation(joint, self.n_inputs))
+        propagated(&self.joint, |joint| equation(joint, self.joint.n_inputs()))
     }
 
     /// Where the reference enters, if that can be.
     fn entry(&self, entry: Option<Entry>) -> Result<Entry, SignalError> {
-        let n_outputs = self.joint.n_outputs() - self.n_inputs;
+        let n_inputs = self.joint.n_inputs();
+        let n_outputs = self.joint.n_outputs() - n_inputs;
         match entry {
             None => Err(SignalError::unfit(
                 "loop",
                 "whether the reference is a set point of the output or added to the input is not known: say it",
             )),
-            Some(Entry::SetPoint) if n_outputs != self.n_inputs => Err(SignalError::unfit(
+            Some(Entry::SetPoint) if n_outputs != n_inputs => Err(SignalError::unfit(
                 "loop",
                 "a set point takes as many references as outputs",
             )),

@@ -232,7 +232,7 @@ fn covariance_about(mean: &Matrix, matrices: &[Matrix]) -> Option<Matrix> {
 }
 
 /// `sum d d^H`, d = vec(matrix - centre).
-fn squares_about(centre: &Matrix, matrices: &[Matrix]) -> Matrix {
+pub(crate) fn squares_about(centre: &Matrix, matrices: &[Matrix]) -> Matrix {
     let mut sum = DMatrix::zeros(centre.len(), centre.len());
     for matrix in matrices {
         let deviation = DVector::from_column_slice((matrix - centre).as_slice());

@@ -49,38 +49,35 @@ impl FrfEstimate {
     /// empty if nothing does.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let mut words = self.equal_words();
-        words.extend(self.left_out_words());
-        words.extend(self.uneven_words());
-        words.extend(self.rough_words());
-        if self.frf.relative_resolution.is_some() {
-            words.extend(self.unknown_bias_words());
-        }
-        words.extend(
-            self.direct_difference
-                .map(|difference| difference.to_string()),
-        );
-        words
+        let said = self.said().into_iter().flat_map(|(_, said)| said);
+        let bias = self.unknown_bias_words();
+        let difference = self
+            .direct_difference
+            .map(|difference| difference.to_string());
+        said.chain(bias).chain(difference).collect()
     }
 
     /// The same, and what noise on the input does, by what was looked at.
     #[must_use]
     pub fn findings(&self) -> Vec<(&'static str, Vec<String>)> {
-        let mut findings = vec![
-            ("draws of phases", self.equal_words()),
-            ("excited lines", Vec::from_iter(self.left_out_words())),
-            ("condition", Vec::from_iter(self.uneven_words())),
-            ("distortion", Vec::from_iter(self.rough_words())),
-            (
-                "noise on the input",
-                Vec::from_iter(self.noise_bias.map(|bias| bias.to_string())),
-            ),
-        ];
+        let mut findings = Vec::from(self.said());
+        let noise_bias = self.noise_bias.map(|bias| bias.to_string());
+        findings.push(("noise on the input", Vec::from_iter(noise_bias)));
         if self.frf.relative_resolution.is_some() {
             let said = Vec::from_iter(self.unknown_bias_words());
             findings.push(("bias of excerpts", said));
         }
         findings
+    }
+
+    /// What is said of every FRF.
+    fn said(&self) -> [(&'static str, Vec<String>); 4] {
+        [
+            ("draws of phases", self.equal_words()),
+            ("excited lines", Vec::from_iter(self.left_out_words())),
+            ("condition", Vec::from_iter(self.uneven_words())),
+            ("distortion", Vec::from_iter(self.rough_words())),
+        ]
     }
 
     /// Which realizations are one draw.
@@ -120,6 +117,7 @@ impl FrfEstimate {
 
     /// Where excerpts of a chirp have a value and no region.
     fn unknown_bias_words(&self) -> Option<String> {
+        self.frf.relative_resolution?;
         let covariance = &self.frf.noise.as_ref()?.covariance;
         let both = zip(self.frf.response.outer_iter(), covariance.outer_iter());
         let unknown = both.filter(|(value, covariance)| {

@@ -24,7 +24,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::EstimateError;
 use crate::frf::direct_difference::{DirectDifference, direct_difference};
 use crate::frf::estimate::FrfEstimate;
-use crate::frf::methods::instruments::{H1, H2, JointInputOutput};
+use crate::frf::methods::instruments::{H1, H2, JointInputOutput, Through};
 use crate::frf::methods::least_squares::LeastSquares;
 use crate::frf::methods::logarithmic_mean::LogarithmicMean;
 use crate::frf::methods::mean_of_frfs::MeanOfFrfs;
@@ -113,9 +113,9 @@ impl Method {
             Self::Auto | Self::MeanOfSpectra => &MeanOfSpectra,
             Self::LogarithmicMean => &LogarithmicMean,
             Self::LeastSquares => &LeastSquares,
-            Self::JointInputOutput => &JointInputOutput,
-            Self::H1 => &H1,
-            Self::H2 => &H2,
+            Self::JointInputOutput => &Through(JointInputOutput),
+            Self::H1 => &Through(H1),
+            Self::H2 => &Through(H2),
         }
     }
 
@@ -186,7 +186,7 @@ impl Campaign {
         method: Method,
         options: &FrfOptions,
     ) -> Option<DirectDifference> {
-        let direct = || H1.frf(self, options).ok();
+        let direct = || Through(H1).frf(self, options).ok();
         let direct = method.needs_reference().then(direct)??;
         direct_difference(&estimate.frf, &direct.frf)
     }

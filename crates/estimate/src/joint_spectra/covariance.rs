@@ -12,13 +12,14 @@
 
 use frfid_signals::Frf;
 use frfid_signals::checks::require_shape;
-use nalgebra::{DMatrix, DVector};
-use ndarray::{Array3, Axis, s};
+use nalgebra::DMatrix;
+use ndarray::{Array3, s};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::frf::matrices::{Matrix, matrices, stacked};
-use crate::spectra::campaign::{Block, Campaign};
+use crate::frf::blocks::{mean, squares_about};
+use crate::frf::matrices::{Matrix, matrices, matrix, stacked};
+use crate::spectra::campaign::{Block, Campaign, RunSpectra};
 
 /// Covariances of the spectra, line by line, in squared units of the DFT.
 #[derive(Debug, Clone, PartialEq)]
@@ -83,43 +84,28 @@ fn fewest_periods(realizations: &[Vec<Block>]) -> usize {
 }
 
 /// `[u; y]` of every period of an experiment of a realization.
-fn joint(periods: &[Block], experiment: usize, line: usize) -> Vec<DVector<Complex64>> {
+fn joint(periods: &[Block], experiment: usize, line: usize) -> Vec<Matrix> {
     let runs = periods.iter().map(|block| block[experiment]);
-    let column = |run: &crate::spectra::campaign::RunSpectra| {
+    let column = |run: &RunSpectra| {
         let channels = run.u.column(line).into_iter().chain(run.y.column(line));
-        DVector::from_iterator(run.u.nrows() + run.y.nrows(), channels.copied())
+        DMatrix::from_iterator(run.u.nrows() + run.y.nrows(), 1, channels.copied())
     };
     runs.map(column).collect()
-}
-
-fn mean(vectors: &[DVector<Complex64>]) -> DVector<Complex64> {
-    let mut sum = vectors[0].clone();
-    vectors[1..].iter().for_each(|vector| sum += vector);
-    sum / Complex64::from(vectors.len() as f64)
-}
-
-/// `sum d d^H` about the mean.
-fn scatter(vectors: &[DVector<Complex64>]) -> Matrix {
-    let (mean, size) = (mean(vectors), vectors[0].len());
-    let mut sum = DMatrix::zeros(size, size);
-    for vector in vectors {
-        let d = vector - &mean;
-        sum.gerc(Complex64::ONE, &d, &d, Complex64::ONE);
-    }
-    sum
 }
 
 /// `C_Z` of a line; `None` with one period.
 fn noise(realizations: &[Vec<Block>], line: usize) -> Option<Matrix> {
     let experiments = 0..realizations[0][0].len();
     let all = experiments.flat_map(|m| realizations.iter().map(move |periods| (m, periods)));
-    let (mut sum, mut freedom) = (None, 0);
-    for (experiment, periods) in all {
-        let scatter = scatter(&joint(periods, experiment, line));
-        sum = Some(sum.map_or_else(|| scatter.clone(), |sum: Matrix| sum + &scatter));
-        freedom += periods.len() - 1;
-    }
-    (freedom > 0).then_some(sum? / Complex64::from(freedom as f64))
+    let scatter = |(experiment, periods): (usize, &Vec<Block>)| {
+        let spectra = joint(periods, experiment, line);
+        squares_about(&mean(&spectra), &spectra)
+    };
+    let sum: Matrix = all.map(scatter).sum();
+    let n_experiments = realizations[0][0].len();
+    let freedom: usize = realizations.iter().map(|periods| periods.len() - 1).sum();
+    let freedom = n_experiments * freedom;
+    (freedom > 0).then(|| sum / Complex64::from(freedom as f64))
 }
 
 /// `C_E` of a line; `None` with one realization.
@@ -152,10 +138,8 @@ fn of_equation(
 ) -> Array3<Complex64> {
     let lines = responses.iter().enumerate().map(|(line, response)| {
         let turn = residual_of(response);
-        let noise = crate::frf::matrices::matrix(noise.slice(s![line, .., ..]));
+        let noise = matrix(noise.slice(s![line, .., ..]));
         &turn * noise * turn.adjoint() / Complex64::from(n_periods)
     });
-    let lines: Vec<Matrix> = lines.collect();
-    debug_assert_eq!(lines.len(), noise.len_of(Axis(0)));
-    stacked(&lines)
+    stacked(&lines.collect::<Vec<Matrix>>())
 }

@@ -28,6 +28,18 @@ use crate::frf::matrices::Matrix;
 use crate::frf::noise_bias::NoiseSeen;
 use crate::frf::right_division::right_divide;
 
+/// The signal Z of a block that stands for all that noise should not meet.
+pub(crate) trait Instrument: Sync {
+    const NEEDS_REFERENCE: bool = false;
+    const IS_OUTPUT: bool = false;
+
+    /// Z, where the block has it.
+    fn signal(block: &LineBlock) -> Option<&Matrix>;
+
+    /// Share of the response by which noise biases it.
+    fn noise_bias(noise: &NoiseSeen) -> f64;
+}
+
 /// Joint input-output: through the reference.
 pub(crate) struct JointInputOutput;
 /// H1: through the input.
@@ -35,82 +47,62 @@ pub(crate) struct H1;
 /// H2: through the output.
 pub(crate) struct H2;
 
-impl BlockMethod for JointInputOutput {
+impl Instrument for JointInputOutput {
     const NEEDS_REFERENCE: bool = true;
-    const DIVIDES_ONCE: bool = true;
+
+    fn signal(block: &LineBlock) -> Option<&Matrix> {
+        block.r.as_ref()
+    }
 
     /// Divided by the mean over all blocks.
-    fn noise_bias(&self, noise: &NoiseSeen) -> f64 {
+    fn noise_bias(noise: &NoiseSeen) -> f64 {
         noise.bias_of_quotient(noise.n_blocks)
     }
-
-    fn estimates(
-        &self,
-        blocks: &[Vec<LineBlock>],
-        invertible: &Invertible,
-    ) -> Result<BlockEstimates, DeficientLine> {
-        Through(|block| block.r.as_ref()).estimates(blocks, invertible)
-    }
-
-    fn weights(&self, blocks: &[Vec<LineBlock>]) -> Vec<Matrix> {
-        Through(|block| block.r.as_ref()).weights(blocks)
-    }
 }
 
-impl BlockMethod for H1 {
-    const DIVIDES_ONCE: bool = true;
+impl Instrument for H1 {
+    fn signal(block: &LineBlock) -> Option<&Matrix> {
+        Some(&block.u)
+    }
 
     /// The power of the noise is in `U U^H`.
-    fn noise_bias(&self, noise: &NoiseSeen) -> f64 {
+    fn noise_bias(noise: &NoiseSeen) -> f64 {
         1.0 / (1.0 + noise.input_snr)
     }
-
-    fn estimates(
-        &self,
-        blocks: &[Vec<LineBlock>],
-        invertible: &Invertible,
-    ) -> Result<BlockEstimates, DeficientLine> {
-        Through(|block| Some(&block.u)).estimates(blocks, invertible)
-    }
-
-    fn weights(&self, blocks: &[Vec<LineBlock>]) -> Vec<Matrix> {
-        Through(|block| Some(&block.u)).weights(blocks)
-    }
 }
 
-impl BlockMethod for H2 {
-    const DIVIDES_ONCE: bool = true;
-    const DIVIDES_BY_OUTPUT: bool = true;
+impl Instrument for H2 {
+    const IS_OUTPUT: bool = true;
+
+    fn signal(block: &LineBlock) -> Option<&Matrix> {
+        Some(&block.y)
+    }
 
     /// The power of the noise is in `Y Y^H`.
-    fn noise_bias(&self, noise: &NoiseSeen) -> f64 {
+    fn noise_bias(noise: &NoiseSeen) -> f64 {
         1.0 / noise.output_snr
-    }
-
-    fn estimates(
-        &self,
-        blocks: &[Vec<LineBlock>],
-        invertible: &Invertible,
-    ) -> Result<BlockEstimates, DeficientLine> {
-        Through(|block| Some(&block.y)).estimates(blocks, invertible)
-    }
-
-    fn weights(&self, blocks: &[Vec<LineBlock>]) -> Vec<Matrix> {
-        Through(|block| Some(&block.y)).weights(blocks)
     }
 }
 
-/// The estimate through one signal of every block.
-struct Through(fn(&LineBlock) -> Option<&Matrix>);
+/// The estimate through an instrument.
+pub(crate) struct Through<I>(pub(crate) I);
 
-impl Through {
+impl<I: Instrument> BlockMethod for Through<I> {
+    const NEEDS_REFERENCE: bool = I::NEEDS_REFERENCE;
+    const DIVIDES_BY_OUTPUT: bool = I::IS_OUTPUT;
+    const DIVIDES_ONCE: bool = true;
+
+    fn noise_bias(&self, noise: &NoiseSeen) -> f64 {
+        I::noise_bias(noise)
+    }
+
     /// Block estimates `T_pq = G + n D_pq`.
     fn estimates(
         &self,
         blocks: &[Vec<LineBlock>],
         invertible: &Invertible,
     ) -> Result<BlockEstimates, DeficientLine> {
-        let instruments = self.instruments(blocks);
+        let instruments = instruments::<I>(blocks);
         let s_u = correlation(blocks, &instruments, |block| &block.u);
         let s_y = correlation(blocks, &instruments, |block| &block.y);
         let condition = invertible(&s_u)?;
@@ -129,29 +121,28 @@ impl Through {
 
     /// `W_p = sum_q Z_pq^H S^-1`.
     fn weights(&self, blocks: &[Vec<LineBlock>]) -> Vec<Matrix> {
-        let instruments = self.instruments(blocks);
+        let instruments = instruments::<I>(blocks);
         let s_u = correlation(blocks, &instruments, |block| &block.u);
         let weight = |periods: &Vec<Matrix>| right_divide(&periods.iter().sum(), &s_u);
         instruments.iter().map(weight).collect()
     }
+}
 
-    /// `Z^H` of every block, each channel scaled to unit power over the campaign: G does not depend on
-    /// the scale, but the condition number would.
-    fn instruments(&self, blocks: &[Vec<LineBlock>]) -> Vec<Vec<Matrix>> {
-        let sizes = self.sizes(blocks);
-        map_blocks(blocks, |block| scaled_adjoint(self.0(block), &sizes))
-    }
+/// `Z^H` of every block, each channel scaled to unit power over the campaign: G does not depend on the
+/// scale, but the condition number would.
+fn instruments<I: Instrument>(blocks: &[Vec<LineBlock>]) -> Vec<Vec<Matrix>> {
+    let sizes = sizes::<I>(blocks);
+    map_blocks(blocks, |block| scaled_adjoint(I::signal(block), &sizes))
+}
 
-    /// Root of the power of every channel over the campaign.
-    fn sizes(&self, blocks: &[Vec<LineBlock>]) -> Vec<f64> {
-        let signals = || blocks.iter().flatten().filter_map(self.0);
-        let n_channels = signals().next().map_or(0, DMatrix::nrows);
-        let power =
-            |channel: usize| -> f64 { signals().map(|z| z.row(channel).norm_squared()).sum() };
-        (0..n_channels)
-            .map(|channel| power(channel).sqrt())
-            .collect()
-    }
+/// Root of the power of every channel over the campaign.
+fn sizes<I: Instrument>(blocks: &[Vec<LineBlock>]) -> Vec<f64> {
+    let signals = || blocks.iter().flatten().filter_map(I::signal);
+    let n_channels = signals().next().map_or(0, DMatrix::nrows);
+    let power = |channel: usize| -> f64 { signals().map(|z| z.row(channel).norm_squared()).sum() };
+    (0..n_channels)
+        .map(|channel| power(channel).sqrt())
+        .collect()
 }
 
 /// G and what it was divided by, `S = sum U Z^H`.
