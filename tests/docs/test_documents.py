@@ -1,4 +1,6 @@
-"""README, tutorial and how-to do what they say: their commands are run and what they print is compared."""
+"""README, tutorial, how-to and the page of measured records do what they say: their commands are run and what they print is compared."""
+
+import os
 
 import pytest
 from documents import ROOT, Reader, equal, needs_frfid, same, set_keys
@@ -27,3 +29,14 @@ def test_tutorial_and_how_to(tmp_path):
     reader = Reader(tmp_path / "work")
     reader.follow(ROOT / "docs" / "tutorial.md")
     reader.follow(ROOT / "docs" / "how-to.md")
+
+
+def test_measured_records(tmp_path):
+    needs_frfid()
+    reader = Reader(tmp_path / "work")
+    data = ROOT.parent / "shared" / "data"
+    if not data.exists():
+        print(f"SKIPPED: {data} is missing")
+        pytest.skip(f"{data} is missing")
+    os.symlink(data, reader.folder / "records")
+    reader.follow(ROOT / "docs" / "records.md")
