@@ -149,6 +149,25 @@ def test_wing_periods_differ_by_less_than_errors_with_distortion(level):
         assert over_own(found, quantity) < 0.7, quantity
 
 
+def test_the_page_has_these_numbers():
+    page = (pathlib.Path(__file__).parents[2] / "docs" / "records.md").read_text()
+    drift = {}
+    for level in LEVELS:
+        record = wing(level)
+        whole = record.estimate()
+        cells = [f"| {level} "]
+        for what in ("periods", "lines"):
+            found = together(whole, *record.halves(what))
+            ratios = ", ".join(f"{over_whole(found, quantity):.1f}" for quantity in QUANTITIES)
+            cells.append(f"| {len(found)} of {len(features(whole))}: {ratios} ")
+        assert "".join(cells) + "|" in page
+        first, second = record.halves("periods")
+        noise = first.noise_variance + second.noise_variance
+        drift[level] = np.sqrt(np.mean(np.abs(first.response - second.response) ** 2 / noise))
+    said = f"moves by {drift[3]:.1f} (level 3) and {drift[7]:.1f} (level 7) standard deviations of its noise, rms over lines, "
+    assert said + f"and by {drift[1]:.1f} at level 1" in " ".join(page.split()), said
+
+
 @pytest.mark.parametrize("level", [pytest.param(level, marks=pytest.mark.xfail(
     level != 7, strict=True, reason="distortion gathers at the resonances, and three lines across one are fitted as they lie",
 )) for level in LEVELS])
@@ -190,3 +209,43 @@ def test_repeats_of_a_sweep_are_no_multisine():
     u, y = (data[name].astype(float)[:, None, None] for name in ("v", "theta"))
     frf = frfid.estimate_chirp(u, y, chirp=chirp, sample_time_s=0.002, frequencies_hz=np.arange(0.6, 9.5, 0.05))
     assert features(frf) == []
+
+
+def gathered(seed):
+    """A machine of five modes, one realization: scatter of 1 % from line to line, and of 6 % more around each mode."""
+    modes = [(3.4688, 0.0148, 1.0), (3.9735, 0.0213, -1.0), (5.1884, 0.0083, 0.5), (7.3147, 0.0052, 0.6), (9.1754, 0.0076, 0.5)]
+    lines, n, periods, random = np.arange(41, 308), 8192, 8, np.random.default_rng(seed)
+    complex_normal = lambda *shape: random.normal(size=(*shape, 2)) @ [1, 1j] / np.sqrt(2)
+
+    def response(hz):
+        return 0.05 - sum(0.02 * a * (hz / f) ** 2 / (1 - (hz / f) ** 2 + 2j * z * hz / f) for f, z, a in modes)
+
+    hz = lines * 400 / n
+    scatter = 0.01 + sum(0.06 * np.exp(-((hz - f) ** 2) / 2 / (3 * z * f) ** 2) for f, z, _ in modes)
+    measured = response(hz) * (1 + scatter * complex_normal(len(hz)))
+    noise = 4e-3 * np.abs(measured) * complex_normal(periods, len(hz))
+    drive = np.exp(2j * np.pi * random.random(len(hz)))
+
+    def signal(spectrum):
+        full = np.zeros((periods, n // 2 + 1), complex)
+        full[:, lines] = spectrum
+        return n * np.fft.irfft(full)[None, None, :, None]
+
+    fine = np.arange(2.1, 14.9, 5e-4)
+    level = np.abs(response(fine))
+    peaks = fine[1:-1][(level[1:-1] > level[:-2]) & (level[1:-1] > level[2:])]
+    return Record(signal(drive), signal((measured + noise) * drive), 1 / 400, lines), peaks
+
+
+@pytest.mark.xfail(strict=True, reason="one scatter is taken for all lines of an entry, its median")
+def test_errors_hold_where_distortion_gathers_at_the_resonances():
+    ratios = []
+    for seed in range(30):
+        record, peaks = gathered(seed)
+        found = [one for _, one in features(record.estimate()) if one["kind"] == "resonance" and one["frequency_std_hz"]]
+        for one in found:
+            off = min(peaks - one["frequency_hz"], key=abs)
+            ratios.append(off / one["frequency_std_hz"] if abs(off) < 0.02 * one["frequency_hz"] else np.nan)
+    rms = np.sqrt(np.nanmean(np.square(ratios)))
+    print(f"{rms:.2f} on {np.isfinite(ratios).sum()}")
+    assert rms < 1.2  # 100 independent ones, 1 %
