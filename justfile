@@ -37,6 +37,10 @@ bench *names:
 peers:
     python benches/peers/compare.py
 
+# the same scenarios in best-linear-approximation and pyFRF: answers against each other and the truth, what each gives
+answers:
+    python tests/peers/side_by_side.py
+
 # golden numbers anew, by numpy and scipy, and those of the command line; look at the difference
 golden:
     python tests/golden/bla.py
