@@ -32,9 +32,9 @@ class Row:
         return self.is_right and self.agrees
 
 
-def sigma_row(group, cases, compared, difference, allowed, ours, theirs):
+def sigma_row(group, cases, compared, difference, allowed, ours, theirs, remark=""):
     """A row whose errors are in standard deviations."""
-    return Row(group, cases, compared, difference, allowed, f"{ours:.1f} s", f"{theirs:.1f} s", bool(ours < MOST_SIGMA))
+    return Row(group, cases, compared, difference, allowed, f"{ours:.1f} s", f"{theirs:.1f} s", bool(ours < MOST_SIGMA), remark)
 
 
 def print_rows(rows):
