@@ -339,6 +339,7 @@ class Frf:
         output_names: list[str] | None = None,
         input_units: list[str] | None = None,
         output_units: list[str] | None = None,
+        verdicts: list[dict[str, Any]] | None = None,
         checks: list[dict[str, Any]] | None = None,
         provenance: dict[str, str] | None = None,
     ) -> Frf: ...
@@ -386,6 +387,8 @@ class Frf:
     def input_units(self) -> list[str]: ...
     @property
     def output_units(self) -> list[str]: ...
+    @property
+    def verdicts(self) -> list[dict[str, Any]]: ...
     @property
     def checks(self) -> list[dict[str, Any]]: ...
     @property

@@ -32,6 +32,7 @@ mod text {
     pub(crate) mod plan;
     pub(crate) mod strength;
     pub(crate) mod table;
+    pub(crate) mod verdicts;
 }
 
 use std::ffi::OsString;

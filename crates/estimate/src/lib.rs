@@ -90,7 +90,7 @@ pub use joint_spectra::covariance::SpectraCovariance;
 pub use lines::unexcited_lines::unexcited_lines;
 pub use lines::{find_lines, lines_at};
 pub use look::look;
-pub use look::oddity::{Consequence, Level, Oddity};
+pub use look::oddity::{Consequence, Level, MUCH_CLIPPED, Oddity};
 pub use look::wrapped::unwrapped;
 pub use period_index::PeriodIndex;
 pub use recording::clock_ratio::{ClockRatio, find_clock_ratio};

@@ -322,3 +322,42 @@ fn a_single_line_is_always_the_same_draw() {
     assert_eq!(told[0].realizations, [0, 1, 2]);
     assert!(told[0].to_string().contains("one line"), "{}", told[0]);
 }
+
+/// Of many realizations some agree by chance on few noisy lines; the comparisons together may find a repetition that
+/// is none in one campaign of twenty, however many realizations there are.
+#[test]
+fn many_realizations_hide_no_chance() {
+    let different = |lines: &[usize], n: u64, noise: f64| Case {
+        periods: 4,
+        noise,
+        ..case(lines, &(0..n).collect::<Vec<_>>())
+    };
+    for (n_lines, n, snr, campaigns) in [(5, 10, 10.0, 100), (8, 10, 3.0, 100), (15, 30, 1.0, 30)] {
+        let case = different(&odd(n_lines), n, 1.0 / snr);
+        let wrong = (0..campaigns).filter(|&seed| !case.equal(seed).is_empty());
+        let wrong = wrong.count();
+        println!("{n_lines} lines, {n} realizations, SNR {snr}: {wrong} of {campaigns}");
+        assert!(
+            10 * wrong <= campaigns as usize,
+            "{n_lines} lines: {wrong} of {campaigns}"
+        );
+    }
+}
+
+/// Where all are one draw, each repetition makes the others likelier: they are found in the same noise.
+#[test]
+fn many_repetitions_are_found_in_noise() {
+    for (n_lines, snr) in [(8, 3.0), (15, 1.0)] {
+        let case = Case {
+            periods: 4,
+            noise: 1.0 / snr,
+            ..case(&odd(n_lines), &[1; 10])
+        };
+        let all: Vec<usize> = (0..10).collect();
+        let found = (0..20)
+            .filter(|&seed| case.equal(seed) == [all.clone()])
+            .count();
+        println!("{n_lines} lines, SNR {snr}: {found} of 20");
+        assert!(found >= 16, "{n_lines} lines: {found} of 20");
+    }
+}

@@ -136,3 +136,26 @@ fn what_is_known_decides_unless_a_method_is_named() {
     );
     assert_ne!(of(&with, Method::MeanOfFrfs), of(&with, Method::Auto));
 }
+
+/// Blows of changing strength scatter like noise on u, but y follows them.
+#[test]
+fn a_strength_that_y_follows_is_no_noise() {
+    let strengths = [1.0, 1.1, 0.9, 1.2, 0.8];
+    let mut rng = stream(1, "strength", &[]);
+    let mut campaign = Campaign::new((1..=LINES).map(|k| k as f64).collect()).expect("rising");
+    for (period, strength) in strengths.into_iter().enumerate() {
+        let u = Array2::from_elem((1, LINES), Complex64::from(strength));
+        let y = u.mapv(|u| 2.0 * u + 1e-3 * Complex64::new(normal(&mut rng), normal(&mut rng)));
+        let place = PeriodIndex {
+            realization: 0,
+            period,
+            experiment: 0,
+        };
+        let run = RunSpectra { u, y, r: None };
+        campaign.insert(place, run).expect("fits");
+    }
+    for method in [Method::H1, Method::MeanOfSpectra, Method::MeanOfFrfs] {
+        let found = campaign.estimate_lines(&method.into()).expect("excited");
+        assert_eq!(found.noise_bias, None, "{method:?}");
+    }
+}

@@ -60,6 +60,7 @@ pub use design::predict::{Prediction, predict};
 pub use error::ExperimentError;
 pub use estimate::estimator::{Estimator, Spectra};
 pub use estimate::outcome::Outcome;
+pub use estimate::verdicts::{Evidence, judge};
 pub use estimate::{EstimateOptions, estimate_logs};
 pub use experiment::Experiment;
 pub use run::folder::{RunOptions, RunReport, RunSummary, run_to_folder};

@@ -145,6 +145,54 @@ fn one_glide_is_remarked_and_ripple_is_flagged() {
     assert!(said.contains("torque ripple exceeds the noise"), "{said}");
 }
 
+/// Measures twice with the same phases and other noise: share in percent of the entries of which the
+/// difference lies within the 95 % region of the two noises.
+fn repeated(case: Case) -> f64 {
+    let experiment = case.experiment();
+    let of_seed = |seed| {
+        let other = experiment.with(|config| config.seed = seed);
+        let testbed = other.expect("sound").testbed();
+        let outcome = experiment.measure(&*testbed, 0, &silent);
+        outcome.expect("the model runs").result.frf
+    };
+    let [one, other] = [101, 102].map(of_seed);
+    let noise = |frf: &Frf| frf.noise.clone().expect("measured");
+    let both = Uncertainty {
+        covariance: noise(&one).covariance + noise(&other).covariance,
+        degrees_of_freedom: noise(&one).degrees_of_freedom + noise(&other).degrees_of_freedom,
+    };
+    coverage(&one, Some(&both), &other)
+}
+
+/// What a constant-velocity campaign measures is spread along its way; about that, its own best linear
+/// approximation, the noise region holds, with everything on.
+#[test]
+fn with_everything_on_the_noise_region_holds_about_its_own_response() {
+    let case = Case {
+        has_ripple: true,
+        moves: true,
+        ..SMALL
+    };
+    let share = repeated(case);
+    println!("{share:.1} %");
+    assert!((91.0..98.0).contains(&share), "{share} %");
+}
+
+/// The same of the template as shipped.
+#[test]
+#[ignore = "a minute: two whole campaigns"]
+fn as_shipped_the_noise_region_holds_about_its_own_response() {
+    let case = Case {
+        is_whole: true,
+        has_ripple: true,
+        moves: true,
+        n_glides: 5,
+    };
+    let share = repeated(case);
+    println!("{share:.1} %");
+    assert!((93.0..98.0).contains(&share), "{share} %");
+}
+
 /// The template as shipped and with challenges off, 155 runs each: minutes.
 #[test]
 #[ignore = "minutes: figures of the whole template"]

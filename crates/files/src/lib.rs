@@ -60,6 +60,8 @@ pub use plan::{PlanEntry, PlanFile, PlanHead, PlannedRun};
 pub use result::exports::{EXPORTS, Export};
 pub use result::json::{read_result, write_result};
 pub use result::result_file::{Check, ResultFile};
+pub use result::verdict::{Cause, Verdict};
+pub use result::verdict_table::{Cell, SOUND, VerdictTable};
 pub use run::read::{RunLabel, read_run, read_run_label};
 pub use run::write::{RunFile, write_run};
 pub use sha256::{sha256_file, sha256_hex};

@@ -83,6 +83,7 @@ impl Paper {
         Report {
             title: "Saupe and Knoblach (2015): frequency responses of flexible-joint robots".into(),
             claims: self.claims(),
+            verdicts: Vec::new(),
             checks: Vec::new(),
             parts: vec![
                 self.section6.part(&figures.section6),

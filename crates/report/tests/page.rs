@@ -8,7 +8,7 @@ use std::process::{Child, Command};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use frfid_files::Check;
+use frfid_files::{Cause, Check, Verdict};
 use frfid_report::{
     Band, Claim, Curve, Figure, Labels, Part, Report, ReportError, Responses, Style, Table, bode,
 };
@@ -75,6 +75,12 @@ fn hostile_page() -> String {
         needed: text(2),
         advice: text(3),
     };
+    let verdict = Verdict {
+        axis: text(2),
+        cause: Cause::Noise,
+        found: Some(0.5),
+        limit: 0.3,
+    };
     let claim = Claim {
         id: "9",
         statement: text(4).leak(),
@@ -100,6 +106,7 @@ fn hostile_page() -> String {
     };
     Report {
         title: text(4),
+        verdicts: vec![verdict],
         checks: vec![check],
         provenance: vec![(text(0), text(1))],
         claims: vec![claim],

@@ -1,7 +1,8 @@
 //! `frfid.estimate` and `frfid.estimate_bla`.
 
 use frfid_estimate::{FrfEstimate, FrfOptions, Method, estimate_periods};
-use frfid_files::Check;
+use frfid_experiment::{Evidence, judge};
+use frfid_files::{Cause, Check};
 use ndarray::{ArrayView5, Ix5};
 use numpy::PyReadonlyArray5;
 use pyo3::exceptions::PyValueError;
@@ -209,6 +210,9 @@ pub(crate) fn checked(estimate: FrfEstimate) -> Frf {
     });
     let mut result = Frf::from(estimate.frf).result;
     result.checks = checks.collect();
+    let axes = result.output_names.clone();
+    let causes = [Cause::Noise, Cause::Distortion];
+    judge(&mut result, &axes, &Evidence::default(), &causes);
     Frf::of(result)
 }
 

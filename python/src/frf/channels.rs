@@ -31,6 +31,14 @@ impl Frf {
         self.result.output_units.clone()
     }
 
+    /// What each axis suffers from: a list of dicts with ``axis``, ``cause`` ("noise", "distortion",
+    /// "sticking", "ripple", "transient", "condition", "clipping"), the share ``found`` (None where it was
+    /// not measured) and the largest good one, ``limit``. Empty where nobody judged.
+    #[getter]
+    fn verdicts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.result.verdicts)
+    }
+
     /// What was checked: a list of dicts with ``name``, ``passed``, ``found``, ``needed`` and
     /// ``advice``.
     #[getter]

@@ -41,6 +41,8 @@ use crate::pickle::{NewArguments, attributes};
 ///     Whether what remains of the torque ripple exceeds the noise, frequency by frequency.
 /// input_names, output_names, input_units, output_units : list of str, optional
 ///     Names and SI units of the channels.
+/// verdicts : list of dict, optional
+///     What each axis suffers from: ``axis``, ``cause``, ``found`` (a share, None if not measured), ``limit``.
 /// checks : list of dict, optional
 ///     What was checked: ``name``, ``passed``, ``found``, ``needed`` and ``advice``.
 /// provenance : dict of str, optional
@@ -73,7 +75,7 @@ impl Frf {
     #[pyo3(signature = (*, frequency_hz, response, noise_covariance = None, noise_degrees_of_freedom = None,
                         total_covariance = None, total_degrees_of_freedom = None, condition = None,
                         relative_resolution = None, torque_rms_nm = None, flagged = None, input_names = None, output_names = None, input_units = None,
-                        output_units = None, checks = None, provenance = None))]
+                        output_units = None, verdicts = None, checks = None, provenance = None))]
     #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
     fn new(
         frequency_hz: &Bound<'_, PyAny>,
@@ -90,6 +92,7 @@ impl Frf {
         output_names: Option<Vec<String>>,
         input_units: Option<Vec<String>>,
         output_units: Option<Vec<String>>,
+        verdicts: Option<&Bound<'_, PyAny>>,
         checks: Option<&Bound<'_, PyAny>>,
         provenance: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
@@ -126,6 +129,9 @@ impl Frf {
                 .flagged
                 .insert(vec![false; result.frf.n_frequencies()]);
             replace("flagged", list, flagged)?;
+        }
+        if let Some(verdicts) = verdicts {
+            result.verdicts = from_python("verdicts", verdicts)?;
         }
         if let Some(checks) = checks {
             result.checks = from_python("checks", checks)?;

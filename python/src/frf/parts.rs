@@ -23,7 +23,7 @@ pub(crate) struct Arrays {
 }
 
 /// The keywords of the constructor, attributes of the FRF too.
-pub(crate) const PARTS: [&str; 16] = [
+pub(crate) const PARTS: [&str; 17] = [
     "frequency_hz",
     "response",
     "noise_covariance",
@@ -38,6 +38,7 @@ pub(crate) const PARTS: [&str; 16] = [
     "output_names",
     "input_units",
     "output_units",
+    "verdicts",
     "checks",
     "provenance",
 ];

@@ -21,6 +21,7 @@ use crate::progress::watched;
 use crate::text::checks::{checks_as_text, warn_of_failed};
 use crate::text::strength::strength_as_text;
 use crate::text::table::list;
+use crate::text::verdicts::verdicts_as_text;
 
 /// Estimate the FRF from logs, with variances and checks
 #[derive(Debug, Args)]
@@ -146,9 +147,10 @@ fn tell(
         return console.json(&as_json(arguments, estimate));
     }
     let strength = strength_as_text(estimate.strength.as_ref());
+    let verdicts = verdicts_as_text(&estimate.result.verdicts);
     let checks = checks_as_text(&estimate.result.checks);
     console.data(&format!(
-        "{output}\n{}{strength}\n{checks}",
+        "{output}\n{}{strength}{verdicts}\n{checks}",
         summary(&estimate.result)
     ))?;
     if let Some(report) = &arguments.report {
@@ -260,6 +262,7 @@ fn as_json(arguments: &Arguments, estimate: &Outcome) -> Value {
         "high_hz": frf.frequency_hz.last(),
         "noise": noise,
         "total": total,
+        "verdicts": result.verdicts,
         "checks": result.checks,
         "strength": estimate.strength,
         "warnings": estimate.warnings,

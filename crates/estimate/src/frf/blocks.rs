@@ -87,7 +87,7 @@ impl<M: BlockMethod> FrfMethod for M {
         let frf = assemble(hz, &lines, &freedom);
         let bias = |noise: &NoiseSeen| self.noise_bias(noise);
         Ok(FrfEstimate {
-            noise_bias: noise_bias(&frf, &blocks.excitation, &blocks.n_periods(), bias),
+            noise_bias: noise_bias(&frf, &blocks.excitation, &blocks.realizations, bias),
             frf,
             left_out,
             input_snr_db: blocks.excitation.snr_db(),

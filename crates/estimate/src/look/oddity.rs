@@ -6,7 +6,7 @@
 const COARSE: f64 = 1.0;
 /// Clipping a share p of a Gaussian signal, both sides together, leaves an error of about 0.5
 /// sqrt(p) of its rms: 5 % for this one, far above the noise that is claimed for a usual estimate.
-const MUCH_CLIPPED: f64 = 0.01;
+pub const MUCH_CLIPPED: f64 = 0.01;
 /// Power of outliers over that of the signal (-20 dB) at which they count: theirs is spread over all
 /// lines and the signal's is not, so that some per cent of a line are left of it.
 const STRONG: f64 = 0.01;
@@ -109,12 +109,21 @@ impl Oddity {
         }
     }
 
+    /// Share of the samples at the ends of the signal; 0 unless it is saturated.
+    #[must_use]
+    pub fn clipped_share(&self) -> f64 {
+        match *self {
+            Self::Saturated { low, high } => share_at([low, high]),
+            _ => 0.0,
+        }
+    }
+
     /// Whether it makes an error that no spread over the periods shows.
     fn misleads(&self) -> bool {
         match *self {
             Self::Held { .. } => true,
             Self::FewValues { step_over_rms, .. } => step_over_rms >= COARSE,
-            Self::Saturated { low, high } => share_at([low, high]) >= MUCH_CLIPPED,
+            Self::Saturated { .. } => self.clipped_share() >= MUCH_CLIPPED,
             Self::Outliers {
                 power_over_signal, ..
             } => power_over_signal >= STRONG,

@@ -24,7 +24,7 @@ const SAME_RAD: f64 = 0.2;
 const UNKNOWN_NOISE_RAD: f64 = 0.25;
 /// Noise explains a residual up to this many times its own.
 const NOISE_FACTOR: f64 = 3.0;
-/// Chance that two draws of random phases are taken for one.
+/// Chance that draws of random phases are taken for one.
 const CHANCE: f64 = 1e-4;
 /// The same where the noise is too strong to be as sure: few lines that agree within their noise are
 /// a repetition rather than a hit of one in twenty.
@@ -52,6 +52,9 @@ pub(super) struct Repeat {
     pub(super) residual_rad: f64,
     /// Number of lines that were compared.
     pub(super) n_lines: usize,
+    /// Chance that random phases agree so well, over the one that is granted to all comparisons of a
+    /// campaign together: 1 or less.
+    pub(super) chance: f64,
 }
 
 /// Phases that two experiments are compared by.
@@ -94,11 +97,12 @@ impl Drawn {
         }
         let (shift, square) = search.best(&phases.differences);
         let residual_rad = square.sqrt();
-        let is_same = phases.is_same(residual_rad, search.spread(&phases.differences));
-        is_same.then_some(Repeat {
+        let chance = phases.chance(residual_rad, search.spread(&phases.differences));
+        (chance <= 1.0).then_some(Repeat {
             shift,
             residual_rad,
             n_lines,
+            chance,
         })
     }
 
@@ -166,19 +170,27 @@ impl Phases {
         mean.sqrt()
     }
 
-    /// Whether a residual shows the same draw, where lines lie `spread` of their spacings around
-    /// their middle.
-    fn is_same(&self, residual_rad: f64, spread: f64) -> bool {
+    /// Chance of a residual, where lines lie `spread` of their spacings around their middle, over the one
+    /// that is granted; infinite for a residual that is no repetition's.
+    fn chance(&self, residual_rad: f64, spread: f64) -> f64 {
         let n_lines = self.number_of_lines();
         if n_lines <= 2.0 {
-            return self.level_spread() < SAME_RAD; // whatever the phases, a delay makes them equal
+            // whatever the phases, a delay makes them equal
+            return if self.level_spread() < SAME_RAD {
+                0.0
+            } else {
+                f64::INFINITY
+            };
         }
-        let by_chance = |chance: f64| chance_limit_rad(chance, n_lines, spread);
         let noise_rad = self.noise_rad();
-        let sure = SAME_RAD.max(NOISE_FACTOR * noise_rad);
-        let likely = LIKELY_FACTOR * noise_rad;
-        residual_rad <= sure.min(by_chance(CHANCE))
-            || residual_rad <= likely.min(by_chance(CHANCE_IN_NOISE))
+        let granted = if residual_rad <= LIKELY_FACTOR * noise_rad {
+            CHANCE_IN_NOISE
+        } else if residual_rad <= SAME_RAD.max(NOISE_FACTOR * noise_rad) {
+            CHANCE
+        } else {
+            0.0
+        };
+        chance_of(residual_rad, n_lines, spread) / granted
     }
 
     /// Number of lines, those that count less as parts of one. Channels do not add to it: they
@@ -208,12 +220,12 @@ impl Phases {
     }
 }
 
-/// Rms below which n random phases stay with this chance after the best delay and constant. Those
+/// Chance with which n random phases stay below this rms after the best delay and constant. They
 /// reach a share `V (eps sqrt(n))^(n - 2) n spread / (2 pi)^(n - 2)` of all phases, V the volume of
 /// the unit ball (by Stirling), `spread` that of the lines: the area of all delays and constants in
 /// the cube of phases times the ball across it.
-fn chance_limit_rad(chance: f64, n_lines: f64, spread: f64) -> f64 {
+fn chance_of(residual_rad: f64, n_lines: f64, spread: f64) -> f64 {
     let free = n_lines - 2.0;
-    let chance = chance / (n_lines * spread);
-    (2.0 * PI / E * free / n_lines).sqrt() * (chance.ln() / free).exp()
+    let over = residual_rad / (2.0 * PI / E * free / n_lines).sqrt();
+    n_lines * spread * over.powf(free)
 }

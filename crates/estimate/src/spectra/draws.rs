@@ -143,6 +143,14 @@ impl Campaign {
     }
 }
 
+impl Repetition {
+    /// The largest of its experiments: where they are orthogonal, one says no more than another.
+    fn chance(&self) -> f64 {
+        let chances = self.experiments.iter().map(|(_, repeat)| repeat.chance);
+        chances.fold(0.0, f64::max)
+    }
+}
+
 impl Group {
     /// One without repetitions yet.
     fn of(first: usize) -> Self {
@@ -211,19 +219,41 @@ impl<'a> Matcher<'a> {
         }
     }
 
-    /// Groups of realizations of one draw, each by its first.
+    /// Groups of realizations of one draw, each by its first. Of so many comparisons some agree by chance:
+    /// a chance counts times the comparisons for each repetition that is found (Y. Benjamini, Y. Hochberg, J.
+    /// Royal Statistical Society B 57 (1995) 289), stricter until all that are left pass.
     fn groups(&self, drawn: &[Realization]) -> Vec<Group> {
-        let mut groups: Vec<(&Realization, Group)> = Vec::new();
+        let mut granted = 1.0;
+        loop {
+            let (groups, n_compared) = self.groups_within(drawn, granted);
+            let chances = groups.iter().flat_map(|group| &group.repetitions);
+            let chances: Vec<f64> = chances.map(Repetition::chance).collect();
+            granted = chances.len() as f64 / n_compared as f64;
+            if chances.iter().all(|&chance| chance <= granted) {
+                return groups;
+            }
+        }
+    }
+
+    /// The same with so much of the chance for each comparison, and how many there were.
+    fn groups_within(&self, drawn: &[Realization], granted: f64) -> (Vec<Group>, usize) {
+        let (mut groups, mut n_compared): (Vec<(&Realization, Group)>, usize) = (Vec::new(), 0);
         for own in drawn {
             let repeated = groups.par_iter().enumerate();
-            let repeated = repeated
-                .find_map_first(|(place, (first, _))| Some((place, self.repetition(own, first)?)));
+            let repeated = repeated.find_map_first(|(place, (first, _))| {
+                let repetition = self.repetition(own, first)?;
+                (repetition.chance() <= granted).then_some((place, repetition))
+            });
+            n_compared += repeated
+                .as_ref()
+                .map_or(groups.len(), |(place, _)| place + 1);
             match repeated {
                 Some((place, repetition)) => groups[place].1.repetitions.push(repetition),
                 None => groups.push((own, Group::of(own.number))),
             }
         }
-        groups.into_iter().map(|(_, group)| group).collect()
+        let groups = groups.into_iter().map(|(_, group)| group).collect();
+        (groups, n_compared)
     }
 
     /// How the experiments of a realization repeat those of another, each another one, the one of the

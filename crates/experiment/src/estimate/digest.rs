@@ -9,6 +9,7 @@ use frfid_signals::{Event, EventKind, Plan, Record, RunId};
 
 use crate::error::ExperimentError;
 use crate::estimate::estimator::{Estimator, Spectra};
+use crate::estimate::verdicts::clipped_shares;
 use crate::experiment::Experiment;
 use crate::run::load::Load;
 
@@ -33,6 +34,8 @@ pub(crate) struct Digest {
     pub spectra: Vec<Spectra>,
     pub load: Option<Load>,
     pub strength: Option<Vec<AxisStrength>>,
+    /// Share of the samples of each axis at the ends of its signals; empty of a record with losses.
+    pub clipped: Vec<f64>,
     pub losses: Vec<Loss>,
 }
 
@@ -57,11 +60,13 @@ impl ReadRecord<'_> {
             spectra: self.spectra(&experiment.plan, &losses, estimators)?,
             load: None,
             strength: None,
+            clipped: Vec::new(),
             losses,
         };
         if self.losses.is_empty() {
             digest.load = Some(Load::of(&self.record, &start, &experiment.pose_rad));
             digest.strength = experiment.strength_of(self.run, &self.record);
+            digest.clipped = clipped_shares(&self.record);
         }
         Ok(digest)
     }

@@ -48,6 +48,8 @@ pub(crate) struct Gathered {
     pub load: Option<Load>,
     /// How the axes were driven and moved in those runs.
     pub strength: Option<Strength>,
+    /// Largest share of the samples of each axis at the ends of its signals, over those runs.
+    pub clipped: Vec<f64>,
     /// What was lost, by stops too, with the place of the run; the periods it hit were dropped.
     pub losses: Vec<(usize, Loss)>,
 }
@@ -85,12 +87,14 @@ impl Experiment {
     ) -> Result<Gathered, ExperimentError> {
         let mut spectra = vec![Spectra::default(); estimators.len()];
         let (mut loads, mut strengths, mut losses) = (Vec::new(), Vec::new(), Vec::new());
+        let mut clipped = Vec::new();
         for digest in digests {
             for (all, of_one) in zip(&mut spectra, digest.spectra) {
                 all.extend(of_one);
             }
             loads.extend(digest.load);
             strengths.extend(digest.strength);
+            clipped.extend((!digest.clipped.is_empty()).then_some(digest.clipped));
             losses.extend(digest.losses.into_iter().map(|loss| (digest.place, loss)));
         }
         let estimates = zip(estimators, spectra);
@@ -99,6 +103,10 @@ impl Experiment {
             estimated: estimated.collect::<Result<_, _>>()?,
             load: Load::largest(loads),
             strength: self.strength(&strengths),
+            clipped: clipped
+                .into_iter()
+                .reduce(larger_shares)
+                .unwrap_or_default(),
             losses,
         })
     }
@@ -216,6 +224,11 @@ impl<'a> Gathering<'a> {
         digests.sort_by_key(|digest| digest.run);
         Ok(digests)
     }
+}
+
+/// The larger share of each axis.
+fn larger_shares(a: Vec<f64>, b: Vec<f64>) -> Vec<f64> {
+    zip(a, b).map(|(a, b)| a.max(b)).collect()
 }
 
 /// Refuses a record that was not sampled as the plan says: its frequencies would be others.

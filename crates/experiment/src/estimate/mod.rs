@@ -18,6 +18,7 @@ pub(crate) mod our_logs;
 pub(crate) mod outcome;
 pub(crate) mod records;
 pub(crate) mod unsettled;
+pub(crate) mod verdicts;
 pub(crate) mod way;
 
 use std::path::PathBuf;

@@ -4,14 +4,15 @@
 use std::path::PathBuf;
 
 use frfid_estimate::NoiseBias;
-use frfid_files::{Check, ResultFile, sha256_file};
-use frfid_signals::format::significant;
-use frfid_signals::{Frf, Limit, median};
+use frfid_files::{Cause, Check, ResultFile, sha256_file};
+use frfid_signals::{Frf, Limit};
 
 use crate::error::ExperimentError;
 use crate::estimate::estimator::estimated::Estimated;
 use crate::estimate::gather::Gathered;
 use crate::estimate::loop_response::Named;
+use crate::estimate::unsettled::MOST_UNSETTLED;
+use crate::estimate::verdicts::{Evidence, judge};
 use crate::estimate::way::way;
 use crate::experiment::Experiment;
 use crate::run::load::Load;
@@ -20,10 +21,6 @@ use crate::run::strength::Strength;
 
 /// Largest condition number of U that passes the check.
 const GOOD_CONDITION: f64 = 20.0;
-
-/// Standard deviation by noise, as a share of the response, from which on half of a curve says nothing: its
-/// 95 % region reaches half way to 0.
-const LOST_IN_NOISE: f64 = 0.3;
 
 /// What was estimated, and what a careful reader should know besides.
 #[derive(Debug, Clone, PartialEq)]
@@ -50,23 +47,41 @@ pub(crate) struct Inventory {
     pub losses: Vec<String>,
 }
 
+/// What the runs say beside their spectra.
+#[derive(Clone, Copy)]
+struct Runs<'a> {
+    load: Option<&'a Load>,
+    strength: Option<&'a Strength>,
+    clipped: &'a [f64],
+}
+
+impl Runs<'_> {
+    fn evidence(&self, estimated: &Estimated) -> Evidence {
+        Evidence {
+            stuck: self.strength.map_or_else(Vec::new, Strength::stuck_shares),
+            unsettled: estimated.unsettled.shares(),
+            most_unsettled: MOST_UNSETTLED,
+            clipped: self.clipped.to_vec(),
+        }
+    }
+}
+
 impl Experiment {
     /// What follows from gathered records, an outcome for each way of estimating.
     pub(crate) fn conclude(&self, gathered: Gathered, inventory: &Inventory) -> Vec<Outcome> {
-        let (load, strength) = (gathered.load.as_ref(), gathered.strength.as_ref());
+        let runs = Runs {
+            load: gathered.load.as_ref(),
+            strength: gathered.strength.as_ref(),
+            clipped: &gathered.clipped,
+        };
         let estimated = gathered.estimated.into_iter();
         estimated
-            .map(|estimated| self.outcome(estimated, load, strength, inventory))
+            .map(|estimated| self.outcome(estimated, runs, inventory))
             .collect()
     }
 
-    fn outcome(
-        &self,
-        estimated: Estimated,
-        load: Option<&Load>,
-        strength: Option<&Strength>,
-        inventory: &Inventory,
-    ) -> Outcome {
+    fn outcome(&self, estimated: Estimated, runs: Runs, inventory: &Inventory) -> Outcome {
+        let Runs { load, strength, .. } = runs;
         let complete = self.completeness(&estimated, inventory);
         let is_lossy = !complete.passed;
         let torques = load.map_or(&[][..], |load| &load.torque_rms_nm);
@@ -74,18 +89,19 @@ impl Experiment {
         checks.extend(estimated.unsettled.check());
         checks.extend(left_out_check(estimated.n_left_out));
         checks.extend(noise_bias_check(estimated.noise_bias));
-        checks.extend(noise_check(&estimated.frf));
         checks.extend(strength.and_then(Strength::sign_check));
-        checks.extend(strength.and_then(Strength::sticking_check));
         let warnings = warnings(&estimated, strength, inventory);
+        let evidence = runs.evidence(&estimated);
         let mut result = ResultFile {
             flagged: estimated.ripple,
-            checks,
             ..self.result(estimated.frf, load)
         };
         if let Some(response) = estimated.response {
             response.put_into(&mut result, &self.reference_names());
         }
+        result.checks = checks;
+        let causes = checked(&result.frf);
+        judge(&mut result, &self.joint_names, &evidence, &causes);
         Outcome {
             result,
             warnings,
@@ -178,6 +194,18 @@ fn missing_warning(n_missing: usize) -> Option<String> {
     })
 }
 
+/// Verdicts that have no other check. Where the total variance is known, it holds the ripple.
+fn checked(frf: &Frf) -> Vec<Cause> {
+    let ripple = frf.total.is_none().then_some(Cause::Ripple);
+    let always = [
+        Cause::Noise,
+        Cause::Distortion,
+        Cause::Sticking,
+        Cause::Clipping,
+    ];
+    always.into_iter().chain(ripple).collect()
+}
+
 /// A check that fails where lines are left out; `None` where none is.
 pub(crate) fn left_out_check(n_left_out: usize) -> Option<Check> {
     (n_left_out > 0).then(|| Check {
@@ -202,21 +230,6 @@ pub(crate) fn noise_bias_check(bias: Option<NoiseBias>) -> Option<Check> {
     })
 }
 
-/// A check that fails where noise leaves little of the FRF; `None` where it does not, or is not known.
-pub(crate) fn noise_check(frf: &Frf) -> Option<Check> {
-    let usual = median(frf.relative_noise()?)?;
-    (usual > LOST_IN_NOISE).then(|| Check {
-        name: "noise".into(),
-        passed: false,
-        found: format!(
-            "standard deviation {} % of the response on half of the lines",
-            significant(100.0 * usual, 2)
-        ),
-        needed: format!("{:.0} % or less", 100.0 * LOST_IN_NOISE),
-        advice: "record more periods, or excite more strongly".into(),
-    })
-}
-
 /// Says at which lines the ripple is not cured.
 fn ripple_warning(disturbed_hz: &[f64], n_lines: usize) -> Option<String> {
     let (first, last) = (disturbed_hz.first()?, disturbed_hz.last()?);
@@ -232,6 +245,7 @@ fn ripple_warning(disturbed_hz: &[f64], n_lines: usize) -> Option<String> {
 /// number as large as their spread and cost nothing: what counts is what it is beyond that.
 pub(crate) fn condition_check(frf: &Frf, torque_rms_nm: &[f64]) -> Check {
     let worst = frf.condition.iter().flatten().copied().fold(1.0, f64::max);
+    let limit = largest_condition(torque_rms_nm);
     let spread = spread(torque_rms_nm);
     let share = if spread > 2.0 {
         format!(", {spread:.1} of it from the spread of the torques")
@@ -246,13 +260,18 @@ pub(crate) fn condition_check(frf: &Frf, torque_rms_nm: &[f64]) -> Check {
     };
     Check {
         name: "condition number of U".into(),
-        passed: worst <= GOOD_CONDITION * spread && left_out.is_empty(),
+        passed: worst <= limit && left_out.is_empty(),
         found: format!("{worst:.2} at worst{share}{left_out}"),
-        needed: format!("{:.0} or less", GOOD_CONDITION * spread),
+        needed: format!("{limit:.0} or less"),
         advice: "excite the inputs more differently from experiment to experiment, and equally \
                  strongly"
             .into(),
     }
+}
+
+/// Largest condition number that is good between torques of `torque_rms_nm`.
+pub(crate) fn largest_condition(torque_rms_nm: &[f64]) -> f64 {
+    GOOD_CONDITION * spread(torque_rms_nm)
 }
 
 /// Largest over smallest of several torques; 1 where one is zero.

@@ -1,7 +1,7 @@
 //! Strength of the excitation of a campaign: whether friction was kept from hiding the resonances
 //! (SK15 footnote 2).
 
-use frfid_estimate::{AxisStrength, MOST_STUCK, pooled_strength, strength, strength_warnings};
+use frfid_estimate::{AxisStrength, pooled_strength, strength, strength_warnings};
 use frfid_files::Check;
 use frfid_signals::{Record, RunId, RunKind};
 use serde::Serialize;
@@ -72,22 +72,9 @@ impl Strength {
         })
     }
 
-    /// A check that fails where an axis sticks for so long that its friction hides the resonances; `None`
-    /// where none does, or it is not known.
-    pub(crate) fn sticking_check(&self) -> Option<Check> {
-        let shares = self.axes.iter().map(|axis| axis.stuck_share.unwrap_or(0.0));
-        let sticks = |share: &f64| *share > MOST_STUCK;
-        let stuck = shares.enumerate().filter(|(_, share)| sticks(share));
-        let named = stuck.map(|(axis, share)| format!("axis {} {:.0} %", axis + 1, 100.0 * share));
-        let named: Vec<String> = named.collect();
-        (!named.is_empty()).then(|| Check {
-            name: "sticking".into(),
-            passed: false,
-            found: format!("{} of the time", named.join(", ")),
-            needed: format!("{:.0} % or less", 100.0 * MOST_STUCK),
-            advice: "what is seen is friction: excite more strongly, or on a constant velocity"
-                .into(),
-        })
+    /// Share of the time in which each axis stood.
+    pub(crate) fn stuck_shares(&self) -> Vec<Option<f64>> {
+        self.axes.iter().map(|axis| axis.stuck_share).collect()
     }
 
     /// Whether an axis left the direction of its constant velocity.

@@ -11,3 +11,5 @@ pub(crate) mod npz;
 pub(crate) mod result_file;
 #[cfg(test)]
 pub(crate) mod testing;
+pub(crate) mod verdict;
+pub(crate) mod verdict_table;

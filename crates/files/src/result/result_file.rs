@@ -6,6 +6,7 @@ use frfid_signals::Frf;
 use serde::{Deserialize, Serialize};
 
 use crate::result::json_array::Flaw;
+use crate::result::verdict::Verdict;
 
 /// One condition that a measurement should fulfil, and whether it did.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -41,6 +42,8 @@ pub struct ResultFile {
     /// Whether what remains of the torque ripple exceeds the noise, frequency by frequency; `None`
     /// where that cannot be told.
     pub flagged: Option<Vec<bool>>,
+    /// What each axis suffers from; empty where nobody judged it.
+    pub verdicts: Vec<Verdict>,
     /// What was checked.
     pub checks: Vec<Check>,
     /// Versions, seeds, hashes, amplitudes, limits, ...
@@ -63,6 +66,7 @@ impl ResultFile {
             output_units: vec!["rad/s".into(); joints.len()],
             torque_rms_nm: None,
             flagged: None,
+            verdicts: Vec::new(),
             checks: Vec::new(),
             provenance: BTreeMap::new(),
         }

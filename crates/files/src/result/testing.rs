@@ -5,6 +5,7 @@ use ndarray::Array3;
 use num_complex::Complex64;
 
 use crate::result::result_file::{Check, ResultFile};
+use crate::result::verdict::{Cause, Verdict};
 
 pub(crate) fn result() -> ResultFile {
     let entry = |(k, i, j): (usize, usize, usize)| {
@@ -29,6 +30,12 @@ pub(crate) fn result() -> ResultFile {
         output_names: vec!["axis 1".into(), "axis \"2\"".into()],
         input_units: vec!["N m".into()],
         output_units: vec!["rad/s".into(), "rad/s".into()],
+        verdicts: vec![Verdict {
+            axis: "axis 1".into(),
+            cause: Cause::Noise,
+            found: Some(0.4),
+            limit: 0.3,
+        }],
         checks: vec![Check {
             name: "periods".into(),
             passed: false,

@@ -6,10 +6,11 @@ pub(crate) mod payload;
 pub(crate) mod pieces;
 pub(crate) mod section;
 pub(crate) mod table;
+mod verdicts;
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use frfid_files::Check;
+use frfid_files::{Check, Verdict};
 use sha2::{Digest, Sha256};
 
 use crate::diagrams::validation::check_curves;
@@ -17,6 +18,7 @@ use crate::error::ReportError;
 use crate::page::claim::Claim;
 use crate::page::pieces::{badge, escaped, filled, section, table, table_row};
 use crate::page::section::{Part, Responses};
+use crate::page::verdicts::verdicts_html;
 
 const TEMPLATE: &str = include_str!("report.html");
 const STYLE: &str = include_str!("report.css");
@@ -37,6 +39,8 @@ pub struct Report<'a> {
     pub title: String,
     /// Claims of the paper beside our numbers.
     pub claims: Vec<Claim>,
+    /// What each axis suffers from.
+    pub verdicts: Vec<Verdict>,
     /// What was checked.
     pub checks: Vec<Check>,
     /// The parts, one after the other.
@@ -72,6 +76,7 @@ impl Report<'_> {
             "data" => payload::json(&responses),
             "verdict" => self.verdict(),
             "claims" => self.claims(),
+            "axes" => verdicts_html(&self.verdicts),
             "checks" => self.checks(),
             "parts" => self.parts.iter().map(Part::html).collect(),
             "provenance" => self.provenance(),

@@ -61,6 +61,7 @@ pub fn result_page(
     let report = Report {
         title: title.to_owned(),
         claims: Vec::new(),
+        verdicts: result.verdicts.clone(),
         checks: result.checks.clone(),
         parts: vec![part(title, result, notes)?],
         provenance: provenance.filter(|(name, _)| name != "plan").collect(),

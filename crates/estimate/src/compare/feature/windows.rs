@@ -3,16 +3,13 @@
 
 use crate::compare::curve::Curve;
 use crate::compare::feature::fitted_extremum::{Errors, Extremum, extremum};
-use crate::compare::feature::rational_fit::{N_PARAMETERS, RationalFit, Sample, fit};
+use crate::compare::feature::rational_fit::{RationalFit, Sample, fit};
 use crate::compare::feature::resonance::FeatureKind;
 
 /// Lines to either side in the narrowest window: with three there are three more than parameters.
 const NARROWEST: usize = 3;
 /// Half width of the widest window over its frequency: beyond, other modes have their say.
 const WIDEST: f64 = 0.3;
-/// Misfit that the noise explains, in standard deviations beyond its mean: one window in twenty is
-/// called too wide though it is not, which costs little.
-const EXPLAINED: f64 = 1.65;
 /// Standard deviations by which what two windows find differs by more than noise.
 const BIASED: f64 = 1.0;
 /// Misfit of a window over that of the next one, of one and a half its width.
@@ -58,12 +55,15 @@ pub(crate) fn local_fit(curve: &Curve, top: usize, kind: FeatureKind) -> LocalFi
             break;
         };
         if let Some(fit) = fit(&samples) {
-            let found = excess_of(&fit, samples.len());
-            excess = if half == NARROWEST { found } else { excess };
-            let local = in_units(&fit, kind, &window, found);
+            excess = if half == NARROWEST {
+                fit.excess
+            } else {
+                excess
+            };
+            let local = in_units(&fit, kind, &window);
             tried.extend(local.map(|local| Tried {
                 local,
-                excess: found,
+                excess: fit.excess,
             }));
         }
         if tried.len() > 1 && is_biased(&tried) {
@@ -81,16 +81,6 @@ pub(crate) fn local_fit(curve: &Curve, top: usize, kind: FeatureKind) -> LocalFi
 struct Tried {
     local: Local,
     excess: f64,
-}
-
-fn excess_of(fit: &RationalFit, n_lines: usize) -> f64 {
-    let spare = (n_lines - N_PARAMETERS) as f64;
-    let is_explained = fit.misfit <= spare + EXPLAINED * spare.sqrt();
-    if is_explained {
-        1.0
-    } else {
-        fit.misfit / spare
-    }
 }
 
 /// Whether the last window misses more than the noise, or finds something else than a narrower one
@@ -179,8 +169,8 @@ fn samples(curve: &Curve, window: &Window) -> Option<Vec<Sample>> {
     (window.low..=window.high).map(sample).collect()
 }
 
-/// The extremum of a fit whose covariance is `excess` times as large.
-fn in_units(fit: &RationalFit, kind: FeatureKind, window: &Window, excess: f64) -> Option<Local> {
+/// The extremum of a fit.
+fn in_units(fit: &RationalFit, kind: FeatureKind, window: &Window) -> Option<Local> {
     let (
         Extremum {
             place,
@@ -195,16 +185,13 @@ fn in_units(fit: &RationalFit, kind: FeatureKind, window: &Window, excess: f64) 
         width: width_std,
     } = errors;
     let frequency_hz = window.centre_hz + window.half_hz * place;
-    let enlarged = excess.sqrt();
     let half_over_hz = 0.5 * window.half_hz / frequency_hz;
     Some(Local {
         frequency_hz,
-        frequency_std_hz: enlarged * window.half_hz * place_std,
+        frequency_std_hz: window.half_hz * place_std,
         level,
-        level_std: enlarged * level_std,
+        level_std,
         damping: width.map(|width| half_over_hz * width),
-        damping_std: width
-            .and(width_std)
-            .map(|std| enlarged * half_over_hz * std),
+        damping_std: width.and(width_std).map(|std| half_over_hz * std),
     })
 }

@@ -5,6 +5,7 @@
 mod agreement;
 mod checks;
 mod estimated;
+mod evidence;
 mod found;
 mod outcome;
 mod placing;

@@ -2,7 +2,7 @@
 //! reader should know besides.
 
 use frfid_estimate::{Consequence, EqualDraws};
-use frfid_files::{Check, LogMap, ResultFile};
+use frfid_files::{Cause, Check, LogMap, ResultFile};
 use frfid_signals::format::{count, significant};
 
 use crate::description::estimate::EstimateTable;
@@ -11,9 +11,11 @@ use crate::estimate::others::estimated::Estimated;
 use crate::estimate::others::found::Found;
 use crate::estimate::others::recording::{Odd, Recording};
 use crate::estimate::others::run::measured::Measured;
-use crate::estimate::outcome::{
-    Outcome, condition_check, left_out_check, noise_bias_check, noise_check,
-};
+use crate::estimate::outcome::{Outcome, condition_check, left_out_check, noise_bias_check};
+use crate::estimate::verdicts::judge;
+
+/// Verdicts that have no other check.
+const CHECKED: [Cause; 3] = [Cause::Noise, Cause::Distortion, Cause::Sticking];
 
 /// Levels of one input that differ by more than this are told: a nonlinear machine has another FRF
 /// at each.
@@ -30,6 +32,7 @@ impl Found {
         options: &EstimateTable,
     ) -> Outcome {
         let checks = self.checks(&estimated);
+        let evidence = self.evidence(&estimated);
         let warnings = self.warnings(&estimated);
         let provenance = self.provenance(&estimated, map, options);
         let is_lossy = self.is_lossy(&estimated);
@@ -43,13 +46,16 @@ impl Found {
             output_units: log.output_units,
             torque_rms_nm: None,
             flagged: None,
+            verdicts: Vec::new(),
             checks,
             provenance,
         };
+        let axes = result.output_names.clone();
         if let Some(response) = estimated.response {
             let reference = (log.reference_names, log.reference_units);
             response.put_into(&mut result, &reference);
         }
+        judge(&mut result, &axes, &evidence, &CHECKED);
         Outcome {
             result,
             warnings,
@@ -72,7 +78,6 @@ impl Found {
             ])
             .chain(left_out_check(n_left_out))
             .chain(noise_bias_check(estimated.estimate.noise_bias))
-            .chain(noise_check(frf))
             .chain([condition_check(frf, &[])]);
         all.collect()
     }

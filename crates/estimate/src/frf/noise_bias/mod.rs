@@ -1,11 +1,16 @@
 //! Bias of an FRF by noise on what it is divided by, held against the uncertainty it claims.
 
+mod input_scatter;
+
 use std::fmt;
+use std::iter::zip;
 
 use frfid_signals::Frf;
 use frfid_signals::format::{count, significant};
 
 use crate::frf::excitation::Excitation;
+use crate::frf::noise_bias::input_scatter::noise_share;
+use crate::spectra::campaign::Block;
 
 /// A bias of this share of a line's own standard deviation matters: the 95 % region would hold 94 %.
 const MATERIAL: f64 = 0.3;
@@ -74,35 +79,53 @@ struct Line {
 pub(crate) fn noise_bias(
     frf: &Frf,
     excitation: &Excitation,
-    n_periods: &[usize],
+    realizations: &[Vec<Block>],
     of_method: impl Fn(&NoiseSeen) -> f64,
 ) -> Option<NoiseBias> {
-    let deviations = frf.relative_noise()?;
-    let line = |(place, deviation): (usize, f64)| {
+    let n_periods: Vec<usize> = realizations.iter().map(Vec::len).collect();
+    let seen = |place: usize, share: f64| {
         let [input_snr, output_snr] = excitation.weakest(place)?;
-        let seen = NoiseSeen {
-            input_snr,
+        Some(NoiseSeen {
+            input_snr: input_snr / share,
             output_snr,
             n_inputs: frf.n_inputs(),
             n_periods: n_periods.iter().copied().min().unwrap_or(0),
             n_blocks: n_periods.iter().sum(),
-        };
-        let bias = of_method(&seen);
-        let over_deviation = bias / deviation;
-        let is_material = bias > ROUNDING && over_deviation > MATERIAL;
-        is_material.then_some(Line {
-            place,
-            snr: if output_snr.is_finite() {
-                output_snr
-            } else {
-                input_snr
-            },
-            bias,
-            over_deviation,
         })
     };
-    let lines = deviations.into_iter().enumerate().filter_map(line);
-    worst_of(frf, lines.collect())
+    let deviations = frf.relative_noise()?;
+    let worst = |shares: &[f64]| {
+        let line = |(place, (deviation, share)): (usize, (&f64, &f64))| {
+            material(place, *deviation, &seen(place, *share)?, &of_method)
+        };
+        let lines = zip(&deviations, shares).enumerate().filter_map(line);
+        worst_of(frf, lines.collect())
+    };
+    // usually no line is suspect, and what is not noise need not be looked for
+    worst(&vec![1.0; deviations.len()])?;
+    worst(&noise_share(realizations, frf))
+}
+
+/// A line whose bias matters beside its deviation.
+fn material(
+    place: usize,
+    deviation: f64,
+    seen: &NoiseSeen,
+    of_method: impl Fn(&NoiseSeen) -> f64,
+) -> Option<Line> {
+    let bias = of_method(seen);
+    let over_deviation = bias / deviation;
+    let is_material = bias > ROUNDING && over_deviation > MATERIAL;
+    is_material.then_some(Line {
+        place,
+        snr: if seen.output_snr.is_finite() {
+            seen.output_snr
+        } else {
+            seen.input_snr
+        },
+        bias,
+        over_deviation,
+    })
 }
 
 fn worst_of(frf: &Frf, lines: Vec<Line>) -> Option<NoiseBias> {
