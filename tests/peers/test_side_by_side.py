@@ -6,8 +6,6 @@ import pytest
 from capabilities import CAPABILITIES, NOT_HERE, cell
 
 N_REALIZATIONS = 64
-FALSE_DRAWS = "draws of few lines at S/N 1 are taken for repetitions of each other: the chance is one of a pair, and there are many pairs"
-STRENGTH = "repetitions of changing strength are taken for noise on the input"
 
 
 def assert_all(rows):
@@ -29,7 +27,6 @@ def test_two_realizations_beside_best_linear_approximation():
     assert_all(map(hard_cases.two_realizations, hard_cases.GROUPS))
 
 
-@pytest.mark.xfail(strict=True, reason=FALSE_DRAWS)
 def test_noise_on_the_input_beside_best_linear_approximation():
     pytest.importorskip("best_linear_approximation", reason="needs best-linear-approximation, Python 3.12")
     import hard_cases
@@ -44,7 +41,6 @@ def test_structures_through_pyfrf():
     assert_all(structures.rows())
 
 
-@pytest.mark.xfail(strict=True, reason=STRENGTH)
 def test_blows_of_changing_strength_are_no_noise_on_the_input():
     strength = np.array([1.0, 1.1, 0.9, 1.2, 0.8])
     u = np.zeros((5, 1, 1, 1, 256))

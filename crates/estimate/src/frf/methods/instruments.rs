@@ -128,8 +128,9 @@ impl<I: Instrument> BlockMethod for Through<I> {
     }
 }
 
-/// `Z^H` of every block, each channel scaled to unit power over the campaign: G does not depend on the
-/// scale, but the condition number would.
+/// `Z^H` of every block, each channel scaled to unit power over the campaign: with as many
+/// channels as inputs G does not depend on the scale, but the condition number would; with more (H2 of more
+/// outputs) they count by their power, whatever their units.
 fn instruments<I: Instrument>(blocks: &[Vec<LineBlock>]) -> Vec<Vec<Matrix>> {
     let sizes = sizes::<I>(blocks);
     map_blocks(blocks, |block| scaled_adjoint(I::signal(block), &sizes))
