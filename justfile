@@ -41,6 +41,11 @@ peers:
 answers:
     python tests/peers/side_by_side.py
 
+# how often the stated regions hold the truth: every case, 6000 runs each (a quarter of an hour)
+coverage:
+    FRFID_COVERAGE_LINES=6000 cargo test --release -p frfid-estimate --test coverage --test excerpt_bias --test compare_noise -- --include-ignored --nocapture
+    cargo test --release -p frfid-experiment --test glides -- --include-ignored --nocapture
+
 # golden numbers anew, by numpy and scipy, and those of the command line; look at the difference
 golden:
     python tests/golden/bla.py

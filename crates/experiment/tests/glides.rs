@@ -145,9 +145,14 @@ fn one_glide_is_remarked_and_ripple_is_flagged() {
     assert!(said.contains("torque ripple exceeds the noise"), "{said}");
 }
 
-/// Measures twice with the same phases and other noise: share in percent of the entries of which the
+/// Measures pairs with the same phases and other noise: share in percent of the entries of which the
 /// difference lies within the 95 % region of the two noises.
-fn repeated(case: Case) -> f64 {
+fn repeated(case: Case, n_pairs: u64) -> f64 {
+    let pairs = (0..n_pairs).map(|pair| pair_agrees(case, [101, 102].map(|seed| seed + 2 * pair)));
+    pairs.sum::<f64>() / n_pairs as f64
+}
+
+fn pair_agrees(case: Case, seeds: [u64; 2]) -> f64 {
     let experiment = case.experiment();
     let of_seed = |seed| {
         let other = experiment.with(|config| config.seed = seed);
@@ -155,7 +160,7 @@ fn repeated(case: Case) -> f64 {
         let outcome = experiment.measure(&*testbed, 0, &silent);
         outcome.expect("the model runs").result.frf
     };
-    let [one, other] = [101, 102].map(of_seed);
+    let [one, other] = seeds.map(of_seed);
     let noise = |frf: &Frf| frf.noise.clone().expect("measured");
     let both = Uncertainty {
         covariance: noise(&one).covariance + noise(&other).covariance,
@@ -173,14 +178,14 @@ fn with_everything_on_the_noise_region_holds_about_its_own_response() {
         moves: true,
         ..SMALL
     };
-    let share = repeated(case);
+    let share = repeated(case, 1);
     println!("{share:.1} %");
     assert!((91.0..98.0).contains(&share), "{share} %");
 }
 
 /// The same of the template as shipped.
 #[test]
-#[ignore = "a minute: two whole campaigns"]
+#[ignore = "minutes: eight whole campaigns"]
 fn as_shipped_the_noise_region_holds_about_its_own_response() {
     let case = Case {
         is_whole: true,
@@ -188,9 +193,9 @@ fn as_shipped_the_noise_region_holds_about_its_own_response() {
         moves: true,
         n_glides: 5,
     };
-    let share = repeated(case);
+    let share = repeated(case, 4);
     println!("{share:.1} %");
-    assert!((93.0..98.0).contains(&share), "{share} %");
+    assert!((93.0..97.0).contains(&share), "{share} %");
 }
 
 /// The template as shipped and with challenges off, 155 runs each: minutes.

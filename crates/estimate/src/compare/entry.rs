@@ -7,10 +7,10 @@ use serde::Serialize;
 use crate::compare::agreement::Agreement;
 use crate::compare::change::{Change, Sides};
 use crate::compare::curve::Curve;
-use crate::compare::feature::resonance::{Feature, features_of};
+use crate::compare::feature::resonance::{Feature, FeatureKind, features_of};
 use crate::compare::measured::Measured;
 use crate::compare::pairing::pair;
-use crate::compare::verdict::damping::{DampingMarks, damping_marks};
+use crate::compare::verdict::damping::{DampingMarks, damping_marks, most_prominent};
 use crate::compare::verdict::mass_lines::MassLines;
 use crate::compare::{CompareOptions, is_within};
 
@@ -62,13 +62,22 @@ pub(crate) fn compare_entry(
         input,
         agreement,
         mass_lines: MassLines::of((&a, &b), band_hz, &changes, &only_in_b),
-        damping: damping_marks(&changes, phase_range_deg, (&a, &b)),
+        damping: damping_marks(&changes, phase_range_deg, (&a, &b))
+            .filter(|_| !may_have_moved(&changes, &only_in_b)),
         changes,
         only_in_b,
         difference_db: median(levels.iter().map(|level| level.abs()).collect()).unwrap_or(f64::NAN),
         level_db: median(levels).unwrap_or(f64::NAN),
         phase_range_deg,
     }
+}
+
+/// Whether the most prominent resonance of A is not buried but elsewhere: B has one that A has not.
+fn may_have_moved(changes: &[Change], only_in_b: &[Feature]) -> bool {
+    let resonances = changes.iter().filter(|change| change.is_resonance());
+    let is_missing = most_prominent(resonances).is_some_and(|change| change.b.is_none());
+    let is_resonance = |feature: &Feature| feature.kind == FeatureKind::Resonance;
+    is_missing && only_in_b.iter().any(is_resonance)
 }
 
 /// The features within the band and what became of them: those that stand out on either curve, each

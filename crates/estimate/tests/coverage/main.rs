@@ -2,6 +2,7 @@
 //! is an experiment of its own. `FRFID_COVERAGE_LINES` sets their number.
 
 mod glides;
+mod matrix;
 mod phases;
 mod realizations;
 mod region;

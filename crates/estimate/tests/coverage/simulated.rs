@@ -1,6 +1,6 @@
 //! Simulated campaigns of a linear machine whose lines have nothing to do with each other.
 
-use frfid_estimate::{Campaign, FrfEstimate, Method, PeriodIndex, RunSpectra};
+use frfid_estimate::{Campaign, EstimateError, FrfEstimate, Method, PeriodIndex, RunSpectra};
 use frfid_signals::random::{normal, phase, stream};
 use nalgebra::DMatrix;
 use ndarray::Array2;
@@ -27,6 +27,10 @@ pub(crate) struct Case {
     pub(crate) noise_y: f64,
     /// Disturbance that repeats in all periods of a realization, as nonlinear distortion does.
     pub(crate) distortion: f64,
+    /// Gain of the controller that feeds the output back, on every axis; `None` in open loop.
+    pub(crate) loop_gain: Option<f64>,
+    /// Share of the noise of a channel that the next one has, too, and y of u.
+    pub(crate) correlation: f64,
     pub(crate) seed: u64,
 }
 
@@ -41,6 +45,8 @@ impl Default for Case {
             noise_u: 0.0,
             noise_y: 0.02,
             distortion: 0.0,
+            loop_gain: None,
+            correlation: 0.0,
             seed: 1,
         }
     }
@@ -63,6 +69,11 @@ pub(crate) fn truth(output: usize, input: usize) -> Complex64 {
 impl Case {
     /// The estimate, glides subtracted.
     pub(crate) fn estimate(&self, method: Method) -> FrfEstimate {
+        self.estimated(method).expect("invertible")
+    }
+
+    /// The same, or why there is none.
+    pub(crate) fn estimated(&self, method: Method) -> Result<FrfEstimate, EstimateError> {
         let hz = (1..=n_lines()).map(|line| line as f64).collect();
         let mut campaign = Campaign::new(hz).expect("rising");
         let glides: Vec<RunSpectra> = (0..self.n_glides).map(|glide| self.glide(glide)).collect();
@@ -78,7 +89,7 @@ impl Case {
         for glide in glides {
             campaign.insert_glide(glide).expect("fits");
         }
-        campaign.estimate_lines(&method.into()).expect("invertible")
+        campaign.estimate_lines(&method.into())
     }
 
     fn places(&self) -> Vec<PeriodIndex> {
@@ -115,12 +126,24 @@ impl Case {
 
     fn run(&self, place: PeriodIndex) -> RunSpectra {
         let [p, q, m] = [place.realization, place.period, place.experiment].map(|i| i as u64);
-        let u = self.commanded(place);
-        let response =
-            Array2::from_shape_fn((self.n_channels, self.n_channels), |(o, i)| truth(o, i));
-        let mut y = response.dot(&u);
-        self.disturb(&mut y, self.distortion, "distortion", &[p, m]);
-        self.measured(u, y, "run", &[p, q, m])
+        let r = self.commanded(place);
+        let n = self.n_channels;
+        let response = Array2::from_shape_fn((n, n), |(o, i)| truth(o, i));
+        let Some(gain) = self.loop_gain else {
+            let mut y = response.dot(&r);
+            self.disturb(&mut y, self.distortion, "distortion", &[p, m]);
+            return self.measured(r, y, "run", &[p, q, m]);
+        };
+        let mut disturbance = Array2::zeros(r.dim());
+        self.disturb(&mut disturbance, self.distortion, "distortion", &[p, m]);
+        self.disturb(&mut disturbance, self.noise_y, "process", &[p, q, m]);
+        // u = r - K y, y = G u + v
+        let u = sensitivity(n, gain).dot(&(&r - Complex64::from(gain) * &disturbance));
+        let y = response.dot(&u) + disturbance;
+        RunSpectra {
+            r: Some(r),
+            ..self.measured(u, y, "run", &[p, q, m])
+        }
     }
 
     /// A glide: a velocity and a torque that hold it, the same in every run, taken off by the mean.
@@ -136,8 +159,20 @@ impl Case {
         name: &str,
         indices: &[u64],
     ) -> RunSpectra {
-        self.disturb(&mut u, self.noise_u, &format!("{name} u"), indices);
-        self.disturb(&mut y, self.noise_y, &format!("{name} y"), indices);
+        let still = Array2::zeros(u.dim());
+        let [mut of_u, mut of_y] = [still.clone(), still];
+        self.disturb(&mut of_u, self.noise_u, &format!("{name} u"), indices);
+        self.disturb(&mut of_y, self.noise_y, &format!("{name} y"), indices);
+        if self.correlation > 0.0 {
+            let shared = Complex64::from(self.correlation);
+            of_y.scaled_add(shared, &of_u);
+            for channel in 1..self.n_channels {
+                let before = of_y.row(channel - 1).to_owned();
+                of_y.row_mut(channel).scaled_add(shared, &before);
+            }
+        }
+        u += &of_u;
+        y += &of_y;
         RunSpectra { u, y, r: None }
     }
 
@@ -150,6 +185,15 @@ impl Case {
             });
         }
     }
+}
+
+/// `(I + K G)^-1` of equal gains.
+fn sensitivity(n: usize, gain: f64) -> Array2<Complex64> {
+    let matrix = DMatrix::from_fn(n, n, |o, i| {
+        gain * truth(o, i) + Complex64::from(f64::from(u8::from(o == i)))
+    });
+    let inverse = matrix.try_inverse().expect("regular");
+    Array2::from_shape_fn((n, n), |place| inverse[place])
 }
 
 /// The error of vec(G) on a line.

@@ -61,6 +61,8 @@ struct Judged<'a> {
 impl<'a> Judged<'a> {
     fn of(result: &ResultFile, evidence: &'a Evidence) -> Self {
         let frf = &result.frf;
+        let both = frf.total_variance().zip(frf.noise_variance());
+        let distortion = both.map(|(total, noise)| total - noise);
         let of_outputs = |variance: Option<Array3<f64>>| match variance {
             Some(variance) => deviations(frf, variance.view()),
             None => vec![None; frf.n_outputs()],
@@ -68,7 +70,7 @@ impl<'a> Judged<'a> {
         Self {
             evidence,
             noise: of_outputs(frf.noise_variance()),
-            distortion: of_outputs(frf.nonlinear_variance()),
+            distortion: of_outputs(distortion),
             rippled: result
                 .flagged
                 .as_deref()

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub enum Cause {
     /// Standard deviation by noise over the response; the median line.
     Noise,
-    /// Level of the nonlinear distortion of one realization over the response; the median line.
+    /// The same by nonlinear distortion: by the total variance less that of the noise.
     Distortion,
     /// Share of the time in which friction held the axis.
     Sticking,

@@ -6,7 +6,9 @@ use crate::compare::change::{Change, Side};
 use crate::compare::entry::EntryComparison;
 use crate::compare::verdict::damping::DampingMarks;
 use crate::compare::verdict::inertia::{Inertia, Whose, other_inertia};
-use crate::compare::verdict::stiffness::{Stiffening, moved_alike, peak_moved_alone};
+use crate::compare::verdict::stiffness::{
+    Stiffening, moved_alike, moved_in_one_sense, peak_moved_alone,
+};
 use crate::compare::verdict::{Judgement, Peak, Verdict};
 
 /// The verdict; `None` where the FRFs agree within their noise, or nothing stands out.
@@ -47,7 +49,8 @@ fn stiffness(axes: &[&EntryComparison], stronger: Option<Side>) -> Option<Judgem
         stronger?;
         moved().map(|entry| peak_moved_alone(entry)).collect()
     };
-    let found: Vec<Stiffening> = together().or_else(each).or_else(alone)?;
+    let unlike = || stronger.and_then(|_| Some(vec![moved_in_one_sense(axes)?]));
+    let found: Vec<Stiffening> = together().or_else(each).or_else(alone).or_else(unlike)?;
     let largest = found
         .iter()
         .max_by(|x, y| x.shift.abs().total_cmp(&y.shift.abs()))?;

@@ -100,6 +100,45 @@ pub(crate) fn peak_moved_alone(entry: &EntryComparison) -> Option<Stiffening<'_>
     })
 }
 
+/// Whether all that moved on these axes moved in one sense, the peak of each farther than its notch, while the
+/// inertias stayed: a spring that is another one at each deflection moves no two features by one ratio, and the
+/// peak, where it deflects most, farther than the notch. Another link moves the notch farther, another
+/// motor not at all.
+pub(crate) fn moved_in_one_sense<'a>(axes: &[&'a EntryComparison]) -> Option<Stiffening<'a>> {
+    let found = axes.iter().map(|entry| peak_moved_farther(entry));
+    let found: Vec<Stiffening> = found.collect::<Option<_>>()?;
+    let size = |found: &&Stiffening| found.shift.abs();
+    let largest = found
+        .into_iter()
+        .max_by(|x, y| size(&x).total_cmp(&size(&y)))?;
+    let moved = axes.iter().flat_map(|entry| shifts(entry));
+    let mut moved = moved.filter(|shift| shift.change.has_moved());
+    let is_one_sense = moved.all(|shift| shift.ratio.value * largest.shift > 0.0);
+    let stays = |entry: &&EntryComparison| {
+        let (lines, shift) = (&entry.mass_lines, largest.shift);
+        lines.below.is_some_and(|below| is_known(below, shift)) && keeps_inertia(lines, shift)
+    };
+    (is_one_sense && axes.iter().all(stays)).then_some(largest)
+}
+
+/// The most prominent peak of an axis, if it moved farther than the most prominent notch.
+fn peak_moved_farther(entry: &EntryComparison) -> Option<Stiffening<'_>> {
+    let of_kind = |is_resonance: bool| {
+        let changes = entry.changes.iter().filter(|change| change.b.is_some());
+        most_prominent(changes.filter(move |change| change.is_resonance() == is_resonance))
+    };
+    let (notch, peak) = (of_kind(false)?, of_kind(true)?);
+    let (of_notch, of_peak) = (notch.log_ratio()?, peak.log_ratio()?);
+    let chance = SIGMAS_OF_MANY * of_notch.std.hypot(of_peak.std);
+    let (of_notch, of_peak) = (of_notch.value, of_peak.value);
+    let is_farther = of_notch * of_peak > 0.0 && of_peak.abs() >= of_notch.abs() + chance;
+    (peak.has_moved() && is_farther).then_some(Stiffening {
+        entry,
+        peak,
+        shift: of_peak,
+    })
+}
+
 /// Shift of a feature that both have.
 #[derive(Clone, Copy)]
 struct Shift<'a> {
@@ -146,8 +185,13 @@ fn keeps_inertia(lines: &MassLines, shift: f64) -> bool {
 
 /// Whether both levels are known so well that an inertia would have been seen.
 fn would_show_inertia(lines: &MassLines, shift: f64) -> bool {
-    let is_known = |level: LevelChange| SIGMAS * level.std_db <= least_db(shift);
+    let is_known = |level: LevelChange| is_known(level, shift);
     lines.below.is_some_and(is_known) && lines.above.is_some_and(is_known)
+}
+
+/// Whether a level is known so well that an inertia that shifts so far would have moved it visibly.
+fn is_known(level: LevelChange, shift: f64) -> bool {
+    SIGMAS * level.std_db <= least_db(shift)
 }
 
 /// Change of a level that a spring may make.

@@ -23,8 +23,11 @@ use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 use crate::error::deficient_line::DeficientLine;
-use crate::frf::blocks::{BlockEstimates, BlockMethod, Invertible, LineBlock, map_blocks};
+use crate::frf::blocks::{
+    BlockEstimates, BlockMethod, Invertible, LineBlock, map_blocks, means_over_periods,
+};
 use crate::frf::matrices::Matrix;
+use crate::frf::methods::leverage::independent;
 use crate::frf::noise_bias::NoiseSeen;
 use crate::frf::right_division::right_divide;
 
@@ -114,7 +117,7 @@ impl<I: Instrument> BlockMethod for Through<I> {
         };
         Ok(BlockEstimates {
             blocks: realizations.map(of_realization).collect(),
-            realizations: None,
+            realizations: division.independent(blocks, &instruments),
             condition,
         })
     }
@@ -167,6 +170,35 @@ impl Division {
         blocks
             .map(|(block, instrument)| self.of_block(block, instrument, weight))
             .collect()
+    }
+
+    /// Estimates of the realizations whose spread is that of independent errors; `None` for more instruments
+    /// than inputs. The noise that meets U has no share in the leverage of the instruments, `H_p = n_q Z^H M^-1 Z`,
+    /// `M = sum_p n_q Z Z^H` of their means over periods.
+    fn independent(
+        &self,
+        blocks: &[Vec<LineBlock>],
+        instruments: &[Vec<Matrix>],
+    ) -> Option<Vec<Matrix>> {
+        let sums: Vec<Matrix> = instruments.iter().map(|of| of.iter().sum()).collect();
+        let means = zip(&sums, blocks).map(|(sum, of)| sum / Complex64::from(of.len() as f64));
+        let means: Vec<Matrix> = means.collect();
+        let m: Matrix = zip(&sums, &means).map(|(sum, z)| z.adjoint() * sum).sum();
+        if m.nrows() != self.s_u.nrows() {
+            return None;
+        }
+        let leverages = zip(&sums, &means).map(|(sum, z)| right_divide(sum, &m) * z.adjoint());
+        let leverages: Vec<Matrix> = leverages.collect();
+        let residual = |block: &LineBlock| &block.y - &self.response * &block.u;
+        let residuals = means_over_periods(&map_blocks(blocks, residual));
+        let weights = sums.iter().map(|sum| right_divide(sum, &self.s_u));
+        let weights: Vec<Matrix> = weights.collect();
+        Some(independent(
+            &self.response,
+            &residuals,
+            &leverages,
+            &weights,
+        ))
     }
 
     fn of_block(&self, block: &LineBlock, instrument: &Matrix, weight: Complex64) -> Matrix {

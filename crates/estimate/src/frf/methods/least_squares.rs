@@ -10,25 +10,19 @@
 //! experiments both are the same but for the excitation's strength.
 //!
 //! Variances: `T_pq = G + n_p (Y_pq - G U_pq) W_p` has the mean G, and about its means over periods
-//! the spread of the noise. The residuals `E_p = Y_p - G U_p` are smaller than the errors, most so
-//! where a realization has leverage: the spread of realizations is that of
-//! `G + (n_p (n_p - 1))^1/2 E_p (I - W_p U_p)^-1/2 W_p`, whose covariance is unbiased where the errors
-//! of all experiments are alike. (R. M. Bell, D. F. McCaffrey, Survey Methodology 28 (2002) 169.)
+//! the spread of the noise; that of realizations by [`crate::frf::methods::leverage`], `H_p = W_p U_p`.
 
 use std::iter::zip;
 
-use nalgebra::{DMatrix, SymmetricEigen};
+use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 use crate::error::deficient_line::DeficientLine;
 use crate::frf::blocks::{BlockEstimates, BlockMethod, Invertible, LineBlock, mean};
 use crate::frf::matrices::Matrix;
+use crate::frf::methods::leverage::independent;
 use crate::frf::noise_bias::NoiseSeen;
 use crate::frf::right_division::right_divide;
-
-/// Steps after which eigenvalues that have not converged are given up: three for each are usual, and
-/// numbers that are not finite would never end.
-const MOST_STEPS: usize = 1000;
 
 pub(crate) struct LeastSquares;
 
@@ -53,6 +47,10 @@ impl BlockMethod for LeastSquares {
         let condition = invertible(&all)?;
         let response = right_divide(&side_by_side(&y), &all);
         let weights = self.weights(blocks);
+        let residuals = zip(&u, &y).map(|(u, y)| y - &response * u);
+        let residuals: Vec<Matrix> = residuals.collect();
+        let leverages = zip(&weights, &u).map(|(weight, u)| weight * u);
+        let leverages: Vec<Matrix> = leverages.collect();
         let of_realization = |(periods, weight): (&Vec<LineBlock>, &Matrix)| {
             let weight = weight * Complex64::from(blocks.len() as f64);
             let of_block =
@@ -61,7 +59,7 @@ impl BlockMethod for LeastSquares {
         };
         Ok(BlockEstimates {
             blocks: zip(blocks, &weights).map(of_realization).collect(),
-            realizations: Some(independent(&response, &u, &y, &weights)),
+            realizations: Some(independent(&response, &residuals, &leverages, &weights)),
             condition,
         })
     }
@@ -86,28 +84,4 @@ fn means(blocks: &[Vec<LineBlock>], signal: fn(&LineBlock) -> &Matrix) -> Vec<Ma
 fn side_by_side(matrices: &[Matrix]) -> Matrix {
     let columns: Vec<_> = matrices.iter().flat_map(Matrix::column_iter).collect();
     DMatrix::from_columns(&columns)
-}
-
-/// Estimates of the realizations whose spread is that of independent errors.
-fn independent(response: &Matrix, u: &[Matrix], y: &[Matrix], weights: &[Matrix]) -> Vec<Matrix> {
-    let n_realizations = u.len() as f64;
-    let scale = Complex64::from((n_realizations * (n_realizations - 1.0)).sqrt());
-    let of_realization = |((u, y), weight): ((&Matrix, &Matrix), &Matrix)| {
-        let residual = y - response * u;
-        response + residual * without_leverage(weight, u) * weight * scale
-    };
-    zip(zip(u, y), weights).map(of_realization).collect()
-}
-
-/// `(I - W_p U_p)^-1/2`, Hermitian; not finite where a realization alone decides.
-fn without_leverage(weight: &Matrix, u: &Matrix) -> Matrix {
-    let rest = DMatrix::identity(u.ncols(), u.ncols()) - weight * u;
-    let rest = (&rest + rest.adjoint()) / Complex64::from(2.0);
-    let unknown = rest.map(|_| Complex64::from(f64::NAN));
-    let Some(eigen) = SymmetricEigen::try_new(rest, f64::EPSILON, MOST_STEPS) else {
-        return unknown;
-    };
-    let root = |value: f64| Complex64::from(value.sqrt().recip());
-    let roots = DMatrix::from_diagonal(&eigen.eigenvalues.map(root));
-    &eigen.eigenvectors * roots * eigen.eigenvectors.adjoint()
 }
