@@ -2,13 +2,13 @@
 
 use std::io::{self, Read};
 
+/// From MATLAB to a file that is read.
+const MAT_ADVICE: &str = "in MATLAB writetable(table(t, u, y), 'log.csv'); or in Python numpy.savez('log.npz', t=m['t'], u=m['u'], \
+                          y=m['y']), an NPZ, with m = scipy.io.loadmat('log.mat', squeeze_me=True)";
+
 /// First bytes, what the file is, and what to do.
-const KINDS: [(&[u8], &str, &str); 6] = [
-    (
-        b"MATLAB 5.0 MAT-file",
-        "a MATLAB file",
-        "export the signals to CSV or MCAP",
-    ),
+const KINDS: [(&[u8], &str, &str); 7] = [
+    (b"MATLAB 5.0 MAT-file", "a MATLAB file (MAT v5)", MAT_ADVICE),
     (
         b"SQLite format 3\0",
         "a rosbag2 .db3 file",
@@ -30,9 +30,14 @@ const KINDS: [(&[u8], &str, &str); 6] = [
         "unpack it first: gunzip FILE",
     ),
     (
+        b"MATLAB 7.3 MAT-file",
+        "a MATLAB file (MAT v7.3)",
+        MAT_ADVICE,
+    ),
+    (
         b"\x89HDF",
-        "an HDF5 or MATLAB v7.3 file",
-        "export the signals to CSV or MCAP",
+        "an HDF5 file",
+        "save its arrays as NPZ: numpy.savez('log.npz', t=.., u=.., y=..)",
     ),
 ];
 

@@ -6,6 +6,8 @@ use std::ops::Range;
 use frfid_signals::InputKind;
 use serde::{Deserialize, Serialize};
 
+use crate::log::csv::dialect::CsvTable;
+
 /// One signal: where it comes from, its unit, its sign and scale.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -55,6 +57,9 @@ pub struct LogMap {
     /// coarse or too late to tell.
     #[serde(default)]
     pub sample_time_s: Option<f64>,
+    /// How a CSV is written; found in it without.
+    #[serde(default)]
+    pub csv: Option<CsvTable>,
     /// From when on the recordings are used, in s after their first sample; from there without it.
     #[serde(default)]
     pub start_s: Option<f64>,
@@ -93,6 +98,7 @@ impl LogMap {
             input_kind: measured(),
             time: None,
             sample_time_s: None,
+            csv: None,
             start_s: None,
             end_s: None,
             period_s: None,

@@ -5,7 +5,6 @@ pub(crate) mod clock;
 pub(crate) mod csv;
 pub(crate) mod decimal;
 pub(crate) mod formats;
-pub(crate) mod lines;
 pub(crate) mod map;
 pub(crate) mod mcap;
 pub(crate) mod npy;

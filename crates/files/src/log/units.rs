@@ -39,12 +39,44 @@ const UNITS: [(&str, f64, &str); 30] = [
     ("ns", 1e-9, "s"),
 ];
 
+/// Other spellings of them.
+const SPELLINGS: [(&str, &str); 26] = [
+    ("N·m", "N m"),
+    ("N*m", "N m"),
+    ("N.m", "N m"),
+    ("1/min", "rpm"),
+    ("U/min", "rpm"),
+    ("rev/min", "rpm"),
+    ("min^-1", "rpm"),
+    ("min-1", "rpm"),
+    ("RPM", "rpm"),
+    ("°", "deg"),
+    ("degree", "deg"),
+    ("degrees", "deg"),
+    ("°/s", "deg/s"),
+    ("rev", "turn"),
+    ("rad/s²", "rad/s^2"),
+    ("rad/s2", "rad/s^2"),
+    ("°/s²", "deg/s^2"),
+    ("m/s²", "m/s^2"),
+    ("m/s2", "m/s^2"),
+    ("µm", "um"),
+    ("μm", "um"),
+    ("µs", "us"),
+    ("μs", "us"),
+    ("sec", "s"),
+    ("seconds", "s"),
+    ("-", "1"),
+];
+
 /// Factor to SI and the SI unit.
 pub(crate) type Si = (f64, &'static str);
 
 /// A unit in SI, or the units there are.
 pub(crate) fn to_si(unit: &str) -> Result<Si, String> {
-    let known = UNITS.iter().find(|(name, ..)| *name == unit);
+    let spelled = SPELLINGS.iter().find(|(other, _)| *other == unit);
+    let plain = spelled.map_or(unit, |(_, plain)| plain);
+    let known = UNITS.iter().find(|(name, ..)| *name == plain);
     let (_, factor, si) = known.ok_or_else(known_units)?;
     Ok((*factor, si))
 }
@@ -75,6 +107,10 @@ mod tests {
             Ok((std::f64::consts::PI, "rad"))
         );
         assert!((to_si("rpm").expect("known").0 * 60.0 - std::f64::consts::TAU).abs() < 1e-15);
-        assert!(to_si("degree").expect_err("unknown").contains("deg/s"));
+        assert!(to_si("furlong").expect_err("unknown").contains("deg/s"));
+        for (other, plain) in SPELLINGS {
+            assert_eq!(to_si(other), to_si(plain), "{other}");
+            assert!(to_si(plain).is_ok(), "{plain}");
+        }
     }
 }

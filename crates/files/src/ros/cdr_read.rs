@@ -18,6 +18,11 @@ pub(crate) enum CdrError {
         /// The first two bytes.
         found: [u8; 2],
     },
+    /// The message is compressed by itself.
+    #[error(
+        "the message is compressed by zstd, one by one; decompress the bag: ros2 bag convert, with compression_mode file or none"
+    )]
+    Compressed,
     /// The message ends early, or claims a length beyond its end.
     #[error("field {field}: {short}")]
     Short {
@@ -205,6 +210,7 @@ fn is_big_endian([first, second, ..]: [u8; 4]) -> Result<bool, CdrError> {
     match [first, second] {
         [0, 0] => Ok(true),
         [0, 1] => Ok(false),
+        [0x28, 0xb5] => Err(CdrError::Compressed),
         found => Err(CdrError::Encoding { found }),
     }
 }

@@ -1,0 +1,131 @@
+//! Header of a table: the names of its columns, and their units where a row has them.
+
+use crate::error::FileError;
+use crate::log::csv::cells::Line;
+use crate::log::csv::dialect::COMMENTS;
+use crate::log::map::Signal;
+use crate::log::units::to_si;
+use std::path::Path;
+
+/// Names and units of columns.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Header {
+    pub(super) names: Vec<String>,
+    pub(super) units: Option<Vec<String>>,
+    /// Its line, from 1; 0 where there is none.
+    pub(super) line: usize,
+}
+
+/// The header among the lines above the first row: the last one that names all mapped columns, else the last one that
+/// is as wide as the rows, above a row of units.
+pub(super) fn header_above(above: &[Line], width: usize, mapped: &[&str]) -> Header {
+    let names_all = |line: &&Line| {
+        let header = Header::of(line, mapped);
+        mapped
+            .iter()
+            .all(|name| header.names.iter().any(|own| own == name))
+    };
+    let is_wide = |line: &&Line| line.cells.len() == width;
+    let units = above
+        .last()
+        .filter(|line| is_wide(line) && are_units(&line.cells));
+    let names = &above[..above.len() - usize::from(units.is_some())];
+    let named = names.iter().rev().find(names_all);
+    let wide = || names.iter().rev().find(|line| is_wide(line));
+    match named.or_else(wide) {
+        Some(line) => Header {
+            units: units.map(|line| line.cells.clone()),
+            ..Header::of(line, mapped)
+        },
+        // a single line of what may be units are names all the same
+        None => units.map_or_else(|| Header::numbered(width), |line| Header::of(line, mapped)),
+    }
+}
+
+/// Whether cells are units: known ones, or in brackets; some may be empty.
+fn are_units(cells: &[String]) -> bool {
+    let is_bracketed = |cell: &str| {
+        [('[', ']'), ('(', ')')]
+            .iter()
+            .any(|(open, close)| cell.starts_with(*open) && cell.ends_with(*close))
+    };
+    let is_unit = |cell: &String| {
+        to_si(cell).is_ok() || is_bracketed(cell) || ["%", "°", "-"].contains(&cell.as_str())
+    };
+    let mut filled = cells.iter().filter(|cell| !cell.is_empty());
+    filled.clone().count() > 0 && filled.all(is_unit)
+}
+
+impl Header {
+    /// The names of a line; the mark of a comment belongs to the first one only if the log map says so.
+    pub(super) fn of(line: &Line, mapped: &[&str]) -> Self {
+        let mut names = line.cells.clone();
+        if let Some(first) = names
+            .first_mut()
+            .filter(|first| !mapped.contains(&first.as_str()))
+        {
+            *first = first.trim_start_matches(COMMENTS).trim().to_owned();
+        }
+        // a mark alone before the first name: `# t u y`
+        if line.is_comment && names.first().is_some_and(String::is_empty) && !mapped.contains(&"") {
+            names.remove(0);
+        }
+        Self {
+            names,
+            units: None,
+            line: line.number,
+        }
+    }
+
+    /// Columns without names: their numbers from 1.
+    pub(super) fn numbered(width: usize) -> Self {
+        Self {
+            names: (1..=width).map(|number| number.to_string()).collect(),
+            units: None,
+            line: 0,
+        }
+    }
+
+    /// The places of the columns of signals.
+    pub(super) fn columns(
+        &self,
+        path: &Path,
+        signals: &[&Signal],
+    ) -> Result<Vec<usize>, FileError> {
+        let column = |signal: &&Signal| self.column(path, &signal.source);
+        signals.iter().map(column).collect()
+    }
+
+    /// The place of the one column of a name.
+    pub(super) fn column(&self, path: &Path, name: &str) -> Result<usize, FileError> {
+        let is_it = |place: &usize| self.names[*place] == name;
+        let places: Vec<usize> = (0..self.names.len()).filter(is_it).collect();
+        let found = match (&places[..], self.line) {
+            ([place], _) => return Ok(*place),
+            ([], 0) => "no such column, and no header with names",
+            ([], _) => "no such column",
+            _ => "two of that name",
+        };
+        let needed = format!("one of {}", self.names.join(", "));
+        Err(FileError::content(
+            path,
+            format!("column `{name}`"),
+            found,
+            needed,
+        ))
+    }
+
+    /// Where a unit in the file is another one than the log map says: `None` where they agree, or the file says
+    /// nothing.
+    pub(super) fn other_unit(&self, signal: &Signal, column: usize) -> Option<String> {
+        let written = self.units.as_ref()?.get(column)?;
+        let written = written.trim_matches(['[', ']', '(', ')']);
+        let is_same = written.is_empty() || to_si(written).ok() == to_si(&signal.unit).ok();
+        (!is_same).then(|| {
+            format!(
+                "column `{}` is in `{written}` by the file and in `{}` by the map",
+                signal.source, signal.unit
+            )
+        })
+    }
+}

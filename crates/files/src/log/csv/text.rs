@@ -1,0 +1,144 @@
+//! Text of a file, plain or gzipped, in any usual encoding, as UTF-8 that may end badly.
+
+use std::cell::RefCell;
+use std::fs::File;
+use std::io::{self, BufRead, BufReader, Chain, Cursor, Read};
+use std::path::Path;
+use std::rc::Rc;
+
+use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
+use encoding_rs_io::{DecodeReaderBytes, DecodeReaderBytesBuilder};
+use flate2::read::MultiGzDecoder;
+
+use crate::error::FileError;
+
+/// First bytes of a gzipped file.
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+/// How much of a text is looked at before it is read: some hundred rows.
+const HEAD: u64 = 64 << 10;
+
+/// The text of a file, from its beginning.
+pub(super) struct Text {
+    /// What is looked at before the rest is read.
+    pub(super) head: String,
+    /// Whether the head is the whole text.
+    pub(super) is_whole: bool,
+    /// The encoding, if it is not UTF-8.
+    pub(super) encoding: Option<&'static str>,
+    /// How the text ends.
+    pub(super) end: SharedEnd,
+    rest: Decoded,
+}
+
+type Decoded = DecodeReaderBytes<Watched, Vec<u8>>;
+
+/// How a text ended, as far as it was read.
+#[derive(Debug, Default)]
+pub(super) struct End {
+    /// The last byte.
+    last: u8,
+    /// Why it could not be read on.
+    pub(super) failed: Option<String>,
+}
+
+pub(super) type SharedEnd = Rc<RefCell<End>>;
+
+impl Text {
+    /// Opens a file; `stated` is the encoding that the log map names.
+    pub(super) fn open(path: &Path, stated: Option<&str>) -> Result<Self, FileError> {
+        let cannot = FileError::cannot("open", path);
+        let mut file = unpacked(path).map_err(cannot)?;
+        let start = file.fill_buf().unwrap_or_default(); // what fails will fail again, and be told
+        let encoding = match stated {
+            Some(name) => by_name(path, name)?,
+            None => guessed(start),
+        };
+        let end = SharedEnd::default();
+        let watched = Watched {
+            file,
+            end: end.clone(),
+        };
+        let mut builder = DecodeReaderBytesBuilder::new();
+        let mut rest = builder.encoding(Some(encoding)).build(watched);
+        let mut head = Vec::new();
+        (&mut rest)
+            .take(HEAD)
+            .read_to_end(&mut head)
+            .map_err(FileError::cannot("read", path))?;
+        Ok(Self {
+            is_whole: (head.len() as u64) < HEAD,
+            head: String::from_utf8_lossy(&head).into_owned(),
+            encoding: (encoding != UTF_8).then(|| encoding.name()),
+            end,
+            rest,
+        })
+    }
+
+    /// The text from its beginning.
+    pub(super) fn reader(self) -> Chain<Cursor<Vec<u8>>, impl Read> {
+        Cursor::new(self.head.into_bytes()).chain(self.rest)
+    }
+}
+
+impl End {
+    /// Whether the last line has no end.
+    pub(super) fn is_broken_off(&self) -> bool {
+        !matches!(self.last, b'\n' | b'\r' | 0)
+    }
+}
+
+/// A reader that tells how it ended, and ends where it cannot read on.
+struct Watched {
+    file: Box<dyn BufRead>,
+    end: SharedEnd,
+}
+
+impl Read for Watched {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let mut end = self.end.borrow_mut();
+        match self.file.read(buffer) {
+            Ok(n) => {
+                let last = buffer[..n].iter().rev().find(|byte| **byte != 0);
+                end.last = last.copied().unwrap_or(end.last);
+                Ok(n)
+            }
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => Err(error),
+            Err(error) => {
+                end.failed = Some(error.to_string());
+                Ok(0)
+            }
+        }
+    }
+}
+
+/// Reader of a file that may be gzipped.
+fn unpacked(path: &Path) -> io::Result<Box<dyn BufRead>> {
+    let mut file = BufReader::with_capacity(1 << 16, File::open(path)?);
+    if !file.fill_buf()?.starts_with(&GZIP) {
+        return Ok(Box::new(file));
+    }
+    let unpacked = MultiGzDecoder::new(file);
+    Ok(Box::new(BufReader::with_capacity(1 << 16, unpacked)))
+}
+
+fn by_name(path: &Path, name: &str) -> Result<&'static Encoding, FileError> {
+    Encoding::for_label(name.as_bytes()).ok_or_else(|| {
+        let needed = "utf-8, utf-16le, windows-1252 or another name of the WHATWG encodings";
+        FileError::content(path, "encoding of the log map", format!("`{name}`"), needed)
+    })
+}
+
+/// The encoding that first bytes show; a byte order mark counts more and is looked for later.
+fn guessed(start: &[u8]) -> &'static Encoding {
+    let is_zero = |offset: usize| {
+        let bytes = start.iter().skip(offset).step_by(2);
+        2 * bytes.clone().filter(|byte| **byte == 0).count() > bytes.count().max(1)
+    };
+    match std::str::from_utf8(start) {
+        _ if is_zero(1) => UTF_16LE,
+        _ if is_zero(0) => UTF_16BE,
+        // a character that the end cuts apart is no error
+        Err(error) if error.error_len().is_some() => WINDOWS_1252,
+        _ => UTF_8,
+    }
+}
