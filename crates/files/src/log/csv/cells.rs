@@ -4,6 +4,7 @@ use csv::{ReaderBuilder, Terminator, Trim};
 
 use crate::log::csv::dialect::COMMENTS;
 use crate::log::csv::moment::Moment;
+use crate::log::csv::squeezed::squeezed;
 
 /// A line of a table in cells.
 #[derive(Debug, Clone)]
@@ -44,17 +45,6 @@ pub(super) fn lines_of(head: &str, separator: char) -> Vec<Line> {
         });
     }
     lines
-}
-
-/// A text with one blank in place of several, none at the ends of lines.
-pub(super) fn squeezed(text: &str) -> String {
-    let mut squeezed = String::with_capacity(text.len());
-    for line in text.split_inclusive('\n') {
-        let words: Vec<&str> = line.split_ascii_whitespace().collect();
-        squeezed += &words.join(" ");
-        squeezed += if line.ends_with('\n') { "\n" } else { "" };
-    }
-    squeezed
 }
 
 /// Whether a cell is a number, a moment, or a word for no number.

@@ -5,6 +5,7 @@ pub(crate) mod dialect;
 mod header;
 mod moment;
 mod rows;
+mod squeezed;
 #[cfg(test)]
 mod tests;
 mod text;

@@ -1,14 +1,15 @@
 //! Rows of a table while they come in: a time and the mapped columns of each.
 
-use std::io::{BufRead, BufReader, Read};
+use std::io::Read;
 use std::path::Path;
 
 use csv::StringRecord;
 
 use crate::error::FileError;
-use crate::log::csv::cells::{number, reader_of, squeezed};
+use crate::log::csv::cells::{number, reader_of};
 use crate::log::csv::dialect::{COMMENTS, Dialect};
 use crate::log::csv::moment::Moment;
+use crate::log::csv::squeezed::Squeezed;
 use crate::log::csv::text::{SharedEnd, Text};
 use crate::log::map::{LogMap, Signals};
 use crate::log::recording::{Recording, TimedDamage};
@@ -274,40 +275,3 @@ impl Row<'_> {
         FileError::content(self.path, what, found, needed)
     }
 }
-
-/// A text with one blank in place of several.
-struct Squeezed<R> {
-    text: BufReader<R>,
-    line: Vec<u8>,
-    taken: usize,
-}
-
-impl<R: Read> Squeezed<R> {
-    fn of(text: R) -> Self {
-        Self {
-            text: BufReader::new(text),
-            line: Vec::new(),
-            taken: 0,
-        }
-    }
-}
-
-impl<R: Read> Read for Squeezed<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
-        if self.taken == self.line.len() {
-            let mut line = Vec::new();
-            (&mut self.text)
-                .take(LINE_LIMIT)
-                .read_until(b'\n', &mut line)?;
-            self.line = squeezed(&String::from_utf8_lossy(&line)).into_bytes();
-            self.taken = 0;
-        }
-        let n = buffer.len().min(self.line.len() - self.taken);
-        buffer[..n].copy_from_slice(&self.line[self.taken..self.taken + n]);
-        self.taken += n;
-        Ok(n)
-    }
-}
-
-/// A line may be this long: 16 MiB.
-const LINE_LIMIT: u64 = 16 << 20;
