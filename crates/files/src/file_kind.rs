@@ -1,4 +1,4 @@
-//! Kinds of files that frfid does not read, by their first bytes.
+//! Kinds of files that frfid does not read, or not everywhere, by their first bytes.
 
 use std::io::{self, Read};
 
@@ -8,12 +8,12 @@ const MAT_ADVICE: &str = "in MATLAB writetable(table(t, u, y), 'log.csv'); or in
 
 /// First bytes, what the file is, and what to do.
 const KINDS: [(&[u8], &str, &str); 7] = [
-    (b"MATLAB 5.0 MAT-file", "a MATLAB file (MAT v5)", MAT_ADVICE),
     (
         b"SQLite format 3\0",
         "a rosbag2 .db3 file",
         "convert it: ros2 bag convert, or rosbags-convert --dst-storage mcap",
     ),
+    (b"MATLAB 5.0 MAT-file", "a MATLAB file (MAT v5)", MAT_ADVICE),
     (
         &[0x28, 0xb5, 0x2f, 0xfd],
         "a zstd-compressed file",

@@ -32,6 +32,7 @@ mod ros {
     pub(crate) mod definition;
     pub(crate) mod field;
     pub(crate) mod joint_state;
+    pub(crate) mod known_types;
     pub(crate) mod selector;
     pub(crate) mod value;
 }

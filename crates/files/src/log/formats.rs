@@ -9,7 +9,7 @@ use crate::error::FileError;
 use crate::file_kind::{first_bytes, kind_of};
 use crate::log::map::{LogMap, Signals};
 use crate::log::recording::Recording;
-use crate::log::{csv, mcap, npz};
+use crate::log::{csv, db3, mcap, npz};
 
 /// A format of recordings.
 #[derive(Debug)]
@@ -27,13 +27,20 @@ pub struct Format {
 }
 
 /// The formats of recordings.
-pub const FORMATS: [Format; 3] = [
+pub const FORMATS: [Format; 4] = [
     Format {
         name: "MCAP",
         endings: &[".mcap"],
         source: "TOPIC:FIELD[INDEX or JOINT]",
         magic: ::mcap::MAGIC,
         read: mcap::read,
+    },
+    Format {
+        name: "rosbag2 SQLite",
+        endings: &[".db3"],
+        source: "TOPIC:FIELD[INDEX or JOINT]",
+        magic: db3::MAGIC,
+        read: db3::read,
     },
     Format {
         name: "CSV",

@@ -1,8 +1,10 @@
 //! Logs that frfid did not make: read through a [`LogMap`], put on one clock, converted to SI.
 
 pub(crate) mod alignment;
+pub(crate) mod bag;
 pub(crate) mod clock;
 pub(crate) mod csv;
+pub(crate) mod db3;
 pub(crate) mod decimal;
 pub(crate) mod formats;
 pub(crate) mod map;

@@ -1,4 +1,4 @@
-//! MCAP recordings: the mapped signals of any topic of CDR messages with a ros2msg definition.
+//! Bags: the mapped signals of any topic of CDR messages, whatever file holds them.
 
 pub(crate) mod message;
 
@@ -6,12 +6,10 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::error::FileError;
-use crate::log::map::{LogMap, Signal, Signals};
-use crate::log::mcap::message::{Received, header_stamp_ns};
+use crate::log::bag::message::{Received, header_stamp_ns};
+use crate::log::map::{Signal, Signals};
 use crate::log::recording::{Cells, Recording, Series, TimedDamage, of_damaged};
 use crate::log::table::Table;
-use crate::loss::Damage;
-use crate::mcap::read::{Part, scan_file};
 use crate::ros::definition::Definition;
 use crate::ros::selector::Selector;
 use crate::ros::value::{Value, decode};
@@ -35,10 +33,17 @@ struct Topics {
     seen: BTreeSet<String>,
 }
 
-/// Reads every mapped topic.
-pub(crate) fn read(path: &Path, _map: &LogMap, signals: &Signals) -> Result<Recording, FileError> {
+/// What is done with every message.
+pub(crate) type Take<'t> = dyn FnMut(&Received) -> Result<(), FileError> + 't;
+
+/// Reads every mapped topic; `scan` hands over all messages of a file and returns the damages to it.
+pub(crate) fn read(
+    path: &Path,
+    signals: &Signals,
+    scan: impl FnOnce(&mut Take) -> Result<Vec<TimedDamage>, FileError>,
+) -> Result<Recording, FileError> {
     let mut topics = Topics::of(path, signals)?;
-    let damages = topics.read(path)?;
+    let damages = scan(&mut |received| topics.take(received))?;
     let checked = topics.check_there(path);
     checked.map_err(|error| of_damaged(error, &damages))?;
     Ok(Recording {
@@ -82,25 +87,16 @@ impl Topics {
         self.mapped.iter().position(is_it)
     }
 
-    /// Takes in all messages of a file; returns the damages to it.
-    fn read(&mut self, path: &Path) -> Result<Vec<TimedDamage>, FileError> {
-        let damages = scan_file(path, Part::All, &mut |entry| {
-            let received = Received::of(path, entry);
-            received.map_or(Ok(()), |received| self.take(&received))
-        })?;
-        Ok(damages.into_iter().map(timed).collect())
-    }
-
     fn take(&mut self, received: &Received) -> Result<(), FileError> {
-        let name = &received.channel.topic;
+        let name = received.topic;
         self.see(name);
         self.place(name)
             .map_or(Ok(()), |place| self.mapped[place].take(received))
     }
 
-    fn see(&mut self, name: &String) {
+    fn see(&mut self, name: &str) {
         if !self.seen.contains(name) {
-            self.seen.insert(name.clone());
+            self.seen.insert(name.to_owned());
         }
     }
 
@@ -129,11 +125,6 @@ impl Topics {
     }
 }
 
-fn timed(damage: Damage) -> TimedDamage {
-    let from = damage.times_ns.map(|(from, _)| i64::try_from(from));
-    (from.and_then(Result::ok), damage.reason)
-}
-
 fn selector_of(path: &Path, signal: &Signal) -> Result<Selector, FileError> {
     Selector::parse(&signal.source).ok_or_else(|| {
         let found = format!("`{}`", signal.source);
@@ -158,7 +149,7 @@ impl Topic {
         let row = self.picked(&value);
         let row = row.map_err(|found| received.bad(self.n_messages, found))?;
         self.n_messages += 1;
-        self.push(header_stamp_ns(&value), received.recorders_ns(), &row);
+        self.push(header_stamp_ns(&value), received.recorders_ns, &row);
         Ok(())
     }
 
@@ -169,15 +160,20 @@ impl Topic {
     }
 
     fn decoded(&mut self, received: &Received) -> Result<Value, FileError> {
-        let value = decode(self.definition(received)?, received.message.data);
+        let value = decode(self.definition(received)?, received.data);
         value.map_err(|error| received.bad(self.n_messages, error.to_string()))
     }
 
-    /// The definition of its messages, by the first one.
+    /// The definition of its messages, by the first one: of several variants the first that it fits.
     fn definition(&mut self, received: &Received) -> Result<&Definition, FileError> {
         match &mut self.definition {
             Some(definition) => Ok(definition),
-            none => Ok(none.insert(received.definition()?)),
+            none => {
+                let mut variants = received.definitions()?;
+                let fits = |variant: &Definition| decode(variant, received.data).is_ok();
+                let fitting = variants.iter().position(fits).unwrap_or(0);
+                Ok(none.insert(variants.swap_remove(fitting)))
+            }
         }
     }
 
