@@ -1,29 +1,21 @@
 """rosbag2 recordings in SQLite, written by rosbags: the motor bench as JointState and as every variant of the trajectory controller's state."""
 
-import gzip
-import json
-import pathlib
-import shutil
 import sqlite3
 import subprocess
 
 import numpy as np
 import pytest
+from bench import FRFID, MARKS, estimate, from_csv, samples
 
 pytest.importorskip("rosbags", reason="needs rosbags: pip install .[test]")
 from rosbags.rosbag2 import StoragePlugin, Writer
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
-FRFID = shutil.which("frfid")
-BENCH = pathlib.Path(__file__).parents[3] / "shared" / "data" / "motor_bench" / "multisine_type_a.csv.gz"
 STATE = "control_msgs/msg/JointTrajectoryControllerState"
 POINTS = {"now": "reference feedback error output", "both": "reference feedback error output desired actual", "old": "desired actual error"}
 VARIANTS = {"6.x": ("now", True, True), "5.0": ("now", True, False), "4.x": ("both", True, False), "3.x": ("old", True, False), "2.x": ("old", False, False)}
 
-pytestmark = [
-    pytest.mark.skipif(FRFID is None, reason="needs the command frfid: pip install ."),
-    pytest.mark.skipif(not BENCH.exists(), reason=f"{BENCH} is missing"),
-]
+pytestmark = MARKS
 
 
 def definition(points, has_dofs, has_scaling):
@@ -33,12 +25,6 @@ def definition(points, has_dofs, has_scaling):
         lines += ["string[] multi_dof_joint_names"]
         lines += [f"trajectory_msgs/MultiDOFJointTrajectoryPoint multi_dof_{name}" for name in POINTS[points].split()]
     return "\n".join(lines + ["float64 speed_scaling_factor"] * has_scaling)
-
-
-def samples():
-    with gzip.open(BENCH, "rt") as file:
-        table = np.loadtxt(file, delimiter=",", skiprows=1)
-    return table[:12_500]  # five periods
 
 
 def header(store, t):
@@ -84,33 +70,20 @@ def write(folder, type_name, store, messages, has_definitions=False):
     return file
 
 
-def estimate(file, u, y):
-    result = file.parent / "frf.json"
-    arguments = [FRFID, "estimate", str(file), "-o", str(result), "--u", f"/states:{u}=A", "--y", f"/states:{y}=rad/s", "--force", "--quiet"]
-    done = subprocess.run(arguments, capture_output=True, text=True)
-    assert done.returncode in (0, 3), done.stderr
-    response = json.loads(result.read_text())["response"]
-    return np.array(response["re"], float) + 1j * np.array(response["im"], float)
-
-
 @pytest.fixture(scope="module")
 def plain(tmp_path_factory):
-    """The same from the CSV."""
-    folder = tmp_path_factory.mktemp("csv")
-    rows = samples()
-    np.savetxt(folder / "bench.csv", rows[:, [0, 2, 3]], delimiter=",", header="t,u,y", comments="", fmt="%.17g")
-    result = folder / "frf.json"
-    arguments = ["--u", "u=A", "--y", "y=rad/s", "--time", "t=s", "--quiet"]
-    subprocess.run([FRFID, "estimate", str(folder / "bench.csv"), "-o", str(result), *arguments], capture_output=True, check=False)
-    response = json.loads(result.read_text())["response"]
-    return np.array(response["re"], float) + 1j * np.array(response["im"], float)
+    return from_csv(tmp_path_factory.mktemp("csv"))
+
+
+def estimated(file, u, y):
+    return estimate(file, f"/states:{u}", f"/states:{y}")
 
 
 @pytest.mark.parametrize("has_definitions", [True, False])
 def test_joint_states_with_and_without_definitions(has_definitions, plain, tmp_path):
     store = get_typestore(Stores.ROS2_HUMBLE)
     file = write(tmp_path / "bag", "sensor_msgs/msg/JointState", store, joint_states(store), has_definitions)
-    np.testing.assert_allclose(estimate(file, "effort[motor]", "velocity[motor]"), plain, rtol=1e-9)
+    np.testing.assert_allclose(estimated(file, "effort[motor]", "velocity[motor]"), plain, rtol=1e-9)
 
 
 @pytest.mark.parametrize("variant", VARIANTS)
@@ -119,7 +92,7 @@ def test_every_variant_of_the_controllers_state_is_told_by_its_bytes(variant, pl
     store.register(get_types_from_msg(definition(*VARIANTS[variant]), STATE))
     file = write(tmp_path / "bag", STATE, store, states(store, *VARIANTS[variant]))
     measured = "actual" if VARIANTS[variant][0] == "old" else "feedback"
-    np.testing.assert_allclose(estimate(file, f"{measured}.effort[0]", f"{measured}.velocities[0]"), plain, rtol=1e-9)
+    np.testing.assert_allclose(estimated(file, f"{measured}.effort[0]", f"{measured}.velocities[0]"), plain, rtol=1e-9)
 
 
 def test_a_type_without_definition_is_named_with_the_way_out(tmp_path):

@@ -98,8 +98,14 @@ def joint_input_output(u, y, r):
         e = d - d.mean(axis=1, keepdims=True)
         noise_covariance = n_q / (n_q - 1) * np.einsum("pqi,pqj->ij", e, e.conj())
     if n_p > 1:
-        e = d.sum(axis=1)
-        total = n_p / (n_p - 1) * np.einsum("pi,pj->ij", e, e.conj())
+        # residuals freed of the leverage that a realization has by its reference
+        z = r.mean(axis=1)
+        z_h = z.conj().swapaxes(-1, -2)
+        leverage = n_q * z_h @ np.linalg.inv(n_q * (z @ z_h).sum(axis=0)) @ z
+        residual = (y - g @ u).mean(axis=1)
+        weight = r_h.sum(axis=1) @ inverse
+        errors = [vec(residual[p] @ inverse_root(np.eye(len(leverage[p])) - leverage[p]) @ weight[p]) for p in range(n_p)]
+        total = np.einsum("pi,pj->ij", errors, np.conj(errors))
     scale = np.sqrt((np.abs(r) ** 2).sum(axis=(0, 1, 3)))
     return g, noise_covariance, total, np.linalg.cond(s_u / scale)
 

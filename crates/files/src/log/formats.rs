@@ -9,7 +9,7 @@ use crate::error::FileError;
 use crate::file_kind::{first_bytes, kind_of};
 use crate::log::map::{LogMap, Signals};
 use crate::log::recording::Recording;
-use crate::log::{csv, db3, mcap, npz};
+use crate::log::{csv, db3, mat, mcap, npz};
 
 /// A format of recordings.
 #[derive(Debug)]
@@ -27,7 +27,7 @@ pub struct Format {
 }
 
 /// The formats of recordings.
-pub const FORMATS: [Format; 4] = [
+pub const FORMATS: [Format; 5] = [
     Format {
         name: "MCAP",
         endings: &[".mcap"],
@@ -48,6 +48,13 @@ pub const FORMATS: [Format; 4] = [
         source: "COLUMN",
         magic: b"",
         read: csv::read,
+    },
+    Format {
+        name: "MAT",
+        endings: &[".mat"],
+        source: "NAME, STRUCT.FIELD, or either with [CHANNEL]",
+        magic: mat::MAGIC,
+        read: mat::read,
     },
     Format {
         name: "NPZ",
@@ -91,7 +98,8 @@ fn start_of(path: &Path) -> io::Result<Vec<u8>> {
     first_bytes(&mut File::open(path)?)
 }
 
-fn no_recording(path: &Path, start: &[u8]) -> FileError {
+/// That a file of such a beginning is no recording.
+pub(crate) fn no_recording(path: &Path, start: &[u8]) -> FileError {
     let (found, advice) = other_kind(start);
     FileError::format(path, found, "a recording", advice)
 }

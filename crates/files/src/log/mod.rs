@@ -1,6 +1,7 @@
 //! Logs that frfid did not make: read through a [`LogMap`], put on one clock, converted to SI.
 
 pub(crate) mod alignment;
+pub(crate) mod arrays;
 pub(crate) mod bag;
 pub(crate) mod clock;
 pub(crate) mod csv;
@@ -8,6 +9,7 @@ pub(crate) mod db3;
 pub(crate) mod decimal;
 pub(crate) mod formats;
 pub(crate) mod map;
+pub(crate) mod mat;
 pub(crate) mod mcap;
 pub(crate) mod npy;
 pub(crate) mod npz;

@@ -8,10 +8,10 @@ use ndarray::ArrayD;
 use npyz::npz::NpzArchive;
 
 use crate::error::FileError;
-use crate::log::map::{LogMap, Signal, Signals};
+use crate::log::arrays::{self, Arrays, bad_array, name_and_channel};
+use crate::log::map::{LogMap, Signals};
 use crate::log::npy::{parse_npy, parse_npy_integers};
-use crate::log::recording::{Recording, Series};
-use crate::log::sample_times::{SampleTimes, TimeColumn, nth_stamp_ns};
+use crate::log::recording::Recording;
 use crate::run::header;
 
 /// Reads one array as `f64`, C-ordered; 64-bit integers beyond 2^53 are rounded.
@@ -40,10 +40,6 @@ fn bad_numbers(path: &Path, name: &str, bytes: &[u8]) -> FileError {
 fn start_of(bytes: &[u8]) -> String {
     let header = String::from_utf8_lossy(bytes.get(..128).unwrap_or(bytes));
     format!("{:?}", header.trim_end())
-}
-
-fn bad_array(path: &Path, name: &str, found: String, needed: impl Into<String>) -> FileError {
-    FileError::content(path, format!("array {name}"), found, needed)
 }
 
 /// The NPY file of an array.
@@ -94,105 +90,26 @@ fn no_npz(path: &Path, error: io::Error) -> FileError {
 /// The mapped arrays of a recording: `name` for one channel, `name[row]` for a row of (channel,
 /// sample).
 pub(crate) fn read(path: &Path, map: &LogMap, signals: &Signals) -> Result<Recording, FileError> {
-    let columns = columns(path, signals)?;
-    let stamps_ns = stamps(path, map, &Length::of(&signals[0].source, &columns[0]))?;
-    Ok(Recording {
-        series: vec![Series {
-            topic: "samples".into(),
-            is_recorders: false,
-            stamps_ns,
-            signals: (0..signals.len()).collect(),
-            columns,
-        }],
-        ..Default::default()
-    })
+    arrays::read(path, map, signals, &Npz { path })
 }
 
-/// The samples of every signal, of one length.
-fn columns(path: &Path, signals: &Signals) -> Result<Vec<Vec<f64>>, FileError> {
-    let column = |signal: &&Signal| row(path, &signal.source, parse_npy);
-    let columns = signals.iter().map(column).collect::<Result<Vec<_>, _>>()?;
-    check_lengths(path, signals, &columns)?;
-    Ok(columns)
+struct Npz<'p> {
+    path: &'p Path,
 }
 
-/// Refuses signals that are not as long as the first one.
-fn check_lengths(path: &Path, signals: &Signals, columns: &[Vec<f64>]) -> Result<(), FileError> {
-    let first = Length::of(&signals[0].source, &columns[0]);
-    for (signal, column) in signals.iter().zip(columns) {
-        Length::of(&signal.source, column).check(path, &first)?;
-    }
-    Ok(())
-}
-
-/// The sample times, as many as the first signal has samples.
-fn stamps(path: &Path, map: &LogMap, first: &Length) -> Result<Vec<i64>, FileError> {
-    match SampleTimes::of(path, map, |_| Ok(0))? {
-        SampleTimes::Counted(step_ns) => Ok(counted(first.n_samples, step_ns)),
-        SampleTimes::Column(column) => {
-            let source = map.time.as_ref().map_or("", |time| &time.source);
-            let stamps = stamps_of(path, source, column)?;
-            Length::of(source, &stamps).check(path, first)?;
-            Ok(stamps)
-        }
-    }
-}
-
-fn counted(n_samples: usize, step_ns: f64) -> Vec<i64> {
-    let stamp = |number| nth_stamp_ns(number, step_ns);
-    (0..n_samples).map(stamp).collect()
-}
-
-/// The sample times of an array; integers keep their last digit.
-fn stamps_of(path: &Path, source: &str, column: TimeColumn) -> Result<Vec<i64>, FileError> {
-    let numbers = row(path, source, parse_npy)?.into_iter();
-    let stamps: Option<Vec<i64>> = match row(path, source, parse_npy_integers) {
-        Ok(integers) => {
-            let integers = integers.into_iter();
-            integers.map(|time| column.stamp_of_integer(time)).collect()
-        }
-        Err(_) => numbers.map(|time| column.stamp_of_number(time)).collect(),
-    };
-    stamps.ok_or_else(|| no_time(path, source))
-}
-
-fn no_time(path: &Path, source: &str) -> FileError {
-    let found = "a time that is no number".to_owned();
-    bad_array(path, source, found, "a time for every sample")
-}
-
-/// A signal and how many samples it has.
-struct Length<'s> {
-    source: &'s str,
-    n_samples: usize,
-}
-
-impl<'s> Length<'s> {
-    fn of<T>(source: &'s str, samples: &[T]) -> Self {
-        Self {
-            source,
-            n_samples: samples.len(),
-        }
+impl Arrays for Npz<'_> {
+    fn numbers(&self, source: &str) -> Result<Vec<f64>, FileError> {
+        row(self.path, source, parse_npy)
     }
 
-    /// Refuses a signal that is not as long as the first one.
-    fn check(&self, path: &Path, first: &Length) -> Result<(), FileError> {
-        if self.n_samples == first.n_samples {
-            return Ok(());
-        }
-        Err(self.other_than(path, first))
-    }
-
-    fn other_than(&self, path: &Path, first: &Length) -> FileError {
-        let found = format!("{} samples", self.n_samples);
-        let needed = format!("{}, as in {}", first.n_samples, first.source);
-        bad_array(path, self.source, found, needed)
+    fn integers(&self, source: &str) -> Option<Vec<i64>> {
+        row(self.path, source, parse_npy_integers).ok()
     }
 }
 
 /// The samples of a source in the log map, as `parse` reads their array.
 fn row<T: Copy>(path: &Path, source: &str, parse: Parse<T>) -> Result<Vec<T>, FileError> {
-    let (name, place) = name_and_place(source);
+    let (name, place) = name_and_channel(source);
     let array = read_array(path, name, parse)?;
     samples(&array, place).ok_or_else(|| other_shape(path, source, array.shape()))
 }
@@ -213,32 +130,12 @@ fn samples<T: Copy>(array: &ArrayD<T>, row: Option<usize>) -> Option<Vec<T>> {
     }
 }
 
-/// `name` and `row` of `name[row]`; the whole source is a name where the row is no number.
-fn name_and_place(source: &str) -> (&str, Option<usize>) {
-    let parts = source
-        .strip_suffix(']')
-        .and_then(|inside| inside.split_once('['));
-    let row = parts.and_then(|(_, row)| row.parse().ok());
-    match parts {
-        Some((name, _)) if row.is_some() => (name, row),
-        _ => (source, None),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::atomic_write::Overwrite;
     use crate::result::npz::write_frf_npz;
     use crate::result::testing::result;
-
-    #[test]
-    fn a_row_is_a_number_and_nothing_else() {
-        assert_eq!(name_and_place("u[2]"), ("u", Some(2)));
-        for whole in ["u", "u[", "u[x]", "u[-1]"] {
-            assert_eq!(name_and_place(whole), (whole, None));
-        }
-    }
 
     #[test]
     fn what_we_write_comes_back_and_nothing_that_was_not_measured() {
