@@ -51,7 +51,7 @@ fn logs_become_a_result_a_report_and_a_table() {
     // the joint sticks for nearly half of the time: what is seen is friction
     assert_eq!(code(&output), 3, "{}", stderr(&output));
     for told in [
-        "sticking: axis 1",
+        "sticking: joint_1",
         "frf.json",
         "joint_1 torque (N m)",
         "degrees of freedom",
@@ -166,7 +166,7 @@ fn damaged_logs_are_told_and_the_rest_is_used() {
     fs::create_dir(here.join("logs")).expect("made");
     let (exit, _, told) = estimate(here, "none.json");
     assert!(
-        exit == 1 && told.contains("no MCAP, CSV, NPZ file"),
+        exit == 1 && told.contains("no MCAP, rosbag2 SQLite, CSV, MAT, NPZ file"),
         "{told}"
     );
     fs::write(here.join("logs/bench.csv"), "t,u,y\n0,1,2\n").expect("written");

@@ -77,7 +77,10 @@ mod tests {
         };
         touch("metadata.yaml");
         let error = find_logs(&paths).expect_err("no recording").to_string();
-        assert!(error.contains("no MCAP, CSV, NPZ file"), "{error}");
+        assert!(
+            error.contains("no MCAP, rosbag2 SQLite, CSV, MAT, NPZ file"),
+            "{error}"
+        );
         touch("b.CSV");
         touch("a.csv.gz");
         assert_eq!(names(), ["a.csv.gz", "b.CSV"]);
