@@ -118,7 +118,9 @@ pub(crate) fn moved_in_one_sense<'a>(axes: &[&'a EntryComparison]) -> Option<Sti
         let (lines, shift) = (&entry.mass_lines, largest.shift);
         lines.below.is_some_and(|below| is_known(below, shift)) && keeps_inertia(lines, shift)
     };
-    (is_one_sense && axes.iter().all(stays)).then_some(largest)
+    let mut changes = axes.iter().flat_map(|entry| &entry.changes);
+    let has_notch_moved = changes.any(|change| !change.is_resonance() && change.has_moved());
+    (is_one_sense && has_notch_moved && axes.iter().all(stays)).then_some(largest)
 }
 
 /// The most prominent peak of an axis, if it moved farther than the most prominent notch.
