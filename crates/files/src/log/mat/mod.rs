@@ -66,6 +66,9 @@ impl<'p> MatFile<'p> {
                 Err(short) => return Err(damaged(path, &short.to_string())),
             }
         }
+        if variables.is_empty() {
+            return Err(no_recording(path, bytes));
+        }
         Ok(Self { path, variables })
     }
 
