@@ -34,8 +34,8 @@ pub(crate) struct Digest {
     pub spectra: Vec<Spectra>,
     pub load: Option<Load>,
     pub strength: Option<Vec<AxisStrength>>,
-    /// Share of the samples of each axis at the ends of its signals; empty of a record with losses.
-    pub clipped: Vec<f64>,
+    /// Share of the samples of each axis at the ends of its signals.
+    pub clipped: Option<Vec<f64>>,
     pub losses: Vec<Loss>,
 }
 
@@ -60,13 +60,13 @@ impl ReadRecord<'_> {
             spectra: self.spectra(&experiment.plan, &losses, estimators)?,
             load: None,
             strength: None,
-            clipped: Vec::new(),
+            clipped: None,
             losses,
         };
         if self.losses.is_empty() {
             digest.load = Some(Load::of(&self.record, &start, &experiment.pose_rad));
             digest.strength = experiment.strength_of(self.run, &self.record);
-            digest.clipped = clipped_shares(&self.record);
+            digest.clipped = Some(clipped_shares(&self.record));
         }
         Ok(digest)
     }

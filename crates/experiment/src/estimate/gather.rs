@@ -94,7 +94,7 @@ impl Experiment {
             }
             loads.extend(digest.load);
             strengths.extend(digest.strength);
-            clipped.extend((!digest.clipped.is_empty()).then_some(digest.clipped));
+            clipped.extend(digest.clipped);
             losses.extend(digest.losses.into_iter().map(|loss| (digest.place, loss)));
         }
         let estimates = zip(estimators, spectra);

@@ -25,6 +25,18 @@ pub struct Signal {
     pub scale: f64,
 }
 
+#[cfg(test)]
+impl Signal {
+    /// As it is in the file.
+    pub(crate) fn of(source: &str, unit: &str) -> Self {
+        Self {
+            source: source.into(),
+            unit: unit.into(),
+            scale: one(),
+        }
+    }
+}
+
 /// All signals of a map, role by role: u, y, r, position.
 pub(crate) type Signals<'s> = [&'s Signal];
 

@@ -231,11 +231,7 @@ mod tests {
     use super::*;
 
     fn names(has: impl Fn(usize, usize) -> bool) -> Vec<String> {
-        let signal = |source: &str| crate::log::map::Signal {
-            source: source.into(),
-            unit: "1".into(),
-            scale: 1.0,
-        };
+        let signal = |source: &str| crate::log::map::Signal::of(source, "1");
         let signals = [signal("a"), signal("b"), signal("c")];
         let mut table = Table::of("rows");
         (0..3).for_each(|k| table.add_signal(k));

@@ -30,11 +30,7 @@ fn shared(name: &str) -> Option<PathBuf> {
 }
 
 fn signal(source: &str, unit: &str) -> Signal {
-    Signal {
-        source: source.into(),
-        unit: unit.into(),
-        scale: 1.0,
-    }
+    Signal::of(source, unit)
 }
 
 fn map(u: &str, y: &str) -> LogMap {

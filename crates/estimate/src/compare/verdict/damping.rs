@@ -109,6 +109,15 @@ fn down_by_blur_db(resonance: &Change, (a, b): (&Curve, &Curve), side: Side) -> 
     blurred.map_or(0.0, |blurred| feature.magnitude_db - blurred)
 }
 
+/// The most prominent notch and peak of an entry that both have.
+pub(crate) fn notch_and_peak(changes: &[Change]) -> Option<(&Change, &Change)> {
+    let of_kind = |is_resonance: bool| {
+        let changes = changes.iter().filter(|change| change.b.is_some());
+        most_prominent(changes.filter(move |change| change.is_resonance() == is_resonance))
+    };
+    Some((of_kind(false)?, of_kind(true)?))
+}
+
 /// The most prominent of these changes, in A.
 pub(crate) fn most_prominent<'a>(changes: impl Iterator<Item = &'a Change>) -> Option<&'a Change> {
     changes.max_by(|x, y| x.a.prominence_db.total_cmp(&y.a.prominence_db))

@@ -8,7 +8,7 @@
 use crate::compare::change::Change;
 use crate::compare::curve::DB_PER_NEPER;
 use crate::compare::entry::EntryComparison;
-use crate::compare::verdict::damping::most_prominent;
+use crate::compare::verdict::damping::notch_and_peak;
 use crate::compare::verdict::mass_lines::LevelChange;
 
 /// Share of the level change that the shifts ask for, at least and (inverse) at most.
@@ -36,11 +36,7 @@ pub(crate) struct Inertia<'a> {
 /// What moved the notch and the peak of an axis unlike; `None` where nothing did, or the levels do
 /// not say so.
 pub(crate) fn other_inertia(entry: &EntryComparison) -> Option<Inertia<'_>> {
-    let of_kind = |is_resonance: bool| {
-        let changes = entry.changes.iter().filter(|change| change.b.is_some());
-        most_prominent(changes.filter(move |change| change.is_resonance() == is_resonance))
-    };
-    let (notch, peak) = (of_kind(false)?, of_kind(true)?);
+    let (notch, peak) = notch_and_peak(&entry.changes)?;
     let (of_notch, of_peak) = (notch.log_ratio()?, peak.log_ratio()?);
     let apart = of_notch.value - of_peak.value;
     let uncertain = SIGMAS * of_notch.std.hypot(of_peak.std) + of_notch.bound + of_peak.bound;

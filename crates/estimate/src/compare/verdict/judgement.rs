@@ -7,7 +7,7 @@ use crate::compare::entry::EntryComparison;
 use crate::compare::verdict::damping::DampingMarks;
 use crate::compare::verdict::inertia::{Inertia, Whose, other_inertia};
 use crate::compare::verdict::stiffness::{
-    Stiffening, moved_alike, moved_in_one_sense, peak_moved_alone,
+    Stiffening, largest, moved_alike, moved_in_one_sense, peak_moved_alone,
 };
 use crate::compare::verdict::{Judgement, Peak, Verdict};
 
@@ -49,11 +49,9 @@ fn stiffness(axes: &[&EntryComparison], stronger: Option<Side>) -> Option<Judgem
         stronger?;
         moved().map(|entry| peak_moved_alone(entry)).collect()
     };
-    let unlike = || stronger.and_then(|_| Some(vec![moved_in_one_sense(axes)?]));
+    let unlike = || stronger.and_then(|_| moved_in_one_sense(axes));
     let found: Vec<Stiffening> = together().or_else(each).or_else(alone).or_else(unlike)?;
-    let largest = found
-        .iter()
-        .max_by(|x, y| x.shift.abs().total_cmp(&y.shift.abs()))?;
+    let largest = largest(&found)?;
     let is_one_sense = found
         .iter()
         .all(|other| other.shift.signum() == largest.shift.signum());

@@ -8,7 +8,7 @@
 use crate::compare::change::{Change, LogRatio};
 use crate::compare::curve::DB_PER_NEPER;
 use crate::compare::entry::EntryComparison;
-use crate::compare::verdict::damping::most_prominent;
+use crate::compare::verdict::damping::notch_and_peak;
 use crate::compare::verdict::mass_lines::{LevelChange, MassLines};
 
 /// Difference of two shifts that are alike, over their mean.
@@ -31,6 +31,12 @@ pub(crate) struct Stiffening<'a> {
     pub(crate) peak: &'a Change,
     /// Logarithm of the ratio by which the features moved, B over A.
     pub(crate) shift: f64,
+}
+
+/// That with the largest shift.
+pub(crate) fn largest<'s, 'a>(found: &'s [Stiffening<'a>]) -> Option<&'s Stiffening<'a>> {
+    let shifts = found.iter();
+    shifts.max_by(|x, y| x.shift.abs().total_cmp(&y.shift.abs()))
 }
 
 /// Whether the features of these axes all moved by one ratio, notches and peaks, while the inertias
@@ -81,17 +87,11 @@ pub(crate) fn moved_alike<'a>(axes: &[&'a EntryComparison]) -> Option<Stiffening
 /// while the inertias stayed: no linear joint does that, but one whose spring is another one where
 /// it deflects.
 pub(crate) fn peak_moved_alone(entry: &EntryComparison) -> Option<Stiffening<'_>> {
-    let of_kind = |is_resonance: bool| {
-        let changes = entry.changes.iter().filter(|change| change.b.is_some());
-        changes.filter(move |change| change.is_resonance() == is_resonance)
-    };
-    let (peak, notch) = (
-        most_prominent(of_kind(true))?,
-        most_prominent(of_kind(false))?,
-    );
+    let (notch, peak) = notch_and_peak(&entry.changes)?;
     let shift = peak.log_ratio()?.value;
-    let is_alone =
-        of_kind(true).count() == 1 && peak.has_moved_beyond_width() && !notch.has_moved();
+    let of_both = entry.changes.iter().filter(|change| change.b.is_some());
+    let n_peaks = of_both.filter(|change| change.is_resonance()).count();
+    let is_alone = n_peaks == 1 && peak.has_moved_beyond_width() && !notch.has_moved();
     let is_known = would_show_inertia(&entry.mass_lines, shift);
     (is_alone && is_known && keeps_inertia(&entry.mass_lines, shift)).then_some(Stiffening {
         entry,
@@ -104,32 +104,25 @@ pub(crate) fn peak_moved_alone(entry: &EntryComparison) -> Option<Stiffening<'_>
 /// inertias stayed: a spring that is another one at each deflection moves no two features by one ratio, and the
 /// peak, where it deflects most, farther than the notch. Another link moves the notch farther, another
 /// motor not at all.
-pub(crate) fn moved_in_one_sense<'a>(axes: &[&'a EntryComparison]) -> Option<Stiffening<'a>> {
+pub(crate) fn moved_in_one_sense<'a>(axes: &[&'a EntryComparison]) -> Option<Vec<Stiffening<'a>>> {
     let found = axes.iter().map(|entry| peak_moved_farther(entry));
     let found: Vec<Stiffening> = found.collect::<Option<_>>()?;
-    let size = |found: &&Stiffening| found.shift.abs();
-    let largest = found
-        .into_iter()
-        .max_by(|x, y| size(&x).total_cmp(&size(&y)))?;
+    let shift = largest(&found)?.shift;
     let moved = axes.iter().flat_map(|entry| shifts(entry));
-    let mut moved = moved.filter(|shift| shift.change.has_moved());
-    let is_one_sense = moved.all(|shift| shift.ratio.value * largest.shift > 0.0);
+    let mut moved = moved.filter(|moved| moved.change.has_moved());
+    let is_one_sense = moved.all(|moved| moved.ratio.value * shift > 0.0);
     let stays = |entry: &&EntryComparison| {
-        let (lines, shift) = (&entry.mass_lines, largest.shift);
+        let lines = &entry.mass_lines;
         lines.below.is_some_and(|below| is_known(below, shift)) && keeps_inertia(lines, shift)
     };
     let mut changes = axes.iter().flat_map(|entry| &entry.changes);
     let has_notch_moved = changes.any(|change| !change.is_resonance() && change.has_moved());
-    (is_one_sense && has_notch_moved && axes.iter().all(stays)).then_some(largest)
+    (is_one_sense && has_notch_moved && axes.iter().all(stays)).then_some(found)
 }
 
 /// The most prominent peak of an axis, if it moved farther than the most prominent notch.
 fn peak_moved_farther(entry: &EntryComparison) -> Option<Stiffening<'_>> {
-    let of_kind = |is_resonance: bool| {
-        let changes = entry.changes.iter().filter(|change| change.b.is_some());
-        most_prominent(changes.filter(move |change| change.is_resonance() == is_resonance))
-    };
-    let (notch, peak) = (of_kind(false)?, of_kind(true)?);
+    let (notch, peak) = notch_and_peak(&entry.changes)?;
     let (of_notch, of_peak) = (notch.log_ratio()?, peak.log_ratio()?);
     let chance = SIGMAS_OF_MANY * of_notch.std.hypot(of_peak.std);
     let (of_notch, of_peak) = (of_notch.value, of_peak.value);

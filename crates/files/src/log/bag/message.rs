@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use crate::error::FileError;
-use crate::ros::definition::{self, Definition};
+use crate::ros::definition::{self, Definition, DefinitionError};
 use crate::ros::known_types::definitions_of;
 use crate::ros::value::Value;
 
@@ -45,12 +45,11 @@ impl Received<'_> {
         match (encoding, definition) {
             ("cdr", Some(("ros2msg", text))) => {
                 let stated = definition::parse(&String::from_utf8_lossy(text));
-                let known = self.known(type_name);
-                match (stated, known) {
-                    (Ok(stated), _) => Ok(vec![stated]),
-                    (Err(_), Ok(known)) => Ok(known),
-                    (Err(error), Err(_)) => Err(self.no_definition(error.to_string())),
-                }
+                let without = |error: DefinitionError| {
+                    let known = self.known(type_name);
+                    known.map_err(|_| self.no_definition(error.to_string()))
+                };
+                stated.map(|stated| vec![stated]).or_else(without)
             }
             ("cdr", None) => self.known(type_name),
             (_, Some((schema, _))) => Err(self.other_encoding(schema)),

@@ -68,8 +68,7 @@ impl Dialect {
         mapped: &[&str],
     ) -> Result<Self, FileError> {
         let trial = best(head, stated);
-        let is_value = |cell: &String| is_value(cell, trial.decimal);
-        let first = trial.first_row(is_value);
+        let first = trial.first_row();
         let first_line = first.map_or(usize::MAX, |place| trial.lines[place].number);
         let above = &trial.lines[..first.unwrap_or(trial.lines.len())];
         let header = match stated.header_line {
@@ -170,14 +169,14 @@ impl Trial {
     }
 
     /// The first row of values: as wide as the others, and with values where these have them.
-    fn first_row(&self, is_value: impl Fn(&String) -> bool + Copy) -> Option<usize> {
+    fn first_row(&self) -> Option<usize> {
         let is_row = |line: &Line| {
             let filled = line.cells.iter().filter(|cell| !cell.is_empty());
             let n_filled = filled.clone().count();
             !line.is_comment
                 && line.cells.len() == self.width
                 && n_filled > 0
-                && 2 * filled.filter(|cell| is_value(cell)).count() > n_filled
+                && 2 * filled.filter(|cell| is_value(cell, self.decimal)).count() > n_filled
         };
         self.lines.iter().position(is_row)
     }

@@ -1,11 +1,12 @@
 //! Header of a table: the names of its columns, and their units where a row has them.
 
+use std::path::Path;
+
 use crate::error::FileError;
 use crate::log::csv::cells::Line;
 use crate::log::csv::dialect::COMMENTS;
 use crate::log::map::Signal;
 use crate::log::units::to_si;
-use std::path::Path;
 
 /// Names and units of columns.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,9 +50,7 @@ fn are_units(cells: &[String]) -> bool {
             .iter()
             .any(|(open, close)| cell.starts_with(*open) && cell.ends_with(*close))
     };
-    let is_unit = |cell: &String| {
-        to_si(cell).is_ok() || is_bracketed(cell) || ["%", "°", "-"].contains(&cell.as_str())
-    };
+    let is_unit = |cell: &String| to_si(cell).is_ok() || is_bracketed(cell) || cell == "%";
     let mut filled = cells.iter().filter(|cell| !cell.is_empty());
     filled.clone().count() > 0 && filled.all(is_unit)
 }

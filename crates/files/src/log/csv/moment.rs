@@ -2,6 +2,8 @@
 
 use chrono::{NaiveDateTime, NaiveTime};
 
+use crate::log::decimal::scaled_integer;
+
 /// Units of a duration, and ten to which power ns they are.
 const UNITS: [(&str, i32); 9] = [
     ("sec", 9),
@@ -69,7 +71,7 @@ impl Moment {
         let number = text.trim_end_matches(|c: char| c.is_alphabetic());
         let unit = text[number.len()..].to_lowercase();
         let (_, power) = UNITS.iter().find(|(name, _)| *name == unit)?;
-        super::super::decimal::scaled_integer(number.trim(), *power).map(Self::After)
+        scaled_integer(number.trim(), *power).map(Self::After)
     }
 
     /// The moment in ns; a time of day behind midnight follows the last moment.

@@ -10,11 +10,7 @@ use crate::log::map::{LogMap, Signal};
 use crate::log::{Log, read_log};
 
 fn signal(source: &str, unit: &str) -> Signal {
-    Signal {
-        source: source.into(),
-        unit: unit.into(),
-        scale: 1.0,
-    }
+    Signal::of(source, unit)
 }
 
 fn map(time: &str, u: &str, y: &str) -> LogMap {

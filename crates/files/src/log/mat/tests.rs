@@ -7,11 +7,7 @@ use crate::log::mat::{HEADER, MAGIC};
 use crate::log::read_log;
 
 fn map() -> LogMap {
-    let signal = |source: &str| Signal {
-        source: source.into(),
-        unit: "1".into(),
-        scale: 1.0,
-    };
+    let signal = |source: &str| Signal::of(source, "1");
     LogMap {
         sample_time_s: Some(0.1),
         ..LogMap::new(vec![signal("s.u")], vec![signal("y[0]")])
