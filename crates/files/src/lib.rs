@@ -50,6 +50,7 @@ mod sha256;
 
 pub use atomic_write::{BoxError, Overwrite, check_free, create_folder, part_path, write_bytes};
 pub use error::FileError;
+pub use log::bag::folder::{is_bag_folder, recording_parts};
 pub use log::csv::dialect::CsvTable;
 pub use log::formats::{FORMATS, Format};
 pub use log::map::{LogMap, Signal};

@@ -31,8 +31,12 @@ type Definitions = HashMap<String, (String, Vec<u8>)>;
 
 /// Reads every mapped topic.
 pub(crate) fn read(path: &Path, _map: &LogMap, signals: &Signals) -> Result<Recording, FileError> {
-    let bag = Bag::open(path)?;
-    bag::read(path, signals, |take| bag.scan(take))
+    bag::read(path, signals, |take| scan(path, take))
+}
+
+/// Hands over all messages; returns the damages to the file.
+pub(crate) fn scan(path: &Path, take: &mut Take) -> Result<Vec<TimedDamage>, FileError> {
+    Bag::open(path)?.scan(take)
 }
 
 struct Bag<'p> {

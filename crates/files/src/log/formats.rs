@@ -1,13 +1,12 @@
 //! Formats of recordings: the table that every reader, listing, help and error goes by. A format is
 //! a file of this folder and a row here.
 
-use std::fs::File;
-use std::io;
 use std::path::Path;
 
 use crate::error::FileError;
-use crate::file_kind::{first_bytes, kind_of};
+use crate::file_kind::{kind_of, start_of};
 use crate::log::map::{LogMap, Signals};
+use crate::log::packed::Unpacked;
 use crate::log::recording::Recording;
 use crate::log::{csv, db3, mat, mcap, npz};
 
@@ -66,21 +65,34 @@ pub const FORMATS: [Format; 5] = [
 ];
 
 impl Format {
-    /// Whether a file's name ends as this format's do.
+    /// Whether a file's name ends as this format's do, with `.zst` or `.zstd` behind it or not.
     #[must_use]
     pub fn has(&self, path: &Path) -> bool {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let name = name.to_lowercase();
+        let packed = [".zst", ".zstd"].map(|ending| name.strip_suffix(ending));
+        let name = packed.into_iter().flatten().next().unwrap_or(&name);
         self.endings.iter().any(|ending| name.ends_with(ending))
     }
 
-    /// The format of a file, by its first bytes, then by the ending of its name.
+    /// Reads the signals of a file of any format, told by its first bytes, then by the ending of its name.
     ///
     /// # Errors
-    /// [`FileError::Io`]; [`FileError::Format`] that says what the file is instead.
-    pub(crate) fn of(path: &Path) -> Result<&'static Self, FileError> {
-        let start = start_of(path).map_err(FileError::cannot("open", path))?;
-        Self::known(path, &start).ok_or_else(|| no_recording(path, &start))
+    /// [`FileError`], [`FileError::Format`] that says what the file is instead of a recording.
+    pub(crate) fn read_any(
+        path: &Path,
+        map: &LogMap,
+        signals: &Signals,
+    ) -> Result<Recording, FileError> {
+        let unpacked = Unpacked::of(path)?;
+        let start = start_of(unpacked.path())?;
+        let format = Self::known(&unpacked.name(), &start);
+        let format = format.ok_or_else(|| no_recording(path, &start))?;
+        let read = (format.read)(unpacked.path(), map, signals);
+        let mut recording = read.map_err(|error| unpacked.renamed(error))?;
+        let damage = unpacked.damage.map(|reason| (None, reason));
+        recording.damages.extend(damage);
+        Ok(recording)
     }
 
     fn known(path: &Path, start: &[u8]) -> Option<&'static Self> {
@@ -92,10 +104,6 @@ impl Format {
     fn begins(&self, start: &[u8]) -> bool {
         !self.magic.is_empty() && start.starts_with(self.magic)
     }
-}
-
-fn start_of(path: &Path) -> io::Result<Vec<u8>> {
-    first_bytes(&mut File::open(path)?)
 }
 
 /// That a file of such a beginning is no recording.
@@ -110,7 +118,7 @@ fn other_kind(start: &[u8]) -> (&'static str, String) {
         Some((found, advice)) => (found, advice.to_owned()),
         None => (
             "an unknown kind of file",
-            format!("frfid reads {}", described()),
+            format!("frfid reads {}; each of them as .zst, too", described()),
         ),
     }
 }

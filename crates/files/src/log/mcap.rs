@@ -17,7 +17,7 @@ pub(crate) fn read(path: &Path, _map: &LogMap, signals: &Signals) -> Result<Reco
 }
 
 /// Hands over all messages; returns the damages to the file.
-fn scan(path: &Path, take: &mut Take) -> Result<Vec<TimedDamage>, FileError> {
+pub(crate) fn scan(path: &Path, take: &mut Take) -> Result<Vec<TimedDamage>, FileError> {
     let damages = scan_file(path, Part::All, &mut |entry| {
         received(path, &entry).map_or(Ok(()), |received| take(&received))
     })?;

@@ -13,6 +13,7 @@ pub(crate) mod mat;
 pub(crate) mod mcap;
 pub(crate) mod npy;
 pub(crate) mod npz;
+pub(crate) mod packed;
 pub(crate) mod recording;
 pub(crate) mod sample_times;
 pub(crate) mod table;
@@ -29,6 +30,7 @@ use ndarray::Array2;
 use crate::error::FileError;
 use crate::log::alignment::Grid;
 use crate::log::alignment::pairing::{Paced, delay_warnings, stamp_warnings, two_clocks};
+use crate::log::bag::folder::{self, is_bag_folder};
 use crate::log::clock::{Clock, Flaw};
 use crate::log::formats::Format;
 use crate::log::map::{LogMap, Signal};
@@ -83,7 +85,7 @@ pub struct ClockFit {
     pub n_lost: usize,
 }
 
-/// Reads a recording in one of the [`formats::FORMATS`].
+/// Reads a recording in one of the [`formats::FORMATS`], or the folder of one by rosbag2.
 ///
 /// Topics are aligned by their stamps; a constant delay between them is reported, not corrected.
 /// Nothing is resampled.
@@ -94,7 +96,10 @@ pub struct ClockFit {
 pub fn read_log(path: &Path, map: &LogMap) -> Result<Log, FileError> {
     check(map)?;
     let source = Source::of(path, map);
-    let mut recording = (Format::of(path)?.read)(path, map, &source.signals)?;
+    let mut recording = match is_bag_folder(path) {
+        true => folder::read(path, &source.signals)?,
+        false => Format::read_any(path, map, &source.signals)?,
+    };
     let log = source.assemble(&mut recording);
     log.map_err(|error| of_damaged(error, &recording.damages))
 }
