@@ -15,7 +15,7 @@ use crate::error::ExperimentError;
 /// # Errors
 /// [`ExperimentError::File`] for a path that does not exist or cannot be listed,
 /// [`ExperimentError::Logs`] for none.
-pub(crate) fn find_logs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentError> {
+pub fn recordings_among(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentError> {
     let mut found: Vec<PathBuf> = Vec::new();
     for path in paths {
         let metadata = std::fs::metadata(path).map_err(FileError::cannot("read", path))?;
@@ -102,11 +102,13 @@ mod tests {
         let paths = [folder.path().to_owned()];
         let touch = |name: &str| std::fs::write(folder.path().join(name), "x").expect("written");
         let names = || -> Vec<String> {
-            let found = find_logs(&paths).expect("some");
+            let found = recordings_among(&paths).expect("some");
             let name = |path: &PathBuf| path.file_name()?.to_str().map(String::from);
             found.iter().filter_map(name).collect()
         };
-        let error = find_logs(&paths).expect_err("no recording").to_string();
+        let error = recordings_among(&paths)
+            .expect_err("no recording")
+            .to_string();
         assert!(
             error.contains("no MCAP, rosbag2 SQLite, CSV, MAT, NPZ file"),
             "{error}"
@@ -137,10 +139,12 @@ mod tests {
             std::fs::write(file, "x").expect("written");
         }
         let bag = [folder.path().to_owned()];
-        assert_eq!(find_logs(&bag).expect("itself"), bag);
-        assert_eq!(find_logs(&files).expect("all"), bag);
-        assert_eq!(find_logs(&files[1..2]).expect("one"), files[1..2]);
-        let error = find_logs(&files[1..]).expect_err("in part").to_string();
+        assert_eq!(recordings_among(&bag).expect("itself"), bag);
+        assert_eq!(recordings_among(&files).expect("all"), bag);
+        assert_eq!(recordings_among(&files[1..2]).expect("one"), files[1..2]);
+        let error = recordings_among(&files[1..])
+            .expect_err("in part")
+            .to_string();
         assert!(
             error.contains("2 of the 3 files of one recording"),
             "{error}"

@@ -58,7 +58,7 @@ fn no_map(recording: &Path) -> ExperimentError {
         "recordings",
         format!("{}, which frfid did not make", recording.display()),
         "which signal is which",
-        "give a log map: --map, or --u and --y with their units",
+        "give a log map: --map, or --u and --y with their units; frfid inspect FILE shows what is in it and guesses one",
     )
 }
 

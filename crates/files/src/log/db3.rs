@@ -8,7 +8,8 @@ use rusqlite::{Connection, OpenFlags, Row};
 
 use crate::error::FileError;
 use crate::log::bag::message::{Described, Received};
-use crate::log::bag::{self, Take};
+use crate::log::bag::{self, Take, contents};
+use crate::log::listing::Listing;
 use crate::log::map::{LogMap, Signals};
 use crate::log::recording::{Recording, TimedDamage};
 
@@ -32,6 +33,11 @@ type Definitions = HashMap<String, (String, Vec<u8>)>;
 /// Reads every mapped topic.
 pub(crate) fn read(path: &Path, _map: &LogMap, signals: &Signals) -> Result<Recording, FileError> {
     bag::read(path, signals, |take| scan(path, take))
+}
+
+/// Lists its topics.
+pub(crate) fn list(path: &Path) -> Result<Listing, FileError> {
+    contents::list("rosbag2 SQLite", |take| scan(path, take))
 }
 
 /// Hands over all messages; returns the damages to the file.

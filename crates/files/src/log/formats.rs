@@ -5,6 +5,7 @@ use std::path::Path;
 
 use crate::error::FileError;
 use crate::file_kind::{kind_of, start_of};
+use crate::log::listing::Listing;
 use crate::log::map::{LogMap, Signals};
 use crate::log::packed::Unpacked;
 use crate::log::recording::Recording;
@@ -23,6 +24,8 @@ pub struct Format {
     magic: &'static [u8],
     /// Reads the signals of the map.
     pub(crate) read: fn(&Path, &LogMap, &Signals) -> Result<Recording, FileError>,
+    /// Lists what is in it.
+    list: fn(&Path) -> Result<Listing, FileError>,
 }
 
 /// The formats of recordings.
@@ -33,6 +36,7 @@ pub const FORMATS: [Format; 5] = [
         source: "TOPIC:FIELD[INDEX or JOINT]",
         magic: ::mcap::MAGIC,
         read: mcap::read,
+        list: mcap::list,
     },
     Format {
         name: "rosbag2 SQLite",
@@ -40,13 +44,17 @@ pub const FORMATS: [Format; 5] = [
         source: "TOPIC:FIELD[INDEX or JOINT]",
         magic: db3::MAGIC,
         read: db3::read,
+        list: db3::list,
     },
     Format {
         name: "CSV",
-        endings: &[".csv", ".csv.gz", ".txt", ".txt.gz"],
+        endings: &[
+            ".csv", ".csv.gz", ".txt", ".txt.gz", ".tsv", ".dat", ".asc", ".prn",
+        ],
         source: "COLUMN",
         magic: b"",
         read: csv::read,
+        list: csv::listing::list,
     },
     Format {
         name: "MAT",
@@ -54,6 +62,7 @@ pub const FORMATS: [Format; 5] = [
         source: "NAME, STRUCT.FIELD, or either with [CHANNEL]",
         magic: mat::MAGIC,
         read: mat::read,
+        list: mat::list,
     },
     Format {
         name: "NPZ",
@@ -61,6 +70,7 @@ pub const FORMATS: [Format; 5] = [
         source: "ARRAY or ARRAY[ROW]",
         magic: b"PK\x03\x04",
         read: npz::read,
+        list: npz::list,
     },
 ];
 
@@ -85,14 +95,32 @@ impl Format {
         signals: &Signals,
     ) -> Result<Recording, FileError> {
         let unpacked = Unpacked::of(path)?;
-        let start = start_of(unpacked.path())?;
-        let format = Self::known(&unpacked.name(), &start);
-        let format = format.ok_or_else(|| no_recording(path, &start))?;
+        let format = Self::of(&unpacked)?;
         let read = (format.read)(unpacked.path(), map, signals);
         let mut recording = read.map_err(|error| unpacked.renamed(error))?;
         let damage = unpacked.damage.map(|reason| (None, reason));
         recording.damages.extend(damage);
         Ok(recording)
+    }
+
+    /// Lists what is in a file of any format.
+    ///
+    /// # Errors
+    /// [`FileError`], as [`Format::read_any`].
+    pub(crate) fn list_any(path: &Path) -> Result<Listing, FileError> {
+        let unpacked = Unpacked::of(path)?;
+        let format = Self::of(&unpacked)?;
+        let listed = (format.list)(unpacked.path());
+        let mut listing = listed.map_err(|error| unpacked.renamed(error))?;
+        listing.told.extend(unpacked.damage);
+        Ok(listing)
+    }
+
+    /// The format of a file, or what else it is.
+    fn of(unpacked: &Unpacked) -> Result<&'static Self, FileError> {
+        let start = start_of(unpacked.path())?;
+        let format = Self::known(&unpacked.name(), &start);
+        format.ok_or_else(|| unpacked.renamed(no_recording(unpacked.path(), &start)))
     }
 
     fn known(path: &Path, start: &[u8]) -> Option<&'static Self> {

@@ -4,7 +4,8 @@ use std::path::Path;
 
 use crate::error::FileError;
 use crate::log::bag::message::{Described, Received};
-use crate::log::bag::{self, Take};
+use crate::log::bag::{self, Take, contents};
+use crate::log::listing::Listing;
 use crate::log::map::{LogMap, Signals};
 use crate::log::recording::{Recording, TimedDamage};
 use crate::loss::Damage;
@@ -14,6 +15,11 @@ use crate::mcap::read::{Part, scan_file};
 /// Reads every mapped topic.
 pub(crate) fn read(path: &Path, _map: &LogMap, signals: &Signals) -> Result<Recording, FileError> {
     bag::read(path, signals, |take| scan(path, take))
+}
+
+/// Lists its topics.
+pub(crate) fn list(path: &Path) -> Result<Listing, FileError> {
+    contents::list("MCAP", |take| scan(path, take))
 }
 
 /// Hands over all messages; returns the damages to the file.

@@ -8,6 +8,7 @@ pub(crate) mod csv;
 pub(crate) mod db3;
 pub(crate) mod decimal;
 pub(crate) mod formats;
+pub(crate) mod listing;
 pub(crate) mod map;
 pub(crate) mod mat;
 pub(crate) mod mcap;
@@ -20,6 +21,7 @@ pub(crate) mod table;
 #[cfg(test)]
 mod tests;
 pub(crate) mod text;
+pub(crate) mod unit_names;
 pub(crate) mod units;
 
 use std::path::Path;
@@ -35,7 +37,8 @@ use crate::log::clock::{Clock, Flaw};
 use crate::log::formats::Format;
 use crate::log::map::{LogMap, Signal};
 use crate::log::recording::{Recording, Series, of_damaged};
-use crate::log::units::{si_of, to_si};
+use crate::log::unit_names::name_says_otherwise;
+use crate::log::units::{si_of, signal_to_si};
 use crate::loss::Loss;
 use crate::run::header;
 
@@ -153,6 +156,11 @@ impl<'s> Source<'s> {
         let clocks = self.clocks(recording)?;
         let topics = self.paced(&recording.series, &clocks);
         let mut warnings = recording.warnings.clone();
+        warnings.extend(
+            self.signals
+                .iter()
+                .filter_map(|signal| name_says_otherwise(signal)),
+        );
         let grid = Grid::of(&topics, &mut warnings).map_err(|flaw| self.flawed("topics", flaw))?;
         warnings.extend(told(&topics));
         let mut values = self.no_values(grid.n_samples)?;
@@ -289,7 +297,7 @@ fn there(role: Array2<f64>) -> Option<Array2<f64>> {
 }
 
 fn names(role: &[Signal]) -> Vec<String> {
-    role.iter().map(|signal| signal.source.clone()).collect()
+    role.iter().map(Signal::label).collect()
 }
 
 fn units(role: &[Signal]) -> Vec<String> {
@@ -298,7 +306,7 @@ fn units(role: &[Signal]) -> Vec<String> {
 
 /// The SI unit; a unit that is not known stays as it is.
 fn unit(signal: &Signal) -> String {
-    match to_si(&signal.unit) {
+    match signal_to_si(signal) {
         Ok((_, si)) => si.to_owned(),
         Err(_) => signal.unit.clone(),
     }

@@ -7,7 +7,8 @@ use yaml_rust2::YamlLoader;
 
 use crate::error::FileError;
 use crate::file_kind::start_of;
-use crate::log::bag::{self, Take};
+use crate::log::bag::{self, Take, contents};
+use crate::log::listing::Listing;
 use crate::log::map::Signals;
 use crate::log::packed::Unpacked;
 use crate::log::recording::{Recording, TimedDamage};
@@ -69,6 +70,12 @@ fn beside(folder: &Path, name: &str) -> PathBuf {
 pub(crate) fn read(folder: &Path, signals: &Signals) -> Result<Recording, FileError> {
     let parts = recording_parts(folder)?;
     bag::read(folder, signals, |take| scan_parts(&parts, take))
+}
+
+/// Lists the topics of all files of the folder.
+pub(crate) fn list(folder: &Path) -> Result<Listing, FileError> {
+    let parts = recording_parts(folder)?;
+    contents::list("rosbag2 folder", |take| scan_parts(&parts, take))
 }
 
 /// Hands over the messages of all parts. A part that cannot be read is a damage, as long as another

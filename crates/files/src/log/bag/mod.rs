@@ -1,5 +1,6 @@
 //! Bags: the mapped signals of any topic of CDR messages, whatever file holds them.
 
+pub(crate) mod contents;
 pub(crate) mod folder;
 pub(crate) mod message;
 

@@ -3,6 +3,7 @@
 mod cells;
 pub(crate) mod dialect;
 mod header;
+pub(crate) mod listing;
 mod moment;
 mod rows;
 mod squeezed;

@@ -12,8 +12,9 @@ use std::fs;
 use std::path::Path;
 
 use crate::error::FileError;
-use crate::log::arrays::{self, Arrays, bad_array, name_and_channel};
+use crate::log::arrays::{self, Arrays, MOST_CHANNELS, bad_array, name_and_channel};
 use crate::log::formats::no_recording;
+use crate::log::listing::Listing;
 use crate::log::map::{LogMap, Signals};
 use crate::log::mat::element::{COMPRESSED, Element, Elements};
 use crate::log::mat::value::{Array, Value, name_and_number, name_of, value_of};
@@ -40,6 +41,22 @@ pub(crate) fn read(path: &Path, map: &LogMap, signals: &Signals) -> Result<Recor
     let wanted: Vec<&str> = sources.map(|signal| variable_of(&signal.source)).collect();
     let file = MatFile::of(path, &bytes, &wanted)?;
     arrays::read(path, map, signals, &file)
+}
+
+/// Lists its arrays: those of one length are sampled together.
+pub(crate) fn list(path: &Path) -> Result<Listing, FileError> {
+    let bytes = fs::read(path).map_err(FileError::cannot("read", path))?;
+    let names = MatFile::of(path, &bytes, &[])?.variables;
+    let names: Vec<&str> = names.iter().map(|(name, _)| name.as_str()).collect();
+    let file = MatFile::of(path, &bytes, &names)?;
+    let sources: Vec<String> = file.sources().collect();
+    let channels = sources
+        .into_iter()
+        .filter_map(|source| Some((file.numbers(&source).ok()?, source)));
+    Ok(arrays::listing(
+        "MAT",
+        channels.map(|(samples, source)| (source, samples)),
+    ))
 }
 
 /// The variable of a source.
@@ -92,12 +109,31 @@ impl<'p> MatFile<'p> {
         }
     }
 
-    fn not_there(&self, source: &str) -> FileError {
+    /// The paths of all arrays.
+    fn paths(&self) -> Vec<String> {
         let of = |(name, value): &(String, Option<Value>)| match value {
             Some(value @ Value::Struct(_)) => value.paths(name),
             _ => vec![name.clone()],
         };
-        let mut names: Vec<String> = self.variables.iter().flat_map(of).collect();
+        self.variables.iter().flat_map(of).collect()
+    }
+
+    /// Every channel of every array as a source.
+    fn sources(&self) -> impl Iterator<Item = String> {
+        self.paths().into_iter().flat_map(|path| {
+            let n_channels = self.array(&path).map_or(0, |(array, _)| array.n_channels());
+            let channels =
+                (0..n_channels.min(MOST_CHANNELS)).map(move |k| (n_channels > 1).then_some(k));
+            let source = move |channel: Option<usize>| match channel {
+                Some(channel) => format!("{path}[{channel}]"),
+                None => path.clone(),
+            };
+            channels.map(source)
+        })
+    }
+
+    fn not_there(&self, source: &str) -> FileError {
+        let mut names = self.paths();
         names.truncate(NAMED);
         let needed = format!("one of {}", names.join(", "));
         bad_array(self.path, source, "no such array".into(), needed)
