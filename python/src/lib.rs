@@ -46,6 +46,7 @@ mod shape {
 }
 /// Excitations, runs and records.
 mod signals {
+    mod channels;
     pub(crate) mod chirp;
     pub(crate) mod multisine;
     pub(crate) mod profile;

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use frfid_experiment::{Experiment as Description, PlannedRuns};
-use frfid_signals::{Record as Measured, RunId};
+use frfid_signals::RunId;
 use numpy::PyArray2;
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
@@ -16,7 +16,7 @@ use crate::interrupt::interruptible;
 use crate::signals::record::Record;
 use crate::signals::run::Run;
 use crate::testbed::python_testbed::PythonTestbed;
-use crate::testbed::runs::{one_by_one, records_of};
+use crate::testbed::runs::{measured, one_by_one, records_of};
 use crate::warnings::warn;
 
 /// Every run of an experiment; made by ``Experiment.design``, or read by ``Plan.load``.
@@ -230,27 +230,7 @@ impl Plan {
     /// NumericalError
     ///     For frequencies at which U cannot be inverted.
     fn estimate(&self, py: Python<'_>, records: Vec<Option<Bound<'_, Record>>>) -> PyResult<Frf> {
-        let ids = self.ids();
-        if records.len() != ids.len() {
-            let (found, needed) = (records.len(), ids.len());
-            return Err(PyValueError::new_err(format!(
-                "{found} records were given, needed one for each of {needed} runs"
-            )));
-        }
-        let measured = ids
-            .into_iter()
-            .zip(records)
-            .filter_map(|(id, record)| Some((id, record?)));
-        let measured: Vec<(RunId, Measured)> = measured
-            .map(
-                |(id, record)| match <[Measured; 1]>::try_from(record.get().runs(py)) {
-                    Ok([run]) => Ok((id, run)),
-                    Err(_) => Err(PyValueError::new_err(format!(
-                        "the record of run {id} is a batch, needed one run"
-                    ))),
-                },
-            )
-            .collect::<PyResult<_>>()?;
+        let measured = measured(py, self.ids(), &records)?;
         let outcome = interruptible(py, None, |_| self.description().estimate(&measured))?;
         let outcome = outcome.map_err(error::experiment)?;
         warn(py, outcome.warnings)?;

@@ -4,18 +4,17 @@ use std::path::PathBuf;
 
 use frfid_files::{RunFile, read_run, write_run};
 use frfid_signals::{Event, Injection, InputKind, Record as Run, RunId};
-use ndarray::{Array2, Axis, Ix2, IxDyn};
+use ndarray::{Array2, Axis, Ix2};
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::array::{Axes, c_ordered, real};
-use crate::choice::{choice, from_python, overwrite_if, to_python};
+use crate::array::c_ordered;
+use crate::choice::{choice, overwrite_if, to_python};
 use crate::error;
 use crate::pickle::{NewArguments, attributes};
+use crate::signals::channels::{events_of_runs, signal, signal_like};
 use crate::warnings::warn;
-
-const SHAPES: [Axes; 2] = [&["channel", "sample"], &["batch", "channel", "sample"]];
 
 /// What one run measured, or a batch of runs.
 ///
@@ -296,51 +295,5 @@ impl Record {
     /// Whether the runs have an axis of their own.
     pub(crate) fn is_batch(&self, py: Python<'_>) -> bool {
         self.u.bind(py).ndim() == 3
-    }
-}
-
-/// The events of every run: a list, or a list of lists for a batch.
-fn events_of_runs(
-    events: Option<&Bound<'_, PyAny>>,
-    batch: bool,
-    n_runs: usize,
-) -> PyResult<Vec<Vec<Event>>> {
-    let events: Vec<Vec<Event>> = match events {
-        None => vec![Vec::new(); n_runs],
-        Some(events) if batch => from_python("events", events)?,
-        Some(events) => vec![from_python("events", events)?],
-    };
-    if events.len() != n_runs {
-        let found = events.len();
-        return Err(PyValueError::new_err(format!(
-            "events of {found} runs, needed {n_runs}"
-        )));
-    }
-    Ok(events)
-}
-
-/// A signal of as many runs as one of this shape.
-fn signal_like(
-    name: &str,
-    value: &Bound<'_, PyAny>,
-    shape: &[usize],
-) -> PyResult<Py<PyArrayDyn<f64>>> {
-    let other = signal(name, value)?;
-    let found = other.bind(value.py()).shape();
-    let is_batch = shape.len() == 3;
-    if found.len() != shape.len() || (is_batch && found[0] != shape[0]) {
-        return Err(PyValueError::new_err(format!(
-            "{name} has shape {found:?}, needed as many runs as u {shape:?}"
-        )));
-    }
-    Ok(other)
-}
-
-fn signal(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Py<PyArrayDyn<f64>>> {
-    let array = real::<IxDyn>(name, value, &SHAPES)?;
-    if array.is_c_contiguous() {
-        Ok((*array).clone().unbind())
-    } else {
-        Ok(c_ordered(value.py(), array.to_owned_array()).unbind())
     }
 }
