@@ -5,8 +5,8 @@ use std::ffi::OsString;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::command::{
-    check, compare, completions, demo, design, estimate, export, init, man, recover, run, schema,
-    shape,
+    check, compare, completions, demo, design, estimate, export, init, man, recover, report, run,
+    schema, shape,
 };
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
@@ -55,6 +55,7 @@ enum Command {
     Shape(shape::Arguments),
     Estimate(Box<estimate::Arguments>),
     Compare(compare::Arguments),
+    Report(report::Arguments),
     Export(export::Arguments),
     Recover(recover::Arguments),
     Completions(completions::Arguments),
@@ -80,6 +81,7 @@ impl Arguments {
             Command::Shape(arguments) => shape::run(arguments, options, console),
             Command::Estimate(arguments) => estimate::run(arguments, options, console),
             Command::Compare(arguments) => compare::run(arguments, options, console),
+            Command::Report(arguments) => report::run(arguments, options, console),
             Command::Export(arguments) => export::run(arguments, options, console),
             Command::Recover(arguments) => recover::run(arguments, options, console),
             Command::Completions(arguments) => completions::run(arguments, command(), console),

@@ -14,6 +14,7 @@ mod command {
     pub(crate) mod init;
     pub(crate) mod man;
     pub(crate) mod recover;
+    pub(crate) mod report;
     pub(crate) mod run;
     pub(crate) mod schema;
     pub(crate) mod shape;

@@ -2,13 +2,14 @@
 
 use std::path::PathBuf;
 
-use frfid_files::{Overwrite, write_result};
+use frfid_files::write_result;
 use frfid_report::result_figure;
 use pyo3::prelude::*;
 use pyo3::types::IntoPyDict;
 
 use crate::error;
 use crate::frf::matrix::Frf;
+use crate::frf::outputs::allowed;
 
 #[pymethods]
 impl Frf {
@@ -56,12 +57,7 @@ impl Frf {
     ///     If it cannot be written.
     #[pyo3(signature = (path, *, overwrite = false))]
     fn save(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
-        let overwrite = if overwrite {
-            Overwrite::Replace
-        } else {
-            Overwrite::Refuse
-        };
-        py.detach(|| write_result(&path, overwrite, &self.result))
+        py.detach(|| write_result(&path, allowed(overwrite), &self.result))
             .map_err(error::file)
     }
 

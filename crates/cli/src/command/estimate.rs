@@ -13,6 +13,7 @@ use ndarray::Array3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use crate::command::report::name;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::log_map::MapOptions;
@@ -129,8 +130,7 @@ fn write_report(
     estimate: &Outcome,
     options: &Options,
 ) -> Result<(), Failure> {
-    let title = result.file_stem().unwrap_or_default().to_string_lossy();
-    let page = result_page(&title, &estimate.result, estimate.warnings.clone())?;
+    let page = result_page(&name(result), &estimate.result, estimate.warnings.clone())?;
     Ok(write_bytes(path, options.overwrite(), page.as_bytes())?)
 }
 
