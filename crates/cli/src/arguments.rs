@@ -35,7 +35,7 @@ Examples:
   frfid compare frf.json other.json",
     after_help = "\
 Data go to stdout, messages to stderr. Nothing is overwritten without --force.
-Exit codes: 0 done, 1 failed, 2 usage or configuration, 3 done but data was lost or a check failed, 130 interrupted."
+Exit codes: 0 done, 1 failed, 2 usage, description or input, 3 done but data was lost or a check failed, 130 interrupted."
 )]
 pub(crate) struct Arguments {
     #[command(flatten)]

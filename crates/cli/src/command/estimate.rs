@@ -16,6 +16,7 @@ use serde_json::{Value, json};
 use crate::command::report::name;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::input::{Needed, check_all};
 use crate::log_map::MapOptions;
 use crate::options::{Options, existing_path, named};
 use crate::progress::watched;
@@ -102,6 +103,7 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
+    check_all(&arguments.logs, Needed::Logs)?;
     options.check_free(&arguments.output)?;
     if let Some(report) = &arguments.report {
         options.check_free(report)?;

@@ -9,6 +9,7 @@ use serde_json::json;
 
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::input::{Needed, check};
 use crate::options::{Options, existing_path};
 
 /// Write a result for other tools
@@ -81,6 +82,7 @@ pub(crate) fn run(
     let output = &arguments.output;
     let format = format(arguments.to, output)?;
     options.check_free(output)?;
+    check(&arguments.result, Needed::Result)?;
     let result = read_result(&arguments.result)?;
     (format.write)(output, options.overwrite(), &result)?;
     if options.json {

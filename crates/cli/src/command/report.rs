@@ -9,6 +9,7 @@ use serde_json::json;
 
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::input::{Needed, check_all};
 use crate::options::{Options, existing_path};
 
 /// Make a page for the browser of a result, or of several in one picture
@@ -39,6 +40,7 @@ pub(crate) fn run(
 ) -> Result<Exit, Failure> {
     let (paths, output) = (&arguments.results, &arguments.output);
     options.check_free(output)?;
+    check_all(paths, Needed::Result)?;
     let results: Vec<ResultFile> = paths
         .iter()
         .map(|path| read_result(path))
