@@ -6,7 +6,7 @@ mod cli_binary;
 use std::fs;
 use std::path::Path;
 
-use cli_binary::{code, frfid, stderr, stdout};
+use cli_binary::{code, frfid, replaced, stderr, stdout};
 use serde_json::Value;
 use tempfile::{TempDir, tempdir};
 
@@ -15,8 +15,13 @@ fn workshop() -> TempDir {
     let folder = tempdir().expect("a temporary folder");
     let here = folder.path();
     let text = stdout(&frfid(here, &["init", "multisine"]));
-    let short = text.replace("resolution_hz = 0.1", "resolution_hz = 2.0");
-    let few = short.replace("realizations = 30", "realizations = 2");
+    let few = replaced(
+        text,
+        &[
+            ("resolution_hz = 0.1", "resolution_hz = 2.0"),
+            ("realizations = 30", "realizations = 2"),
+        ],
+    );
     let put = |name: &str, bytes: &[u8]| fs::write(here.join(name), bytes).expect("written");
     put("x.toml", few.as_bytes());
     for command in [

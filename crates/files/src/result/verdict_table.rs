@@ -37,7 +37,7 @@ impl VerdictTable {
             .filter_map(|cause| row(verdicts, &axes, cause))
             .collect();
         let words = axes.iter().map(|axis| in_words(verdicts, axis)).collect();
-        (!verdicts.is_empty()).then(|| Self { rows, words, axes })
+        (!verdicts.is_empty()).then_some(Self { rows, words, axes })
     }
 }
 
