@@ -107,7 +107,7 @@ fn logs_become_a_result_a_report_and_a_table() {
     }
     let csv = frfid(here, &["export", "frf.html", "--to", "csv", "-o", "b.csv"]);
     assert!(
-        code(&csv) == 2 && stderr(&csv).contains("needed a result written by frfid"),
+        code(&csv) == 2 && stderr(&csv).contains("needed a result of frfid estimate"),
         "{}",
         stderr(&csv)
     );

@@ -92,6 +92,7 @@ impl Needed {
             }
             (FileKind::Shaping, _) => "the result of a shaping is frf.json beside it".into(),
             (FileKind::Urdf, _) => "name it in the table [robot.urdf] of a description".into(),
+            (FileKind::Page, Self::Result) => "give the result that it was made of".into(),
             _ => self.made_by().into(),
         }
     }
