@@ -12,7 +12,8 @@ use crate::exit::{Exit, Failure};
 use crate::input::{Needed, check_all};
 use crate::options::{Options, existing_path};
 
-/// Make a page for the browser of a result, or of several in one picture
+/// Make a page for the browser of a result, or of several in one picture; what the estimate warned of
+/// is not part of a result: say it with --note
 #[derive(Debug, Args)]
 #[command(before_help = "\
 Examples:
