@@ -35,20 +35,12 @@ fn table() -> String {
     text
 }
 
-fn signal(source: &str, unit: &str) -> Signal {
-    Signal {
-        source: source.into(),
-        unit: unit.into(),
-        scale: 1.0,
-    }
-}
-
 fn map() -> LogMap {
     let mut map = LogMap::new(
-        vec![signal("torque", "N m")],
-        vec![signal("speed", "rad/s")],
+        vec![Signal::of("torque", "N m")],
+        vec![Signal::of("speed", "rad/s")],
     );
-    map.time = Some(signal("t", "s"));
+    map.time = Some(Signal::of("t", "s"));
     map
 }
 

@@ -59,7 +59,7 @@ fn a_run_of_another_robot_is_not_used_and_stops_nothing() {
         "{said}"
     );
     let two = estimate(here, &[&logs[0], &others[1]]);
-    assert_eq!(code(&two), 1);
+    assert_eq!(code(&two), 2);
     let said = stderr(&two);
     assert!(said.contains("of another experiment or robot"), "{said}");
 }

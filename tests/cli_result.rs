@@ -107,7 +107,7 @@ fn logs_become_a_result_a_report_and_a_table() {
     }
     let csv = frfid(here, &["export", "frf.html", "--to", "csv", "-o", "b.csv"]);
     assert!(
-        code(&csv) == 2 && stderr(&csv).contains("needed a result written by frfid"),
+        code(&csv) == 2 && stderr(&csv).contains("needed a result of frfid estimate"),
         "{}",
         stderr(&csv)
     );
@@ -166,13 +166,13 @@ fn damaged_logs_are_told_and_the_rest_is_used() {
     fs::create_dir(here.join("logs")).expect("made");
     let (exit, _, told) = estimate(here, "none.json");
     assert!(
-        exit == 1 && told.contains("no MCAP, rosbag2 SQLite, CSV, MAT, NPZ file"),
+        exit == 2 && told.contains("no MCAP, rosbag2 SQLite, CSV, MAT, NPZ file"),
         "{told}"
     );
     fs::write(here.join("logs/bench.csv"), "t,u,y\n0,1,2\n").expect("written");
     let (exit, _, told) = estimate(here, "none.json");
     assert!(
-        exit == 1 && told.contains("bench.csv") && told.contains("--map"),
+        exit == 2 && told.contains("bench.csv") && told.contains("--map"),
         "{told}"
     );
 }
@@ -213,7 +213,7 @@ fn recover_salvages_what_is_readable_and_says_what_is_not() {
         stderr(&again)
     );
     let part = frfid(here, &["recover", "a.mcap.part", "-o", "a.mcap", "--force"]);
-    assert_eq!(code(&part), 1, "the input must not be written over");
+    assert_eq!(code(&part), 2, "the input must not be written over");
     assert_eq!(
         fs::read(here.join("a.mcap.part")).expect("kept").len(),
         bytes.len() * 2 / 3
@@ -431,7 +431,7 @@ fn a_recording_that_is_not_ours_is_estimated_from_its_reference() {
     );
     let no_map = frfid(here, &["estimate", &mcap, "-o", "c.json"]);
     assert!(
-        code(&no_map) == 1 && stderr(&no_map).contains("--map"),
+        code(&no_map) == 2 && stderr(&no_map).contains("--map"),
         "{}",
         stderr(&no_map)
     );

@@ -147,7 +147,7 @@ fn a_joint_that_sticks_at_first_comes_to_the_desired_torque_and_everything_is_on
         ],
     );
     assert!(
-        code(&mixed) == 1 && stderr(&mixed).contains("one plan at a time"),
+        code(&mixed) == 2 && stderr(&mixed).contains("one plan at a time"),
         "{}",
         stderr(&mixed)
     );

@@ -84,11 +84,7 @@ fn coverage(case: Case) -> f64 {
 }
 
 fn options() -> EstimateOptions {
-    let signal = |name: &str, unit: &str| Signal {
-        source: name.into(),
-        unit: unit.into(),
-        scale: 1.0,
-    };
+    let signal = Signal::of;
     let map = LogMap {
         time: Some(signal("t", "s")),
         ..LogMap::new(vec![signal("u", "N m")], vec![signal("y", "rad/s")])

@@ -82,11 +82,7 @@ fn estimate(campaign: &Campaign, chance: &mut Stream) -> Outcome {
         path
     };
     let paths: Vec<PathBuf> = (0..campaign.recordings).map(write).collect();
-    let signal = |name: &str, unit: &str| Signal {
-        source: name.into(),
-        unit: unit.into(),
-        scale: 1.0,
-    };
+    let signal = Signal::of;
     let map = LogMap {
         time: Some(signal("t", "s")),
         ..LogMap::new(vec![signal("u", "N m")], vec![signal("y", "rad/s")])

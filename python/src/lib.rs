@@ -21,6 +21,7 @@ mod frf {
     pub(crate) mod load;
     pub(crate) mod matrix;
     pub(crate) mod other_packages;
+    pub(crate) mod outputs;
     pub(crate) mod parts;
 }
 /// Logs: read, looked into, estimated from.

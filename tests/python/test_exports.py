@@ -61,3 +61,45 @@ def test_a_mat_file_has_the_variables_that_matlab_lists(frf, tmp_path):
     listed = {name: (shape, kind) for name, shape, kind in scipy.io.whosmat(tmp_path / "frf.mat")}
     assert listed["response"] == ((5, 2, 3), "double") and listed["input_names"] == ((3, 1), "cell")
     assert (tmp_path / "frf.mat").read_bytes()[:19] == b"MATLAB 5.0 MAT-file"
+
+
+def command_line(*arguments):
+    command = [sys.executable, "-c", "import sys; from frfid._cli import main; sys.exit(main())"]
+    subprocess.run([*command, *arguments], check=True, capture_output=True)
+
+
+@pytest.mark.parametrize("name", ["csv", "npz", "mat", "uff"])
+def test_methods_write_the_bytes_of_the_command_line(frf, name, tmp_path):
+    frf.save(tmp_path / "frf.json")
+    command_line("export", tmp_path / "frf.json", "-o", tmp_path / f"a.{name}")
+    write = getattr(frf, f"to_{name}")
+    write(tmp_path / f"b.{name}")
+    assert (tmp_path / f"a.{name}").read_bytes() == (tmp_path / f"b.{name}").read_bytes()
+    with pytest.raises(FileExistsError, match="overwrite=True"):
+        write(tmp_path / f"b.{name}")
+    write(str(tmp_path / f"b.{name}"), overwrite=True)
+
+
+def test_a_page_is_that_of_the_command_line(frf, tmp_path):
+    frf.save(tmp_path / "bench.json")
+    command_line("report", tmp_path / "bench.json", "-o", tmp_path / "a.html")
+    frf.report(tmp_path / "bench.html")
+    assert (tmp_path / "a.html").read_bytes() == (tmp_path / "bench.html").read_bytes()
+    frf.report(tmp_path / "b.html", "A <title>", "Gear 7")
+    page = (tmp_path / "b.html").read_text(encoding="utf-8")
+    assert "<title>A &lt;title&gt;</title>" in page and "<p>Gear 7</p>" in page
+    with pytest.raises(FileExistsError):
+        frf.report(tmp_path / "b.html")
+    at_rest = frfid.Frf(frequency_hz=[0.0, 1.0], response=np.ones((2, 1, 1)))
+    with pytest.raises(ValueError, match="frequency_hz"):
+        at_rest.report(tmp_path / "c.html")
+
+
+def test_what_a_universal_file_has_no_room_for_is_refused(tmp_path):
+    close = frfid.Frf(frequency_hz=[1000.0, 1000.0001, 1001.0], response=np.ones((3, 1, 1)))
+    with pytest.raises(ValueError, match="1000.0 and 1000.0001 Hz"):
+        close.to_uff(tmp_path / "frf.uff")
+    unknown = frfid.Frf(frequency_hz=[1.0, 2.0], response=np.full((2, 1, 1), np.nan))
+    with pytest.raises(ValueError, match="nothing but NaN"):
+        unknown.to_uff(tmp_path / "frf.uff")
+    assert not list(tmp_path.iterdir())

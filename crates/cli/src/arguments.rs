@@ -5,8 +5,8 @@ use std::ffi::OsString;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::command::{
-    check, compare, completions, demo, design, estimate, export, init, inspect, man, recover, run,
-    schema, shape,
+    check, compare, completions, demo, design, estimate, export, init, inspect, man, recover,
+    report, run, schema, shape,
 };
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
@@ -36,7 +36,7 @@ Examples:
   frfid compare frf.json other.json",
     after_help = "\
 Data go to stdout, messages to stderr. Nothing is overwritten without --force.
-Exit codes: 0 done, 1 failed, 2 usage or configuration, 3 done but data was lost or a check failed, 130 interrupted."
+Exit codes: 0 done, 1 failed, 2 usage, description or input, 3 done but data was lost or a check failed, 130 interrupted."
 )]
 pub(crate) struct Arguments {
     #[command(flatten)]
@@ -57,6 +57,7 @@ enum Command {
     Shape(shape::Arguments),
     Estimate(Box<estimate::Arguments>),
     Compare(compare::Arguments),
+    Report(report::Arguments),
     Export(export::Arguments),
     Recover(recover::Arguments),
     Completions(completions::Arguments),
@@ -83,6 +84,7 @@ impl Arguments {
             Command::Shape(arguments) => shape::run(arguments, options, console),
             Command::Estimate(arguments) => estimate::run(arguments, options, console),
             Command::Compare(arguments) => compare::run(arguments, options, console),
+            Command::Report(arguments) => report::run(arguments, options, console),
             Command::Export(arguments) => export::run(arguments, options, console),
             Command::Recover(arguments) => recover::run(arguments, options, console),
             Command::Completions(arguments) => completions::run(arguments, command(), console),

@@ -9,7 +9,7 @@ use anstream::{AutoStream, ColorChoice};
 use clap::builder::styling::{AnsiColor, Style};
 use serde_json::Value;
 
-use crate::exit::{Exit, Failure};
+use crate::exit::{Exit, Failure, VERSION};
 
 /// The two streams of a command and how to write to them.
 pub(crate) struct Console<'a> {
@@ -63,11 +63,23 @@ impl<'a> Console<'a> {
         }
     }
 
-    /// Writes a JSON value to stdout.
+    /// Writes what `--json` asks for to stdout, with its version.
     ///
     /// # Errors
     /// As [`Console::data`].
     pub(crate) fn json(&mut self, value: &Value) -> Result<(), Failure> {
+        let mut value = value.clone();
+        if let Value::Object(keys) = &mut value {
+            keys.entry("version").or_insert_with(|| VERSION.into());
+        }
+        self.document(&value)
+    }
+
+    /// Writes a JSON value to stdout as it is.
+    ///
+    /// # Errors
+    /// As [`Console::data`].
+    pub(crate) fn document(&mut self, value: &Value) -> Result<(), Failure> {
         self.data(&format!("{value:#}\n"))
     }
 
@@ -106,8 +118,17 @@ impl<'a> Console<'a> {
         }
     }
 
+    /// Tells why the command could not be done, to whom reads JSON as an object on one line.
+    pub(crate) fn failed(&mut self, failure: &Failure, as_json: bool) {
+        if as_json {
+            self.message(&failure.as_json().to_string());
+        } else {
+            self.error(failure);
+        }
+    }
+
     /// Tells why the command could not be done.
-    pub(crate) fn error(&mut self, failure: &Failure) {
+    fn error(&mut self, failure: &Failure) {
         let (word, colour) = match failure.exit {
             Exit::Interrupted => ("stopped:", AnsiColor::Yellow),
             _ => ("error:", AnsiColor::Red),

@@ -7,6 +7,10 @@ use frfid_files::FileError;
 use frfid_paper::PaperError;
 use frfid_report::ReportError;
 use frfid_signals::SignalError;
+use serde_json::{Value, json};
+
+/// Version of what `--json` prints: it grows when a key changes its meaning or leaves.
+pub(crate) const VERSION: u32 = 1;
 
 /// Exit codes, the same for every command.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -15,7 +19,7 @@ pub(crate) enum Exit {
     Done = 0,
     /// Failed.
     Failed = 1,
-    /// The command line or a configuration must be changed first.
+    /// The command line, a description or another input must be changed first.
     Usage = 2,
     /// Done, but data was lost or a check failed.
     Flawed = 3,
@@ -40,6 +44,12 @@ pub(crate) struct Failure {
 }
 
 impl Failure {
+    /// The failure as `--json` tells it.
+    pub(crate) fn as_json(&self) -> Value {
+        let told = json!({ "exit_code": self.exit as i32, "message": self.message });
+        json!({ "version": VERSION, "error": told })
+    }
+
     /// The command line asks for something impossible.
     pub(crate) fn usage(message: impl Into<String>) -> Self {
         Self {
@@ -76,7 +86,9 @@ impl From<ExperimentError> for Failure {
             ExperimentError::Interrupted { .. } | ExperimentError::ShapingInterrupted { .. } => {
                 Self::of(Exit::Interrupted, &error)
             }
-            ExperimentError::Trail { .. } => Self::of(Exit::Usage, &error),
+            ExperimentError::Trail { .. } | ExperimentError::Logs { .. } => {
+                Self::of(Exit::Usage, &error)
+            }
             error => Self::failed(&error),
         }
     }
@@ -89,13 +101,16 @@ impl From<ConfigError> for Failure {
 }
 
 impl From<FileError> for Failure {
-    /// An output in the way or a file of the wrong kind is answered by another command line;
-    /// anything else has failed.
+    /// An output in the way, and a file that is not there, of the wrong kind or contradicts itself,
+    /// are answered by another command line or another file; anything else has failed.
     fn from(error: FileError) -> Self {
         let exit = match error {
-            FileError::Exists { .. } | FileError::Leftover { .. } | FileError::Format { .. } => {
-                Exit::Usage
-            }
+            FileError::Exists { .. }
+            | FileError::Leftover { .. }
+            | FileError::Format { .. }
+            | FileError::Content { .. }
+            | FileError::Shape { .. }
+            | FileError::Io { action: "open", .. } => Exit::Usage,
             _ => Exit::Failed,
         };
         Self::of(exit, &error)

@@ -15,12 +15,14 @@ mod command {
     pub(crate) mod inspect;
     pub(crate) mod man;
     pub(crate) mod recover;
+    pub(crate) mod report;
     pub(crate) mod run;
     pub(crate) mod schema;
     pub(crate) mod shape;
 }
 mod console;
 mod exit;
+mod input;
 mod interrupt;
 mod log_map;
 mod options;
@@ -48,7 +50,7 @@ use crate::console::Console;
 use crate::exit::{Exit, Failure};
 
 /// Runs the command line `args`, the first of them the program's name, and returns the exit code: 0
-/// done, 1 failed, 2 usage or configuration, 3 done but data was lost or a check failed, 130
+/// done, 1 failed, 2 usage, description or input, 3 done but data was lost or a check failed, 130
 /// interrupted.
 ///
 /// Data go to `stdout`, messages to `stderr`. Colours and progress bars follow the process's own
@@ -60,9 +62,11 @@ pub fn main(
     stdout: &mut dyn Write,
     stderr: &mut dyn Write,
 ) -> i32 {
+    let args: Vec<OsString> = args.into_iter().collect();
+    let as_json = asks_for_json(&args);
     let arguments = match Arguments::parse(args) {
         Ok(arguments) => arguments,
-        Err(told) => return told_by_clap(&told, stdout, stderr) as i32,
+        Err(told) => return told_by_clap(&told, as_json, stdout, stderr) as i32,
     };
     let options = arguments.options;
     let mut console = Console::new(stdout, stderr, options.quiet, options.colour());
@@ -70,23 +74,40 @@ pub fn main(
         if interrupt::asked() {
             failure.exit = Exit::Interrupted;
         }
-        console.error(&failure);
+        console.failed(&failure, options.json);
         failure.exit
     });
     exit as i32
 }
 
+/// Whether a command line that cannot be read asks for JSON.
+fn asks_for_json(args: &[OsString]) -> bool {
+    let options = args.iter().take_while(|arg| *arg != "--");
+    options.skip(1).any(|arg| arg == "--json")
+}
+
 /// Help and version are data; wrong usage is a message.
-fn told_by_clap(told: &clap::Error, stdout: &mut dyn Write, stderr: &mut dyn Write) -> Exit {
+fn told_by_clap(
+    told: &clap::Error,
+    as_json: bool,
+    stdout: &mut dyn Write,
+    stderr: &mut dyn Write,
+) -> Exit {
     let text = told.render().ansi().to_string();
     let mut console = Console::new(stdout, stderr, false, ColorChoice::Auto);
+    if told.use_stderr() && as_json {
+        let message = told.to_string();
+        let message = message.strip_prefix("error: ").unwrap_or(&message);
+        console.failed(&Failure::usage(message.trim_end()), true);
+        return Exit::Usage;
+    }
     if told.use_stderr() {
         console.note(text);
         return Exit::Usage;
     }
     let told = console.data(&text).map(|()| Exit::Done);
     told.unwrap_or_else(|failure: Failure| {
-        console.error(&failure);
+        console.failed(&failure, as_json);
         failure.exit
     })
 }
@@ -127,6 +148,31 @@ mod tests {
             (0, format!("frfid {}\n", env!("CARGO_PKG_VERSION")))
         );
         assert_eq!(frfid("check").0, 2);
+    }
+
+    #[test]
+    fn under_json_an_error_is_an_object_on_the_last_line_of_stderr() {
+        for line in [
+            "check nowhere.toml --json",
+            "check --json",
+            "check . --json",
+        ] {
+            let (exit, silence, told) = frfid(line);
+            assert_eq!((exit, silence.as_str()), (2, ""), "{line}");
+            let told = told.lines().last().unwrap_or_default();
+            let told: serde_json::Value = serde_json::from_str(told).expect(line);
+            assert_eq!(
+                (&told["version"], &told["error"]["exit_code"]),
+                (&1.into(), &2.into())
+            );
+            let message = told["error"]["message"].as_str().expect("a text");
+            assert!(
+                !message.starts_with("error") && message.len() > 20,
+                "{message}"
+            );
+        }
+        let (_, _, told) = frfid("check -- --json");
+        assert!(told.starts_with("error: --json: cannot read"), "{told}");
     }
 
     #[test]

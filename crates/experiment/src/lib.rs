@@ -6,6 +6,7 @@ mod description {
     pub(crate) mod controller;
     pub(crate) mod estimate;
     pub(crate) mod fault;
+    pub(crate) mod misspelt;
     pub(crate) mod plan;
     pub(crate) mod robot;
     pub(crate) mod schema;
@@ -52,7 +53,7 @@ pub use description::robot::RobotTable;
 pub use description::robot::body::BodyTable;
 pub use description::robot::joint::{JointTable, MotorRippleTable, SingleJointTable};
 pub use description::robot::urdf::UrdfTable;
-pub use description::schema::schema;
+pub use description::schema::{map_schema, robot_schema, schema};
 pub use description::shape::{ShapeTable, StepName};
 pub use description::templates::{TEMPLATES, Template};
 pub use description::text::{ConfigError, TextSpan, TomlText};

@@ -8,6 +8,7 @@ mod atomic_write;
 mod bytes;
 mod error;
 mod file_kind;
+mod found_kind;
 #[cfg(test)]
 mod hostile_tests;
 mod log;
@@ -50,6 +51,7 @@ mod sha256;
 
 pub use atomic_write::{BoxError, Overwrite, check_free, create_folder, part_path, write_bytes};
 pub use error::FileError;
+pub use found_kind::FileKind;
 pub use log::bag::folder::{is_bag_folder, recording_parts};
 pub use log::csv::dialect::CsvTable;
 pub use log::formats::{FORMATS, Format};

@@ -46,6 +46,20 @@ pub enum ReportError {
         /// Inputs of the figure.
         inputs: usize,
     },
+    /// Results of different channels in one picture.
+    #[error(
+        "{result} is an FRF from {found}, {first} one from {needed}; needed: the same channels with the same units in the same order; make a page of each"
+    )]
+    Channels {
+        /// The result.
+        result: String,
+        /// Its channels.
+        found: String,
+        /// The first result.
+        first: String,
+        /// Its channels.
+        needed: String,
+    },
     /// Lists that must be of equal length are not.
     #[error("{what} has {found} values, needed {needed}")]
     Length {

@@ -8,6 +8,7 @@ use frfid_experiment::Experiment;
 use crate::command::design::warn;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::input::{Needed, check};
 use crate::options::Options;
 use crate::text::plan::{plan_as_json, plan_as_text};
 
@@ -28,6 +29,7 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
+    check(&arguments.experiment, Needed::Description)?;
     let experiment = Experiment::load(&arguments.experiment)?;
     let is_shaped = experiment.config().shape.is_some();
     if is_shaped {

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::input::{Needed, check};
 use crate::options::{Options, existing_path, named};
 use crate::text::comparison::entry_as_text;
 
@@ -41,13 +42,16 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
+    check(&arguments.a, Needed::Result)?;
+    check(&arguments.b, Needed::Result)?;
     let (a, b) = (read_result(&arguments.a)?, read_result(&arguments.b)?);
     let settings = CompareOptions {
         stronger: arguments.stronger.or_else(|| stronger(&a, &b)),
         prominence_db: arguments.prominence_db,
         ..CompareOptions::default()
     };
-    let comparison = compare(&a.frf, &b.frf, &settings).map_err(|error| Failure::failed(&error))?;
+    let comparison = compare(&a.frf, &b.frf, &settings);
+    let comparison = comparison.map_err(|error| Failure::of(Exit::Usage, &error))?;
     if options.json {
         console.json(&as_json(&comparison))?;
         return Ok(Exit::Done);

@@ -11,6 +11,7 @@ use serde_json::json;
 
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::input::{Needed, check};
 use crate::options::Options;
 use crate::progress::watched;
 use crate::text::load::load_as_text;
@@ -51,6 +52,7 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
+    check(&arguments.experiment, Needed::Description)?;
     let experiment = with_seed(Experiment::load(&arguments.experiment)?, arguments.seed)?;
     warn(&experiment, console);
     let output = arguments.output.as_ref().filter(|_| !arguments.dry_run);

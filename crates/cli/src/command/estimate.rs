@@ -13,8 +13,10 @@ use ndarray::Array3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
+use crate::command::report::name;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::input::{Needed, check_all};
 use crate::log_map::MapOptions;
 use crate::options::{Options, existing_path, named};
 use crate::progress::watched;
@@ -101,6 +103,7 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
+    check_all(&arguments.logs, Needed::Logs)?;
     options.check_free(&arguments.output)?;
     if let Some(report) = &arguments.report {
         options.check_free(report)?;
@@ -129,8 +132,7 @@ fn write_report(
     estimate: &Outcome,
     options: &Options,
 ) -> Result<(), Failure> {
-    let title = result.file_stem().unwrap_or_default().to_string_lossy();
-    let page = result_page(&title, &estimate.result, estimate.warnings.clone())?;
+    let page = result_page(&name(result), &estimate.result, estimate.warnings.clone())?;
     Ok(write_bytes(path, options.overwrite(), page.as_bytes())?)
 }
 

@@ -6,6 +6,7 @@ use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use frfid_experiment::{GuessedMap, TEMPLATES, Template, inspect_recording};
 use frfid_files::write_bytes;
+use serde_json::json;
 
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
@@ -64,6 +65,9 @@ pub(crate) fn run(
         None => console.data(&text)?,
         Some(path) => {
             write_bytes(path, options.overwrite(), text.as_bytes())?;
+            if options.json {
+                console.json(&json!({ "output": path }))?;
+            }
             console.wrote(path);
             console.hint(format_args!("{next} {}", path.display()));
         }

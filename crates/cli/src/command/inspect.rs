@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::input::{Needed, check_all};
 use crate::log_map::MapOptions;
 use crate::options::{Options, existing_path};
 use crate::progress::watched;
@@ -38,6 +39,7 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
+    check_all(&arguments.files, Needed::Any)?;
     let stated = arguments.map.log_map()?;
     let files = recordings_among(&arguments.files)?;
     let (looked, estimate) = watched(console, "looking", "files", |progress| {

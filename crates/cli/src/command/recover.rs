@@ -9,6 +9,7 @@ use serde_json::json;
 
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::input::{Needed, check};
 use crate::options::{Options, existing_path};
 
 /// Salvage a damaged or half-written log: everything readable goes into a new file
@@ -31,6 +32,7 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
+    check(&arguments.input, Needed::Log)?;
     let named = arguments.output.clone();
     let output = named.unwrap_or_else(|| beside(&arguments.input));
     let recovered = recover(&arguments.input, &output, options.overwrite())?;

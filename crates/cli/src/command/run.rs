@@ -13,6 +13,7 @@ use serde_json::json;
 use crate::command::design::{predicted, tell, warn, with_seed};
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::input::{Needed, check};
 use crate::options::{Options, existing_path};
 use crate::progress::watched;
 use crate::text::load::{excess_in_words, load_as_text};
@@ -53,6 +54,7 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
+    check(&arguments.order, Needed::Runs)?;
     let planned = planned_runs(&arguments.order, arguments.seed)?;
     warn(&planned.experiment, console);
     check_index(arguments.index, planned.run_ids().len())?;

@@ -14,6 +14,7 @@ use serde_json::json;
 use crate::command::design::{warn, with_seed};
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
+use crate::input::{Needed, check};
 use crate::options::Options;
 use crate::progress::watched;
 use crate::text::checks::{checks_as_text, warn_of_failed};
@@ -47,6 +48,7 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
+    check(&arguments.experiment, Needed::Description)?;
     let experiment = with_seed(Experiment::load(&arguments.experiment)?, arguments.seed)?;
     warn(&experiment, console);
     let settings = ShapeFolderOptions {

@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use frfid_experiment::{ExperimentError, GuessedMap, Inspection, Outcome, inspect_recording};
-use frfid_files::{PlanFile, ResultFile, RunLabel, read_result, read_run_label};
+use frfid_files::{
+    FileError, FileKind, PlanFile, ResultFile, RunLabel, read_result, read_run_label,
+};
 use serde_json::{Value, json};
 
 use crate::command::estimate::summary;
@@ -26,19 +28,13 @@ impl Looked {
     /// # Errors
     /// [`ExperimentError`] of what can be none of these.
     pub(crate) fn of(path: &Path) -> Result<Self, ExperimentError> {
-        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-        if ending == "json" {
-            return Ok(Self::Result(Box::new(read_result(path)?)));
-        }
-        if path.is_file() {
-            if let Ok(plan) = PlanFile::open(path) {
-                return Ok(Self::Plan(Box::new(plan)));
-            }
-            if let Ok(label) = read_run_label(path) {
-                return Ok(Self::OurLog(Box::new(label)));
-            }
-        }
-        Ok(Self::Recording(Box::new(inspect_recording(path)?)))
+        let looked = match FileKind::of(path).map_err(FileError::cannot("open", path))? {
+            FileKind::Result => Self::Result(Box::new(read_result(path)?)),
+            FileKind::Plan => Self::Plan(Box::new(PlanFile::open(path)?)),
+            FileKind::Run => Self::OurLog(Box::new(read_run_label(path)?)),
+            _ => Self::Recording(Box::new(inspect_recording(path)?)),
+        };
+        Ok(looked)
     }
 
     pub(crate) fn is_log(&self) -> bool {

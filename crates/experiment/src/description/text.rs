@@ -4,11 +4,13 @@ use std::fmt;
 use std::ops::Range;
 use std::path::Path;
 
+use frfid_files::FileKind;
 use serde::de::DeserializeOwned;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use crate::description::fault::Fault;
+use crate::description::misspelt::with_suggestion;
 
 /// A configuration text and the name it goes by in messages.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -64,6 +66,16 @@ impl fmt::Display for ConfigError {
     }
 }
 
+/// What is said of a folder or of a file of bytes where a text is needed; `None` of any other.
+fn not_a_text(path: &Path) -> Option<String> {
+    let (found, advice) = match FileKind::of(path).ok()? {
+        FileKind::Empty | FileKind::Text => return None,
+        FileKind::Folder => ("a folder", "name a file in it"),
+        kind => (kind.name(), "give another file"),
+    };
+    Some(format!("found {found}, needed a text; {advice}"))
+}
+
 /// Blanks in the place of the first characters; tabs are kept, so that a caret behind them stands
 /// under its column whatever their width.
 fn blanked(text: &str, n_characters: usize) -> String {
@@ -86,7 +98,8 @@ impl TomlText {
     pub fn read(path: &Path) -> Result<Self, ConfigError> {
         let name = path.display().to_string();
         let text = std::fs::read_to_string(path).map_err(|error| {
-            Fault::new(&[], format!("cannot read: {error}")).without_text(&name)
+            let message = not_a_text(path).unwrap_or_else(|| format!("cannot read: {error}"));
+            Fault::new(&[], message).without_text(&name)
         })?;
         Ok(Self { name, text })
     }
@@ -107,7 +120,7 @@ impl TomlText {
 
     /// The reader's complaint.
     fn not_read(&self, error: &toml::de::Error) -> ConfigError {
-        self.error_at(error.span(), error.message().trim().to_owned())
+        self.error_at(error.span(), with_suggestion(error.message().trim()))
     }
 
     /// As [`TomlText::parse`]; the tables of these names are enums, of which their key `kind` names

@@ -11,5 +11,6 @@ pub(crate) mod npz;
 pub(crate) mod result_file;
 #[cfg(test)]
 pub(crate) mod testing;
+pub(crate) mod uff;
 pub(crate) mod verdict;
 pub(crate) mod verdict_table;

@@ -33,13 +33,11 @@ impl VerdictTable {
     pub fn of(verdicts: &[Verdict]) -> Option<Self> {
         let axes = axes(verdicts);
         let causes = Cause::ALL.into_iter();
-        let rows = causes.filter_map(|cause| row(verdicts, cause));
+        let rows = causes
+            .filter_map(|cause| row(verdicts, &axes, cause))
+            .collect();
         let words = axes.iter().map(|axis| in_words(verdicts, axis)).collect();
-        (!verdicts.is_empty()).then(|| Self {
-            rows: rows.collect(),
-            words,
-            axes,
-        })
+        (!verdicts.is_empty()).then_some(Self { rows, words, axes })
     }
 }
 
@@ -54,15 +52,25 @@ fn axes(verdicts: &[Verdict]) -> Vec<String> {
     axes
 }
 
-fn row(verdicts: &[Verdict], cause: Cause) -> Option<(String, Vec<Cell>, String)> {
+/// The row of a cause; an axis that was not judged for it has a dash.
+fn row(verdicts: &[Verdict], axes: &[String], cause: Cause) -> Option<(String, Vec<Cell>, String)> {
     let of_cause = verdicts.iter().filter(|verdict| verdict.cause == cause);
-    let limit = of_cause.clone().next()?.limit;
-    let cells = of_cause.map(|verdict| Cell {
-        text: verdict.found.map_or_else(|| "-".into(), percent),
-        is_beyond: verdict.is_beyond(),
-    });
+    let mut limits: Vec<String> = of_cause
+        .clone()
+        .map(|verdict| percent(verdict.limit))
+        .collect();
+    limits.dedup();
+    let cell = |axis: &String| {
+        let verdict = of_cause.clone().find(|verdict| verdict.axis == *axis);
+        let found = verdict.and_then(|verdict| verdict.found);
+        Cell {
+            text: found.map_or_else(|| "-".into(), percent),
+            is_beyond: verdict.is_some_and(Verdict::is_beyond),
+        }
+    };
     let share = format!("{}, {}", cause.name(), cause.share_of());
-    Some((share, cells.collect(), percent(limit)))
+    let cells = axes.iter().map(cell).collect();
+    (!limits.is_empty()).then(|| (share, cells, limits.join(", ")))
 }
 
 fn percent(share: f64) -> String {
@@ -77,5 +85,33 @@ fn in_words(verdicts: &[Verdict], axis: &str) -> String {
     match words[..] {
         [] => SOUND.into(),
         _ => words.join(", "),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_axis_has_its_column_whatever_it_was_judged_for() {
+        let verdict = |axis: &str, cause, found, limit| Verdict {
+            axis: axis.into(),
+            cause,
+            found: Some(found),
+            limit,
+        };
+        let verdicts = [
+            verdict("a", Cause::Noise, 0.1, 0.3),
+            verdict("b", Cause::Noise, 0.4, 0.3),
+            verdict("b", Cause::Clipping, 0.0, 0.01),
+        ];
+        let table = VerdictTable::of(&verdicts).expect("there are some");
+        let texts: Vec<Vec<&str>> = table
+            .rows
+            .iter()
+            .map(|(_, cells, _)| cells.iter().map(|cell| cell.text.as_str()).collect())
+            .collect();
+        assert_eq!(texts, [["10 %", "40 %"], ["-", "0 %"]]);
+        assert_eq!(table.words, [SOUND, "noise-limited"]);
     }
 }

@@ -1,6 +1,7 @@
-//! Figure and page of one result: the same from the command line and from Python.
+//! Figure and page of one result, or of several in one picture: the same from the command line and
+//! from Python.
 
-use frfid_files::ResultFile;
+use frfid_files::{Check, ResultFile, Verdict};
 use frfid_signals::Frf;
 
 use crate::diagrams::bode::{bode, bode_matrix};
@@ -40,11 +41,7 @@ const DENSE: usize = 150;
 /// # Errors
 /// [`ReportError`] for an FRF that cannot be drawn.
 pub fn result_figure(title: &str, result: &ResultFile) -> Result<Figure, ReportError> {
-    let (curves, labels) = ([curve(title, result)], labels(result));
-    match curves[0].size() {
-        (1, 1) => bode(&curves, 0, 0, &labels),
-        _ => bode_matrix(&curves, &labels, true, &[]),
-    }
+    figure(&[(title, result)])
 }
 
 /// The page of a result, with `notes` on what a careful reader should know.
@@ -56,36 +53,134 @@ pub fn result_page(
     result: &ResultFile,
     notes: Vec<String>,
 ) -> Result<String, ReportError> {
-    // the plan follows from the description, which reads better
-    let provenance = result.provenance.clone().into_iter();
+    results_page(title, &[(title, result)], notes)
+}
+
+/// The page of several results, each under its name: one picture with a curve for each, and the
+/// verdicts, checks and provenance of all.
+///
+/// # Errors
+/// [`ReportError::Channels`] for results of other channels than the first, [`ReportError`] for an
+/// FRF that cannot be drawn, or no result.
+pub fn results_page(
+    title: &str,
+    results: &[Named],
+    notes: Vec<String>,
+) -> Result<String, ReportError> {
+    let figure = figure(results)?;
     let report = Report {
         title: title.to_owned(),
         claims: Vec::new(),
-        verdicts: result.verdicts.clone(),
-        checks: result.checks.clone(),
-        parts: vec![part(title, result, notes)?],
-        provenance: provenance.filter(|(name, _)| name != "plan").collect(),
+        verdicts: verdicts(results),
+        checks: checks(results),
+        parts: vec![Part {
+            title: "Frequency response".to_owned(),
+            notes,
+            tables: Vec::new(),
+            responses: Some(Responses {
+                title: "Interactive diagram".to_owned(),
+                curves: curves(results),
+                labels: labels(results[0].1),
+            }),
+            figures: vec![(caption(results), figure)],
+        }],
+        provenance: provenance(results),
     };
     report.html()
 }
 
-/// The FRF as a part of its page: to look into, and as a figure.
-fn part<'a>(
-    title: &str,
-    result: &'a ResultFile,
-    notes: Vec<String>,
-) -> Result<Part<'a>, ReportError> {
-    Ok(Part {
-        title: "Frequency response".to_owned(),
-        notes,
-        tables: Vec::new(),
-        responses: Some(Responses {
-            title: "Interactive diagram".to_owned(),
-            curves: vec![curve(title, result)],
-            labels: labels(result),
-        }),
-        figures: vec![(caption(result), result_figure(title, result)?)],
+/// A result and the name it goes by.
+type Named<'a> = (&'a str, &'a ResultFile);
+
+/// The Bode diagram of all results.
+fn figure(results: &[Named]) -> Result<Figure, ReportError> {
+    let &[(_, first), ref others @ ..] = results else {
+        return Err(ReportError::empty("a page", "results"));
+    };
+    for (name, result) in others {
+        check_channels(results[0], (name, result))?;
+    }
+    let (curves, labels) = (curves(results), labels(first));
+    match curves[0].size() {
+        (1, 1) => bode(&curves, 0, 0, &labels),
+        _ => bode_matrix(&curves, &labels, true, &[]),
+    }
+}
+
+/// Refuses a result whose entries mean something else than those of the first.
+fn check_channels((first, one): Named, (name, other): Named) -> Result<(), ReportError> {
+    let (found, needed) = (channels(other), channels(one));
+    if found == needed {
+        return Ok(());
+    }
+    Err(ReportError::Channels {
+        result: name.to_owned(),
+        found,
+        first: first.to_owned(),
+        needed,
     })
+}
+
+/// Inputs and outputs in words: `joint_1 torque (N m) to joint_1 velocity (rad/s)`.
+fn channels(result: &ResultFile) -> String {
+    let named = |names: &[String], units: &[String]| {
+        let named = names.iter().zip(units);
+        let named = named.map(|(name, unit)| format!("{name} ({unit})"));
+        named.collect::<Vec<_>>().join(", ")
+    };
+    format!(
+        "{} to {}",
+        named(&result.input_names, &result.input_units),
+        named(&result.output_names, &result.output_units)
+    )
+}
+
+/// What belongs to one of several results bears its name.
+fn of_result(results: &[Named], (name, _): Named, what: &str) -> String {
+    match results {
+        [_] => what.to_owned(),
+        _ => format!("{name}: {what}"),
+    }
+}
+
+fn verdicts(results: &[Named]) -> Vec<Verdict> {
+    let all = results.iter().flat_map(|&named| {
+        let verdicts = named.1.verdicts.iter().cloned();
+        verdicts.map(move |verdict| Verdict {
+            axis: of_result(results, named, &verdict.axis),
+            ..verdict
+        })
+    });
+    all.collect()
+}
+
+fn checks(results: &[Named]) -> Vec<Check> {
+    let all = results.iter().flat_map(|&named| {
+        let checks = named.1.checks.iter().cloned();
+        checks.map(move |check| Check {
+            name: of_result(results, named, &check.name),
+            ..check
+        })
+    });
+    all.collect()
+}
+
+/// Names and values; the plan follows from the description, which reads better.
+fn provenance(results: &[Named]) -> Vec<(String, String)> {
+    let all = results.iter().flat_map(|&named| {
+        let lines = named
+            .1
+            .provenance
+            .iter()
+            .filter(|(name, _)| *name != "plan");
+        lines.map(move |(name, value)| (of_result(results, named, name), value.clone()))
+    });
+    all.collect()
+}
+
+fn curves<'a>(results: &[Named<'a>]) -> Vec<Curve<'a>> {
+    let curves = results.iter().map(|&(name, result)| curve(name, result));
+    curves.collect()
 }
 
 /// The FRF of a result as a curve.
@@ -115,14 +210,23 @@ fn band(frf: &Frf) -> Band {
 }
 
 /// What the figure shows, its shades and crosses included.
-fn caption(result: &ResultFile) -> String {
-    let shaded = shaded(&result.frf);
-    let crossed = if result.flagged.iter().flatten().any(|flagged| *flagged) {
-        "; crossed: lines at which what remains of the torque ripple exceeds the noise"
-    } else {
-        ""
+fn caption(results: &[Named]) -> String {
+    let responses = match results {
+        [_] => "Frequency response",
+        _ => "Frequency responses",
     };
-    format!("Frequency response{shaded}{crossed}")
+    let mut all = results.iter().map(|(_, result)| shaded(&result.frf));
+    let first = all.next().unwrap_or_default();
+    let shaded = match all.all(|other| other == first) {
+        true => first,
+        false => "; shaded: 95 % region of the largest variance that each result has",
+    };
+    let flags = results.iter().flat_map(|(_, result)| &result.flagged);
+    let crossed = match flags.flatten().any(|flagged| *flagged) {
+        true => "; crossed: lines at which what remains of the torque ripple exceeds the noise",
+        false => "",
+    };
+    format!("{responses}{shaded}{crossed}")
 }
 
 fn shaded(frf: &Frf) -> &'static str {

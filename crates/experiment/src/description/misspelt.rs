@@ -1,0 +1,51 @@
+//! Misspelt keys: the known one that was meant.
+
+/// A reader's complaint about a key or a word that it does not know, with the one that was meant
+/// behind it, where a known one is near.
+pub(crate) fn with_suggestion(message: &str) -> String {
+    match meant(message) {
+        Some(known) => format!("{message}; did you mean `{known}`?"),
+        None => message.to_owned(),
+    }
+}
+
+/// The known name nearest to the unknown one: at most a third of its letters differ, capitals do
+/// not count.
+fn meant(message: &str) -> Option<&str> {
+    let is_unknown = ["unknown field `", "unknown variant `"];
+    let rest = is_unknown
+        .iter()
+        .find_map(|start| message.strip_prefix(start))?;
+    let (unknown, known) = rest.split_once("`, expected ")?;
+    let distance =
+        |name: &str| strsim::damerau_levenshtein(&unknown.to_lowercase(), &name.to_lowercase());
+    let names = known.split('`').skip(1).step_by(2);
+    let nearest = names.min_by_key(|name| distance(name))?;
+    let most = unknown.chars().count() / 3;
+    (distance(nearest) <= most).then_some(nearest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_nearest_known_key_is_named_and_nothing_where_none_is_near() {
+        for (unknown, known, expected) in [
+            ("peak_Nm", "one of `peak_nm`, `seed`", Some("peak_nm")),
+            (
+                "sampel_time_s",
+                "one of `start_s`, `sample_time_s`",
+                Some("sample_time_s"),
+            ),
+            ("limit", "`limits` or `robot`", Some("limits")),
+            ("x", "`u` or `y`", None),
+            ("colour", "one of `limits`, `robot`", None),
+        ] {
+            let message = format!("unknown field `{unknown}`, expected {known}");
+            assert_eq!(meant(&message), expected, "{message}");
+        }
+        assert_eq!(with_suggestion("missing field `u`"), "missing field `u`");
+        assert_eq!(meant("unknown field `a`, there are no fields"), None);
+    }
+}
