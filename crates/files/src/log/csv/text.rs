@@ -14,8 +14,8 @@ use crate::error::FileError;
 
 /// First bytes of a gzipped file.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
-/// How much of a text is looked at before it is read: some hundred rows.
-const HEAD: u64 = 64 << 10;
+/// How much of a text is looked at before it is read: some hundred rows, or the header of some hundred channels.
+const HEAD: u64 = 256 << 10;
 
 /// The text of a file, from its beginning.
 pub(super) struct Text {
