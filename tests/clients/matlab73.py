@@ -1,9 +1,13 @@
-"""A MAT file v7.3 as MATLAB lays it out, written by h5py: 512 bytes of text before an HDF5 file, MATLAB's attributes."""
+"""A MAT file v7.3 as MATLAB lays it out, written by h5py: 512 bytes of text before an HDF5 file, MATLAB's attributes.
+
+`python tests/clients/matlab73.py` writes the files of the Rust tests, those of level 5 by scipy.
+"""
 
 import pathlib
 
 import h5py
 import numpy as np
+import scipy.io
 
 
 def ascii_attr(obj, name, text):
@@ -107,7 +111,19 @@ def small(path, packed):
         file.file["loop/loop"] = file.file["loop"]
 
 
+def small_level5(path, packed):
+    k = np.arange(12)
+    signals = np.zeros(2, dtype=[("label", object), ("values", object)])
+    signals["label"], signals["values"] = ["u", "y"], [k - 3.0, np.float32(k) / 4]
+    content = {"t": k[:, None] / 1000, "m": np.stack([k + 0.5, 10.0 * k]), "out": {"time": k / 1000.0, "signals": signals}}
+    scipy.io.savemat(path, content, do_compression=packed)
+    with open(path, "r+b") as file:  # without the day of writing
+        file.write(b"MATLAB 5.0 MAT-file, by scipy".ljust(116))
+
+
 if __name__ == "__main__":
     golden = pathlib.Path(__file__).parents[1] / "golden"
     small(golden / "matlab73_packed.mat", True)
     small(golden / "matlab73_plain.mat", False)
+    small_level5(golden / "matlab5_packed.mat", True)
+    small_level5(golden / "matlab5_plain.mat", False)

@@ -5,8 +5,8 @@ use std::ffi::OsString;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::command::{
-    check, compare, completions, demo, design, estimate, export, init, man, recover, run, schema,
-    shape,
+    check, compare, completions, demo, design, estimate, export, init, inspect, man, recover, run,
+    schema, shape,
 };
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
@@ -31,6 +31,7 @@ Examples:
   frfid design experiment.toml -o plan.mcap
   frfid run plan.mcap -o logs
   frfid estimate logs -o frf.json --report frf.html
+  frfid inspect robot.mcap                  what is in it, and what would be made of it
   frfid shape closed_loop.toml -o shaped    a chirp in closed loop, shaped to the desired torque
   frfid compare frf.json other.json",
     after_help = "\
@@ -48,6 +49,7 @@ pub(crate) struct Arguments {
 enum Command {
     Demo(demo::Arguments),
     Init(init::Arguments),
+    Inspect(Box<inspect::Arguments>),
     Check(check::Arguments),
     Schema(schema::Arguments),
     Design(design::Arguments),
@@ -73,6 +75,7 @@ impl Arguments {
         match &self.command {
             Command::Demo(arguments) => demo::run(arguments, options, console),
             Command::Init(arguments) => init::run(arguments, options, console),
+            Command::Inspect(arguments) => inspect::run(arguments, options, console),
             Command::Check(arguments) => check::run(arguments, options, console),
             Command::Schema(arguments) => schema::run(arguments, console),
             Command::Design(arguments) => design::run(arguments, options, console),

@@ -12,6 +12,7 @@ mod command {
     pub(crate) mod estimate;
     pub(crate) mod export;
     pub(crate) mod init;
+    pub(crate) mod inspect;
     pub(crate) mod man;
     pub(crate) mod recover;
     pub(crate) mod run;
@@ -28,6 +29,7 @@ mod progress;
 mod text {
     pub(crate) mod checks;
     pub(crate) mod comparison;
+    pub(crate) mod inspection;
     pub(crate) mod load;
     pub(crate) mod plan;
     pub(crate) mod strength;

@@ -26,10 +26,10 @@ pub(crate) struct MapOptions {
     /// A position, one for each output
     #[arg(long, value_name = "SIGNAL=UNIT", value_parser = signal, requires = "u")]
     position: Vec<Signal>,
-    /// Column or array of the sample times of a CSV or NPZ
+    /// Column or array of the sample times of a CSV, MAT or NPZ
     #[arg(long, value_name = "COLUMN=UNIT", value_parser = signal, requires = "u")]
     time: Option<Signal>,
-    /// Sample time in s of a CSV or NPZ without sample times
+    /// Sample time in s of a CSV, MAT or NPZ without sample times
     #[arg(long, value_name = "S", requires = "u")]
     sample_time_s: Option<f64>,
     /// Use the recordings from here on, in s after their first sample
@@ -131,11 +131,9 @@ fn input_help() -> String {
 /// Reads `SOURCE=UNIT`; the source may hold equals signs, a unit cannot.
 fn signal(text: &str) -> Result<Signal, String> {
     match text.rsplit_once('=') {
-        Some((source, unit)) if !source.is_empty() && !unit.is_empty() => Ok(Signal {
-            source: source.into(),
-            unit: unit.trim().into(),
-            scale: 1.0,
-        }),
+        Some((source, unit)) if !source.is_empty() && !unit.is_empty() => {
+            Ok(Signal::of(source, unit.trim()))
+        }
         _ => Err(
             "needed: SIGNAL=UNIT, as in '/joint_states:effort[elbow]=N m' or 'current=A'".into(),
         ),

@@ -22,6 +22,7 @@ mod design {
 mod error;
 mod estimate;
 mod experiment;
+mod inspect;
 /// Runs: done on a testbed, several at once, and kept.
 mod run {
     pub(crate) mod folder;
@@ -59,10 +60,13 @@ pub use design::cost::Cost;
 pub use design::predict::{Prediction, predict};
 pub use error::ExperimentError;
 pub use estimate::estimator::{Estimator, Spectra};
+pub use estimate::find_logs::recordings_among;
 pub use estimate::outcome::Outcome;
 pub use estimate::verdicts::{Evidence, judge};
 pub use estimate::{EstimateOptions, estimate_logs};
 pub use experiment::Experiment;
+pub use inspect::guess::GuessedMap;
+pub use inspect::{GroupLook, Inspection, SignalLook, inspect_recording};
 pub use run::folder::{RunOptions, RunReport, RunSummary, run_to_folder};
 pub use run::load::Load;
 pub use run::parallel::{Progress, Steps, for_each, silent};

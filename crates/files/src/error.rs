@@ -98,6 +98,17 @@ impl FileError {
         }
     }
 
+    /// The error under the name of another file: the one that was given, where a copy of it was read.
+    pub(crate) fn of_file(mut self, given: &Path) -> Self {
+        match &mut self {
+            Self::Io { path, .. } | Self::Format { path, .. } | Self::Content { path, .. } => {
+                *path = given.into();
+            }
+            _ => {}
+        }
+        self
+    }
+
     /// The file is of another kind.
     #[must_use]
     pub fn format(

@@ -1,6 +1,10 @@
 //! Kinds of files that frfid does not read, or not everywhere, by their first bytes.
 
+use std::fs::File;
 use std::io::{self, Read};
+use std::path::Path;
+
+use crate::error::FileError;
 
 /// From MATLAB to a file that is read.
 const MAT_ADVICE: &str = "in MATLAB writetable(table(t, u, y), 'log.csv'); or in Python numpy.savez('log.npz', t=m['t'], u=m['u'], \
@@ -46,6 +50,12 @@ pub(crate) fn first_bytes(file: &mut impl Read) -> io::Result<Vec<u8>> {
     let mut start = Vec::new();
     file.take(32).read_to_end(&mut start)?;
     Ok(start)
+}
+
+/// The first bytes of a file of this name.
+pub(crate) fn start_of(path: &Path) -> Result<Vec<u8>, FileError> {
+    let read = || first_bytes(&mut File::open(path)?);
+    read().map_err(FileError::cannot("open", path))
 }
 
 /// What the file is and what to do with it, by its first bytes; `None` if they say nothing.

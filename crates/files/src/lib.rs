@@ -50,10 +50,13 @@ mod sha256;
 
 pub use atomic_write::{BoxError, Overwrite, check_free, create_folder, part_path, write_bytes};
 pub use error::FileError;
+pub use log::bag::folder::{is_bag_folder, recording_parts};
 pub use log::csv::dialect::CsvTable;
 pub use log::formats::{FORMATS, Format};
+pub use log::listing::{ListedSignal, Listing, SignalGroup, list_recording};
 pub use log::map::{LogMap, Signal};
 pub use log::npz::read_npz_array;
+pub use log::units::si_unit;
 pub use log::{ClockFit, Log, read_log};
 pub use loss::Loss;
 pub use mcap::recover::{Recovered, recover};

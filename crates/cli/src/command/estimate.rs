@@ -151,7 +151,7 @@ fn tell(
     let checks = checks_as_text(&estimate.result.checks);
     console.data(&format!(
         "{output}\n{}{strength}{verdicts}\n{checks}",
-        summary(&estimate.result)
+        list(&summary(&estimate.result))
     ))?;
     if let Some(report) = &arguments.report {
         console.note(format_args!("report in {}", report.display()));
@@ -162,7 +162,8 @@ fn tell(
     Ok(())
 }
 
-fn summary(result: &ResultFile) -> String {
+/// Inputs, outputs, frequencies and how well they are known.
+pub(crate) fn summary(result: &ResultFile) -> Vec<(&'static str, String)> {
     let inputs = with_units(&result.input_names, &result.input_units);
     let outputs = with_units(&result.output_names, &result.output_units);
     let [noise, total] = Spread::noise_and_total(&result.frf);
@@ -170,13 +171,13 @@ fn summary(result: &ResultFile) -> String {
         (Some(_), Some(_)) => "noise and bias of excerpts",
         _ => "noise",
     };
-    list(&[
+    vec![
         ("inputs", inputs),
         ("outputs", outputs),
         ("frequencies", frequencies(&result.frf)),
         (noise_name, known(noise, "two periods")),
         ("noise and nonlinear", known(total, "two realizations")),
-    ])
+    ]
 }
 
 /// Names with their units.

@@ -3,22 +3,23 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-use frfid_files::{FORMATS, FileError, Format};
+use frfid_files::{FORMATS, FileError, Format, is_bag_folder, recording_parts};
 
 use crate::error::ExperimentError;
 
-/// The files among `paths` in the order given, the recordings of a folder by name, each file once.
+/// The recordings among `paths` in the order given, those of a folder by name, each once.
 ///
-/// The recordings of a folder are of one format: the first of [`FORMATS`] that it holds.
+/// A folder that rosbag2 recorded into is one recording. The recordings of any other folder are the bag
+/// folders in it, or else files of one format: the first of [`FORMATS`] that it holds.
 ///
 /// # Errors
 /// [`ExperimentError::File`] for a path that does not exist or cannot be listed,
 /// [`ExperimentError::Logs`] for none.
-pub(crate) fn find_logs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentError> {
+pub fn recordings_among(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentError> {
     let mut found: Vec<PathBuf> = Vec::new();
     for path in paths {
         let metadata = std::fs::metadata(path).map_err(FileError::cannot("read", path))?;
-        if metadata.is_dir() {
+        if metadata.is_dir() && !is_bag_folder(path) {
             found.extend(recordings_inside(path)?);
         } else {
             found.push(path.clone());
@@ -27,7 +28,33 @@ pub(crate) fn find_logs(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentErr
     if found.is_empty() {
         return Err(no_recordings());
     }
-    Ok(each_once(found))
+    whole_bags(each_once(found))
+}
+
+/// The folder in place of its files, where all files of a split bag are given one by one.
+fn whole_bags(files: Vec<PathBuf>) -> Result<Vec<PathBuf>, ExperimentError> {
+    let mut recordings = Vec::new();
+    for file in &files {
+        let folder = file.parent().filter(|folder| is_bag_folder(folder));
+        let parts = folder.map_or(Ok(Vec::new()), recording_parts)?;
+        let n_given = parts.iter().filter(|part| files.contains(part)).count();
+        match folder {
+            Some(folder) if n_given > 1 && n_given == parts.len() => recordings.push(folder.into()),
+            Some(folder) if n_given > 1 => return Err(in_part(folder, n_given, parts.len())),
+            _ => recordings.push(file.clone()),
+        }
+    }
+    Ok(each_once(recordings))
+}
+
+fn in_part(folder: &Path, n_given: usize, n_parts: usize) -> ExperimentError {
+    let folder = folder.display();
+    ExperimentError::logs(
+        "recordings",
+        format!("{n_given} of the {n_parts} files of one recording, {folder}"),
+        "all of them",
+        "give the folder",
+    )
 }
 
 fn each_once(mut paths: Vec<PathBuf>) -> Vec<PathBuf> {
@@ -53,6 +80,10 @@ fn recordings_inside(folder: &Path) -> Result<Vec<PathBuf>, ExperimentError> {
     for entry in std::fs::read_dir(folder).map_err(unreadable)? {
         files.insert(entry.map_err(unreadable)?.path());
     }
+    if files.iter().any(|path| is_bag_folder(path)) {
+        files.retain(|path| is_bag_folder(path));
+        return Ok(files.into_iter().collect());
+    }
     let has_any = |format: &&Format| files.iter().any(|path| format.has(path));
     if let Some(format) = FORMATS.iter().find(has_any) {
         files.retain(|path| format.has(path));
@@ -71,12 +102,13 @@ mod tests {
         let paths = [folder.path().to_owned()];
         let touch = |name: &str| std::fs::write(folder.path().join(name), "x").expect("written");
         let names = || -> Vec<String> {
-            let found = find_logs(&paths).expect("some");
+            let found = recordings_among(&paths).expect("some");
             let name = |path: &PathBuf| path.file_name()?.to_str().map(String::from);
             found.iter().filter_map(name).collect()
         };
-        touch("metadata.yaml");
-        let error = find_logs(&paths).expect_err("no recording").to_string();
+        let error = recordings_among(&paths)
+            .expect_err("no recording")
+            .to_string();
         assert!(
             error.contains("no MCAP, rosbag2 SQLite, CSV, MAT, NPZ file"),
             "{error}"
@@ -86,5 +118,36 @@ mod tests {
         assert_eq!(names(), ["a.csv.gz", "b.CSV"]);
         touch("z.mcap");
         assert_eq!(names(), ["z.mcap"]);
+        let bag = folder.path().join("bag");
+        std::fs::create_dir(&bag).expect("made");
+        std::fs::write(bag.join("metadata.yaml"), "").expect("written");
+        assert_eq!(names(), ["bag"]);
+    }
+
+    #[test]
+    fn the_files_of_a_split_bag_are_one_recording() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let inside = |name: &str| folder.path().join(name);
+        let names = ["b_0.mcap", "b_1.mcap", "b_2.mcap"];
+        let metadata = format!(
+            "rosbag2_bagfile_information: {{relative_file_paths: [{}]}}",
+            names.join(", ")
+        );
+        std::fs::write(inside("metadata.yaml"), metadata).expect("written");
+        let files = names.map(inside);
+        for file in &files {
+            std::fs::write(file, "x").expect("written");
+        }
+        let bag = [folder.path().to_owned()];
+        assert_eq!(recordings_among(&bag).expect("itself"), bag);
+        assert_eq!(recordings_among(&files).expect("all"), bag);
+        assert_eq!(recordings_among(&files[1..2]).expect("one"), files[1..2]);
+        let error = recordings_among(&files[1..])
+            .expect_err("in part")
+            .to_string();
+        assert!(
+            error.contains("2 of the 3 files of one recording"),
+            "{error}"
+        );
     }
 }

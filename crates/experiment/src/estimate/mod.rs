@@ -27,7 +27,7 @@ use frfid_files::LogMap;
 
 use crate::description::estimate::EstimateTable;
 use crate::error::ExperimentError;
-use crate::estimate::find_logs::find_logs;
+use crate::estimate::find_logs::recordings_among;
 use crate::estimate::others::estimate_others_logs;
 use crate::estimate::our_logs::estimate_our_logs;
 use crate::estimate::outcome::Outcome;
@@ -55,7 +55,7 @@ pub fn estimate_logs(
     options: &EstimateOptions,
     progress: Progress,
 ) -> Result<Outcome, ExperimentError> {
-    let paths = find_logs(paths)?;
+    let paths = recordings_among(paths)?;
     let estimate = options.estimate.as_ref();
     match &options.map {
         Some(map) => estimate_others_logs(&paths, map, &estimate.cloned().unwrap_or_default()),

@@ -5,7 +5,9 @@ use std::collections::BTreeSet;
 use std::iter::zip;
 use std::path::{Path, PathBuf};
 
-use frfid_files::{FORMATS, Format, Loss, RunLabel, read_run, read_run_label, sha256_hex};
+use frfid_files::{
+    FORMATS, Format, Loss, RunLabel, is_bag_folder, read_run, read_run_label, sha256_hex,
+};
 use frfid_signals::RunId;
 
 use crate::description::estimate::EstimateTable;
@@ -45,7 +47,8 @@ pub(crate) fn estimate_our_logs(
 
 /// Refuses files that by their names are no logs of ours, which are all of the first format.
 fn refuse_others(paths: &[PathBuf]) -> Result<(), ExperimentError> {
-    let is_others = |path: &&PathBuf| FORMATS[1..].iter().any(|format: &Format| format.has(path));
+    let has_ending = |path: &Path| FORMATS[1..].iter().any(|format: &Format| format.has(path));
+    let is_others = |path: &&PathBuf| is_bag_folder(path) || has_ending(path);
     let other = paths.iter().find(is_others);
     other.map_or(Ok(()), |other| Err(no_map(other)))
 }
@@ -55,7 +58,7 @@ fn no_map(recording: &Path) -> ExperimentError {
         "recordings",
         format!("{}, which frfid did not make", recording.display()),
         "which signal is which",
-        "give a log map: --map, or --u and --y with their units",
+        "give a log map: --map, or --u and --y with their units; frfid inspect FILE shows what is in it and guesses one",
     )
 }
 

@@ -1,11 +1,14 @@
 //! Recordings in files of arrays: one array for each signal, or a channel of one, and one for the sample times.
 
+use std::cmp::Reverse;
 use std::path::Path;
 
 use crate::error::FileError;
+use crate::log::listing::{ListedSignal, Listing, N_FIRST, SignalGroup};
 use crate::log::map::{LogMap, Signal, Signals};
 use crate::log::recording::{Recording, Series};
 use crate::log::sample_times::{SampleTimes, TimeColumn, nth_stamp_ns};
+use crate::log::unit_names::unit_in_name;
 
 /// Arrays by the sources of a log map.
 pub(crate) trait Arrays {
@@ -40,6 +43,38 @@ pub(crate) fn read(
         }],
         ..Default::default()
     })
+}
+
+/// Matrices of more channels are no signals.
+pub(crate) const MOST_CHANNELS: usize = 64;
+
+/// Arrays in groups of one length, the largest group first.
+pub(crate) fn listing(
+    format: &'static str,
+    channels: impl Iterator<Item = (String, Vec<f64>)>,
+) -> Listing {
+    let mut groups: Vec<SignalGroup> = Vec::new();
+    for (source, samples) in channels {
+        let n_rows = Some(samples.len());
+        let unit = unit_in_name(&source);
+        let first = samples.into_iter().take(N_FIRST).collect();
+        let signal = ListedSignal::of(source, unit, first);
+        match groups.iter_mut().find(|group| group.n_rows == n_rows) {
+            Some(group) => group.signals.push(signal),
+            None => groups.push(SignalGroup {
+                name: format!("arrays of {}", n_rows.unwrap_or(0)),
+                n_rows,
+                signals: vec![signal],
+                ..SignalGroup::default()
+            }),
+        }
+    }
+    groups.sort_by_key(|group| Reverse(group.signals.len() * group.n_rows.unwrap_or(0)));
+    Listing {
+        format,
+        groups,
+        told: Vec::new(),
+    }
 }
 
 /// The sample times, as many as the first signal has samples.

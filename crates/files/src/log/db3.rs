@@ -8,12 +8,17 @@ use rusqlite::{Connection, OpenFlags, Row};
 
 use crate::error::FileError;
 use crate::log::bag::message::{Described, Received};
-use crate::log::bag::{self, Take};
+use crate::log::bag::{self, Take, contents};
+use crate::log::listing::Listing;
 use crate::log::map::{LogMap, Signals};
 use crate::log::recording::{Recording, TimedDamage};
 
 /// First bytes of a file of SQLite.
 pub(crate) const MAGIC: &[u8] = b"SQLite format 3\0";
+/// Whether what is read is computed, by a view or in a column: of any length, without end.
+const COMPUTED: &str = "SELECT EXISTS (SELECT 1 FROM sqlite_schema AS known
+    WHERE lower(name) IN ('topics', 'messages', 'message_definitions')
+    AND (type = 'view' OR sql LIKE 'CREATE VIRTUAL%' OR EXISTS (SELECT 1 FROM pragma_table_xinfo(known.name) WHERE hidden != 0)))";
 const TOPICS: &str = "SELECT id, name, type, serialization_format FROM topics";
 const DEFINITIONS: &str =
     "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions";
@@ -31,8 +36,17 @@ type Definitions = HashMap<String, (String, Vec<u8>)>;
 
 /// Reads every mapped topic.
 pub(crate) fn read(path: &Path, _map: &LogMap, signals: &Signals) -> Result<Recording, FileError> {
-    let bag = Bag::open(path)?;
-    bag::read(path, signals, |take| bag.scan(take))
+    bag::read(path, signals, |take| scan(path, take))
+}
+
+/// Lists its topics.
+pub(crate) fn list(path: &Path) -> Result<Listing, FileError> {
+    contents::list("rosbag2 SQLite", |take| scan(path, take))
+}
+
+/// Hands over all messages; returns the damages to the file.
+pub(crate) fn scan(path: &Path, take: &mut Take) -> Result<Vec<TimedDamage>, FileError> {
+    Bag::open(path)?.scan(take)
 }
 
 struct Bag<'p> {
@@ -46,6 +60,13 @@ impl<'p> Bag<'p> {
     fn open(path: &'p Path) -> Result<Self, FileError> {
         let opened = || {
             let database = Connection::open_with_flags(uri(path), flags())?;
+            // of what is computed no row is asked for
+            let is_computed = database.query_row(COMPUTED, [], |row| row.get(0))?;
+            if is_computed {
+                return Err(rusqlite::Error::InvalidColumnName(
+                    "topics or messages that are computed, by a view or in a column".into(),
+                ));
+            }
             let topics = rows(&database, TOPICS, |row| {
                 let topic = Topic {
                     name: row.get(1)?,

@@ -1,13 +1,13 @@
 //! Formats of recordings: the table that every reader, listing, help and error goes by. A format is
 //! a file of this folder and a row here.
 
-use std::fs::File;
-use std::io;
 use std::path::Path;
 
 use crate::error::FileError;
-use crate::file_kind::{first_bytes, kind_of};
+use crate::file_kind::{kind_of, start_of};
+use crate::log::listing::Listing;
 use crate::log::map::{LogMap, Signals};
+use crate::log::packed::Unpacked;
 use crate::log::recording::Recording;
 use crate::log::{csv, db3, mat, mcap, npz};
 
@@ -24,6 +24,8 @@ pub struct Format {
     magic: &'static [u8],
     /// Reads the signals of the map.
     pub(crate) read: fn(&Path, &LogMap, &Signals) -> Result<Recording, FileError>,
+    /// Lists what is in it.
+    list: fn(&Path) -> Result<Listing, FileError>,
 }
 
 /// The formats of recordings.
@@ -34,6 +36,7 @@ pub const FORMATS: [Format; 5] = [
         source: "TOPIC:FIELD[INDEX or JOINT]",
         magic: ::mcap::MAGIC,
         read: mcap::read,
+        list: mcap::list,
     },
     Format {
         name: "rosbag2 SQLite",
@@ -41,13 +44,17 @@ pub const FORMATS: [Format; 5] = [
         source: "TOPIC:FIELD[INDEX or JOINT]",
         magic: db3::MAGIC,
         read: db3::read,
+        list: db3::list,
     },
     Format {
         name: "CSV",
-        endings: &[".csv", ".csv.gz", ".txt", ".txt.gz"],
+        endings: &[
+            ".csv", ".csv.gz", ".txt", ".txt.gz", ".tsv", ".dat", ".asc", ".prn",
+        ],
         source: "COLUMN",
         magic: b"",
         read: csv::read,
+        list: csv::listing::list,
     },
     Format {
         name: "MAT",
@@ -55,6 +62,7 @@ pub const FORMATS: [Format; 5] = [
         source: "NAME, STRUCT.FIELD, or either with [CHANNEL]",
         magic: mat::MAGIC,
         read: mat::read,
+        list: mat::list,
     },
     Format {
         name: "NPZ",
@@ -62,25 +70,57 @@ pub const FORMATS: [Format; 5] = [
         source: "ARRAY or ARRAY[ROW]",
         magic: b"PK\x03\x04",
         read: npz::read,
+        list: npz::list,
     },
 ];
 
 impl Format {
-    /// Whether a file's name ends as this format's do.
+    /// Whether a file's name ends as this format's do, with `.zst` or `.zstd` behind it or not.
     #[must_use]
     pub fn has(&self, path: &Path) -> bool {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         let name = name.to_lowercase();
+        let packed = [".zst", ".zstd"].map(|ending| name.strip_suffix(ending));
+        let name = packed.into_iter().flatten().next().unwrap_or(&name);
         self.endings.iter().any(|ending| name.ends_with(ending))
     }
 
-    /// The format of a file, by its first bytes, then by the ending of its name.
+    /// Reads the signals of a file of any format, told by its first bytes, then by the ending of its name.
     ///
     /// # Errors
-    /// [`FileError::Io`]; [`FileError::Format`] that says what the file is instead.
-    pub(crate) fn of(path: &Path) -> Result<&'static Self, FileError> {
-        let start = start_of(path).map_err(FileError::cannot("open", path))?;
-        Self::known(path, &start).ok_or_else(|| no_recording(path, &start))
+    /// [`FileError`], [`FileError::Format`] that says what the file is instead of a recording.
+    pub(crate) fn read_any(
+        path: &Path,
+        map: &LogMap,
+        signals: &Signals,
+    ) -> Result<Recording, FileError> {
+        let unpacked = Unpacked::of(path)?;
+        let format = Self::of(&unpacked)?;
+        let read = (format.read)(unpacked.path(), map, signals);
+        let mut recording = read.map_err(|error| unpacked.renamed(error))?;
+        let damage = unpacked.damage.map(|reason| (None, reason));
+        recording.damages.extend(damage);
+        Ok(recording)
+    }
+
+    /// Lists what is in a file of any format.
+    ///
+    /// # Errors
+    /// [`FileError`], as [`Format::read_any`].
+    pub(crate) fn list_any(path: &Path) -> Result<Listing, FileError> {
+        let unpacked = Unpacked::of(path)?;
+        let format = Self::of(&unpacked)?;
+        let listed = (format.list)(unpacked.path());
+        let mut listing = listed.map_err(|error| unpacked.renamed(error))?;
+        listing.told.extend(unpacked.damage);
+        Ok(listing)
+    }
+
+    /// The format of a file, or what else it is.
+    fn of(unpacked: &Unpacked) -> Result<&'static Self, FileError> {
+        let start = start_of(unpacked.path())?;
+        let format = Self::known(&unpacked.name(), &start);
+        format.ok_or_else(|| unpacked.renamed(no_recording(unpacked.path(), &start)))
     }
 
     fn known(path: &Path, start: &[u8]) -> Option<&'static Self> {
@@ -92,10 +132,6 @@ impl Format {
     fn begins(&self, start: &[u8]) -> bool {
         !self.magic.is_empty() && start.starts_with(self.magic)
     }
-}
-
-fn start_of(path: &Path) -> io::Result<Vec<u8>> {
-    first_bytes(&mut File::open(path)?)
 }
 
 /// That a file of such a beginning is no recording.
@@ -110,7 +146,7 @@ fn other_kind(start: &[u8]) -> (&'static str, String) {
         Some((found, advice)) => (found, advice.to_owned()),
         None => (
             "an unknown kind of file",
-            format!("frfid reads {}", described()),
+            format!("frfid reads {}; each of them as .zst, too", described()),
         ),
     }
 }

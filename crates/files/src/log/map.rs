@@ -7,6 +7,7 @@ use frfid_signals::InputKind;
 use serde::{Deserialize, Serialize};
 
 use crate::log::csv::dialect::CsvTable;
+use crate::log::unit_names::without_unit;
 
 /// One signal: where it comes from, its unit, its sign and scale.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -17,23 +18,42 @@ pub struct Signal {
     /// joint, looked up in each message. In a CSV the name of the column; in an NPZ the name of an
     /// array (sample), or `name[row]` for one (channel, sample).
     pub source: String,
-    /// Unit in the recording: `rad`, `deg`, `rad/s`, `rpm`, `N m`, `A`, ...; the signal is
-    /// converted to SI once.
+    /// Unit in the recording: `rad`, `deg`, `rad/s`, `rpm`, `N m`, `A`, ..., `%` with `full_scale`, `counts`
+    /// with `counts_per_turn`; the signal is converted to SI once.
     pub unit: String,
+    /// What 100 % is, `"5 N m"`, of a signal in `%`, or what 1 is of one in `pu`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub full_scale: Option<String>,
+    /// Counts of one turn, of a signal in `counts` or `counts/s`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub counts_per_turn: Option<f64>,
+    /// What results call it; its source without it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub name: Option<String>,
     /// Factor on top of the unit, -1 for a sensor that counts the other way round.
     #[serde(default = "one")]
     pub scale: f64,
 }
 
-#[cfg(test)]
 impl Signal {
-    /// As it is in the file.
-    pub(crate) fn of(source: &str, unit: &str) -> Self {
+    /// As it is in the file, in a unit.
+    #[must_use]
+    pub fn of(source: &str, unit: &str) -> Self {
         Self {
             source: source.into(),
             unit: unit.into(),
+            full_scale: None,
+            counts_per_turn: None,
+            name: None,
             scale: one(),
         }
+    }
+
+    /// What results call it: its name in the map, or its source without a unit in brackets, which would not be
+    /// the SI unit beside it.
+    pub(crate) fn label(&self) -> String {
+        let stated = self.name.clone();
+        stated.unwrap_or_else(|| without_unit(&self.source).to_owned())
     }
 }
 

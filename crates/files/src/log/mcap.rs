@@ -4,7 +4,8 @@ use std::path::Path;
 
 use crate::error::FileError;
 use crate::log::bag::message::{Described, Received};
-use crate::log::bag::{self, Take};
+use crate::log::bag::{self, Take, contents};
+use crate::log::listing::Listing;
 use crate::log::map::{LogMap, Signals};
 use crate::log::recording::{Recording, TimedDamage};
 use crate::loss::Damage;
@@ -16,8 +17,13 @@ pub(crate) fn read(path: &Path, _map: &LogMap, signals: &Signals) -> Result<Reco
     bag::read(path, signals, |take| scan(path, take))
 }
 
+/// Lists its topics.
+pub(crate) fn list(path: &Path) -> Result<Listing, FileError> {
+    contents::list("MCAP", |take| scan(path, take))
+}
+
 /// Hands over all messages; returns the damages to the file.
-fn scan(path: &Path, take: &mut Take) -> Result<Vec<TimedDamage>, FileError> {
+pub(crate) fn scan(path: &Path, take: &mut Take) -> Result<Vec<TimedDamage>, FileError> {
     let damages = scan_file(path, Part::All, &mut |entry| {
         received(path, &entry).map_or(Ok(()), |received| take(&received))
     })?;

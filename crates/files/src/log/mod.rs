@@ -8,17 +8,20 @@ pub(crate) mod csv;
 pub(crate) mod db3;
 pub(crate) mod decimal;
 pub(crate) mod formats;
+pub(crate) mod listing;
 pub(crate) mod map;
 pub(crate) mod mat;
 pub(crate) mod mcap;
 pub(crate) mod npy;
 pub(crate) mod npz;
+pub(crate) mod packed;
 pub(crate) mod recording;
 pub(crate) mod sample_times;
 pub(crate) mod table;
 #[cfg(test)]
 mod tests;
 pub(crate) mod text;
+pub(crate) mod unit_names;
 pub(crate) mod units;
 
 use std::path::Path;
@@ -29,11 +32,13 @@ use ndarray::Array2;
 use crate::error::FileError;
 use crate::log::alignment::Grid;
 use crate::log::alignment::pairing::{Paced, delay_warnings, stamp_warnings, two_clocks};
+use crate::log::bag::folder::{self, is_bag_folder};
 use crate::log::clock::{Clock, Flaw};
 use crate::log::formats::Format;
 use crate::log::map::{LogMap, Signal};
 use crate::log::recording::{Recording, Series, of_damaged};
-use crate::log::units::{si_of, to_si};
+use crate::log::unit_names::name_says_otherwise;
+use crate::log::units::{si_of, signal_to_si};
 use crate::loss::Loss;
 use crate::run::header;
 
@@ -83,7 +88,7 @@ pub struct ClockFit {
     pub n_lost: usize,
 }
 
-/// Reads a recording in one of the [`formats::FORMATS`].
+/// Reads a recording in one of the [`formats::FORMATS`], or the folder of one by rosbag2.
 ///
 /// Topics are aligned by their stamps; a constant delay between them is reported, not corrected.
 /// Nothing is resampled.
@@ -94,7 +99,10 @@ pub struct ClockFit {
 pub fn read_log(path: &Path, map: &LogMap) -> Result<Log, FileError> {
     check(map)?;
     let source = Source::of(path, map);
-    let mut recording = (Format::of(path)?.read)(path, map, &source.signals)?;
+    let mut recording = match is_bag_folder(path) {
+        true => folder::read(path, &source.signals)?,
+        false => Format::read_any(path, map, &source.signals)?,
+    };
     let log = source.assemble(&mut recording);
     log.map_err(|error| of_damaged(error, &recording.damages))
 }
@@ -148,6 +156,11 @@ impl<'s> Source<'s> {
         let clocks = self.clocks(recording)?;
         let topics = self.paced(&recording.series, &clocks);
         let mut warnings = recording.warnings.clone();
+        warnings.extend(
+            self.signals
+                .iter()
+                .filter_map(|signal| name_says_otherwise(signal)),
+        );
         let grid = Grid::of(&topics, &mut warnings).map_err(|flaw| self.flawed("topics", flaw))?;
         warnings.extend(told(&topics));
         let mut values = self.no_values(grid.n_samples)?;
@@ -284,7 +297,7 @@ fn there(role: Array2<f64>) -> Option<Array2<f64>> {
 }
 
 fn names(role: &[Signal]) -> Vec<String> {
-    role.iter().map(|signal| signal.source.clone()).collect()
+    role.iter().map(Signal::label).collect()
 }
 
 fn units(role: &[Signal]) -> Vec<String> {
@@ -293,7 +306,7 @@ fn units(role: &[Signal]) -> Vec<String> {
 
 /// The SI unit; a unit that is not known stays as it is.
 fn unit(signal: &Signal) -> String {
-    match to_si(&signal.unit) {
+    match signal_to_si(signal) {
         Ok((_, si)) => si.to_owned(),
         Err(_) => signal.unit.clone(),
     }

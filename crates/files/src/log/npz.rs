@@ -4,11 +4,12 @@ use std::fs::File;
 use std::io::{self, BufReader, Read};
 use std::path::Path;
 
-use ndarray::ArrayD;
+use ndarray::{ArrayD, Axis};
 use npyz::npz::NpzArchive;
 
 use crate::error::FileError;
 use crate::log::arrays::{self, Arrays, bad_array, name_and_channel};
+use crate::log::listing::Listing;
 use crate::log::map::{LogMap, Signals};
 use crate::log::npy::{parse_npy, parse_npy_integers};
 use crate::log::recording::Recording;
@@ -91,6 +92,32 @@ fn no_npz(path: &Path, error: io::Error) -> FileError {
 /// sample).
 pub(crate) fn read(path: &Path, map: &LogMap, signals: &Signals) -> Result<Recording, FileError> {
     arrays::read(path, map, signals, &Npz { path })
+}
+
+/// Lists its arrays: those of one length are sampled together.
+pub(crate) fn list(path: &Path) -> Result<Listing, FileError> {
+    let archive = open(path)?;
+    let mut names: Vec<String> = archive.array_names().map(str::to_owned).collect();
+    names.sort();
+    let arrays = names.into_iter().filter_map(|name| {
+        let array = read_array(path, &name, parse_npy).ok()?;
+        Some((name, array))
+    });
+    let channels = arrays.flat_map(|(name, array)| channels(&name, &array));
+    Ok(arrays::listing("NPZ", channels))
+}
+
+/// The channels of an array, each with its source.
+fn channels(name: &str, array: &ArrayD<f64>) -> Vec<(String, Vec<f64>)> {
+    let rows = match array.ndim() {
+        2 => array.len_of(Axis(0)).min(arrays::MOST_CHANNELS),
+        _ => 0,
+    };
+    let sources = (0..rows).map(|row| (format!("{name}[{row}]"), Some(row)));
+    let whole = (rows == 0).then(|| (name.to_owned(), None));
+    let all = sources.chain(whole);
+    all.filter_map(|(source, row)| Some((source, samples(array, row)?)))
+        .collect()
 }
 
 struct Npz<'p> {

@@ -507,7 +507,7 @@ fn a_format_is_known_by_its_first_bytes_or_by_its_name() {
             &csv[..],
             "frfid reads MCAP (.mcap), rosbag2 SQLite (.db3), CSV (.csv",
         ),
-        ("x.db3", b"SQLite format 3\0", "ros2 bag convert"),
+        ("x.db3", b"SQLite format 3\0", "topic:field"),
         ("x.mat", b"MATLAB 5.0 MAT-file, ...", "a MATLAB file"),
         (
             "x.mat",

@@ -112,6 +112,20 @@ fn no_field(name: &str, at: &Value) -> String {
     }
 }
 
+/// The names of the entries of arrays beside or below a message, if it has any.
+pub(crate) fn names_of(message: &Value) -> Option<Vec<String>> {
+    let lists = NAMES.iter().filter_map(|names| message.field(names));
+    let text = |value: &Value| match value {
+        Value::Text(text) => Some(text.clone()),
+        _ => None,
+    };
+    let texts = |list: &Value| match list {
+        Value::List(list) => list.iter().map(text).collect::<Option<Vec<String>>>(),
+        _ => None,
+    };
+    lists.filter_map(texts).find(|names| !names.is_empty())
+}
+
 /// The place of a joint in the nearest list of names that has it.
 fn place_of(joint: &str, around: &[&Value]) -> Result<Option<usize>, String> {
     let lists = around.iter().rev();

@@ -78,9 +78,15 @@ impl Found {
         self.unused.extend(unused);
         match first_error {
             Some(error) if measured.is_empty() => Err(error),
-            _ if measured.is_empty() => Err(EstimateError::EmptyList("whole periods").into()),
+            _ if measured.is_empty() => Err(self.no_whole_period()),
             _ => Ok(measured),
         }
+    }
+
+    /// That no run has a whole period, with what is lost of the first recording.
+    fn no_whole_period(&self) -> ExperimentError {
+        let complaint = self.recordings[0].complaint();
+        complaint(EstimateError::EmptyList("whole periods"))
     }
 
     /// Frequencies of the lines in Hz, by the clock of the recorder.

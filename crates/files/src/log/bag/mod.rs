@@ -1,5 +1,7 @@
 //! Bags: the mapped signals of any topic of CDR messages, whatever file holds them.
 
+pub(crate) mod contents;
+pub(crate) mod folder;
 pub(crate) mod message;
 
 use std::collections::BTreeSet;

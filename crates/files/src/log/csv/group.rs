@@ -12,10 +12,11 @@ use crate::log::map::{LogMap, Signal, Signals};
 use crate::log::sample_times::{SampleTimes, nth_stamp_ns};
 use crate::log::table::Table;
 
-/// Names of a long table, with a row for each value: the times in front differ.
+/// Names of a long table, with a row for each value.
 const TOPIC: &str = "topic";
 const VALUE: &str = "value";
-const RECEIVED: &str = "receive time";
+/// Its times: of the message, which may be empty, of the recorder, and since the beginning.
+pub(super) const LONG_TIMES: [&str; 3] = ["header.stamp", "receive time", "elapsed time"];
 /// Topics that are listed.
 const LISTED: usize = 40;
 
@@ -188,9 +189,9 @@ fn names(places: &[usize], signals: &Signals) -> String {
 }
 
 /// The columns of topics and values of a long table.
-fn long_columns(header: &Header) -> Option<(usize, usize)> {
+pub(super) fn long_columns(header: &Header) -> Option<(usize, usize)> {
     let place = |name: &str| header.names.iter().position(|own| own == name);
-    place(RECEIVED)?;
+    LONG_TIMES.iter().find_map(|time| place(time))?;
     Some((place(TOPIC)?, place(VALUE)?))
 }
 

@@ -7,6 +7,7 @@ use crate::error::FileError;
 use crate::log::csv::cells::Line;
 use crate::log::csv::dialect::COMMENTS;
 use crate::log::map::Signal;
+use crate::log::unit_names::are_alike;
 use crate::log::units::to_si;
 
 /// Names and units of columns.
@@ -141,7 +142,7 @@ impl Header {
     pub(super) fn other_unit(&self, signal: &Signal, column: usize) -> Option<String> {
         let written = self.units.as_ref()?.get(column)?;
         let written = written.trim_matches(['[', ']', '(', ')']);
-        let is_same = written.is_empty() || to_si(written).ok() == to_si(&signal.unit).ok();
+        let is_same = written.is_empty() || signal.unit == "1" || are_alike(written, &signal.unit);
         (!is_same).then(|| {
             format!(
                 "column `{}` is in `{written}` by the file and in `{}` by the map",

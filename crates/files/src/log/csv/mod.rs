@@ -4,6 +4,7 @@ mod cells;
 pub(crate) mod dialect;
 mod group;
 mod header;
+pub(crate) mod listing;
 mod moment;
 mod row;
 mod rows;

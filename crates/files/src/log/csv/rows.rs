@@ -15,6 +15,7 @@ use crate::log::csv::squeezed::Squeezed;
 use crate::log::csv::text::{SharedEnd, Text};
 use crate::log::map::{LogMap, Signals};
 use crate::log::recording::{Recording, TimedDamage};
+use crate::run::header::MOST_VALUES;
 
 /// The rows while they come in.
 pub(super) struct Rows<'d> {
@@ -24,6 +25,7 @@ pub(super) struct Rows<'d> {
     /// Cells of the last row; fewer from row to row where columns end one after the other.
     width: usize,
     is_jagged: bool,
+    most_rows: usize,
     untimed: Option<Untimed>,
     number: usize,
     /// The last line.
@@ -59,6 +61,7 @@ impl<'d> Rows<'d> {
             path,
             dialect,
             width: dialect.header.names.len(),
+            most_rows: MOST_VALUES / (1 + signals.len()),
             untimed: None,
             number: 0,
             line: 0,
@@ -140,6 +143,7 @@ impl<'d> Rows<'d> {
         }
         self.width = self.width.min(record.len());
         self.number += 1;
+        self.check_count()?;
         for group in &mut self.groups {
             match group.take(&row)? {
                 Taken::Untimed => untimed(&mut self.untimed, self.line),
@@ -147,6 +151,16 @@ impl<'d> Rows<'d> {
             }
         }
         Ok(())
+    }
+
+    /// Refuses more rows than a recording may have.
+    fn check_count(&self) -> Result<(), FileError> {
+        if self.number <= self.most_rows {
+            return Ok(());
+        }
+        let found = format!("more than {} rows", self.most_rows);
+        let needed = format!("at most {MOST_VALUES} times and values");
+        Err(FileError::content(self.path, "table", found, needed))
     }
 
     /// Whether a shorter row is one behind the end of its last columns.

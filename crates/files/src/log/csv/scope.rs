@@ -12,7 +12,7 @@ use crate::log::csv::header::Header;
 use crate::log::map::{LogMap, Signal};
 
 /// Key of the row of names, which names the time columns, too; its times are in ms.
-const NAMES: &str = "Name";
+pub(super) const NAMES: &str = "Name";
 /// Key of a row that only these exports have.
 const SAMPLE_TIMES: &str = "SampleTime[ms]";
 const UNITS: &str = "Unit";
@@ -122,11 +122,7 @@ fn scaled(properties: &[Line], width: usize) -> Vec<usize> {
 
 /// The log map, with the time columns of an export where it names none.
 pub(super) fn with_times(map: &LogMap) -> LogMap {
-    let times = || Signal {
-        source: NAMES.into(),
-        unit: "ms".into(),
-        scale: 1.0,
-    };
+    let times = || Signal::of(NAMES, "ms");
     LogMap {
         time: Some(map.time.clone().unwrap_or_else(times)),
         ..map.clone()

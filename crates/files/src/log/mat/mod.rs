@@ -5,13 +5,14 @@ mod level5;
 mod level73;
 mod value;
 
-use std::fs::{self, File};
+use std::fs;
 use std::path::Path;
 
 use crate::error::FileError;
-use crate::file_kind::first_bytes;
-use crate::log::arrays::{self, Arrays, bad_array, name_and_channel};
+use crate::file_kind::start_of;
+use crate::log::arrays::{self, Arrays, MOST_CHANNELS, bad_array, name_and_channel};
 use crate::log::formats::no_recording;
+use crate::log::listing::Listing;
 use crate::log::map::{LogMap, Signals};
 use crate::log::mat::value::{Array, Value, Variable, name_and_number};
 use crate::log::recording::Recording;
@@ -30,26 +31,33 @@ const OBJECTS: &str = "numbers; an object (timeseries, timetable, Dataset) holds
 /// Reads the mapped arrays: `name` or `struct.field(2).field` for one channel, `name[channel]` for a channel of a
 /// matrix.
 pub(crate) fn read(path: &Path, map: &LogMap, signals: &Signals) -> Result<Recording, FileError> {
-    let cannot = FileError::cannot("read", path);
-    let mut file = File::open(path).map_err(cannot)?;
-    let start = first_bytes(&mut file).map_err(cannot)?;
     let sources = signals.iter().copied().chain(&map.time);
     let sources: Vec<&str> = sources.map(|signal| signal.source.as_str()).collect();
-    let variables = match &start {
-        start if start.starts_with(LEVEL_5) => level5_variables(path, &sources)?,
-        start if start.starts_with(LEVEL_7_3) => level73::variables(path, &sources)?,
-        _ => Vec::new(),
-    };
-    if variables.is_empty() {
-        return Err(no_recording(path, &start));
-    }
-    arrays::read(path, map, signals, &MatFile { path, variables })
+    let file = MatFile::of(path, Some(&sources))?;
+    arrays::read(path, map, signals, &file)
 }
 
-fn level5_variables(path: &Path, sources: &[&str]) -> Result<Vec<Variable>, FileError> {
+/// Lists its arrays: those of one length are sampled together.
+pub(crate) fn list(path: &Path) -> Result<Listing, FileError> {
+    let file = MatFile::of(path, None)?;
+    let sources = file.sources();
+    let channels = sources.filter_map(|source| Some((file.numbers(&source).ok()?, source)));
+    Ok(arrays::listing(
+        "MAT",
+        channels.map(|(samples, source)| (source, samples)),
+    ))
+}
+
+fn level5_variables(path: &Path, sources: Option<&[&str]>) -> Result<Vec<Variable>, FileError> {
     let bytes = fs::read(path).map_err(FileError::cannot("read", path))?;
-    let wanted: Vec<&str> = sources.iter().map(|source| variable_of(source)).collect();
-    level5::variables(&bytes, &wanted).map_err(|short| damaged(path, &short.to_string()))
+    let names = |sources: &[&str]| {
+        sources
+            .iter()
+            .map(|source| variable_of(source).to_owned())
+            .collect()
+    };
+    let wanted: Option<Vec<String>> = sources.map(names);
+    level5::variables(&bytes, wanted.as_deref()).map_err(|short| damaged(path, &short.to_string()))
 }
 
 /// The variable of a source.
@@ -64,7 +72,21 @@ struct MatFile<'p> {
     variables: Vec<Variable>,
 }
 
-impl MatFile<'_> {
+impl<'p> MatFile<'p> {
+    /// The variables of these sources, or all.
+    fn of(path: &'p Path, sources: Option<&[&str]>) -> Result<Self, FileError> {
+        let start = start_of(path)?;
+        let variables = match &start {
+            start if start.starts_with(LEVEL_5) => level5_variables(path, sources)?,
+            start if start.starts_with(LEVEL_7_3) => level73::variables(path, sources)?,
+            _ => Vec::new(),
+        };
+        if variables.is_empty() {
+            return Err(no_recording(path, &start));
+        }
+        Ok(Self { path, variables })
+    }
+
     /// The array of a source, and its channel.
     fn array(&self, source: &str) -> Result<(&Array, Option<usize>), FileError> {
         let (path, channel) = name_and_channel(source);
@@ -84,12 +106,31 @@ impl MatFile<'_> {
         }
     }
 
-    fn not_there(&self, source: &str) -> FileError {
+    /// The paths of all arrays.
+    fn paths(&self) -> Vec<String> {
         let of = |(name, value): &Variable| match value {
             Some(value @ Value::Struct(_)) => value.paths(name),
             _ => vec![name.clone()],
         };
-        let mut names: Vec<String> = self.variables.iter().flat_map(of).collect();
+        self.variables.iter().flat_map(of).collect()
+    }
+
+    /// Every channel of every array as a source.
+    fn sources(&self) -> impl Iterator<Item = String> {
+        self.paths().into_iter().flat_map(|path| {
+            let n_channels = self.array(&path).map_or(0, |(array, _)| array.n_channels());
+            let channels =
+                (0..n_channels.min(MOST_CHANNELS)).map(move |k| (n_channels > 1).then_some(k));
+            let source = move |channel: Option<usize>| match channel {
+                Some(channel) => format!("{path}[{channel}]"),
+                None => path.clone(),
+            };
+            channels.map(source)
+        })
+    }
+
+    fn not_there(&self, source: &str) -> FileError {
+        let mut names = self.paths();
         names.truncate(NAMED);
         let needed = format!("one of {}", names.join(", "));
         bad_array(self.path, source, "no such array".into(), needed)

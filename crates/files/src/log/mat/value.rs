@@ -99,6 +99,15 @@ fn element_paths(fields: &[(String, Vec<Value>)], k: usize, name: &str) -> Vec<S
 }
 
 impl Array {
+    /// Number of channels: those of a matrix lie along its shorter side.
+    pub(super) fn n_channels(&self) -> usize {
+        match self.shape[..] {
+            [] | [_] => 1,
+            [rows, columns] => rows.min(columns),
+            _ => 0,
+        }
+    }
+
     /// The samples of a vector, or of a channel of a matrix, from 0: channels lie along the shorter side.
     pub(super) fn samples<T: Copy>(&self, values: &[T], channel: Option<usize>) -> Option<Vec<T>> {
         match (self.shape[..].first_chunk::<2>(), channel) {

@@ -1,8 +1,8 @@
 //! Reading of recordings: each one that can be read, cut to what is asked for; the others are named.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use frfid_files::{Log, LogMap, read_log, sha256_file};
+use frfid_files::{Log, LogMap, read_log, recording_parts, sha256_file};
 
 use crate::error::ExperimentError;
 use crate::estimate::others::recording::cut::cut;
@@ -40,7 +40,7 @@ pub(in crate::estimate::others) fn read(
     }
 }
 
-fn read_one(path: &std::path::Path, map: &LogMap) -> Result<Log, ExperimentError> {
+fn read_one(path: &Path, map: &LogMap) -> Result<Log, ExperimentError> {
     cut(read_log(path, map)?, map.start_s, map.end_s)
 }
 
@@ -50,26 +50,35 @@ fn read_one(path: &std::path::Path, map: &LogMap) -> Result<Log, ExperimentError
 /// [`ExperimentError`] for files that are equal byte for byte: what was measured once is no second
 /// measurement.
 pub(in crate::estimate::others) fn hashes(paths: &[PathBuf]) -> Result<Metadata, ExperimentError> {
-    let mut hashes: Vec<(String, &PathBuf)> = Vec::new();
+    let mut hashes: Vec<(String, PathBuf)> = Vec::new();
     for path in paths {
-        let hash = sha256_file(path)?;
-        if let Some((_, same)) = hashes.iter().find(|(other, _)| *other == hash) {
-            return Err(ExperimentError::logs(
-                "recordings",
-                format!(
-                    "the same bytes in {} and {}",
-                    same.display(),
-                    path.display()
-                ),
-                "each recording once",
-                "a copy is no second measurement: leave it out",
-            ));
+        for part in recording_parts(path)?
+            .into_iter()
+            .filter(|part| part.exists())
+        {
+            let hash = sha256_file(&part)?;
+            if let Some((_, same)) = hashes.iter().find(|(other, _)| *other == hash) {
+                return Err(copied(same, &part));
+            }
+            hashes.push((hash, part));
         }
-        hashes.push((hash, path));
     }
     let named = hashes.into_iter().map(|(hash, path)| {
         let name = path.file_name().unwrap_or_default().to_string_lossy();
         (format!("sha256 of {name}"), hash)
     });
     Ok(named.collect())
+}
+
+fn copied(first: &Path, second: &Path) -> ExperimentError {
+    ExperimentError::logs(
+        "recordings",
+        format!(
+            "the same bytes in {} and {}",
+            first.display(),
+            second.display()
+        ),
+        "each recording once",
+        "a copy is no second measurement: leave it out",
+    )
 }

@@ -1,6 +1,7 @@
 //! Tables with several clocks: TwinCAT Scope, Simulation Data Inspector, Foxglove; columns that end one by one.
 
 use super::{map, read, signal};
+use crate::log::listing::list_recording;
 use crate::log::map::LogMap;
 
 fn u(k: usize) -> f64 {
@@ -37,6 +38,23 @@ fn check(name: &str, text: &str, map: &LogMap, n: usize) -> String {
 
 fn refused(text: &str, map: &LogMap) -> String {
     read(text.as_bytes(), map).expect_err("refused").to_string()
+}
+
+/// Groups of a text's listing: names and units, and what is told.
+fn listed(text: &str) -> (Vec<Vec<String>>, Vec<String>) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("log.csv");
+    std::fs::write(&path, text).expect("written");
+    let listing = list_recording(&path).expect("a table");
+    let groups = listing.groups.into_iter().map(|group| {
+        let signals = group.signals.into_iter();
+        let named = signals.map(|signal| match signal.unit {
+            Some(unit) => format!("{} in {unit}", signal.source),
+            None => signal.source,
+        });
+        named.collect()
+    });
+    (groups.collect(), listing.told)
 }
 
 /// A channel of a Scope export.
@@ -217,6 +235,15 @@ fn twincat_scope() {
                 );
             }
         }
+        let (groups, told) = listed(&export.text(&[&fast, &shared, &own[1]]));
+        assert_eq!(told.len(), 1, "{name}: {told:?}");
+        if separator != " " {
+            let apart = [
+                vec!["Name in ms", "fast in Nm"],
+                vec!["Name in ms", "u in Nm", "y in rad/s", "y in rad/s"],
+            ];
+            assert_eq!(groups, apart, "{name}");
+        }
         // another unit is told, another rate refused with both
         let text = export.text(&[&fast, &shared, &slow]);
         let mut amperes = on("Name", "ms", "u", "y");
@@ -339,6 +366,14 @@ fn simulation_data_inspector() {
         told.contains("units: N m, rad/s, V") && !told.contains("by the file"),
         "{told}"
     );
+    let (groups, _) = listed(&format!("{head}{said}{both}"));
+    assert_eq!(
+        groups,
+        [
+            vec!["time", "u in N m", "y in rad/s"],
+            vec!["time", "slow in V"]
+        ]
+    );
     let other = said.replace("N m", "A");
     let told = check("other", &format!("{head}{other}{both}"), &map, 200);
     assert!(told.contains("column `u` is in `A` by the file"), "{told}");
@@ -405,6 +440,27 @@ fn foxglove() {
     assert!(
         told.contains("topic `/y`") && told.contains("one of /joint.velocity[0], /other, /u.data"),
         "{told}"
+    );
+    let (groups, told) = listed(&others);
+    let times = [
+        "header.stamp in s",
+        "receive time in s",
+        "elapsed time in s",
+    ];
+    let of = |topic: &'static str, times: &[&'static str]| [times, &[topic]].concat();
+    let topics = [
+        of("/joint.velocity[0]", &times),
+        of("/other", &times[1..]),
+        of("/u.data", &times),
+    ];
+    assert_eq!(
+        (groups, told.len()),
+        (
+            topics
+                .map(|topic| topic.into_iter().map(str::to_owned).collect())
+                .to_vec(),
+            0
+        )
     );
     let told = refused(&others, &on("header.stamp", "s", "/u.data", "/other"));
     assert!(told.contains("topic `/other`"), "{told}");

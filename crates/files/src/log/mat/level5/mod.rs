@@ -19,8 +19,8 @@ const NUMBERS: std::ops::RangeInclusive<u32> = 6..=15;
 /// Flag of complex arrays.
 const COMPLEX: u32 = 0x0800;
 
-/// The variables of a file, those that are wanted with their values.
-pub(super) fn variables(bytes: &[u8], wanted: &[&str]) -> Result<Vec<Variable>, Short> {
+/// The variables of a file, those that are wanted, or all, with their values.
+pub(super) fn variables(bytes: &[u8], wanted: Option<&[String]>) -> Result<Vec<Variable>, Short> {
     let is_big = bytes.get(126..HEADER) == Some(b"MI");
     let mut elements = Elements::of(bytes.get(HEADER..).unwrap_or_default(), is_big);
     let mut variables = Vec::new();
@@ -31,7 +31,7 @@ pub(super) fn variables(bytes: &[u8], wanted: &[&str]) -> Result<Vec<Variable>, 
 }
 
 /// A variable with its value if it is wanted; `None` of what is no variable.
-fn variable(element: &Element, wanted: &[&str]) -> Option<Variable> {
+fn variable(element: &Element, wanted: Option<&[String]>) -> Option<Variable> {
     let is_packed = element.kind == COMPRESSED;
     let beginning = if is_packed {
         element.unpacked(false)
@@ -44,7 +44,7 @@ fn variable(element: &Element, wanted: &[&str]) -> Option<Variable> {
         false => element.data,
     };
     let name = name_of(first, element.is_big)?;
-    if !wanted.contains(&name.as_str()) {
+    if wanted.is_some_and(|wanted| !wanted.contains(&name)) {
         return Some((name, Some(Value::Unread)));
     }
     if !is_packed {

@@ -33,8 +33,8 @@ type Attributes = HashMap<String, AttrValue>;
 /// Why a value cannot be read.
 type Reason = String;
 
-/// The variables of a file, those of these sources with their values.
-pub(super) fn variables(path: &Path, sources: &[&str]) -> Result<Vec<Variable>, FileError> {
+/// The variables of a file, those of these sources, or all, with their values.
+pub(super) fn variables(path: &Path, sources: Option<&[&str]>) -> Result<Vec<Variable>, FileError> {
     let file = File::open(path).map_err(FileError::cannot("open", path))?;
     let reader = Metered::of(file).map_err(told);
     let read = reader.and_then(|(reader, size)| {
@@ -44,7 +44,8 @@ pub(super) fn variables(path: &Path, sources: &[&str]) -> Result<Vec<Variable>, 
             return Err(format!("{size} of {declared} bytes"));
         }
         let mut tree = Tree {
-            sources: sources.iter().map(|source| fields_of(source)).collect(),
+            sources: sources
+                .map(|sources| sources.iter().map(|source| fields_of(source)).collect()),
             size,
             left: MOST_VALUES,
         };
@@ -60,8 +61,8 @@ fn told(error: impl std::fmt::Display) -> Reason {
 
 /// Variables while they are read.
 struct Tree {
-    /// The paths of the mapped arrays, without numbers of elements.
-    sources: Vec<String>,
+    /// The paths of the mapped arrays, without numbers of elements; none: all.
+    sources: Option<Vec<String>>,
     /// Bytes of the file.
     size: u64,
     /// Numbers that may still be read.
@@ -72,17 +73,25 @@ impl Tree {
     fn variables(&mut self, root: &Group) -> Result<Vec<Variable>, Reason> {
         let mut variables = Vec::new();
         for (name, dataset) in root.iter_datasets().map_err(told)? {
-            let value = self.dataset(&dataset, &name)?;
-            variables.push((name, Some(value)));
+            let value = self.dataset(&dataset, &name);
+            variables.push((name, self.unless_listed(value)?));
         }
         for (name, group) in root.iter_groups().map_err(told)? {
             // `#refs#` and `#subsystem#` are MATLAB's own
             if !name.starts_with('#') {
-                let value = self.group(&group, &name, 0)?;
-                variables.push((name, Some(value)));
+                let value = self.group(&group, &name, 0);
+                variables.push((name, self.unless_listed(value)?));
             }
         }
         Ok(variables)
+    }
+
+    /// The value of a variable; where all are listed, none of a damaged one.
+    fn unless_listed(&self, value: Result<Value, Reason>) -> Result<Option<Value>, Reason> {
+        match (value, &self.sources) {
+            (Err(_), None) => Ok(None),
+            (value, _) => value.map(Some),
+        }
     }
 
     /// Whether a mapped array is at this path or below it.
@@ -92,7 +101,8 @@ impl Tree {
                 .strip_prefix(path)
                 .is_some_and(|rest| rest.is_empty() || rest.starts_with('.'))
         };
-        self.sources.iter().any(is_below)
+        let sources = self.sources.as_ref();
+        sources.is_none_or(|sources| sources.iter().any(is_below))
     }
 
     fn object(&mut self, object: &Object, path: &str, depth: usize) -> Result<Value, Reason> {
@@ -176,7 +186,8 @@ impl Tree {
             DType::String | DType::VariableLengthString => return Ok(Value::Other("a text")),
             _ => {}
         }
-        if !self.sources.iter().any(|source| source == path) {
+        let sources = self.sources.as_ref();
+        if sources.is_some_and(|sources| !sources.iter().any(|source| source == path)) {
             return Ok(Value::Unread);
         }
         let count = check_stored(dataset, path, self.size)?;

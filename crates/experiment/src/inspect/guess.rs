@@ -1,0 +1,265 @@
+//! Guess of a log map: which signal plays which role, by kind, by what was asked for, and by number.
+
+use frfid_files::{Listing, LogMap, Signal};
+use frfid_signals::InputKind;
+use serde::Serialize;
+
+use crate::inspect::axes::Axes;
+use crate::inspect::family::{Family, INPUTS, OUTPUTS, families};
+use crate::inspect::kind::Kind;
+use crate::inspect::looked::GroupLook;
+use crate::inspect::times::times;
+
+/// Sides of an axis that are measured at most: motor and load.
+const SIDES: usize = 2;
+
+/// A log map that was guessed, and why its units are what they are.
+#[derive(Debug, Clone, Serialize)]
+pub struct GuessedMap {
+    /// The map.
+    pub map: LogMap,
+    /// Where each unit comes from, by the source of its signal.
+    pub units_from: Vec<(String, String)>,
+    /// Whether the recording has sample times; without them `sample_time_s` is to be stated.
+    pub has_clock: bool,
+}
+
+/// What a plant is made of.
+struct Roles<'f, 'l> {
+    u: &'f Family<'l>,
+    y: Vec<&'f Family<'l>>,
+    r: Option<&'f Family<'l>>,
+    position: Vec<&'f Family<'l>>,
+}
+
+impl GuessedMap {
+    /// The map of a recording; `None` without an input or an output.
+    pub(super) fn of(listing: &Listing, looks: &[GroupLook]) -> Option<Self> {
+        let families = families(listing, looks);
+        let roles = Roles::of(&families)?;
+        let group = &listing.groups[roles.u.group];
+        let mut guess = Self {
+            map: LogMap::new(Vec::new(), Vec::new()),
+            units_from: Vec::new(),
+            has_clock: group.type_name.is_some() || times(group).is_some(),
+        };
+        let type_name = group.type_name.as_deref().unwrap_or_default();
+        let axes = Axes {
+            slide: roles.u.kind == Kind::Force || roles.u.slides(),
+            type_name: type_name.rsplit('/').next().unwrap_or(type_name),
+        };
+        guess.map.u = guess.signals(&[roles.u], axes);
+        guess.map.y = guess.signals(&roles.y, axes);
+        guess.map.r = guess.signals(roles.r.as_slice(), axes);
+        guess.map.position = guess.signals(&roles.position, axes);
+        if roles.u.is_asked {
+            guess.map.input_kind = InputKind::Commanded;
+        }
+        if let Some((time, is_stated)) = times(group).filter(|_| group.type_name.is_none()) {
+            let why = if is_stated {
+                "as the file says"
+            } else {
+                "guessed from its steps"
+            };
+            guess.units_from.push((time.source.clone(), why.into()));
+            guess.map.time = Some(time);
+        }
+        Some(guess)
+    }
+
+    /// The signals of families with their units.
+    fn signals(&mut self, families: &[&Family], axes: Axes) -> Vec<Signal> {
+        let mut signals = Vec::new();
+        for (family, signal) in families
+            .iter()
+            .flat_map(|family| family.signals.iter().map(move |one| (family, one)))
+        {
+            let (unit, why) = axes.unit_of(signal, family.kind);
+            self.units_from.push((signal.source.clone(), why));
+            signals.push(Signal::of(&signal.source, &unit));
+        }
+        signals
+    }
+}
+
+impl<'f, 'l> Roles<'f, 'l> {
+    fn of(families: &'f [Family<'l>]) -> Option<Self> {
+        let u = input(families)?;
+        let y = outputs(families, u);
+        let (output, size) = (y.first()?.kind, u.signals.len());
+        let n_outputs: usize = y.iter().map(|family| family.signals.len()).sum();
+        let others = || {
+            families
+                .iter()
+                .filter(|family| !std::ptr::eq(*family, u) && family.signals.len() == size)
+        };
+        let positions: Vec<&Family> = others()
+            .filter(|family| {
+                family.kind == Kind::Position && !family.is_asked && family.group == y[0].group
+            })
+            .take(y.len())
+            .collect();
+        let is_whole = output != Kind::Position && positions.len() * size == n_outputs;
+        let asked = || others().filter(|family| family.is_asked || family.is_named("r"));
+        let alike = asked().find(|family| family.kind == u.kind);
+        let r = alike.or_else(|| asked().find(|family| family.kind != Kind::Position));
+        Some(Self {
+            u,
+            r: r.or_else(|| asked().next()),
+            position: if is_whole { positions } else { Vec::new() },
+            y,
+        })
+    }
+}
+
+/// What drives the plant: measured rather than asked for, beside outputs of as many axes if there is such.
+fn input<'f, 'l>(families: &'f [Family<'l>]) -> Option<&'f Family<'l>> {
+    let candidates = families.iter().filter(|family| family.is_input());
+    candidates.min_by_key(|family| {
+        let is_alone = !families.iter().any(|other| other.answers(family));
+        let place = INPUTS.iter().position(|kind| *kind == family.kind);
+        (is_alone, family.is_asked, place)
+    })
+}
+
+/// What the plant answers with: of the best kind, a side of the axes each, or the only one there is.
+fn outputs<'f, 'l>(families: &'f [Family<'l>], u: &Family) -> Vec<&'f Family<'l>> {
+    let of_kind = |kind: &Kind| {
+        let candidates = families.iter().filter(|family| {
+            family.kind == *kind
+                && !family.is_asked
+                && !std::ptr::eq(*family, u)
+                && (*kind != Kind::Unknown || family.is_named("y"))
+        });
+        let candidates: Vec<&Family> = candidates.collect();
+        let beside = candidates
+            .iter()
+            .copied()
+            .filter(|family| family.answers(u));
+        let sides: Vec<&Family> = beside.take(SIDES).collect();
+        if sides.is_empty() {
+            candidates.into_iter().take(1).collect()
+        } else {
+            sides
+        }
+    };
+    OUTPUTS
+        .iter()
+        .map(of_kind)
+        .find(|found| !found.is_empty())
+        .unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::inspect::looked::SignalLook;
+    use frfid_files::{ListedSignal, SignalGroup};
+
+    fn guessed(groups: &[(&str, &[&str])]) -> Option<[Vec<String>; 4]> {
+        let group = |(type_name, sources): &(&str, &[&str])| SignalGroup {
+            type_name: (!type_name.is_empty()).then(|| (*type_name).to_owned()),
+            signals: sources.iter().map(|source| signal(source)).collect(),
+            ..SignalGroup::default()
+        };
+        let listing = Listing {
+            format: "CSV",
+            groups: groups.iter().map(group).collect(),
+            told: Vec::new(),
+        };
+        let looks: Vec<GroupLook> = listing.groups.iter().map(look).collect();
+        let map = GuessedMap::of(&listing, &looks)?.map;
+        Some(
+            [map.u, map.y, map.r, map.position]
+                .map(|role| role.into_iter().map(|signal| signal.source).collect()),
+        )
+    }
+
+    fn signal(source: &str) -> ListedSignal {
+        ListedSignal {
+            source: source.into(),
+            unit: None,
+            first: vec![0.0, 1.0],
+            is_moment: false,
+        }
+    }
+
+    fn look(group: &SignalGroup) -> GroupLook {
+        let look = |signal: &ListedSignal| SignalLook {
+            source: signal.source.clone(),
+            lowest: Some(0.0),
+            highest: Some(1.0),
+            is_constant: false,
+            odd: Vec::new(),
+        };
+        GroupLook {
+            signals: group.signals.iter().map(look).collect(),
+            ..GroupLook::default()
+        }
+    }
+
+    #[test]
+    fn roles_are_played_by_kind_and_number() {
+        let bench = guessed(&[(
+            "",
+            &[
+                "time_s",
+                "current_reference_A",
+                "current_A",
+                "motor_velocity_rad_per_s",
+                "load_velocity_rad_per_s",
+                "motor_position_rad",
+                "load_position_rad",
+            ],
+        )]);
+        let bench = bench.expect("an input and outputs");
+        assert_eq!(bench[0], ["current_A"]);
+        assert_eq!(
+            bench[1],
+            ["motor_velocity_rad_per_s", "load_velocity_rad_per_s"]
+        );
+        assert_eq!(bench[2], ["current_reference_A"]);
+        assert_eq!(bench[3], ["motor_position_rad", "load_position_rad"]);
+    }
+
+    #[test]
+    fn joints_stay_together_and_commands_are_references() {
+        let robot = guessed(&[
+            (
+                "std_msgs/msg/Float64MultiArray",
+                &["/command:data[0]", "/command:data[1]"],
+            ),
+            (
+                "sensor_msgs/msg/JointState",
+                &[
+                    "/js:position[a]",
+                    "/js:position[b]",
+                    "/js:velocity[a]",
+                    "/js:velocity[b]",
+                    "/js:effort[a]",
+                    "/js:effort[b]",
+                ],
+            ),
+        ]);
+        let robot = robot.expect("an input and outputs");
+        assert_eq!(robot[0], ["/js:effort[a]", "/js:effort[b]"]);
+        assert_eq!(robot[1], ["/js:velocity[a]", "/js:velocity[b]"]);
+        assert_eq!(robot[2], ["/command:data[0]", "/command:data[1]"]);
+        assert_eq!(robot[3], ["/js:position[a]", "/js:position[b]"]);
+    }
+
+    #[test]
+    fn letters_of_control_will_do_and_nothing_is_made_up() {
+        let plain = guessed(&[("", &["u", "y", "r"])]).expect("u and y");
+        assert_eq!(
+            plain[..3],
+            [
+                vec!["u".to_owned()],
+                vec!["y".to_owned()],
+                vec!["r".to_owned()]
+            ]
+        );
+        assert!(guessed(&[("", &["a", "b"])]).is_none());
+        assert!(guessed(&[("", &["velocity"])]).is_none());
+    }
+}
