@@ -1,6 +1,7 @@
 //! Recordings of others cut, flipped and with sizes that are not theirs: read or refused, soon and in little memory.
 
 use std::io::Write;
+use std::sync::LazyLock;
 use std::time::{Duration, Instant};
 
 use flate2::Compression;
@@ -57,6 +58,8 @@ impl Sound {
 }
 
 /// The recordings that are damaged here.
+static RECORDINGS: LazyLock<Vec<Sound>> = LazyLock::new(recordings);
+
 fn recordings() -> Vec<Sound> {
     let golden = |bytes: &[u8]| {
         Sound::of(
@@ -130,7 +133,7 @@ fn db3() -> Vec<u8> {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("bag.db3");
     let database = Connection::open(&path).expect("a database");
-    let tables = "PRAGMA page_size = 1024;
+    let tables = "PRAGMA page_size = 1024; PRAGMA synchronous = OFF;
         CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, serialization_format TEXT);
         CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, timestamp INTEGER, data BLOB);
         INSERT INTO topics VALUES(1, '/js', 'sensor_msgs/msg/JointState', 'cdr');";
@@ -164,12 +167,12 @@ fn address_space() -> Option<u64> {
 
 #[test]
 fn the_recordings_are_sound() {
-    for sound in recordings() {
+    for sound in RECORDINGS.iter() {
         assert!(
             sound.replay(&sound.bytes),
             "{} {:?}",
             sound.ending,
-            read_log_error(&sound)
+            read_log_error(sound)
         );
     }
 }
@@ -185,7 +188,7 @@ fn read_log_error(sound: &Sound) -> String {
 
 #[test]
 fn every_cut_is_read_or_refused() {
-    for sound in recordings() {
+    for sound in RECORDINGS.iter() {
         let step = (sound.bytes.len() / 60).max(1);
         for cut in (0..sound.bytes.len()).step_by(step) {
             sound.replay(&sound.bytes[..cut]);
@@ -197,7 +200,7 @@ fn every_cut_is_read_or_refused() {
 #[test]
 fn other_sizes_take_no_memory() {
     let before = address_space();
-    for sound in recordings() {
+    for sound in RECORDINGS.iter() {
         let step = (sound.bytes.len() / 120).max(1);
         for place in (0..sound.bytes.len().saturating_sub(8)).step_by(step) {
             for (size, width) in [
@@ -276,7 +279,7 @@ proptest! {
 
     #[test]
     fn any_flips_are_read_or_refused(which in 0_usize..9, flips in prop::collection::vec((any::<usize>(), 1_u8..), 1..8)) {
-        let sound = &recordings()[which];
+        let sound = &RECORDINGS[which];
         let mut bytes = sound.bytes.clone();
         for (place, with) in flips {
             let place = place % bytes.len();

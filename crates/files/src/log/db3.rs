@@ -2,6 +2,7 @@
 //! types.
 
 use std::collections::HashMap;
+use std::fmt::Display;
 use std::path::Path;
 
 use rusqlite::{Connection, OpenFlags, Row};
@@ -63,9 +64,7 @@ impl<'p> Bag<'p> {
             // of what is computed no row is asked for
             let is_computed = database.query_row(COMPUTED, [], |row| row.get(0))?;
             if is_computed {
-                return Err(rusqlite::Error::InvalidColumnName(
-                    "topics or messages that are computed, by a view or in a column".into(),
-                ));
+                return Ok(None);
             }
             let topics = rows(&database, TOPICS, |row| {
                 let topic = Topic {
@@ -79,9 +78,13 @@ impl<'p> Bag<'p> {
             let definitions = rows(&database, DEFINITIONS, |row| {
                 Ok((row.get(0)?, (row.get(1)?, text_of(row)?)))
             });
-            Ok((database, topics, definitions.unwrap_or_default()))
+            Ok(Some((database, topics, definitions.unwrap_or_default())))
         };
-        let (database, topics, definitions) = opened().map_err(|error| no_bag(path, &error))?;
+        let opened = opened().map_err(|error: rusqlite::Error| no_bag(path, &error))?;
+        let Some((database, topics, definitions)) = opened else {
+            let found = "topics or messages that are computed, by a view or in a column";
+            return Err(no_bag(path, &found));
+        };
         Ok(Self {
             path,
             database,
@@ -162,7 +165,7 @@ fn uri(path: &Path) -> String {
     }
 }
 
-fn no_bag(path: &Path, error: &rusqlite::Error) -> FileError {
+fn no_bag(path: &Path, error: &dyn Display) -> FileError {
     let advice = "if it is cut: sqlite3 FILE .recover; else convert it: ros2 bag convert, or rosbags-convert, to mcap";
     FileError::format(
         path,
