@@ -34,7 +34,11 @@ pub(super) fn header_above(above: &[Line], width: usize, mapped: &[&str]) -> Hea
         .filter(|line| is_wide(line) && are_units(&line.cells));
     let names = &above[..above.len() - usize::from(units.is_some())];
     let named = names.iter().rposition(|line| names_all(&line));
-    let wide = || names.iter().rposition(|line| is_wide(&line));
+    let wide = || {
+        names
+            .iter()
+            .rposition(|line| is_wide(&line) && !is_labelled(line))
+    };
     match named.or_else(wide) {
         Some(place) => Header {
             units: units
@@ -45,6 +49,12 @@ pub(super) fn header_above(above: &[Line], width: usize, mapped: &[&str]) -> Hea
         // a single line of what may be units are names all the same
         None => units.map_or_else(|| Header::numbered(width), |line| Header::of(line, mapped)),
     }
+}
+
+/// Whether every cell has a label, as those below the names that the Simulation Data Inspector writes.
+fn is_labelled(line: &Line) -> bool {
+    let mut filled = line.cells.iter().filter(|cell| !cell.is_empty());
+    filled.all(|cell| cell.contains(": "))
 }
 
 /// Units below the names, each with its label, as the Simulation Data Inspector writes them: `Unit: rad/s`.

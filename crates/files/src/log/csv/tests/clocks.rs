@@ -235,12 +235,12 @@ fn twincat_scope() {
                 );
             }
         }
-        let (groups, told) = listed(&export.text(&[&fast, &shared, &own[1]]));
+        let (groups, told) = listed(&export.text(&[&fast, &shared, &[channel("z", 1.0, 200, y)]]));
         assert_eq!(told.len(), 1, "{name}: {told:?}");
         if separator != " " {
             let apart = [
                 vec!["Name in ms", "fast in Nm"],
-                vec!["Name in ms", "u in Nm", "y in rad/s", "y in rad/s"],
+                vec!["Name in ms", "u in Nm", "y in rad/s", "z in Nm"],
             ];
             assert_eq!(groups, apart, "{name}");
         }
