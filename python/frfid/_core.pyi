@@ -27,9 +27,12 @@ __all__ = [
     "estimate",
     "estimate_bla",
     "estimate_chirp",
+    "estimate_logs",
     "estimate_loop",
+    "inspect",
     "load",
     "loop_frf",
+    "read",
     "run_closed_loop",
     "shape",
     "spectra_covariance",
@@ -43,6 +46,7 @@ _Profile: TypeAlias = float | list[tuple[float, float]]
 _PerChannel: TypeAlias = float | list[float]
 _Mimo: TypeAlias = Literal["orthogonal", "sign-flip", "independent"]
 _Progress: TypeAlias = Callable[[int, int], object]
+_LogMap: TypeAlias = dict[str, Any] | str | PathLike[str]
 _Phases: TypeAlias = Literal["random", "low-crest"]
 
 _Challenge: TypeAlias = Literal[
@@ -259,6 +263,9 @@ class Experiment:
 
 @final
 class Plan:
+    @staticmethod
+    def load(path: str | PathLike[str]) -> Plan: ...
+    def save(self, path: str | PathLike[str], *, overwrite: bool = False) -> None: ...
     @property
     def names(self) -> list[str]: ...
     @property
@@ -318,6 +325,11 @@ class Record:
     def events(self) -> list[Any]: ...
     @property
     def n_samples(self) -> int: ...
+    @staticmethod
+    def load(path: str | PathLike[str]) -> Record: ...
+    def save(
+        self, path: str | PathLike[str], *, joint_names: Sequence[str] | None = None, overwrite: bool = False
+    ) -> None: ...
     def __getnewargs_ex__(self) -> tuple[tuple[()], dict[str, Any]]: ...
 
 @final
@@ -483,6 +495,16 @@ def compare(
     largest_shift: float = 1.5,
 ) -> Comparison: ...
 def load(path: str | PathLike[str]) -> Frf: ...
+def read(path: str | PathLike[str], *, map: _LogMap | None = None) -> Record: ...
+def inspect(path: str | PathLike[str]) -> dict[str, Any]: ...
+def estimate_logs(
+    paths: str | PathLike[str] | Sequence[str | PathLike[str]],
+    *,
+    map: _LogMap | None = None,
+    estimate: dict[str, Any] | None = None,
+    jobs: int = 0,
+    progress: _Progress | None = None,
+) -> Frf: ...
 def estimate(
     u: ArrayLike,
     y: ArrayLike,

@@ -1,6 +1,7 @@
 //! Values of serde types as Python writes them: enumerations by their names, structures as dicts
 //! and lists.
 
+use frfid_files::Overwrite;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use serde::Serialize;
@@ -66,4 +67,13 @@ pub(crate) fn from_json<T: DeserializeOwned>(
         };
         PyValueError::new_err(format!("{place}: {}", error.inner()))
     })
+}
+
+/// What is done with a file that exists.
+pub(crate) fn overwrite_if(replace: bool) -> Overwrite {
+    if replace {
+        Overwrite::Replace
+    } else {
+        Overwrite::Refuse
+    }
 }

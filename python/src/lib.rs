@@ -23,6 +23,12 @@ mod frf {
     pub(crate) mod other_packages;
     pub(crate) mod parts;
 }
+/// Logs: read, looked into, estimated from.
+mod logs {
+    pub(crate) mod estimate;
+    mod map;
+    pub(crate) mod read;
+}
 /// `Plant` and its controller: robots in software.
 mod plant {
     pub(crate) mod arm;
@@ -40,6 +46,7 @@ mod shape {
 }
 /// Excitations, runs and records.
 mod signals {
+    mod channels;
     pub(crate) mod chirp;
     pub(crate) mod multisine;
     pub(crate) mod profile;
@@ -58,6 +65,7 @@ mod cli;
 mod error;
 mod interrupt;
 mod pickle;
+mod warnings;
 
 /// Frequency response functions of flexible-joint robots, by experiment: the compiled part of the
 /// package `frfid`.
@@ -87,6 +95,10 @@ mod _core {
     use crate::frf::load::load;
     #[pymodule_export]
     use crate::frf::matrix::Frf;
+    #[pymodule_export]
+    use crate::logs::estimate::estimate_logs;
+    #[pymodule_export]
+    use crate::logs::read::{inspect, read};
     #[pymodule_export]
     use crate::plant::controller::{PiController, run_closed_loop};
     #[pymodule_export]

@@ -31,6 +31,7 @@ mod text {
     pub(crate) mod comparison;
     pub(crate) mod inspection;
     pub(crate) mod load;
+    pub(crate) mod looked;
     pub(crate) mod plan;
     pub(crate) mod strength;
     pub(crate) mod table;

@@ -44,9 +44,7 @@ impl Experiment {
 
     /// The plan of all runs.
     fn design(&self) -> Plan {
-        Plan {
-            description: self.description.clone(),
-        }
+        Plan::from(self.description.clone())
     }
 
     /// The description as one TOML text that stands alone.

@@ -1,31 +1,84 @@
 //! `frfid.Plan`: the runs of an experiment, done on any testbed, and the FRF from their records.
 
-use std::ffi::CString;
+use std::path::PathBuf;
 
-use frfid_experiment::Experiment as Description;
-use frfid_signals::{Record as Measured, RunId};
+use frfid_experiment::{Experiment as Description, PlannedRuns};
+use frfid_signals::RunId;
 use numpy::PyArray2;
-use pyo3::exceptions::{PyIndexError, PyUserWarning, PyValueError};
+use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::array::c_ordered;
-use crate::choice::to_python;
+use crate::choice::{overwrite_if, to_python};
 use crate::error;
 use crate::frf::matrix::Frf;
 use crate::interrupt::interruptible;
 use crate::signals::record::Record;
 use crate::signals::run::Run;
 use crate::testbed::python_testbed::PythonTestbed;
-use crate::testbed::runs::{one_by_one, records_of};
+use crate::testbed::runs::{measured, one_by_one, records_of};
+use crate::warnings::warn;
 
-/// Every run of an experiment; made by ``Experiment.design``.
+/// Every run of an experiment; made by ``Experiment.design``, or read by ``Plan.load``.
 #[pyclass(frozen, module = "frfid")]
 pub(crate) struct Plan {
-    pub description: Description,
+    planned: PlannedRuns,
 }
 
 #[pymethods]
 impl Plan {
+    /// Reads a plan: what ``save`` or ``frfid design`` wrote.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path-like
+    ///     The MCAP file.
+    ///
+    /// Returns
+    /// -------
+    /// Plan
+    ///     Its references are those of the file.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be read.
+    /// ValueError
+    ///     If it is no plan, cut or damaged: a plan moves a robot.
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        path.metadata()?;
+        let planned = py.detach(|| PlannedRuns::load(&path));
+        Ok(Self {
+            planned: planned.map_err(error::experiment)?,
+        })
+    }
+
+    /// Writes the plan as ``frfid design`` does: every reference, for a player on the robot's side.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path-like
+    ///     The MCAP file to write.
+    /// overwrite : bool, optional
+    ///     Whether a file of that name is replaced.
+    ///
+    /// Raises
+    /// ------
+    /// FileExistsError
+    ///     If there is a file of that name.
+    /// OSError
+    ///     If it cannot be written.
+    #[pyo3(signature = (path, *, overwrite = false))]
+    fn save(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
+        let overwrite = overwrite_if(overwrite);
+        let written = interruptible(py, None, |_| {
+            self.planned
+                .write(&path, overwrite, &frfid_experiment::silent)
+        })?;
+        written.map_err(error::experiment)
+    }
+
     /// Names of the runs in the order in which they are done, glides first: ``"p000-m0-q0"`` is
     /// realization 0, experiment 0, repetition 0.
     #[getter]
@@ -36,7 +89,7 @@ impl Plan {
     /// Time on the robot in s, without the way back to the start.
     #[getter]
     fn robot_time_s(&self) -> PyResult<f64> {
-        self.description
+        self.description()
             .plan()
             .robot_time_s()
             .map_err(error::signal)
@@ -69,11 +122,7 @@ impl Plan {
         let id = *ids.get(index).ok_or_else(needed)?;
         Ok(c_ordered(
             py,
-            self.description
-                .plan()
-                .run(id)
-                .map_err(error::signal)?
-                .reference,
+            self.planned.run(id).map_err(error::experiment)?.reference,
         ))
     }
 
@@ -103,9 +152,8 @@ impl Plan {
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
         let prediction = interruptible(py, progress, |progress| {
-            frfid_experiment::predict(&self.description, 0, &|done, total| {
-                progress.report(done, total)
-            })
+            self.planned
+                .predict(0, &|done, total| progress.report(done, total))
         })?;
         to_python(py, &prediction.map_err(error::experiment)?)
     }
@@ -146,14 +194,14 @@ impl Plan {
         progress: Option<&Bound<'_, PyAny>>,
         jobs: usize,
     ) -> PyResult<Vec<Record>> {
-        let (ids, run) = (self.ids(), |id| Ok(self.description.plan().run(id)?));
+        let (ids, run) = (self.ids(), |id| self.planned.run(id));
         let records = match testbed {
             Some(object) => {
                 let testbed = self.python_testbed(object)?;
                 one_by_one(py, &ids, &run, &testbed, progress)?
             }
             None => {
-                let testbed = self.description.testbed();
+                let testbed = self.description().testbed();
                 records_of(py, &ids, &run, &*testbed, jobs, progress)?
             }
         };
@@ -182,33 +230,10 @@ impl Plan {
     /// NumericalError
     ///     For frequencies at which U cannot be inverted.
     fn estimate(&self, py: Python<'_>, records: Vec<Option<Bound<'_, Record>>>) -> PyResult<Frf> {
-        let ids = self.ids();
-        if records.len() != ids.len() {
-            let (found, needed) = (records.len(), ids.len());
-            return Err(PyValueError::new_err(format!(
-                "{found} records were given, needed one for each of {needed} runs"
-            )));
-        }
-        let measured = ids
-            .into_iter()
-            .zip(records)
-            .filter_map(|(id, record)| Some((id, record?)));
-        let measured: Vec<(RunId, Measured)> = measured
-            .map(
-                |(id, record)| match <[Measured; 1]>::try_from(record.get().runs(py)) {
-                    Ok([run]) => Ok((id, run)),
-                    Err(_) => Err(PyValueError::new_err(format!(
-                        "the record of run {id} is a batch, needed one run"
-                    ))),
-                },
-            )
-            .collect::<PyResult<_>>()?;
-        let outcome = interruptible(py, None, |_| self.description.estimate(&measured))?;
+        let measured = measured(py, self.ids(), &records)?;
+        let outcome = interruptible(py, None, |_| self.description().estimate(&measured))?;
         let outcome = outcome.map_err(error::experiment)?;
-        let category = py.get_type::<PyUserWarning>();
-        for warning in outcome.warnings {
-            PyErr::warn(py, &category, &CString::new(warning)?, 1)?;
-        }
+        warn(py, outcome.warnings)?;
         Ok(Frf::of(outcome.result))
     }
 
@@ -224,36 +249,48 @@ impl Plan {
         let id = *id.ok_or_else(|| {
             PyIndexError::new_err(format!("{index}: the plan has {} runs", ids.len()))
         })?;
-        let planned = self.description.plan().run(id).map_err(error::signal)?;
-        let limits = self.description.limits();
+        let planned = self.planned.run(id).map_err(error::experiment)?;
+        let limits = self.description().limits();
         Ok(Run::of(py, planned, limits, self.reference_unit()))
     }
 
     fn __len__(&self) -> usize {
-        self.description.plan().n_runs()
+        self.description().plan().n_runs()
     }
 
     fn __repr__(&self) -> PyResult<String> {
-        let (runs, time_s) = (self.description.plan().n_runs(), self.robot_time_s()?);
+        let (runs, time_s) = (self.description().plan().n_runs(), self.robot_time_s()?);
         Ok(format!(
             "<frfid.Plan: {runs} runs, {time_s:.1} s on the robot>"
         ))
     }
 }
 
+impl From<Description> for Plan {
+    fn from(description: Description) -> Self {
+        Self {
+            planned: PlannedRuns::of(description),
+        }
+    }
+}
+
 impl Plan {
+    fn description(&self) -> &Description {
+        &self.planned.experiment
+    }
+
     fn ids(&self) -> Vec<RunId> {
-        self.description.plan().run_ids().collect()
+        self.planned.run_ids()
     }
 
     fn python_testbed(&self, object: &Bound<'_, PyAny>) -> PyResult<PythonTestbed> {
-        let n_inputs = self.description.plan().n_inputs;
-        let limits = self.description.limits().clone();
+        let n_inputs = self.description().plan().n_inputs;
+        let limits = self.description().limits().clone();
         PythonTestbed::new(object, n_inputs, limits, self.reference_unit())
     }
 
     fn reference_unit(&self) -> &'static str {
-        match self.description.controller() {
+        match self.description().controller() {
             Some(_) => "rad/s",
             None => "N m",
         }

@@ -2,11 +2,12 @@
 
 use std::path::PathBuf;
 
-use frfid_files::{Overwrite, write_result};
+use frfid_files::write_result;
 use frfid_report::result_figure;
 use pyo3::prelude::*;
 use pyo3::types::IntoPyDict;
 
+use crate::choice::overwrite_if;
 use crate::error;
 use crate::frf::matrix::Frf;
 
@@ -56,11 +57,7 @@ impl Frf {
     ///     If it cannot be written.
     #[pyo3(signature = (path, *, overwrite = false))]
     fn save(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
-        let overwrite = if overwrite {
-            Overwrite::Replace
-        } else {
-            Overwrite::Refuse
-        };
+        let overwrite = overwrite_if(overwrite);
         py.detach(|| write_result(&path, overwrite, &self.result))
             .map_err(error::file)
     }

@@ -1,17 +1,20 @@
 //! `frfid.Record`: one run or a batch of runs.
 
-use frfid_signals::{Event, InputKind, Record as Run};
-use ndarray::{Array2, Axis, Ix2, IxDyn};
+use std::path::PathBuf;
+
+use frfid_files::{RunFile, read_run, write_run};
+use frfid_signals::{Event, Injection, InputKind, Record as Run, RunId};
+use ndarray::{Array2, Axis, Ix2};
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::array::{Axes, c_ordered, real};
-use crate::choice::{choice, from_python, to_python};
+use crate::array::c_ordered;
+use crate::choice::{choice, overwrite_if, to_python};
 use crate::error;
 use crate::pickle::{NewArguments, attributes};
-
-const SHAPES: [Axes; 2] = [&["channel", "sample"], &["batch", "channel", "sample"]];
+use crate::signals::channels::{events_of_runs, signal, signal_like};
+use crate::warnings::warn;
 
 /// What one run measured, or a batch of runs.
 ///
@@ -90,6 +93,86 @@ impl Record {
         let checked = record.runs(py).iter().try_for_each(Run::check);
         checked.map_err(error::signal)?;
         Ok(record)
+    }
+
+    /// Reads a run that ``save`` or ``frfid run`` wrote.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path-like
+    ///     The MCAP file.
+    ///
+    /// Returns
+    /// -------
+    /// Record
+    ///     Samples that are lost are NaN, and told in a warning.
+    ///
+    /// Raises
+    /// ------
+    /// OSError
+    ///     If the file cannot be read.
+    /// ValueError
+    ///     If it is no run of frfid; ``frfid.read`` reads other recordings.
+    #[staticmethod]
+    fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
+        path.metadata()?;
+        let (run, losses) = py.detach(|| read_run(&path)).map_err(error::file)?;
+        warn(py, losses.iter().map(ToString::to_string))?;
+        Self::of(py, vec![run.record], false)
+    }
+
+    /// Writes one run as ``frfid run`` does: an MCAP of JointState messages, which Foxglove and PlotJuggler open.
+    ///
+    /// Parameters
+    /// ----------
+    /// path : str or path-like
+    ///     The file to write.
+    /// joint_names : sequence of str, optional
+    ///     A name for each axis; numbered without.
+    /// overwrite : bool, optional
+    ///     Whether a file of that name is replaced.
+    ///
+    /// Raises
+    /// ------
+    /// FileExistsError
+    ///     If there is a file of that name.
+    /// OSError
+    ///     If it cannot be written.
+    /// ValueError
+    ///     For a batch of runs, or names that are not as many as axes.
+    #[pyo3(signature = (path, *, joint_names = None, overwrite = false))]
+    fn save(
+        &self,
+        py: Python<'_>,
+        path: PathBuf,
+        joint_names: Option<Vec<String>>,
+        overwrite: bool,
+    ) -> PyResult<()> {
+        let Ok([record]) = <[Run; 1]>::try_from(self.runs(py)) else {
+            return Err(PyValueError::new_err(
+                "a batch of runs: save them one by one",
+            ));
+        };
+        let n_joints = record.u.nrows().max(record.y.nrows());
+        let numbered = || {
+            (1..=n_joints)
+                .map(|joint| format!("joint {joint}"))
+                .collect()
+        };
+        let file = RunFile {
+            joint_names: joint_names.unwrap_or_else(numbered),
+            run: RunId::excitation(0, 0, 0),
+            injection: Injection::default(),
+            record,
+            metadata: [(
+                "frfid_version".to_owned(),
+                env!("CARGO_PKG_VERSION").to_owned(),
+            )]
+            .into(),
+            experiment_toml: String::new(),
+        };
+        let written = py.detach(|| write_run(&path, overwrite_if(overwrite), &file));
+        written.map_err(error::file)
     }
 
     /// Whether ``u`` is the command ("commanded") or a measurement ("measured").
@@ -212,51 +295,5 @@ impl Record {
     /// Whether the runs have an axis of their own.
     pub(crate) fn is_batch(&self, py: Python<'_>) -> bool {
         self.u.bind(py).ndim() == 3
-    }
-}
-
-/// The events of every run: a list, or a list of lists for a batch.
-fn events_of_runs(
-    events: Option<&Bound<'_, PyAny>>,
-    batch: bool,
-    n_runs: usize,
-) -> PyResult<Vec<Vec<Event>>> {
-    let events: Vec<Vec<Event>> = match events {
-        None => vec![Vec::new(); n_runs],
-        Some(events) if batch => from_python("events", events)?,
-        Some(events) => vec![from_python("events", events)?],
-    };
-    if events.len() != n_runs {
-        let found = events.len();
-        return Err(PyValueError::new_err(format!(
-            "events of {found} runs, needed {n_runs}"
-        )));
-    }
-    Ok(events)
-}
-
-/// A signal of as many runs as one of this shape.
-fn signal_like(
-    name: &str,
-    value: &Bound<'_, PyAny>,
-    shape: &[usize],
-) -> PyResult<Py<PyArrayDyn<f64>>> {
-    let other = signal(name, value)?;
-    let found = other.bind(value.py()).shape();
-    let is_batch = shape.len() == 3;
-    if found.len() != shape.len() || (is_batch && found[0] != shape[0]) {
-        return Err(PyValueError::new_err(format!(
-            "{name} has shape {found:?}, needed as many runs as u {shape:?}"
-        )));
-    }
-    Ok(other)
-}
-
-fn signal(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Py<PyArrayDyn<f64>>> {
-    let array = real::<IxDyn>(name, value, &SHAPES)?;
-    if array.is_c_contiguous() {
-        Ok((*array).clone().unbind())
-    } else {
-        Ok(c_ordered(value.py(), array.to_owned_array()).unbind())
     }
 }

@@ -4,10 +4,12 @@
 use frfid_experiment::ExperimentError;
 use frfid_experiment::{Steps, for_each};
 use frfid_signals::{Record, Run, RunId, Testbed};
+use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::error;
 use crate::interrupt::interruptible;
+use crate::signals::record::Record as PyRecord;
 
 /// The records of the runs `ids`, in this order, done on `jobs` threads (0: one for each core).
 pub(crate) fn records_of(
@@ -51,4 +53,32 @@ pub(crate) fn one_by_one(
         tell(records.len())?;
     }
     Ok(records)
+}
+
+/// Records of Python by their runs; a run without one is missing.
+///
+/// # Errors
+/// `ValueError` for another number of records than runs, or a batch.
+pub(crate) fn measured(
+    py: Python<'_>,
+    ids: Vec<RunId>,
+    records: &[Option<Bound<'_, PyRecord>>],
+) -> PyResult<Vec<(RunId, Record)>> {
+    if records.len() != ids.len() {
+        let (found, needed) = (records.len(), ids.len());
+        return Err(PyValueError::new_err(format!(
+            "{found} records were given, needed one for each of {needed} runs"
+        )));
+    }
+    let there = ids.into_iter().zip(records);
+    let there = there.filter_map(|(id, record)| Some((id, record.as_ref()?)));
+    let one_run = |(id, record): (RunId, &Bound<'_, PyRecord>)| {
+        let Ok([run]) = <[Record; 1]>::try_from(record.get().runs(py)) else {
+            return Err(PyValueError::new_err(format!(
+                "the record of run {id} is a batch, needed one run"
+            )));
+        };
+        Ok((id, run))
+    };
+    there.map(one_run).collect()
 }

@@ -1,25 +1,21 @@
 //! `frfid inspect`: what is in a file, and what would be made of it.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use clap::Args;
 use frfid_experiment::{
-    EstimateOptions, GuessedMap, Inspection, Outcome, Steps, estimate_logs, for_each,
-    inspect_recording, recordings_among,
+    EstimateOptions, GuessedMap, Outcome, Steps, estimate_logs, for_each, recordings_among,
 };
-use frfid_files::{LogMap, PlanFile, ResultFile, RunLabel, read_result, read_run_label};
+use frfid_files::LogMap;
 use serde_json::{Value, json};
 
-use crate::command::estimate::summary;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::log_map::MapOptions;
 use crate::options::{Options, existing_path};
 use crate::progress::watched;
-use crate::text::checks::checks_as_text;
-use crate::text::inspection::inspection_as_text;
-use crate::text::table::list;
-use crate::text::verdicts::verdicts_as_text;
+use crate::text::looked::{Looked, estimate_as_text};
+use crate::text::table::indented;
 
 /// Look into logs, plans and results: what is in them, a guessed log map, what an estimate would say
 #[derive(Debug, Args)]
@@ -35,14 +31,6 @@ pub(crate) struct Arguments {
     files: Vec<PathBuf>,
     #[command(flatten)]
     map: MapOptions,
-}
-
-/// What a file is.
-enum Looked {
-    Result(Box<ResultFile>),
-    Plan(Box<PlanFile>),
-    OurLog(Box<RunLabel>),
-    Recording(Box<Inspection>),
 }
 
 pub(crate) fn run(
@@ -111,148 +99,6 @@ fn estimated(
     };
     let outcome = || estimate_logs(&logs, &options, &|_, _| true);
     is_possible.then(|| outcome().map_err(|error| Failure::from(error).message))
-}
-
-impl Looked {
-    fn of(path: &Path) -> Result<Self, frfid_experiment::ExperimentError> {
-        let ending = path.extension().unwrap_or_default().to_ascii_lowercase();
-        if ending == "json" {
-            return Ok(Self::Result(Box::new(read_result(path)?)));
-        }
-        if path.is_file() {
-            if let Ok(plan) = PlanFile::open(path) {
-                return Ok(Self::Plan(Box::new(plan)));
-            }
-            if let Ok(label) = read_run_label(path) {
-                return Ok(Self::OurLog(Box::new(label)));
-            }
-        }
-        Ok(Self::Recording(Box::new(inspect_recording(path)?)))
-    }
-
-    fn is_log(&self) -> bool {
-        matches!(self, Self::OurLog(_) | Self::Recording(_))
-    }
-
-    fn guessed(&self) -> Option<&GuessedMap> {
-        match self {
-            Self::Recording(inspection) => inspection.map.as_ref(),
-            _ => None,
-        }
-    }
-
-    fn kind(&self) -> &'static str {
-        match self {
-            Self::Result(_) => "result",
-            Self::Plan(_) => "plan",
-            Self::OurLog(_) => "log",
-            Self::Recording(_) => "recording",
-        }
-    }
-
-    fn as_text(&self, path: &Path) -> String {
-        let name = path.display();
-        match self {
-            Self::Result(result) => {
-                let verdicts = verdicts_as_text(&result.verdicts);
-                let checks = checks_as_text(&result.checks);
-                format!(
-                    "{name}: a result\n{}{verdicts}\n{checks}",
-                    list(&summary(result))
-                )
-            }
-            Self::Plan(plan) => format!("{name}: a plan\n{}", list(&plan_facts(plan))),
-            Self::OurLog(label) => format!("{name}: a log of frfid, run {}\n", label.run),
-            Self::Recording(inspection) => format!("{name}: {}", inspection_as_text(inspection)),
-        }
-    }
-
-    fn as_json(&self, path: &Path) -> Value {
-        let facts = match self {
-            Self::Result(result) => json!({
-                "inputs": result.input_names,
-                "outputs": result.output_names,
-                "n_frequencies": result.frf.n_frequencies(),
-                "verdicts": result.verdicts,
-                "checks": result.checks,
-                "provenance": result.provenance,
-            }),
-            Self::Plan(plan) => {
-                let facts = plan_facts(plan).into_iter();
-                facts
-                    .map(|(name, fact)| (name.to_owned(), Value::from(fact)))
-                    .collect()
-            }
-            Self::OurLog(label) => json!({
-                "run": label.run.to_string(),
-                "sample_time_s": label.sample_time_s,
-                "provenance": label.metadata,
-            }),
-            Self::Recording(inspection) => json!(inspection),
-        };
-        json!({"file": path, "kind": self.kind(), "found": facts})
-    }
-}
-
-fn plan_facts(plan: &PlanFile) -> Vec<(&'static str, String)> {
-    let head = &plan.head;
-    let period_s = head.period_samples as f64 * head.sample_time_s;
-    vec![
-        ("joints", head.joint_names.join(", ")),
-        ("sample time", format!("{} s", head.sample_time_s)),
-        ("runs", plan.run_ids().count().to_string()),
-        (
-            "each run",
-            format!("{} periods of {period_s} s", head.n_periods),
-        ),
-    ]
-}
-
-/// What an estimate would say.
-fn estimate_as_text(estimate: &Result<Outcome, String>) -> String {
-    let outcome = match estimate {
-        Ok(outcome) => outcome,
-        Err(message) => return format!("an estimate would refuse them\n{}", indented(message)),
-    };
-    let result = &outcome.result;
-    let found = list(
-        &found(result)
-            .into_iter()
-            .chain(summary(result))
-            .collect::<Vec<_>>(),
-    );
-    let warnings: Vec<String> = outcome
-        .warnings
-        .iter()
-        .map(|warning| format!("! {warning}"))
-        .collect();
-    let warnings = indented(&warnings.join("\n"));
-    let verdicts = verdicts_as_text(&result.verdicts);
-    let checks = checks_as_text(&result.checks);
-    format!("an estimate would find\n{found}{warnings}{verdicts}\n{checks}")
-}
-
-/// What was found in recordings of others.
-fn found(result: &ResultFile) -> Vec<(&'static str, String)> {
-    let fact = |key: &str| result.provenance.get(key).cloned();
-    let named = [
-        ("runs", fact("runs_used")),
-        ("whole periods", fact("periods_used")),
-        (
-            "period",
-            fact("period_s").map(|period| format!("{period} s")),
-        ),
-        ("rms of inputs", fact("u_rms")),
-    ];
-    named
-        .into_iter()
-        .filter_map(|(name, fact)| Some((name, fact?)))
-        .collect()
-}
-
-/// Every line two blanks in.
-fn indented(text: &str) -> String {
-    text.lines().map(|line| format!("  {line}\n")).collect()
 }
 
 /// The next command.

@@ -32,6 +32,11 @@ pub(crate) fn list(entries: &[(&str, String)]) -> String {
         .collect()
 }
 
+/// Every line two blanks in.
+pub(crate) fn indented(text: &str) -> String {
+    text.lines().map(|line| format!("  {line}\n")).collect()
+}
+
 /// Characters of the widest of these texts.
 fn width(texts: impl Iterator<Item: AsRef<str>>) -> usize {
     let widths = texts.map(|text| text.as_ref().chars().count());

@@ -9,7 +9,7 @@ use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::load::{Load, crest_factors, larger};
 use crate::run::parallel::{Progress, Steps, for_each};
-use crate::run::planned_runs::first_repetitions;
+use crate::run::planned_runs::{PlannedRuns, first_repetitions};
 
 /// What a design will ask of the robot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -36,27 +36,38 @@ pub fn predict(
     jobs: usize,
     progress: Progress,
 ) -> Result<Prediction, ExperimentError> {
-    let simulator = experiment.simulator(None);
-    let plan = &experiment.plan;
-    let baseline = Demand::of(&glide(plan)?, experiment, &simulator)?.load;
-    let ids = first_repetitions(plan);
-    let steps = Steps {
-        progress,
-        before: 0,
-        total: ids.len(),
-    };
-    let demands = for_each(&ids, jobs, steps, |id| {
-        Demand::of(&plan.run(*id)?, experiment, &simulator)
-    })?;
-    let largest = demands.into_iter().reduce(Demand::larger);
-    let Demand { load, crest_factor } = largest.expect("a plan has runs");
-    let excesses = experiment.limits.exceeded(&load.peaks);
-    Ok(Prediction {
-        load,
-        baseline,
-        crest_factor,
-        excesses,
-    })
+    PlannedRuns::of(experiment.clone()).predict(jobs, progress)
+}
+
+impl PlannedRuns {
+    /// The same for the references of a plan, which may be those of a file.
+    ///
+    /// # Errors
+    /// As [`predict`].
+    pub fn predict(&self, jobs: usize, progress: Progress) -> Result<Prediction, ExperimentError> {
+        let experiment = &self.experiment;
+        let simulator = experiment.simulator(None);
+        let plan = &experiment.plan;
+        let baseline = Demand::of(&glide(plan)?, experiment, &simulator)?.load;
+        let ids = first_repetitions(plan);
+        let steps = Steps {
+            progress,
+            before: 0,
+            total: ids.len(),
+        };
+        let demands = for_each(&ids, jobs, steps, |id| {
+            Demand::of(&self.run(*id)?, experiment, &simulator)
+        })?;
+        let largest = demands.into_iter().reduce(Demand::larger);
+        let Demand { load, crest_factor } = largest.expect("a plan has runs");
+        let excesses = experiment.limits.exceeded(&load.peaks);
+        Ok(Prediction {
+            load,
+            baseline,
+            crest_factor,
+            excesses,
+        })
+    }
 }
 
 /// The run without the excitation: the constant velocity, friction and gravity alone.

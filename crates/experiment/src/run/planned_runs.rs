@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use frfid_files::{BoxError, Overwrite, PlanFile, PlanHead, PlannedRun, write_plan};
-use frfid_signals::{Plan, Run, RunId, RunKind, SignalError};
+use frfid_signals::{Plan, Run, RunId, RunKind};
 
 use crate::description::text::TomlText;
 use crate::error::ExperimentError;
@@ -65,11 +65,65 @@ impl PlannedRuns {
             None => Ok(self.experiment.plan.run(id)?),
         }
     }
+
+    /// Writes the references of every run as a plan file that a player on the robot's side can
+    /// send.
+    ///
+    /// # Errors
+    /// [`ExperimentError::File`], also when `progress` said to stop.
+    pub fn write(
+        &self,
+        path: &Path,
+        overwrite: Overwrite,
+        progress: Progress,
+    ) -> Result<(), ExperimentError> {
+        let ids = first_repetitions(&self.experiment.plan);
+        let total = ids.len();
+        let runs = ids.iter().enumerate().map(|(done, &id)| {
+            if !progress(done, total) {
+                let interrupted = ExperimentError::Interrupted { done, total };
+                return Err(BoxError::from(interrupted));
+            }
+            Ok(self.planned_run(id)?)
+        });
+        Ok(write_plan(path, overwrite, &self.head()?, runs)?)
+    }
+
+    /// What all runs of the plan file have in common.
+    fn head(&self) -> Result<PlanHead, ExperimentError> {
+        if let Some(plan) = &self.plan {
+            return Ok(plan.head.clone());
+        }
+        let experiment = &self.experiment;
+        let plan = &experiment.plan;
+        Ok(PlanHead {
+            joint_names: experiment.joint_names.clone(),
+            sample_time_s: plan.sample_time_s,
+            injection: plan.injection,
+            lead_in_samples: plan.lead_in_samples,
+            period_samples: plan.period_samples()?,
+            n_periods: plan.n_periods,
+            metadata: experiment.provenance(),
+            experiment_toml: experiment.to_toml(),
+        })
+    }
+
+    /// A run with the number of its repetitions.
+    fn planned_run(&self, id: RunId) -> Result<PlannedRun, ExperimentError> {
+        let plan = &self.experiment.plan;
+        let n_repetitions = match id.kind {
+            RunKind::Glide => plan.n_glides,
+            RunKind::Excitation => plan.n_repetitions,
+        };
+        Ok(PlannedRun {
+            run: self.run(id)?,
+            n_repetitions,
+        })
+    }
 }
 
 impl Experiment {
-    /// Writes the references of every run as a plan file that a player on the robot's side can
-    /// send.
+    /// Writes the plan, see [`PlannedRuns::write`].
     ///
     /// # Errors
     /// [`ExperimentError::File`], also when `progress` said to stop.
@@ -79,47 +133,11 @@ impl Experiment {
         overwrite: Overwrite,
         progress: Progress,
     ) -> Result<(), ExperimentError> {
-        let ids = first_repetitions(&self.plan);
-        let total = ids.len();
-        let runs = ids.iter().enumerate().map(|(done, &id)| {
-            if !progress(done, total) {
-                let interrupted = ExperimentError::Interrupted { done, total };
-                return Err(BoxError::from(interrupted));
-            }
-            Ok(planned_run(&self.plan, id)?)
-        });
-        Ok(write_plan(path, overwrite, &self.plan_head()?, runs)?)
-    }
-
-    /// What all runs of the plan file have in common.
-    fn plan_head(&self) -> Result<PlanHead, ExperimentError> {
-        let plan = &self.plan;
-        Ok(PlanHead {
-            joint_names: self.joint_names.clone(),
-            sample_time_s: plan.sample_time_s,
-            injection: plan.injection,
-            lead_in_samples: plan.lead_in_samples,
-            period_samples: plan.period_samples()?,
-            n_periods: plan.n_periods,
-            metadata: self.provenance(),
-            experiment_toml: self.to_toml(),
-        })
+        PlannedRuns::of(self.clone()).write(path, overwrite, progress)
     }
 }
 
 /// One run of every reference: repetitions share theirs.
 pub(crate) fn first_repetitions(plan: &Plan) -> Vec<RunId> {
     plan.run_ids().filter(|id| id.repetition == 0).collect()
-}
-
-/// A run with the number of its repetitions.
-fn planned_run(plan: &Plan, id: RunId) -> Result<PlannedRun, SignalError> {
-    let n_repetitions = match id.kind {
-        RunKind::Glide => plan.n_glides,
-        RunKind::Excitation => plan.n_repetitions,
-    };
-    Ok(PlannedRun {
-        run: plan.run(id)?,
-        n_repetitions,
-    })
 }

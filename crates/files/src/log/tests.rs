@@ -503,7 +503,7 @@ fn a_format_is_known_by_its_first_bytes_or_by_its_name() {
     assert!(read("x.TXT", csv).is_ok());
     for (name, bytes, named) in [
         (
-            "x.dat",
+            "x.log",
             &csv[..],
             "frfid reads MCAP (.mcap), rosbag2 SQLite (.db3), CSV (.csv",
         ),
