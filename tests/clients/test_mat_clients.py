@@ -1,4 +1,4 @@
-"""MAT recordings written by scipy: vectors, matrices, structs as Simulink writes them, packed or not."""
+"""MAT recordings: level 5 by scipy, v7.3 by h5py as MATLAB lays them out; vectors, matrices, structs as Simulink writes them, packed or not."""
 
 import subprocess
 
@@ -36,5 +36,41 @@ def test_layouts(packed, plain, tmp_path):
     assert 1e-12 < np.max(np.abs(coarse / plain - 1)) < 1e-2
     for source, said in [("note", "a text"), ("cells", "a cell array"), ("out", "out.signals(1).values"), ("nothing", "one of"), ("rows", "channel")]:
         arguments = ["estimate", file, "-o", tmp_path / "x.json", "--u", f"{source}=A", "--y", "y=rad/s", "--time", "t=s"]
+        done = subprocess.run([FRFID, *map(str, arguments)], capture_output=True, text=True)
+        assert done.returncode in (1, 2) and said in done.stderr, (source, done.stderr)
+
+
+@pytest.mark.parametrize("packed", [True, False])
+def test_layouts_of_73(packed, plain, tmp_path):
+    pytest.importorskip("h5py", reason="needs h5py: pip install .[test]")
+    from matlab73 import MatFile
+
+    t, _, u, y, *_ = samples().T
+    ns = np.round(t * 1e9).astype(np.int64) + 1_700_000_000_000_000_000
+    path = tmp_path / "log.mat"
+    with MatFile(path, packed) as file:
+        file.put("t", t[:, None])
+        file.put("u", u[:, None])
+        file.put("y", y[None, :])
+        file.put("single", y.astype(np.float32))
+        file.put("on", u > 0)
+        file.put("rows", np.stack([u, y]))
+        file.put("columns", np.stack([u, y]).T)
+        file.put("stamp", ns[:, None])
+        signals = [{"label": "u", "values": u[:, None]}, {"label": "y", "values": y}]
+        file.put("out", {"time": t[:, None], "signals": signals, "inner": {"y": y}})
+        file.put("cells", (u, "a"))
+        file.opaque("logsout", "Simulink.SimulationData.Dataset")
+        file.opaque("series", "timeseries")
+    for source_u, source_y, time in [
+        ("u", "y", "t=s"), ("rows[0]", "rows[1]", "t=s"), ("columns[0]", "columns[1]", "stamp=ns"),
+        ("out.signals(1).values", "out.signals(2).values", "out.time=s"), ("u", "out.inner.y", "stamp=ns"),
+    ]:
+        np.testing.assert_allclose(estimate(path, source_u, source_y, "--time", time), plain, rtol=1e-9, err_msg=source_u)
+    coarse = estimate(path, "u", "single", "--time", "t=s")
+    assert 1e-12 < np.max(np.abs(coarse / plain - 1)) < 1e-2
+    for source, said in [("cells", "a cell array"), ("out", "out.signals(1).values"), ("nothing", "one of"), ("rows", "channel"),
+                         ("logsout", "x = logsout{1}.Values"), ("series", "save('log.mat', 't', 'v', '-v7')")]:
+        arguments = ["estimate", path, "-o", tmp_path / "x.json", "--u", f"{source}=A", "--y", "y=rad/s", "--time", "t=s"]
         done = subprocess.run([FRFID, *map(str, arguments)], capture_output=True, text=True)
         assert done.returncode in (1, 2) and said in done.stderr, (source, done.stderr)

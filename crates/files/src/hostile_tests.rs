@@ -1,6 +1,8 @@
 //! Whatever bytes come in, no reader panics and none takes memory that the bytes do not account
 //! for.
 
+mod recordings;
+
 use std::io::Cursor;
 use std::path::Path;
 

@@ -2,6 +2,7 @@
 //! types.
 
 use std::collections::HashMap;
+use std::fmt::Display;
 use std::path::Path;
 
 use rusqlite::{Connection, OpenFlags, Row};
@@ -15,6 +16,10 @@ use crate::log::recording::{Recording, TimedDamage};
 
 /// First bytes of a file of SQLite.
 pub(crate) const MAGIC: &[u8] = b"SQLite format 3\0";
+/// Whether what is read is computed, by a view or in a column: of any length, without end.
+const COMPUTED: &str = "SELECT EXISTS (SELECT 1 FROM sqlite_schema AS known
+    WHERE lower(name) IN ('topics', 'messages', 'message_definitions')
+    AND (type = 'view' OR sql LIKE 'CREATE VIRTUAL%' OR EXISTS (SELECT 1 FROM pragma_table_xinfo(known.name) WHERE hidden != 0)))";
 const TOPICS: &str = "SELECT id, name, type, serialization_format FROM topics";
 const DEFINITIONS: &str =
     "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions";
@@ -56,6 +61,11 @@ impl<'p> Bag<'p> {
     fn open(path: &'p Path) -> Result<Self, FileError> {
         let opened = || {
             let database = Connection::open_with_flags(uri(path), flags())?;
+            // of what is computed no row is asked for
+            let is_computed = database.query_row(COMPUTED, [], |row| row.get(0))?;
+            if is_computed {
+                return Ok(None);
+            }
             let topics = rows(&database, TOPICS, |row| {
                 let topic = Topic {
                     name: row.get(1)?,
@@ -68,9 +78,13 @@ impl<'p> Bag<'p> {
             let definitions = rows(&database, DEFINITIONS, |row| {
                 Ok((row.get(0)?, (row.get(1)?, text_of(row)?)))
             });
-            Ok((database, topics, definitions.unwrap_or_default()))
+            Ok(Some((database, topics, definitions.unwrap_or_default())))
         };
-        let (database, topics, definitions) = opened().map_err(|error| no_bag(path, &error))?;
+        let opened = opened().map_err(|error: rusqlite::Error| no_bag(path, &error))?;
+        let Some((database, topics, definitions)) = opened else {
+            let found = "topics or messages that are computed, by a view or in a column";
+            return Err(no_bag(path, &found));
+        };
         Ok(Self {
             path,
             database,
@@ -151,7 +165,7 @@ fn uri(path: &Path) -> String {
     }
 }
 
-fn no_bag(path: &Path, error: &rusqlite::Error) -> FileError {
+fn no_bag(path: &Path, error: &dyn Display) -> FileError {
     let advice = "if it is cut: sqlite3 FILE .recover; else convert it: ros2 bag convert, or rosbags-convert, to mcap";
     FileError::format(
         path,

@@ -64,13 +64,6 @@ impl Table {
         }
     }
 
-    /// Table of so many signals, without rows yet.
-    pub(crate) fn of_signals(topic: &str, count: usize) -> Self {
-        let mut table = Self::of(topic);
-        (0..count).for_each(|signal| table.add_signal(signal));
-        table
-    }
-
     pub(crate) fn topic(&self) -> &str {
         &self.series.topic
     }

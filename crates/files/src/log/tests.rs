@@ -509,7 +509,11 @@ fn a_format_is_known_by_its_first_bytes_or_by_its_name() {
         ),
         ("x.db3", b"SQLite format 3\0", "topic:field"),
         ("x.mat", b"MATLAB 5.0 MAT-file, ...", "a MATLAB file"),
-        ("x.mat", b"MATLAB 7.3 MAT-file, ...", "writetable"),
+        (
+            "x.mat",
+            b"MATLAB 7.3 MAT-file, ...",
+            "an undamaged MAT file",
+        ),
         ("x", b"", "an empty file"),
         ("x.bin", b"PK\x03\x04", "NPZ"),
         ("x.csv", ::mcap::MAGIC, "topic"),

@@ -32,7 +32,11 @@ pub(super) fn reader_of(separator: char) -> ReaderBuilder {
 /// The lines of a text that are not empty; its last one only where it ends.
 pub(super) fn lines_of(head: &str, separator: char) -> Vec<Line> {
     let squeezed = (separator == ' ').then(|| squeezed(head));
-    let text = squeezed.as_deref().unwrap_or(head);
+    unsqueezed_lines_of(squeezed.as_deref().unwrap_or(head), separator)
+}
+
+/// The same with a cell between any two separators.
+pub(super) fn unsqueezed_lines_of(text: &str, separator: char) -> Vec<Line> {
     let mut reader = reader_of(separator).from_reader(text.as_bytes());
     let mut lines = Vec::new();
     for record in reader.records().map_while(Result::ok) {

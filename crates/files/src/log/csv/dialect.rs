@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::FileError;
 use crate::log::csv::cells::{Line, is_value, lines_of};
 use crate::log::csv::header::{Header, header_above};
+use crate::log::csv::scope;
 
 /// How lines begin that are no rows: `#` of most tools, `%` of MATLAB and of `rostopic echo -p`.
 pub(super) const COMMENTS: [char; 2] = ['#', '%'];
@@ -44,6 +45,10 @@ pub(super) struct Dialect {
     pub(super) header: Header,
     /// The first line with values.
     pub(super) first_line: usize,
+    /// Whether the header is that of a TwinCAT Scope export.
+    pub(super) is_scope: bool,
+    /// Columns that TwinCAT Scope scales.
+    pub(super) scaled: Vec<usize>,
 }
 
 /// What a separator and a decimal mark make of a text.
@@ -67,6 +72,9 @@ impl Dialect {
         stated: &CsvTable,
         mapped: &[&str],
     ) -> Result<Self, FileError> {
+        if let Some(scope) = scope::dialect(path, head, stated)? {
+            return Ok(scope);
+        }
         let trial = best(head, stated);
         let first = trial.first_row();
         let first_line = first.map_or(usize::MAX, |place| trial.lines[place].number);
@@ -81,6 +89,8 @@ impl Dialect {
             decimal: trial.decimal,
             first_line: first_line.max(header.line + 1),
             header,
+            is_scope: false,
+            scaled: Vec::new(),
         })
     }
 
@@ -90,6 +100,7 @@ impl Dialect {
             '\t' => "tab",
             ' ' => "blanks",
             ';' => "semicolon",
+            ':' => "colon",
             _ => "|",
         };
         let header = &self.header;
@@ -97,12 +108,12 @@ impl Dialect {
             0 => "no header: columns by number, 1 to ".to_owned() + &header.names.len().to_string(),
             line => format!("header in line {line}"),
         };
-        let units_words = header
-            .units
-            .as_ref()
-            .map(|units| format!("units: {}", units.join(", ")));
+        let units = header.units.iter().flatten().map(String::as_str);
+        let units: Vec<&str> = units.filter(|unit| !unit.is_empty()).collect();
+        let units_words = (!units.is_empty()).then(|| format!("units: {}", units.join(", ")));
         let parts = [
             encoding.map(str::to_owned),
+            self.is_scope.then(|| "the header of TwinCAT Scope".into()),
             (self.separator != ',').then(|| format!("separator {separator}")),
             (self.decimal != '.').then(|| "decimal comma".into()),
             (header.line != 1).then_some(header_words),

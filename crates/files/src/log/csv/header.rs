@@ -1,5 +1,6 @@
 //! Header of a table: the names of its columns, and their units where a row has them.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use crate::error::FileError;
@@ -32,16 +33,39 @@ pub(super) fn header_above(above: &[Line], width: usize, mapped: &[&str]) -> Hea
         .last()
         .filter(|line| is_wide(line) && are_units(&line.cells));
     let names = &above[..above.len() - usize::from(units.is_some())];
-    let named = names.iter().rev().find(names_all);
-    let wide = || names.iter().rev().find(|line| is_wide(line));
+    let named = names.iter().rposition(|line| names_all(&line));
+    let wide = || {
+        names
+            .iter()
+            .rposition(|line| is_wide(&line) && !is_labelled(line))
+    };
     match named.or_else(wide) {
-        Some(line) => Header {
-            units: units.map(|line| line.cells.clone()),
-            ..Header::of(line, mapped)
+        Some(place) => Header {
+            units: units
+                .map(|line| line.cells.clone())
+                .or_else(|| labelled_units(&above[place + 1..], width)),
+            ..Header::of(&names[place], mapped)
         },
         // a single line of what may be units are names all the same
         None => units.map_or_else(|| Header::numbered(width), |line| Header::of(line, mapped)),
     }
+}
+
+/// Whether every cell has a label, as those below the names that the Simulation Data Inspector writes.
+fn is_labelled(line: &Line) -> bool {
+    let mut filled = line.cells.iter().filter(|cell| !cell.is_empty());
+    filled.all(|cell| cell.contains(": "))
+}
+
+/// Units below the names, each with its label, as the Simulation Data Inspector writes them: `Unit: rad/s`.
+fn labelled_units(below: &[Line], width: usize) -> Option<Vec<String>> {
+    let unit = |column: usize| {
+        let mut cells = below.iter().filter_map(|line| line.cells.get(column));
+        let labelled = cells.find_map(|cell| cell.strip_prefix("Unit:"));
+        labelled.unwrap_or_default().trim().to_owned()
+    };
+    let units: Vec<String> = (0..width).map(unit).collect();
+    units.iter().any(|unit| !unit.is_empty()).then_some(units)
 }
 
 /// Whether cells are units: known ones, or in brackets; some may be empty.
@@ -96,17 +120,25 @@ impl Header {
         signals.iter().map(column).collect()
     }
 
+    /// The places of all columns of a name.
+    pub(super) fn places(&self, name: &str) -> Vec<usize> {
+        let is_it = |place: &usize| self.names[*place] == name;
+        (0..self.names.len()).filter(is_it).collect()
+    }
+
     /// The place of the one column of a name.
     pub(super) fn column(&self, path: &Path, name: &str) -> Result<usize, FileError> {
-        let is_it = |place: &usize| self.names[*place] == name;
-        let places: Vec<usize> = (0..self.names.len()).filter(is_it).collect();
+        let places = self.places(name);
         let found = match (&places[..], self.line) {
             ([place], _) => return Ok(*place),
             ([], 0) => "no such column, and no header with names",
             ([], _) => "no such column",
             _ => "two of that name",
         };
-        let needed = format!("one of {}", self.names.join(", "));
+        let mut listed = HashSet::new();
+        let names = self.names.iter().filter(|name| listed.insert(*name));
+        let names: Vec<&str> = names.map(String::as_str).collect();
+        let needed = format!("one of {}", names.join(", "));
         Err(FileError::content(
             path,
             format!("column `{name}`"),

@@ -1,11 +1,14 @@
-//! Listing of a table: its columns of numbers and moments, with their units.
+//! Listing of a table: its columns of numbers and moments, with their units, by the clocks that they share.
 
+use std::collections::HashSet;
 use std::path::Path;
 
 use crate::error::FileError;
-use crate::log::csv::cells::{Line, lines_of, number};
+use crate::log::csv::cells::{Line, lines_of, number, unsqueezed_lines_of};
 use crate::log::csv::dialect::{CsvTable, Dialect};
+use crate::log::csv::group::{LONG_TIMES, long_columns};
 use crate::log::csv::moment::Moment;
+use crate::log::csv::scope;
 use crate::log::csv::text::Text;
 use crate::log::csv::whole_lines;
 use crate::log::listing::{ListedSignal, Listing, N_FIRST, SignalGroup};
@@ -16,43 +19,163 @@ pub(crate) fn list(path: &Path) -> Result<Listing, FileError> {
     let text = Text::open(path, None)?;
     let head = whole_lines(&text);
     let dialect = Dialect::of(path, head, &CsvTable::default(), &[])?;
-    let lines = lines_of(head, dialect.separator);
+    let lines = match dialect.is_scope {
+        true => unsqueezed_lines_of(head, dialect.separator),
+        false => lines_of(head, dialect.separator),
+    };
     let rows = lines
         .iter()
         .filter(|line| line.number >= dialect.first_line && !line.is_comment);
-    let rows: Vec<&Line> = rows.take(N_FIRST).collect();
-    let names = &dialect.header.names;
-    let (mut signals, mut told) = (Vec::new(), Vec::from_iter(dialect.told(text.encoding)));
-    for (place, name) in names.iter().enumerate() {
-        let is_twice = names.iter().filter(|other| *other == name).count() > 1;
-        match column(&dialect, &rows, place) {
-            Some(_) if is_twice => told.push(format!(
-                "two columns `{name}`: give them other names to use them"
-            )),
-            Some(signal) => signals.push(signal),
-            None => told.push(format!(
-                "column `{name}` holds no numbers in its first rows"
-            )),
-        }
-    }
-    let n_rows = text
-        .is_whole
-        .then_some(rows.len())
-        .filter(|n_rows| *n_rows < N_FIRST);
+    let mut seen = HashSet::new();
+    let names = dialect.header.names.iter();
+    let twice = names.filter(|name| !seen.insert(*name)).cloned().collect();
+    let mut table = Head {
+        twice,
+        told: Vec::from_iter(dialect.told(text.encoding)),
+        rows: rows.collect(),
+        dialect,
+    };
+    let groups = match long_columns(&table.dialect.header) {
+        Some((topic, value)) => table.topics(topic, value),
+        None => table.clocks(text.is_whole),
+    };
     Ok(Listing {
         format: "CSV",
-        told,
-        groups: vec![SignalGroup {
-            name: "rows".into(),
-            type_name: None,
-            n_rows,
-            signals,
-        }],
+        told: table.told,
+        groups,
     })
 }
 
+/// The beginning of a table.
+struct Head<'l> {
+    dialect: Dialect,
+    rows: Vec<&'l Line>,
+    /// Names that several columns have.
+    twice: HashSet<String>,
+    told: Vec<String>,
+}
+
+impl Head<'_> {
+    /// Columns, those behind one of several time columns together.
+    fn clocks(&mut self, is_whole: bool) -> Vec<SignalGroup> {
+        let n_rows = self.rows.len();
+        self.rows.truncate(N_FIRST);
+        let mut groups = vec![SignalGroup::default()];
+        for place in 0..self.dialect.header.names.len() {
+            let is_time = self.is_one_of_times(place);
+            let Some(signal) = self.signal(place, is_time) else {
+                continue;
+            };
+            if is_time {
+                groups.push(SignalGroup::default());
+            }
+            let last = groups.len() - 1;
+            groups[last].signals.push(signal);
+        }
+        let mut together: Vec<SignalGroup> = Vec::new();
+        for group in groups.into_iter().filter(|group| !group.signals.is_empty()) {
+            join(&mut together, group);
+        }
+        let is_one = together.len() == 1;
+        for group in &mut together {
+            group.name = match &group.signals[..] {
+                [_, first, ..] if !is_one => format!("rows of {}", first.source),
+                _ => "rows".into(),
+            };
+            let is_counted = is_one && is_whole && n_rows < N_FIRST;
+            group.n_rows = is_counted.then_some(n_rows);
+        }
+        together
+    }
+
+    /// Whether a column is one of several of times, each of which rules those behind it.
+    fn is_one_of_times(&self, place: usize) -> bool {
+        let name = &self.dialect.header.names[place];
+        match self.dialect.is_scope {
+            true => name == scope::NAMES,
+            false => name.eq_ignore_ascii_case("time") && self.twice.contains(name),
+        }
+    }
+
+    /// A column as a signal; what is none is told.
+    fn signal(&mut self, place: usize, is_time: bool) -> Option<ListedSignal> {
+        let name = self.dialect.header.names[place].clone();
+        if !is_time && self.twice.contains(&name) {
+            self.told.push(format!(
+                "two columns `{name}`: give them other names to use them"
+            ));
+            return None;
+        }
+        let unit = self.unit(place);
+        let unit = unit.or_else(|| (is_time && self.dialect.is_scope).then(|| "ms".into()));
+        let signal = column(&self.dialect, &self.rows, place, &name, unit);
+        if signal.is_none() {
+            self.told.push(format!(
+                "column `{name}` holds no numbers in its first rows"
+            ));
+        }
+        signal
+    }
+
+    fn unit(&self, place: usize) -> Option<String> {
+        let header = &self.dialect.header;
+        let stated = header.units.as_ref().and_then(|units| units.get(place));
+        let stated = stated.map(|unit| unit.trim_matches(['[', ']', '(', ')']).to_owned());
+        stated
+            .filter(|unit| !unit.is_empty())
+            .or_else(|| unit_in_name(&header.names[place]))
+    }
+
+    /// The topics of a long table, each with the times that its rows have.
+    fn topics(&self, topic: usize, value: usize) -> Vec<SignalGroup> {
+        let mut topics: Vec<(&str, Vec<&Line>)> = Vec::new();
+        for row in &self.rows {
+            let name = row.cells.get(topic).map_or("", String::as_str);
+            match topics.iter_mut().find(|(known, _)| *known == name) {
+                Some((_, rows)) if rows.len() == N_FIRST => {}
+                Some((_, rows)) => rows.push(row),
+                None => topics.push((name, vec![row])),
+            }
+        }
+        let header = &self.dialect.header;
+        let signals = |name: &str, rows: &[&Line]| {
+            let times = LONG_TIMES.iter().filter_map(|time| {
+                let place = header.places(time).first().copied()?;
+                column(&self.dialect, rows, place, time, Some("s".into()))
+            });
+            let unit = unit_in_name(name);
+            let values = column(&self.dialect, rows, value, name, unit);
+            times.chain(values).collect()
+        };
+        let group = |(name, rows): (&str, Vec<&Line>)| SignalGroup {
+            name: name.into(),
+            signals: signals(name, &rows),
+            ..SignalGroup::default()
+        };
+        topics.into_iter().map(group).collect()
+    }
+}
+
+/// Adds a group to those of other times, or its signals to the one of the same.
+fn join(groups: &mut Vec<SignalGroup>, group: SignalGroup) {
+    let is_same = |known: &&mut SignalGroup| {
+        let (a, b) = (&known.signals[0], &group.signals[0]);
+        a.source == b.source && a.first == b.first
+    };
+    match groups.iter_mut().find(is_same) {
+        Some(known) => known.signals.extend(group.signals.into_iter().skip(1)),
+        None => groups.push(group),
+    }
+}
+
 /// A column, if any of its first cells is a number or a moment.
-fn column(dialect: &Dialect, rows: &[&Line], place: usize) -> Option<ListedSignal> {
+fn column(
+    dialect: &Dialect,
+    rows: &[&Line],
+    place: usize,
+    name: &str,
+    unit: Option<String>,
+) -> Option<ListedSignal> {
     let cells = || {
         rows.iter()
             .map(|row| row.cells.get(place).map_or("", String::as_str))
@@ -62,15 +185,8 @@ fn column(dialect: &Dialect, rows: &[&Line], place: usize) -> Option<ListedSigna
         .collect();
     let has_numbers = first.iter().any(|value| value.is_finite());
     let is_moment = !has_numbers && cells().any(|cell| Moment::of(cell).is_some());
-    let header = &dialect.header;
-    let name = &header.names[place];
-    let stated = header.units.as_ref().and_then(|units| units.get(place));
-    let stated = stated.map(|unit| unit.trim_matches(['[', ']', '(', ')']).to_owned());
-    let unit = stated
-        .filter(|unit| !unit.is_empty())
-        .or_else(|| unit_in_name(name));
     (has_numbers || is_moment).then(|| ListedSignal {
         is_moment,
-        ..ListedSignal::of(name.clone(), unit, first)
+        ..ListedSignal::of(name.to_owned(), unit, first)
     })
 }

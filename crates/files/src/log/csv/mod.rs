@@ -2,10 +2,13 @@
 
 mod cells;
 pub(crate) mod dialect;
+mod group;
 mod header;
 pub(crate) mod listing;
 mod moment;
+mod row;
 mod rows;
+mod scope;
 mod squeezed;
 #[cfg(test)]
 mod tests;
@@ -29,9 +32,10 @@ pub(crate) fn read(path: &Path, map: &LogMap, signals: &Signals) -> Result<Recor
     let mapped: Vec<&str> = mapped.map(|signal| signal.source.as_str()).collect();
     let dialect = Dialect::of(path, whole_lines(&text), &stated, &mapped)?;
     let told = dialect.told(text.encoding);
-    let mut rows = Rows::of(path, &dialect, map, signals)?;
+    let timed = dialect.is_scope.then(|| scope::with_times(map));
+    let mut rows = Rows::of(path, &dialect, timed.as_ref().unwrap_or(map), signals)?;
     rows.take_all(text)?;
-    let mut recording = rows.recording(signals);
+    let mut recording = rows.recording(signals)?;
     recording.warnings.extend(told);
     Ok(recording)
 }

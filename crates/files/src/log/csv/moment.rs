@@ -45,7 +45,7 @@ impl Moment {
     /// Of a text; `None` of any other.
     pub(super) fn of(text: &str) -> Option<Self> {
         let text = text.trim().trim_end_matches('Z');
-        let duration = || Self::duration(text);
+        let duration = || Self::duration(text).or_else(|| Self::days(text));
         let of_day = || {
             let times = CLOCKS
                 .iter()
@@ -64,7 +64,27 @@ impl Moment {
                 .timestamp_nanos_opt()
                 .map(Self::OfDate)
         };
-        duration().or_else(of_day).or_else(of_date)
+        let elsewhere = || {
+            let (local, east_ns) = local_and_offset(text)?;
+            match Self::of(local)? {
+                Self::OfDate(ns) => ns.checked_sub(east_ns).map(Self::OfDate),
+                _ => None,
+            }
+        };
+        duration()
+            .or_else(of_day)
+            .or_else(of_date)
+            .or_else(elsewhere)
+    }
+
+    /// Of a duration as pandas writes it: `0 days 00:00:00.001`.
+    fn days(text: &str) -> Option<Self> {
+        let (days, rest) = text.split_once(" days ")?;
+        let Self::OfDay(ns) = Self::of(rest)? else {
+            return None;
+        };
+        let days: i64 = days.parse().ok()?;
+        days.checked_mul(DAY_NS)?.checked_add(ns).map(Self::After)
     }
 
     fn duration(text: &str) -> Option<Self> {
@@ -85,6 +105,19 @@ impl Moment {
     }
 }
 
+/// A text without its offset from UTC, and that in ns: `+02:00`.
+fn local_and_offset(text: &str) -> Option<(&str, i64)> {
+    let at = text.len().checked_sub(6)?;
+    let (local, offset) = text.split_at_checked(at)?;
+    let sign = match offset.as_bytes()[0] {
+        b'+' => 1,
+        b'-' => -1,
+        _ => return None,
+    };
+    let since = NaiveTime::parse_from_str(&offset[1..], "%H:%M").ok()? - NaiveTime::MIN;
+    Some((local, sign * since.num_nanoseconds()?))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -101,10 +134,23 @@ mod tests {
             ("1970-01-02T00:00:00.5Z", Moment::OfDate(86_400_500_000_000)),
             ("02.01.1970 00:00:00.5", Moment::OfDate(86_400_500_000_000)),
             ("02-Jan-1970 00:00:00.5", Moment::OfDate(86_400_500_000_000)),
+            ("1970-01-02 02:00:00+02:00", Moment::OfDate(DAY_NS)),
+            ("1970-01-01T22:30:00-01:30", Moment::OfDate(DAY_NS)),
+            ("2 days 00:00:00.5", Moment::After(2 * DAY_NS + 500_000_000)),
         ] {
             assert_eq!(Moment::of(text), Some(moment), "{text}");
         }
-        for text in ["", "s", "1.5", "x sec", "25:00:00", "1 furlong"] {
+        for text in [
+            "",
+            "s",
+            "1.5",
+            "x sec",
+            "25:00:00",
+            "1 furlong",
+            "10:00:00+02:00",
+            "x days 00:00:00",
+            "µ+02:00",
+        ] {
             assert_eq!(Moment::of(text), None, "{text}");
         }
     }

@@ -6,23 +6,26 @@ use std::path::Path;
 use csv::StringRecord;
 
 use crate::error::FileError;
-use crate::log::csv::cells::{number, reader_of};
+use crate::log::csv::cells::reader_of;
 use crate::log::csv::dialect::{COMMENTS, Dialect};
-use crate::log::csv::moment::Moment;
+use crate::log::csv::group::{Group, Taken, check_topics};
+use crate::log::csv::row::Row;
+use crate::log::csv::scope;
 use crate::log::csv::squeezed::Squeezed;
 use crate::log::csv::text::{SharedEnd, Text};
 use crate::log::map::{LogMap, Signals};
 use crate::log::recording::{Recording, TimedDamage};
-use crate::log::sample_times::{SampleTimes, TimeColumn, nth_stamp_ns};
-use crate::log::table::Table;
+use crate::run::header::MOST_VALUES;
 
 /// The rows while they come in.
 pub(super) struct Rows<'d> {
     path: &'d Path,
     dialect: &'d Dialect,
-    clock: SampleTimes,
-    columns: Vec<usize>,
-    table: Table,
+    groups: Vec<Group>,
+    /// Cells of the last row; fewer from row to row where columns end one after the other.
+    width: usize,
+    is_jagged: bool,
+    most_rows: usize,
     untimed: Option<Untimed>,
     number: usize,
     /// The last line.
@@ -47,17 +50,18 @@ impl<'d> Rows<'d> {
         map: &LogMap,
         signals: &Signals,
     ) -> Result<Self, FileError> {
-        let header = &dialect.header;
-        let columns = header.columns(path, signals)?;
-        let pairs = signals.iter().zip(&columns);
-        let other = pairs.filter_map(|(signal, column)| header.other_unit(signal, *column));
+        let groups = Group::all(path, dialect, map, signals)?;
         Ok(Self {
-            clock: SampleTimes::of(path, map, |name| header.column(path, name))?,
-            warnings: other.collect(),
+            warnings: groups
+                .iter()
+                .flat_map(|group| group.doubts(dialect, signals))
+                .collect(),
+            is_jagged: dialect.is_scope || groups.iter().any(|group| group.is_behind_its_time),
+            groups,
             path,
             dialect,
-            columns,
-            table: Table::of_signals("rows", signals.len()),
+            width: dialect.header.names.len(),
+            most_rows: MOST_VALUES / (1 + signals.len()),
             untimed: None,
             number: 0,
             line: 0,
@@ -71,7 +75,7 @@ impl<'d> Rows<'d> {
     pub(super) fn take_all(&mut self, text: Text) -> Result<(), FileError> {
         self.end = text.end.clone();
         let reader: Box<dyn Read> = match self.dialect.separator {
-            ' ' => Box::new(Squeezed::of(text.reader())),
+            ' ' if !self.dialect.is_scope => Box::new(Squeezed::of(text.reader())),
             _ => Box::new(text.reader()),
         };
         let mut reader = reader_of(self.dialect.separator).from_reader(reader);
@@ -81,6 +85,9 @@ impl<'d> Rows<'d> {
             is_there = self.next(&mut reader, &mut next)?;
             self.line = record.position().map_or(0, |place| place.line() as usize);
             self.is_last = !is_there;
+            if self.is_end(&record) {
+                break;
+            }
             if self.is_row(&record) && !(self.is_last && self.is_cut()) {
                 self.take(&record)?;
             }
@@ -91,6 +98,12 @@ impl<'d> Rows<'d> {
 
     fn is_row(&self, record: &StringRecord) -> bool {
         self.line >= self.dialect.first_line && !record[0].starts_with(COMMENTS)
+    }
+
+    /// Whether a line says that the table ends.
+    fn is_end(&self, record: &StringRecord) -> bool {
+        let is_there = self.line >= self.dialect.first_line && &record[0] == scope::END;
+        is_there && record.iter().skip(1).all(str::is_empty)
     }
 
     /// Whether the last line was cut where the file could not be read on: digits may be lost.
@@ -125,62 +138,74 @@ impl<'d> Rows<'d> {
             path: self.path,
             line: self.line,
         };
-        if !row.is_complete() {
+        if !row.has_width(self.width) && !self.ends_columns(&row) {
             return self.break_off(&row);
         }
-        let stamp_ns = self.stamp_ns(&row)?;
+        self.width = self.width.min(record.len());
         self.number += 1;
-        let values = row.numbers(&self.columns)?;
-        match stamp_ns {
-            Some(stamp_ns) => {
-                self.table.push(stamp_ns, &values);
+        self.check_count()?;
+        for group in &mut self.groups {
+            match group.take(&row)? {
+                Taken::Untimed => untimed(&mut self.untimed, self.line),
+                Taken::Yes | Taken::No => {}
             }
-            None => self.count_untimed(),
         }
         Ok(())
+    }
+
+    /// Refuses more rows than a recording may have.
+    fn check_count(&self) -> Result<(), FileError> {
+        if self.number <= self.most_rows {
+            return Ok(());
+        }
+        let found = format!("more than {} rows", self.most_rows);
+        let needed = format!("at most {MOST_VALUES} times and values");
+        Err(FileError::content(self.path, "table", found, needed))
+    }
+
+    /// Whether a shorter row is one behind the end of its last columns.
+    fn ends_columns(&self, row: &Row) -> bool {
+        let is_broken_off = self.is_last && self.end.borrow().is_broken_off();
+        self.is_jagged && row.record.len() < self.width && !is_broken_off
     }
 
     /// The end of a file that breaks off, or an error for a row of another width.
     fn break_off(&mut self, row: &Row) -> Result<(), FileError> {
         if !(self.is_last && self.end.borrow().is_broken_off()) {
-            return Err(row.other_width());
+            return Err(row.other_width(self.width));
         }
         self.broken_off = Some(format!("the file breaks off in line {}", row.line));
         Ok(())
     }
 
-    /// The time of a row; none where its column holds none.
-    fn stamp_ns(&self, row: &Row) -> Result<Option<i64>, FileError> {
-        match &self.clock {
-            SampleTimes::Counted(step_ns) => Ok(Some(nth_stamp_ns(self.number, *step_ns))),
-            SampleTimes::Column(column) => row.stamp_ns(column, self.table.last_ns()),
-        }
-    }
-
-    fn count_untimed(&mut self) {
-        let none = Untimed {
-            count: 0,
-            first_line: self.line,
-        };
-        self.untimed.get_or_insert(none).count += 1;
-    }
-
     /// The recording, with what is wrong with the end of the file.
-    pub(super) fn recording(mut self, signals: &Signals) -> Recording {
+    pub(super) fn recording(mut self, signals: &Signals) -> Result<Recording, FileError> {
+        check_topics(self.path, &self.groups, signals)?;
         self.warnings.extend(self.cut_warning());
-        Recording {
-            damages: self.damages(),
-            series: self.table.split(signals),
+        let last = self.groups.iter().map(|group| group.last_line).max();
+        let ended = self
+            .groups
+            .iter()
+            .filter_map(|group| group.ended(last?, signals));
+        self.warnings.extend(ended);
+        let damages = self.damages();
+        let tables = self.groups.into_iter().map(|group| group.table);
+        Ok(Recording {
+            damages,
+            series: tables.flat_map(|table| table.split(signals)).collect(),
             warnings: self.warnings,
-        }
+        })
     }
 
     fn damages(&self) -> Vec<TimedDamage> {
+        let last_ns = self
+            .groups
+            .iter()
+            .filter_map(|group| group.table.last_ns())
+            .max();
         let reasons = self.untimed.iter().map(Untimed::told);
         let reasons = reasons.chain(self.broken_off.clone());
-        reasons
-            .map(|reason| (self.table.last_ns(), reason))
-            .collect()
+        reasons.map(|reason| (last_ns, reason)).collect()
     }
 
     /// That the last number may be incomplete, unless the end of the file is known to be.
@@ -193,85 +218,18 @@ impl<'d> Rows<'d> {
     }
 }
 
+/// Counts a row without a time.
+fn untimed(untimed: &mut Option<Untimed>, line: usize) {
+    let none = Untimed {
+        count: 0,
+        first_line: line,
+    };
+    untimed.get_or_insert(none).count += 1;
+}
+
 impl Untimed {
     fn told(&self) -> String {
         let Self { count, first_line } = self;
         format!("{count} rows have no sample time, the first one in line {first_line}")
-    }
-}
-
-/// One line of the file.
-struct Row<'r> {
-    record: &'r StringRecord,
-    dialect: &'r Dialect,
-    path: &'r Path,
-    line: usize,
-}
-
-impl Row<'_> {
-    /// Whether it has a cell for each name, and beyond them empty ones only.
-    fn is_complete(&self) -> bool {
-        let width = self.dialect.header.names.len();
-        let mut beyond = self.record.iter().skip(width);
-        self.record.len() >= width && beyond.all(str::is_empty)
-    }
-
-    fn other_width(&self) -> FileError {
-        let found = format!("{} fields", self.record.len());
-        let needed = format!("{}, as in the header", self.dialect.header.names.len());
-        self.bad(found, needed)
-    }
-
-    fn cell(&self, column: usize) -> &str {
-        self.record.get(column).unwrap_or_default()
-    }
-
-    fn numbers(&self, columns: &[usize]) -> Result<Vec<Option<f64>>, FileError> {
-        columns.iter().map(|column| self.number(*column)).collect()
-    }
-
-    /// The number in a column; none where the cell is empty.
-    fn number(&self, column: usize) -> Result<Option<f64>, FileError> {
-        match self.cell(column) {
-            "" => Ok(None),
-            cell => match number(cell, self.dialect.decimal) {
-                Some(number) => Ok(Some(number)),
-                None => Err(self.no_number(cell, "a number")),
-            },
-        }
-    }
-
-    /// The time in a column, a number or a moment after `last_ns`; none where that is no finite number.
-    fn stamp_ns(
-        &self,
-        column: &TimeColumn,
-        last_ns: Option<i64>,
-    ) -> Result<Option<i64>, FileError> {
-        let cell = self.cell(column.place);
-        if cell.is_empty() {
-            return Ok(None);
-        }
-        let decimal = self.dialect.decimal;
-        if number(cell, decimal).is_some() {
-            let stamp = |text: &str| column.stamp_of_text(text);
-            return Ok(if decimal == ',' {
-                stamp(&cell.replacen(',', ".", 1))
-            } else {
-                stamp(cell)
-            });
-        }
-        let moment = Moment::of(&cell.replacen(',', ".", usize::from(decimal == ',')));
-        let needed = "a time: a number, a time of day, a date with a time";
-        let moment = moment.ok_or_else(|| self.no_number(cell, needed))?;
-        Ok(Some(moment.stamp_ns(last_ns)))
-    }
-
-    fn no_number(&self, cell: &str, needed: &str) -> FileError {
-        self.bad(format!("`{cell}`"), needed)
-    }
-
-    fn bad(&self, found: String, needed: impl Into<String>) -> FileError {
-        let what = format!("line {}", self.line);
-        FileError::content(self.path, what, found, needed)
     }
 }

@@ -2,8 +2,7 @@
 
 use std::io::{self, BufRead, BufReader, Read};
 
-/// A line may be this long: 16 MiB.
-const LINE_LIMIT: u64 = 16 << 20;
+use crate::log::csv::text::LINE_LIMIT;
 
 /// A text with one blank in place of several, none at the ends of lines.
 pub(super) fn squeezed(text: &str) -> String {

@@ -14,8 +14,11 @@ use crate::error::FileError;
 
 /// First bytes of a gzipped file.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
-/// How much of a text is looked at before it is read: some hundred rows.
-const HEAD: u64 = 64 << 10;
+/// How much of a text is looked at before it is read: some hundred rows, or the header of some hundred channels.
+const HEAD: u64 = 256 << 10;
+
+/// A line may be this long: 16 MiB.
+pub(super) const LINE_LIMIT: u64 = 16 << 20;
 
 /// The text of a file, from its beginning.
 pub(super) struct Text {
@@ -57,6 +60,7 @@ impl Text {
         let watched = Watched {
             file,
             end: end.clone(),
+            line: 0,
         };
         let mut builder = DecodeReaderBytesBuilder::new();
         let mut rest = builder.encoding(Some(encoding)).build(watched);
@@ -91,12 +95,31 @@ impl End {
 struct Watched {
     file: Box<dyn BufRead>,
     end: SharedEnd,
+    /// Bytes of the last line so far.
+    line: u64,
+}
+
+impl Watched {
+    /// Whether the last line, with these bytes, is longer than any of a table.
+    fn is_too_long(&mut self, bytes: &[u8]) -> bool {
+        self.line = match bytes.iter().rposition(|byte| *byte == b'\n') {
+            Some(end) => (bytes.len() - end) as u64,
+            None => self.line + bytes.len() as u64,
+        };
+        self.line > LINE_LIMIT
+    }
 }
 
 impl Read for Watched {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let read = self.file.read(buffer);
+        let is_too_long = matches!(read, Ok(n) if self.is_too_long(&buffer[..n]));
         let mut end = self.end.borrow_mut();
-        match self.file.read(buffer) {
+        match read {
+            Ok(_) if is_too_long => {
+                end.failed = Some(format!("a line is longer than {LINE_LIMIT} bytes"));
+                Ok(0)
+            }
             Ok(n) => {
                 let last = buffer[..n].iter().rev().find(|byte| **byte != 0);
                 end.last = last.copied().unwrap_or(end.last);

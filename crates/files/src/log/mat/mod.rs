@@ -1,29 +1,27 @@
-//! MAT recordings of level 5 (MATLAB's -v6 and -v7, scipy, Octave): arrays, and structs with them as Simulink
+//! MAT recordings of level 5 (MATLAB's -v6 and -v7, scipy, Octave) and v7.3: arrays, and structs with them as Simulink
 //! writes them.
-//!
-//! The MathWorks, MAT-File Format, R2024a, chapter 1.
 
-mod element;
-#[cfg(test)]
-mod tests;
+mod level5;
+mod level73;
 mod value;
 
 use std::fs;
 use std::path::Path;
 
 use crate::error::FileError;
+use crate::file_kind::start_of;
 use crate::log::arrays::{self, Arrays, MOST_CHANNELS, bad_array, name_and_channel};
 use crate::log::formats::no_recording;
 use crate::log::listing::Listing;
 use crate::log::map::{LogMap, Signals};
-use crate::log::mat::element::{COMPRESSED, Element, Elements};
-use crate::log::mat::value::{Array, Value, name_and_number, name_of, value_of};
+use crate::log::mat::value::{Array, Value, Variable, name_and_number};
 use crate::log::recording::Recording;
 
-/// How files begin.
-pub(crate) const MAGIC: &[u8] = b"MATLAB 5.0 MAT-file";
-/// Length of the text, the version and the order of bytes before the first element.
-const HEADER: usize = 128;
+/// How files of any version begin.
+pub(crate) const MAGIC: &[u8] = b"MATLAB ";
+/// How the two that are read do.
+const LEVEL_5: &[u8] = b"MATLAB 5.0 MAT-file";
+const LEVEL_7_3: &[u8] = b"MATLAB 7.3 MAT-file";
 /// Names that are listed.
 const NAMED: usize = 40;
 /// What helps where objects are.
@@ -33,30 +31,33 @@ const OBJECTS: &str = "numbers; an object (timeseries, timetable, Dataset) holds
 /// Reads the mapped arrays: `name` or `struct.field(2).field` for one channel, `name[channel]` for a channel of a
 /// matrix.
 pub(crate) fn read(path: &Path, map: &LogMap, signals: &Signals) -> Result<Recording, FileError> {
-    let bytes = fs::read(path).map_err(FileError::cannot("read", path))?;
-    if !bytes.starts_with(MAGIC) {
-        return Err(no_recording(path, &bytes));
-    }
     let sources = signals.iter().copied().chain(&map.time);
-    let wanted: Vec<&str> = sources.map(|signal| variable_of(&signal.source)).collect();
-    let file = MatFile::of(path, &bytes, &wanted)?;
+    let sources: Vec<&str> = sources.map(|signal| signal.source.as_str()).collect();
+    let file = MatFile::of(path, Some(&sources))?;
     arrays::read(path, map, signals, &file)
 }
 
 /// Lists its arrays: those of one length are sampled together.
 pub(crate) fn list(path: &Path) -> Result<Listing, FileError> {
-    let bytes = fs::read(path).map_err(FileError::cannot("read", path))?;
-    let names = MatFile::of(path, &bytes, &[])?.variables;
-    let names: Vec<&str> = names.iter().map(|(name, _)| name.as_str()).collect();
-    let file = MatFile::of(path, &bytes, &names)?;
-    let sources: Vec<String> = file.sources().collect();
-    let channels = sources
-        .into_iter()
-        .filter_map(|source| Some((file.numbers(&source).ok()?, source)));
+    let file = MatFile::of(path, None)?;
+    let sources = file.sources();
+    let channels = sources.filter_map(|source| Some((file.numbers(&source).ok()?, source)));
     Ok(arrays::listing(
         "MAT",
         channels.map(|(samples, source)| (source, samples)),
     ))
+}
+
+fn level5_variables(path: &Path, sources: Option<&[&str]>) -> Result<Vec<Variable>, FileError> {
+    let bytes = fs::read(path).map_err(FileError::cannot("read", path))?;
+    let names = |sources: &[&str]| {
+        sources
+            .iter()
+            .map(|source| variable_of(source).to_owned())
+            .collect()
+    };
+    let wanted: Option<Vec<String>> = sources.map(names);
+    level5::variables(&bytes, wanted.as_deref()).map_err(|short| damaged(path, &short.to_string()))
 }
 
 /// The variable of a source.
@@ -68,23 +69,20 @@ fn variable_of(source: &str) -> &str {
 struct MatFile<'p> {
     path: &'p Path,
     /// Those that are mapped; the others are known by name alone.
-    variables: Vec<(String, Option<Value>)>,
+    variables: Vec<Variable>,
 }
 
 impl<'p> MatFile<'p> {
-    fn of(path: &'p Path, bytes: &[u8], wanted: &[&str]) -> Result<Self, FileError> {
-        let is_big = bytes.get(126..HEADER) == Some(b"MI");
-        let mut elements = Elements::of(bytes.get(HEADER..).unwrap_or_default(), is_big);
-        let mut variables = Vec::new();
-        loop {
-            match elements.next() {
-                Ok(Some(element)) => variables.extend(variable(&element, wanted)),
-                Ok(None) => break,
-                Err(short) => return Err(damaged(path, &short.to_string())),
-            }
-        }
+    /// The variables of these sources, or all.
+    fn of(path: &'p Path, sources: Option<&[&str]>) -> Result<Self, FileError> {
+        let start = start_of(path)?;
+        let variables = match &start {
+            start if start.starts_with(LEVEL_5) => level5_variables(path, sources)?,
+            start if start.starts_with(LEVEL_7_3) => level73::variables(path, sources)?,
+            _ => Vec::new(),
+        };
         if variables.is_empty() {
-            return Err(no_recording(path, bytes));
+            return Err(no_recording(path, &start));
         }
         Ok(Self { path, variables })
     }
@@ -99,9 +97,8 @@ impl<'p> MatFile<'p> {
             None => Err(self.not_there(source)),
             Some((_, None)) => Err(damaged(self.path, &format!("{name} cannot be unpacked"))),
             Some((_, Some(value))) => match value.at(number, rest) {
-                None => Err(self.not_there(source)),
+                None | Some(Value::Struct(_) | Value::Unread) => Err(self.not_there(source)),
                 Some(Value::Array(array)) => Ok((array, channel)),
-                Some(Value::Struct(_)) => Err(self.not_there(source)),
                 Some(Value::Other(what)) => {
                     Err(bad_array(self.path, source, (*what).into(), OBJECTS))
                 }
@@ -111,7 +108,7 @@ impl<'p> MatFile<'p> {
 
     /// The paths of all arrays.
     fn paths(&self) -> Vec<String> {
-        let of = |(name, value): &(String, Option<Value>)| match value {
+        let of = |(name, value): &Variable| match value {
             Some(value @ Value::Struct(_)) => value.paths(name),
             _ => vec![name.clone()],
         };
@@ -157,31 +154,6 @@ impl Arrays for MatFile<'_> {
         let (array, channel) = self.array(source).ok()?;
         array.samples(array.integers.as_ref()?, channel)
     }
-}
-
-/// A variable with its value if it is wanted; `None` of what is no variable.
-fn variable(element: &Element, wanted: &[&str]) -> Option<(String, Option<Value>)> {
-    let is_packed = element.kind == COMPRESSED;
-    let beginning = if is_packed {
-        element.unpacked(false)
-    } else {
-        Vec::new()
-    };
-    let first = match is_packed {
-        // the tag of the packed element comes first
-        true => beginning.get(8..)?,
-        false => element.data,
-    };
-    let name = name_of(first, element.is_big)?;
-    if !wanted.contains(&name.as_str()) {
-        return Some((name, Some(Value::Other("not mapped"))));
-    }
-    if !is_packed {
-        return Some((name, value_of(element, 0)));
-    }
-    let whole = element.unpacked(true);
-    let inner = Elements::of(&whole, element.is_big).next().ok().flatten();
-    Some((name, inner.and_then(|inner| value_of(&inner, 0))))
 }
 
 fn damaged(path: &Path, found: &str) -> FileError {

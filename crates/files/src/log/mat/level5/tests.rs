@@ -3,7 +3,7 @@
 use std::io::Write;
 
 use crate::log::map::{LogMap, Signal};
-use crate::log::mat::{HEADER, MAGIC};
+use crate::log::mat::level5::HEADER;
 use crate::log::read_log;
 
 fn map() -> LogMap {
@@ -16,7 +16,7 @@ fn map() -> LogMap {
 
 fn refused(body: &[u8]) -> String {
     let mut file = tempfile::NamedTempFile::new().expect("a file");
-    let mut head = MAGIC.to_vec();
+    let mut head = b"MATLAB 5.0 MAT-file".to_vec();
     head.resize(HEADER - 4, b' ');
     head.extend([0, 1, b'I', b'M']);
     file.write_all(&[&head, body].concat()).expect("written");

@@ -1,5 +1,8 @@
 //! One table as a dozen programs write it, and texts that are none.
 
+mod clocks;
+mod dialects;
+
 use std::io::Write;
 
 use encoding_rs::{UTF_16BE, UTF_16LE, WINDOWS_1252};
