@@ -9,7 +9,7 @@ use std::path::Path;
 use proptest::prelude::*;
 
 use crate::atomic_write::Overwrite;
-use crate::log::npz::read_npz_array;
+use crate::log::arrays::npz::read_npz_array;
 use crate::mcap::read::{Part, scan};
 use crate::mcap::record::LENGTH_LIMIT;
 use crate::mcap::recover::recover;

@@ -5,11 +5,13 @@ use std::path::Path;
 
 use crate::error::FileError;
 use crate::file_kind::{kind_of, start_of};
+use crate::log::arrays::npz;
+use crate::log::bag::{db3, mcap};
 use crate::log::listing::Listing;
 use crate::log::map::{LogMap, Signals};
 use crate::log::packed::Unpacked;
 use crate::log::recording::Recording;
-use crate::log::{csv, db3, mat, mcap, npz};
+use crate::log::{csv, mat};
 
 /// A format of recordings.
 #[derive(Debug)]

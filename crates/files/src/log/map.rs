@@ -7,7 +7,7 @@ use frfid_signals::InputKind;
 use serde::{Deserialize, Serialize};
 
 use crate::log::csv::dialect::CsvTable;
-use crate::log::unit_names::without_unit;
+use crate::log::units::names::without_unit;
 
 /// One signal: where it comes from, its unit, its sign and scale.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

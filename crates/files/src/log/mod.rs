@@ -5,23 +5,19 @@ pub(crate) mod arrays;
 pub(crate) mod bag;
 pub(crate) mod clock;
 pub(crate) mod csv;
-pub(crate) mod db3;
 pub(crate) mod decimal;
 pub(crate) mod formats;
 pub(crate) mod listing;
 pub(crate) mod map;
 pub(crate) mod mat;
-pub(crate) mod mcap;
-pub(crate) mod npy;
-pub(crate) mod npz;
 pub(crate) mod packed;
 pub(crate) mod recording;
+mod roles;
 pub(crate) mod sample_times;
 pub(crate) mod table;
 #[cfg(test)]
 mod tests;
 pub(crate) mod text;
-pub(crate) mod unit_names;
 pub(crate) mod units;
 
 use std::path::Path;
@@ -37,8 +33,9 @@ use crate::log::clock::{Clock, Flaw};
 use crate::log::formats::Format;
 use crate::log::map::{LogMap, Signal};
 use crate::log::recording::{Recording, Series, of_damaged};
-use crate::log::unit_names::name_says_otherwise;
-use crate::log::units::{si_of, signal_to_si};
+use crate::log::roles::sort_into_roles;
+use crate::log::units::names::name_says_otherwise;
+use crate::log::units::si_of;
 use crate::loss::Loss;
 use crate::run::header;
 
@@ -256,58 +253,4 @@ fn told(topics: &[Paced]) -> Vec<String> {
         told.extend(delay_warnings(topics));
     }
     told
-}
-
-/// The log of these values, row by row in the order of the map's roles.
-fn sort_into_roles(map: &LogMap, values: &Array2<f64>, clock: ClockFit) -> Log {
-    Log {
-        record: record(map, values, clock.sample_time_s),
-        input_names: names(&map.u),
-        output_names: names(&map.y),
-        reference_names: names(&map.r),
-        reference_units: units(&map.r),
-        input_units: units(&map.u),
-        output_units: units(&map.y),
-        losses: Vec::new(),
-        warnings: Vec::new(),
-        times_s: None,
-        two_clocks: None,
-        duration_s: values.ncols() as f64 * clock.sample_time_s,
-        clock,
-    }
-}
-
-fn record(map: &LogMap, values: &Array2<f64>, sample_time_s: f64) -> Record {
-    let signals = |places| values.slice(ndarray::s![places, ..]).to_owned();
-    let [u, y, r, position] = map.places().map(signals);
-    Record {
-        sample_time_s,
-        u,
-        y,
-        r: there(r),
-        position_rad: there(position),
-        input_kind: map.input_kind,
-        events: Vec::new(),
-    }
-}
-
-/// Signals of a role that may have none.
-fn there(role: Array2<f64>) -> Option<Array2<f64>> {
-    (role.nrows() > 0).then_some(role)
-}
-
-fn names(role: &[Signal]) -> Vec<String> {
-    role.iter().map(Signal::label).collect()
-}
-
-fn units(role: &[Signal]) -> Vec<String> {
-    role.iter().map(unit).collect()
-}
-
-/// The SI unit; a unit that is not known stays as it is.
-fn unit(signal: &Signal) -> String {
-    match signal_to_si(signal) {
-        Ok((_, si)) => si.to_owned(),
-        Err(_) => signal.unit.clone(),
-    }
 }

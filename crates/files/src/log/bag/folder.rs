@@ -8,11 +8,11 @@ use yaml_rust2::YamlLoader;
 use crate::error::FileError;
 use crate::file_kind::start_of;
 use crate::log::bag::{self, Take, contents};
+use crate::log::bag::{db3, mcap};
 use crate::log::listing::Listing;
 use crate::log::map::Signals;
 use crate::log::packed::Unpacked;
 use crate::log::recording::{Recording, TimedDamage};
-use crate::log::{db3, mcap};
 
 const METADATA: &str = "metadata.yaml";
 

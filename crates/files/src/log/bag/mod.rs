@@ -1,7 +1,9 @@
 //! Bags: the mapped signals of any topic of CDR messages, whatever file holds them.
 
 pub(crate) mod contents;
+pub(crate) mod db3;
 pub(crate) mod folder;
+pub(crate) mod mcap;
 pub(crate) mod message;
 
 use std::collections::BTreeSet;

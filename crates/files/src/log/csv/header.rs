@@ -7,7 +7,7 @@ use crate::error::FileError;
 use crate::log::csv::cells::Line;
 use crate::log::csv::dialect::COMMENTS;
 use crate::log::map::Signal;
-use crate::log::unit_names::are_alike;
+use crate::log::units::names::are_alike;
 use crate::log::units::to_si;
 
 /// Names and units of columns.

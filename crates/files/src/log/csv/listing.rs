@@ -12,7 +12,7 @@ use crate::log::csv::scope;
 use crate::log::csv::text::Text;
 use crate::log::csv::whole_lines;
 use crate::log::listing::{ListedSignal, Listing, N_FIRST, SignalGroup};
-use crate::log::unit_names::unit_in_name;
+use crate::log::units::names::unit_in_name;
 
 /// Lists the columns of a table by its first rows.
 pub(crate) fn list(path: &Path) -> Result<Listing, FileError> {

@@ -1,5 +1,7 @@
 //! Units of recordings, and their SI units.
 
+pub(crate) mod names;
+
 use std::path::Path;
 
 use crate::error::FileError;

@@ -1,5 +1,8 @@
 //! Recordings in files of arrays: one array for each signal, or a channel of one, and one for the sample times.
 
+pub(crate) mod npy;
+pub(crate) mod npz;
+
 use std::cmp::Reverse;
 use std::path::Path;
 
@@ -8,7 +11,7 @@ use crate::log::listing::{ListedSignal, Listing, N_FIRST, SignalGroup};
 use crate::log::map::{LogMap, Signal, Signals};
 use crate::log::recording::{Recording, Series};
 use crate::log::sample_times::{SampleTimes, TimeColumn, nth_stamp_ns};
-use crate::log::unit_names::unit_in_name;
+use crate::log::units::names::unit_in_name;
 
 /// Arrays by the sources of a log map.
 pub(crate) trait Arrays {

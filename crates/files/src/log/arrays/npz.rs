@@ -8,10 +8,10 @@ use ndarray::{ArrayD, Axis};
 use npyz::npz::NpzArchive;
 
 use crate::error::FileError;
+use crate::log::arrays::npy::{parse_npy, parse_npy_integers};
 use crate::log::arrays::{self, Arrays, bad_array, name_and_channel};
 use crate::log::listing::Listing;
 use crate::log::map::{LogMap, Signals};
-use crate::log::npy::{parse_npy, parse_npy_integers};
 use crate::log::recording::Recording;
 use crate::run::header;
 
