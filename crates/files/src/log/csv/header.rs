@@ -33,7 +33,9 @@ pub(super) fn header_above(above: &[Line], width: usize, mapped: &[&str]) -> Hea
         .last()
         .filter(|line| is_wide(line) && are_units(&line.cells));
     let names = &above[..above.len() - usize::from(units.is_some())];
-    let named = names.iter().rposition(|line| names_all(&line));
+    let named = names
+        .iter()
+        .rposition(|line| names_all(&line) && !is_labelled(line));
     let wide = || {
         names
             .iter()
