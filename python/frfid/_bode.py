@@ -25,7 +25,7 @@ DASHES: tuple[Any, ...] = ("-", (0, (4, 1.7)), (0, (4, 1.2, 1.2, 1.2)), (0, (1.2
 DENSE = 150  # more frequencies than this make a line without dots
 DEEPEST_DB = 140.0  # what lies further below the highest magnitude is rounding, not response
 MOST_WITH_PHASE = 3  # inputs or outputs beyond which magnitudes alone are shown
-OURS, CROSSES = "frfid", "frfid flagged"  # mark what an earlier call drew
+OURS, TICKS = "frfid", "frfid flagged"  # mark what an earlier call drew
 UNNAMED = "G"
 
 
@@ -108,7 +108,7 @@ class _Curve:
                 size, radius = np.abs(self.response[:, output, column]), self.radius[:, output, column]
                 lower = np.fmax(_db(np.fmax(size - radius, 0.0)), low - 2 * (high - low) - 10.0)
                 self._shade(panel, self.hz, np.where(np.isfinite(values[:, column]), lower, np.nan), _db(size + radius))
-            self._cross(panel, values[:, column])
+            self._flag(panel)
 
     def draw_phases(self, panels: Any, output: int) -> None:
         """Phases of one output, with gaps where they wrap."""
@@ -126,16 +126,18 @@ class _Curve:
                 with np.errstate(divide="ignore", invalid="ignore"):
                     half = np.where(radius < size, np.degrees(np.arcsin(np.fmin(radius / size, 1.0))), 180.0)[lines]
                 self._shade(panel, self.hz[lines], degrees - half, degrees + half)
-            self._cross(panel, values[:, column])
+            self._flag(panel)
 
     def _shade(self, panel: Any, hz: Any, low: Any, high: Any) -> None:
         shade = {"color": self.style["color"], "alpha": self.shade, "linewidth": 0, "label": self.region, "zorder": 1}
         panel.fill_between(hz, low, high, **shade)
 
-    def _cross(self, panel: Any, values: Any) -> None:
+    def _flag(self, panel: Any) -> None:
+        """Ticks below the upper edge, where they hide no curve."""
         if self.flagged.any():
-            hz, values = self.hz[self.flagged], values[self.flagged]
-            panel.plot(hz, values, "x", color=self.style["color"], markersize=6, label="flagged line", gid=CROSSES)
+            hz, where = self.hz[self.flagged], panel.get_xaxis_transform()
+            color, height = self.style["color"], np.full(len(hz), 0.97)
+            panel.plot(hz, height, "|", color=color, markersize=6, label="flagged line", gid=TICKS, transform=where)
 
 
 def _radius(frf: Frf) -> tuple[Any, str]:
@@ -251,10 +253,10 @@ def _band(axes: Any) -> tuple[float, float]:
 
 
 def _legend(axes: Any, is_own: bool) -> None:
-    """Every curve, and what is shaded and crossed once; none where that is a plain curve without a name."""
+    """Every curve, and what is shaded and ticked once; none where that is a plain curve without a name."""
     panel, names = axes[0, 0], {}
     for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
-        is_curve = isinstance(handle, Line2D) and handle.get_gid() != CROSSES
+        is_curve = isinstance(handle, Line2D) and handle.get_gid() != TICKS
         names.setdefault((label, id(handle) if is_curve else None), handle)
     if [label for label, _ in names] == [UNNAMED]:
         return

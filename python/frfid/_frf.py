@@ -55,7 +55,7 @@ class Plot:
         """Magnitude in dB and phase in degrees over frequency, one column for each input.
 
         Shaded is the 95 % region of noise and nonlinear distortion, or of the noise where that alone was measured; flagged
-        lines are crossed. The range of the magnitudes is that of the responses, shared by the row. The phase has gaps where
+        lines have ticks at the upper edge. The range of the magnitudes is that of the responses, shared by the row. The phase has gaps where
         it wraps.
 
         Parameters

@@ -138,11 +138,11 @@ def test_the_region_is_the_widest_that_was_measured_and_none_if_none_was():
     np.testing.assert_allclose([found[0], found[-1]], 20 * np.log10([size[k] - radius, size[k] + radius]))
 
 
-def test_flagged_lines_are_crossed():
+def test_flagged_lines_have_ticks_at_the_upper_edge():
     flagged = [k % 9 == 0 for k in range(60)]
     axes = arm(1, flagged=flagged).plot.bode()
-    crosses = axes[0, 0].lines[1]
-    assert crosses.get_marker() == "x" and len(crosses.get_xdata()) == sum(flagged)
+    ticks = axes[0, 0].lines[1]
+    assert ticks.get_marker() == "|" and len(ticks.get_xdata()) == sum(flagged) and set(ticks.get_ydata()) == {0.97}
 
 
 def test_large_matrices_are_magnitudes_drawn_soon():

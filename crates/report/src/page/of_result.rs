@@ -15,6 +15,9 @@ use crate::page::section::{Part, Responses};
 /// More frequencies than this are drawn as a line, fewer as markers.
 const DENSE: usize = 150;
 
+/// Outputs or inputs beyond which magnitudes alone are printed.
+const MOST_WITH_PHASE: usize = 3;
+
 /// The Bode diagram of a result, with the 95 % region of the largest variance that was measured.
 ///
 /// ```
@@ -60,6 +63,7 @@ pub fn result_page(
     let provenance = result.provenance.clone().into_iter();
     let report = Report {
         title: title.to_owned(),
+        lead: None,
         claims: Vec::new(),
         verdicts: result.verdicts.clone(),
         checks: result.checks.clone(),
@@ -69,7 +73,7 @@ pub fn result_page(
     report.html()
 }
 
-/// The FRF as a part of its page: to look into, and as a figure.
+/// The FRF as a part of its page: to look into, and as a figure in print.
 fn part<'a>(
     title: &str,
     result: &'a ResultFile,
@@ -80,12 +84,24 @@ fn part<'a>(
         notes,
         tables: Vec::new(),
         responses: Some(Responses {
-            title: "Interactive diagram".to_owned(),
+            title: "Bode diagram".to_owned(),
             curves: vec![curve(title, result)],
             labels: labels(result),
+            still: Some((caption(result), still(title, result)?)),
         }),
-        figures: vec![(caption(result), result_figure(title, result)?)],
+        figures: Vec::new(),
     })
+}
+
+/// The figure for print: a large matrix shows its magnitudes only, so that it fits on a page.
+fn still(title: &str, result: &ResultFile) -> Result<Figure, ReportError> {
+    let (curves, labels) = ([curve(title, result)], labels(result));
+    let (outputs, inputs) = curves[0].size();
+    if outputs.max(inputs) > MOST_WITH_PHASE {
+        bode_matrix(&curves, &labels, false, &[])
+    } else {
+        result_figure(title, result)
+    }
 }
 
 /// The FRF of a result as a curve.
@@ -114,15 +130,15 @@ fn band(frf: &Frf) -> Band {
     }
 }
 
-/// What the figure shows, its shades and crosses included.
+/// What the figure shows, its shades and ticks included.
 fn caption(result: &ResultFile) -> String {
     let shaded = shaded(&result.frf);
-    let crossed = if result.flagged.iter().flatten().any(|flagged| *flagged) {
-        "; crossed: lines at which what remains of the torque ripple exceeds the noise"
+    let ticked = if result.flagged.iter().flatten().any(|flagged| *flagged) {
+        "; ticks at the upper edge: lines at which what remains of the torque ripple exceeds the noise"
     } else {
         ""
     };
-    format!("Frequency response{shaded}{crossed}")
+    format!("Frequency response{shaded}{ticked}")
 }
 
 fn shaded(frf: &Frf) -> &'static str {

@@ -2,7 +2,7 @@
 
 use frfid_files::{Cell, SOUND, Verdict, VerdictTable};
 
-use crate::page::pieces::{badge, escaped, section, table, table_row};
+use crate::page::pieces::{badge, escaped, section, table};
 
 /// The section, or nothing where nobody judged.
 pub(crate) fn verdicts_html(verdicts: &[Verdict]) -> String {
@@ -16,12 +16,24 @@ pub(crate) fn verdicts_html(verdicts: &[Verdict]) -> String {
         .collect();
     let shares = rows.iter().map(|(share, cells, limit)| {
         let cells = cells.iter().map(cell_html).chain([escaped(limit)]);
-        table_row(share, &cells.collect::<Vec<_>>())
+        ((*share).to_string(), cells.collect())
     });
     let words = words.iter().map(|word| word_html(word));
     let words = words.chain([String::new()]); // a verdict has no limit
-    let last = [table_row("Verdict", &words.collect::<Vec<_>>())];
+    let last = [("Verdict".to_owned(), words.collect())];
     section("Axes", &table(&heads, shares.chain(last)))
+}
+
+/// What each axis suffers from, in a line, or nothing where nobody judged.
+pub(crate) fn verdict_line(verdicts: &[Verdict]) -> String {
+    let Some(VerdictTable { axes, words, .. }) = VerdictTable::of(verdicts) else {
+        return String::new();
+    };
+    let axes = axes.iter().zip(&words);
+    let axes: Vec<String> = axes
+        .map(|(axis, word)| format!("{} {}", escaped(axis), word_html(word)))
+        .collect();
+    format!("<p>{}</p>\n", axes.join(", "))
 }
 
 fn cell_html(cell: &Cell) -> String {
