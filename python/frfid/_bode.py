@@ -254,7 +254,8 @@ def _band(axes: Any) -> tuple[float, float]:
 
 def _legend(axes: Any, is_own: bool) -> None:
     """Every curve, and what is shaded and ticked once; none where that is a plain curve without a name."""
-    panel, names = axes[0, 0], {}
+    panel = axes[0, 0]
+    names: dict[tuple[str, int | None], Any] = {}
     for handle, label in zip(*panel.get_legend_handles_labels(), strict=True):
         is_curve = isinstance(handle, Line2D) and handle.get_gid() != TICKS
         names.setdefault((label, id(handle) if is_curve else None), handle)

@@ -18,7 +18,8 @@ class FrequencyLocator(Locator):
     """Ticks of a logarithmic axis whose labels never meet, at whatever size and zoom."""
 
     def __call__(self) -> Any:
-        return self.tick_values(*self.axis.get_view_interval())
+        axis: Any = self.axis
+        return self.tick_values(*axis.get_view_interval())
 
     def tick_values(self, vmin: float, vmax: float) -> Any:
         low, high = sorted((vmin, vmax))
@@ -42,7 +43,7 @@ class FrequencyLocator(Locator):
             return ticks
         spacing = high * np.log(high / low) / (high - low)  # of the closest labels over the mean one
         bins = max(1, int(length / (room * max(spacing, 1.0) * 1.3)))
-        found = MaxNLocator(bins, steps=[1, 2, 5, 10]).tick_values(low, high)
+        found: Any = MaxNLocator(bins, steps=[1, 2, 5, 10]).tick_values(low, high)
         return found[(found >= low) & (found <= high)]
 
 
@@ -50,7 +51,8 @@ class DegreeLocator(Locator):
     """Multiples of 45, 90 or 180 degrees, the first of them that has room."""
 
     def __call__(self) -> Any:
-        return self.tick_values(*self.axis.get_view_interval())
+        axis: Any = self.axis
+        return self.tick_values(*axis.get_view_interval())
 
     def tick_values(self, vmin: float, vmax: float) -> Any:
         low, high = sorted((vmin, vmax))

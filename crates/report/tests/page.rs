@@ -254,6 +254,10 @@ fn framed(page: &str, widths: &[usize]) -> String {
          for (const key of ['PageDown', 'ArrowDown', 'Enter']) { \
            canvas.dispatchEvent(new frame.contentWindow.KeyboardEvent('keydown', { key })); } \
          frame.dataset.said = root.querySelector('.readout th').textContent; \
+         const fold = root.querySelector('.values'); fold.open = true; \
+         fold.dispatchEvent(new frame.contentWindow.Event('toggle')); \
+         frame.dataset.captions = fold.querySelectorAll('caption').length; \
+         frame.dataset.rows = fold.querySelectorAll('tbody tr').length; \
          frame.dataset.shown = root.querySelector('select').selectedOptions[0].textContent; \
          frame.removeAttribute('srcdoc'); });";
     format!(
@@ -275,6 +279,8 @@ fn nothing_leaves_the_page_at_any_width_and_keys_change_the_panel() {
             "data-over=\"0\"",
             "data-cut=\"0\"",
             &format!("data-panels=\"{panels}\""),
+            "data-captions=\"1\"",
+            "data-rows=\"40\"",
         ] {
             assert!(tag.contains(expected), "{tag} lacks {expected}:\n{log}");
         }

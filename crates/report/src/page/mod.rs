@@ -20,7 +20,7 @@ use crate::page::claim::Claim;
 use crate::page::pieces::{badge, escaped, filled, section, table};
 use crate::page::provenance::provenance_html;
 use crate::page::section::{Part, Responses};
-use crate::page::verdicts::{verdict_line, verdicts_html};
+use crate::page::verdicts::{verdict_lines, verdicts_html};
 
 const TEMPLATE: &str = include_str!("web/report.html");
 const STYLE: &str = include_str!("web/report.css");
@@ -104,7 +104,7 @@ impl Report<'_> {
             count(claims, "claims of the paper hold"),
             count(checks, "checks passed"),
             failed.collect(),
-            verdict_line(&self.verdicts),
+            verdict_lines(&self.verdicts),
         ]
         .concat()
     }

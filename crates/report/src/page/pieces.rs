@@ -66,7 +66,10 @@ pub(crate) fn badge(good: bool, yes: &str, no: &str) -> String {
     } else {
         ("bad", '✗', no)
     };
-    format!("<span class=\"{class}\">{sign} {}</span>", escaped(word))
+    format!(
+        "<span class=\"{class}\">{sign}\u{a0}{}</span>",
+        escaped(word)
+    )
 }
 
 /// Text as HTML shows it literally, in content and in quoted attributes.

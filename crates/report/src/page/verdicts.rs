@@ -1,5 +1,7 @@
 //! Verdicts of a report: a row for each cause, a column for each axis.
 
+use std::iter::zip;
+
 use frfid_files::{Cell, SOUND, Verdict, VerdictTable};
 
 use crate::page::pieces::{badge, escaped, section, table};
@@ -24,16 +26,22 @@ pub(crate) fn verdicts_html(verdicts: &[Verdict]) -> String {
     section("Axes", &table(&heads, shares.chain(last)))
 }
 
-/// What each axis suffers from, in a line, or nothing where nobody judged.
-pub(crate) fn verdict_line(verdicts: &[Verdict]) -> String {
+/// What the axes suffer from, a line for those that suffer alike, or nothing where nobody judged.
+pub(crate) fn verdict_lines(verdicts: &[Verdict]) -> String {
     let Some(VerdictTable { axes, words, .. }) = VerdictTable::of(verdicts) else {
         return String::new();
     };
-    let axes = axes.iter().zip(&words);
-    let axes: Vec<String> = axes
-        .map(|(axis, word)| format!("{} {}", escaped(axis), word_html(word)))
-        .collect();
-    format!("<p>{}</p>\n", axes.join(", "))
+    let mut groups: Vec<(&String, Vec<String>)> = Vec::new();
+    for (word, axis) in zip(&words, &axes) {
+        match groups.iter_mut().find(|(known, _)| *known == word) {
+            Some((_, axes)) => axes.push(escaped(axis)),
+            None => groups.push((word, vec![escaped(axis)])),
+        }
+    }
+    let lines = groups.iter();
+    let lines =
+        lines.map(|(word, axes)| format!("<p>{} {}</p>\n", axes.join(", "), word_html(word)));
+    lines.collect()
 }
 
 fn cell_html(cell: &Cell) -> String {

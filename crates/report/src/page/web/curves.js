@@ -114,7 +114,8 @@ function number(value, digits) {
 function logTicks(low, high, length) {
   const decade = length / Math.log10(high / low), fine = [], labelled = [];
   const sets = [[1, 2, 3, 4, 5, 6, 7, 8, 9], [1, 2, 5], [1]], gaps = [10 / 9, 2, 1e9];
-  const digits = sets.find((_, n) => decade * Math.log10(gaps[n]) > 30) || [1];
+  const room = 8 + 7 * Math.max(number(low, low < 1 ? 2 : 0).length, number(high, 0).length);
+  const digits = sets.find((_, n) => decade * Math.log10(gaps[n]) > room) || [1];
   for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power++) {
     for (let digit = 1; digit < 10; digit++) {
       const value = Number(digit + "e" + power);

@@ -7,6 +7,7 @@ function writeReadout() {
   if (table.dataset.said === all) return; // whoever listens hears what is new
   table.dataset.said = all;
   table.querySelector("tbody").replaceChildren(...rows.map(tableRow));
+  table.querySelectorAll("td").forEach((cell, n) => { cell.dataset.unit = ["Hz", "dB", "deg", ""][n % 4]; });
   table.querySelector("th").textContent = view.entry ? name(view.entry) : "Curve";
 }
 
@@ -46,11 +47,10 @@ function writeValues() {
   const entry = view.entry || entries[0];
   for (const curve of visible()) {
     const frame = document.createElement("div"), table = document.createElement("table");
-    const heads = [...root.querySelectorAll(".readout thead th")].slice(1).map((head) => head.textContent);
     frame.className = "scroll";
     table.createCaption().textContent = curve.label + ": " + name(entry);
-    const head = tableRow(heads), body = document.createElement("tbody");
-    head.querySelector("th").scope = "col";
+    const head = document.createElement("tr"), body = document.createElement("tbody");
+    head.append(...[...root.querySelectorAll(".readout thead th")].slice(1).map((cell) => cell.cloneNode(true)));
     table.createTHead().append(head);
     body.append(...Array.from(curve.hz, (_, k) => tableRow(valuesAt(curve, k, entry))));
     table.append(body);
