@@ -51,42 +51,35 @@ class Plot:
     def __init__(self, frf: Frf) -> None:
         self._frf = frf
 
-    def bode(self, ax: Any = None, **line: Any) -> Any:
-        """Magnitude in dB and phase in degrees over frequency, one column for each input, a pair of rows for each output.
+    def bode(self, ax: Any = None, *, phase: bool | None = None, **line: Any) -> Any:
+        """Magnitude in dB and phase in degrees over frequency, one column for each input.
+
+        Shaded is the 95 % region of noise and nonlinear distortion, or of the noise where that alone was measured; flagged
+        lines have ticks at the upper edge. The range of the magnitudes is that of the responses, shared by the row. The phase has gaps where
+        it wraps.
 
         Parameters
         ----------
-        ax : ndarray of matplotlib axes, shape (2 * n_outputs, n_inputs), optional
-            Axes of an earlier plot, to draw into again.
+        ax : ndarray of matplotlib axes, optional
+            Axes of an earlier plot, or your own, to draw into: ``2 * n_outputs * n_inputs`` of them with phase,
+            ``n_outputs * n_inputs`` for magnitudes only.
+        phase : bool, optional
+            Whether each row of magnitudes has its phases below it. By default up to three outputs and inputs.
         **line
-            Passed on to matplotlib, such as ``label``.
+            Passed on to matplotlib for the curves, such as ``label`` or ``color``.
 
         Returns
         -------
-        ndarray of matplotlib axes, shape (2 * n_outputs, n_inputs)
-            Below the magnitude the standard deviations that were measured: of the noise dotted, of noise and nonlinear
-            distortion together dashed.
-        """
-        import matplotlib.pyplot as plt
+        ndarray of matplotlib axes, shape (2 * n_outputs, n_inputs), or (n_outputs, n_inputs) without phase
 
-        frf = self._frf
-        rows, columns = 2 * frf.n_outputs, frf.n_inputs
-        if ax is None:
-            ax = plt.subplots(rows, columns, sharex=True, squeeze=False, figsize=(5 * columns, 2.5 * rows))[1]
-        axes = np.asarray(ax, dtype=object).reshape(rows, columns)
-        for output, column in np.ndindex(frf.n_outputs, columns):
-            magnitude, phase = axes[2 * output : 2 * output + 2, column]
-            entry = (slice(None), output, column)
-            (curve,) = magnitude.semilogx(frf.frequency_hz, _db(np.abs(frf.response[entry])), **line)
-            for variance, dash in ((frf.noise_variance, ":"), (frf.total_variance, "--")):
-                if variance is not None:
-                    magnitude.semilogx(frf.frequency_hz, _db(np.sqrt(variance[entry])), dash, color=curve.get_color(), lw=0.8)
-            phase.semilogx(frf.frequency_hz, np.angle(frf.response[entry], deg=True), **line)
-            magnitude.set(ylabel="magnitude in dB", title=f"{frf.input_names[column]} to {frf.output_names[output]}")
-            phase.set(ylabel="phase in deg", xlabel="frequency in Hz" if output == frf.n_outputs - 1 else "")
-            for panel in (magnitude, phase):
-                panel.grid(True, which="both", alpha=0.3)
-        return axes
+        Raises
+        ------
+        ValueError
+            If ``ax`` has another number of axes.
+        """
+        from ._bode import bode
+
+        return bode(self._frf, ax, phase, line)
 
 
 def repr_html(frf: Frf) -> str:
@@ -113,8 +106,3 @@ def repr_html(frf: Frf) -> str:
 def _worst(condition: Any) -> str:
     known = () if condition is None else condition[~np.isnan(condition)]
     return f"at most {max(known):.3g}" if len(known) else "-"
-
-
-def _db(amplitude: Any) -> Any:
-    with np.errstate(divide="ignore"):  # an exact zero is a gap in the curve
-        return 20 * np.log10(amplitude)

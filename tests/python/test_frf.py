@@ -96,19 +96,6 @@ def test_xarray_knows_dimensions_units_and_only_what_was_measured(frf):
     assert list(bare.data_vars) == ["response"]
 
 
-def test_the_bode_plot_shows_the_numbers(frf):
-    matplotlib = pytest.importorskip("matplotlib")
-    matplotlib.use("Agg")
-    axes = frf.plot.bode(label="first")
-    assert axes.shape == (4, 3)
-    curve = axes[2, 1].lines[0]
-    np.testing.assert_array_equal(curve.get_xdata(), frf.frequency_hz)
-    np.testing.assert_allclose(curve.get_ydata(), 20 * np.log10(np.abs(frf.response[:, 1, 1])))
-    np.testing.assert_allclose(axes[3, 1].lines[0].get_ydata(), np.degrees(np.angle(frf.response[:, 1, 1])))
-    assert len(axes[0, 0].lines) == 3, "response and two standard deviations"
-    assert frf.plot.bode(ax=axes) is not None and len(axes[0, 0].lines) == 6
-
-
 def test_a_notebook_shows_a_table_and_a_picture(frf):
     html = frf._repr_html_()
     assert "2 x 3" in html and 'src="data:image/svg+xml;base64,' in html

@@ -1,7 +1,7 @@
 //! Paper as a whole: claims, figures and results of both sections, and the page that shows them.
 
 use frfid_files::ResultFile;
-use frfid_report::{Claim, Report};
+use frfid_report::{Claim, Part, Report};
 use frfid_signals::Frf;
 
 use crate::against_truth::Measured;
@@ -82,6 +82,7 @@ impl Paper {
     pub fn page(&self, figures: &PaperFigures) -> Report<'_> {
         Report {
             title: "Saupe and Knoblach (2015): frequency responses of flexible-joint robots".into(),
+            lead: figures.section6.first().map(lead),
             claims: self.claims(),
             verdicts: Vec::new(),
             checks: Vec::new(),
@@ -94,6 +95,21 @@ impl Paper {
                 ("source".into(), SOURCE.into()),
             ],
         }
+    }
+}
+
+/// What the paper is about, in a picture and three sentences.
+fn lead(figure_4: &Named) -> Part<'static> {
+    Part {
+        title: "In short".into(),
+        notes: vec![
+            "Frequency responses of robots are measured with friction in the joints, and friction bends them. A multisine that stays \
+             within the friction loses the resonance altogether, a chirp of the same peak keeps it, but damped. Below: what else the \
+             paper claims, from a stiffening gear to three axes of a robot, each claim beside what frfid finds in simulation."
+                .into(),
+        ],
+        figures: vec![figure_4.captioned()],
+        ..Part::default()
     }
 }
 

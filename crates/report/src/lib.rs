@@ -28,7 +28,7 @@ pub use diagrams::labels::Labels;
 pub use diagrams::mark::{Mark, MarkShape};
 pub use diagrams::spectrogram::{Spectrogram, spectrogram};
 pub use diagrams::spectrum::{LineRole, SpectralLine, spectrum};
-pub use diagrams::style::Style;
+pub use diagrams::style::{Style, Swatch};
 pub use diagrams::time_series::{TimePanel, Trace, time_series};
 pub use error::ReportError;
 pub use figure::Figure;

@@ -35,6 +35,7 @@ fn draw(frf: &Frf, label: &str) -> Figure {
         style: Style::Reference,
         band: Band::None,
         flagged: None,
+        swatch: None,
     };
     bode(&[curve], 0, 0, &Labels::torque_to_velocity(1, 1)).expect("the curve is sound")
 }
@@ -171,6 +172,7 @@ fn what_cannot_be_drawn_is_refused_with_reasons() {
             style: Style::Line,
             band: Band::None,
             flagged: None,
+            swatch: None,
         }]
     };
     assert!(matches!(
@@ -342,6 +344,7 @@ fn flagged_lines_and_marks_are_named_in_the_legend() {
         style: Style::Markers,
         band: Band::None,
         flagged,
+        swatch: None,
     }];
     let mark = |curve, output| Mark {
         label: "peak".to_owned(),
@@ -362,7 +365,8 @@ fn flagged_lines_and_marks_are_named_in_the_legend() {
         ),
         (1, 1)
     );
-    // One circle in the legend and two in the plot; a dot there for every line but the flagged one.
+    // One circle in the legend and two in the plot; a dot there for every line, the flagged one
+    // included, which has a tick at the upper edge.
     let attributes = || {
         svg.split("<circle ")
             .skip(1)
@@ -371,7 +375,7 @@ fn flagged_lines_and_marks_are_named_in_the_legend() {
     let circles = |kind: &str| attributes().filter(|circle| circle.contains(kind)).count();
     assert_eq!(
         (circles("fill=\"none\""), circles("fill=\"#d55e00\"")),
-        (3, 1 + 300)
+        (3, 1 + 301)
     );
     let nowhere = bode_matrix(&curves, &labels, false, &[mark(1, 0)]);
     assert!(
@@ -385,6 +389,7 @@ fn flagged_lines_and_marks_are_named_in_the_legend() {
     );
     let short = [Curve {
         flagged: Some(vec![true]),
+        swatch: None,
         ..curves[0].clone()
     }];
     assert!(matches!(

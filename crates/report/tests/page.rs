@@ -8,9 +8,10 @@ use std::process::{Child, Command};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use frfid_files::{Cause, Check, Verdict};
+use frfid_files::{Cause, Check, ResultFile, Verdict};
 use frfid_report::{
     Band, Claim, Curve, Figure, Labels, Part, Report, ReportError, Responses, Style, Table, bode,
+    result_page,
 };
 use frfid_signals::{Frf, Uncertainty};
 use ndarray::Array3;
@@ -55,6 +56,7 @@ fn hostile_page() -> String {
         style,
         band: Band::Total,
         flagged: (style == Style::Markers).then(|| flagged.clone()),
+        swatch: None,
     };
     let curves = vec![
         curve(HOSTILE[0], Style::Reference),
@@ -101,11 +103,13 @@ fn hostile_page() -> String {
             title: text(4),
             curves,
             labels,
+            still: Some((text(0), figure.clone())),
         }),
         figures: vec![(text(0), figure)],
     };
     Report {
         title: text(4),
+        lead: None,
         verdicts: vec![verdict],
         checks: vec![check],
         provenance: vec![(text(0), text(1))],
@@ -191,9 +195,10 @@ fn the_page_runs_and_hostile_strings_stay_text() {
         "the console must stay empty:\n{log}"
     );
     assert_eq!(
-        dom.matches("<span>× flagged line</span>").count(),
+        dom.matches("<span>ticks at the upper edge: flagged lines</span>")
+            .count(),
         2,
-        "each diagram explains its crosses"
+        "each diagram explains its ticks"
     );
     // The head comes first: the title element holds the hostile title as text, unchanged by any
     // script.
@@ -208,6 +213,112 @@ fn the_page_runs_and_hostile_strings_stay_text() {
     assert!(body.matches("&lt;img src=x onerror=").count() >= 6);
     let data = data.split("</script>").next().unwrap_or_default();
     assert!(data.contains("\\u003c/script>\\u003cscript>") && !data.contains('<'));
+}
+
+/// The page of a six-axis arm with a failed check and the hashes of its runs.
+fn page_of_six_axes() -> String {
+    let hz: Vec<f64> = (1..=40).map(f64::from).collect();
+    let response = Array3::from_shape_fn((40, 6, 6), |(k, o, i)| {
+        Complex64::new(1.0 + o as f64, (k + i) as f64).inv()
+    });
+    let names: Vec<String> = (1..=6).map(|axis| format!("joint_{axis}")).collect();
+    let frf = Frf::new(hz, response).expect("shapes agree");
+    let mut result = ResultFile::torque_to_velocity(frf, &names);
+    result.checks = vec![Check {
+        name: "condition number of U".into(),
+        passed: false,
+        found: "459.66 at worst, 12.9 of it from the spread of the torques".into(),
+        needed: "257 or less".into(),
+        advice: "excite the inputs more differently from experiment to experiment".into(),
+    }];
+    let run = |k: usize| (format!("sha256 of p000-m{k}.mcap"), "0c".repeat(32));
+    result.provenance = (0..30).map(run).collect();
+    let description = "[robot]\nfile = \"six_axis.toml\"\n".repeat(10);
+    result
+        .provenance
+        .insert("experiment_toml".into(), description);
+    result_page("six axes", &result, vec!["A note.".into()]).expect("the result is sound")
+}
+
+/// The page in frames of these widths, each of which says how wide its content is.
+fn framed(page: &str, widths: &[usize]) -> String {
+    let escaped = page.replace('&', "&amp;").replace('"', "&quot;");
+    let frames = widths.iter().map(|width| {
+        format!("<iframe width=\"{width}\" height=\"900\" srcdoc=\"{escaped}\"></iframe>")
+    });
+    let measure = "onload = () => document.querySelectorAll('iframe').forEach((frame) => { \
+         const root = frame.contentDocument.documentElement, canvas = root.querySelector('canvas'); \
+         frame.dataset.over = Math.max(0, root.scrollWidth - root.clientWidth); \
+         frame.dataset.cut = Math.max(0, canvas.parentElement.scrollWidth - canvas.parentElement.clientWidth); \
+         frame.dataset.panels = root.querySelector('.responses').dataset.drawn; \
+         for (const key of ['PageDown', 'ArrowDown', 'Enter']) { \
+           canvas.dispatchEvent(new frame.contentWindow.KeyboardEvent('keydown', { key })); } \
+         frame.dataset.said = root.querySelector('.readout th').textContent; \
+         const fold = root.querySelector('.values'); fold.open = true; \
+         fold.dispatchEvent(new frame.contentWindow.Event('toggle')); \
+         frame.dataset.captions = fold.querySelectorAll('caption').length; \
+         frame.dataset.rows = fold.querySelectorAll('tbody tr').length; \
+         frame.dataset.shown = root.querySelector('select').selectedOptions[0].textContent; \
+         frame.removeAttribute('srcdoc'); });";
+    format!(
+        "<!DOCTYPE html><body>{}<script>{measure}</script>",
+        frames.collect::<String>()
+    )
+}
+
+#[test]
+fn nothing_leaves_the_page_at_any_width_and_keys_change_the_panel() {
+    let Some((dom, log)) = in_chromium(&framed(&page_of_six_axes(), &[400, 1300, 2500])) else {
+        return;
+    };
+    let found: Vec<&str> = dom.split("<iframe ").skip(1).collect();
+    assert_eq!(found.len(), 3);
+    for (frame, panels) in found.iter().zip(["2", "36", "36"]) {
+        let tag = frame.split('>').next().unwrap_or_default();
+        for expected in [
+            "data-over=\"0\"",
+            "data-cut=\"0\"",
+            &format!("data-panels=\"{panels}\""),
+            "data-captions=\"1\"",
+            "data-rows=\"40\"",
+        ] {
+            assert!(tag.contains(expected), "{tag} lacks {expected}:\n{log}");
+        }
+        let moved = "joint_2 torque → joint_2 velocity"; // one panel on, one row down
+        assert!(tag.contains(&format!("data-said=\"{moved}\"")), "{tag}");
+        let alone = if panels == "2" { "all panels" } else { moved };
+        assert!(tag.contains(&format!("data-shown=\"{alone}\"")), "{tag}");
+    }
+}
+
+#[test]
+fn what_is_seldom_read_is_folded_and_values_are_spoken() {
+    let page = page_of_six_axes();
+    assert!(!page.contains("<details open"));
+    let (before, provenance) = page
+        .split_once("<summary>Provenance")
+        .expect("the provenance is folded");
+    assert!(!before.contains("0c0c0c") && provenance.contains("<summary>SHA-256 of 30 files"));
+    assert!(provenance.contains("<summary>experiment_toml</summary>"));
+    assert!(page.contains("class=\"readout\" aria-live=\"polite\""));
+    let at = |text: &str| page.find(text).unwrap_or_else(|| panic!("{text} is there"));
+    let order = [
+        "condition number of U",
+        "<canvas",
+        "class=\"still\"",
+        "<h2>Checks",
+        "<summary>Provenance",
+    ];
+    assert!(
+        order.windows(2).all(|pair| at(pair[0]) < at(pair[1])),
+        "verdict, picture, tables, provenance"
+    );
+    assert_eq!(
+        page.matches("<img ").count(),
+        1,
+        "one picture, for print and without scripts"
+    );
+    assert!(page.contains("<td data-head=\"Advice\">"));
 }
 
 #[test]
@@ -260,11 +371,13 @@ fn an_empty_report_is_a_page_and_unfit_labels_are_refused() {
         style: Style::Line,
         band: Band::None,
         flagged: None,
+        swatch: None,
     };
     let responses = Some(Responses {
         title: String::new(),
         curves: vec![curve],
         labels,
+        still: None,
     });
     let refused = Report {
         parts: vec![Part {

@@ -6,6 +6,7 @@ use std::iter::zip;
 use std::ops::{Range, RangeInclusive};
 
 use frfid_signals::Record;
+use frfid_signals::format::significant;
 use ndarray::{Array2, Array3, ArrayView1, ArrayViewMut1, Axis};
 use num_complex::Complex64;
 
@@ -71,11 +72,17 @@ impl fmt::Display for Sticking {
         let (axis, percent) = (axis + 1, 100.0 * stuck_share);
         write!(
             f,
-            "axis {axis} sticks {percent:.0} % of the time from {low_hz:.3} to {high_hz:.3} Hz"
+            "axis {axis} sticks {percent:.0} % of the time from {} to {} Hz: the torque there is {} N m rms",
+            significant(*low_hz, 3),
+            significant(*high_hz, 3),
+            significant(*rms_nm, 3),
         )?;
-        write!(f, ": the torque there is {rms_nm:.3} N m rms")?;
         match coulomb_nm {
-            Some(coulomb_nm) => write!(f, " against {coulomb_nm:.3} N m of friction"),
+            Some(coulomb_nm) => write!(
+                f,
+                " against {} N m of friction",
+                significant(*coulomb_nm, 3)
+            ),
             None => Ok(()),
         }
     }

@@ -27,7 +27,7 @@ impl Section6 {
         self.figure(
             "figure_4_friction",
             "Figure 4: influence of Coulomb friction. The multisine is too weak and loses the resonance, the chirp is only damped.",
-            &[("no friction", &self.linear), ("50 N m", &self.friction)],
+            &[self.without_friction(), self.with_friction()],
         )
     }
 
@@ -36,7 +36,7 @@ impl Section6 {
         self.figure(
             "figure_4b_constant_velocity",
             "Not depicted in the paper: the same friction, the excitation on a constant velocity of 0.25 rad/s. Friction drops out.",
-            &[("50 N m, 0.25 rad/s", &self.gliding)],
+            &[self.on_constant_velocity()],
         )
     }
 
@@ -45,7 +45,7 @@ impl Section6 {
         self.figure(
             "figure_5_stiffness",
             "Figure 5: influence of a stiffness that grows with deflection (k2 = 1.7 k1). Only the chirp reaches the stiffer part: its resonance is warped upwards.",
-            &[("k2 = 1.7 k1", &self.stiffening)],
+            &[self.that_stiffens()],
         )
     }
 
@@ -54,7 +54,7 @@ impl Section6 {
         &self,
         name: &'static str,
         caption: &str,
-        joints: &[(&str, &Pair)],
+        joints: &[Joint<'_>],
     ) -> Result<Named, PaperError> {
         let figure = bode(&self.curves(joints), 0, 0, &labels())?;
         Ok(Named::new(name, caption, figure))
@@ -74,34 +74,66 @@ impl Section6 {
             tables: Vec::new(),
             responses: Some(Responses {
                 title: "Frequency responses".into(),
-                curves: self.curves(&[
-                    ("50 N m", &self.friction),
-                    ("k2 = 1.7 k1", &self.stiffening),
-                ]),
+                curves: self.curves(&[self.with_friction(), self.that_stiffens()]),
                 labels: labels(),
+                still: None,
             }),
-            figures: figures.iter().map(Named::captioned).collect(),
+            figures: figures.iter().skip(1).map(Named::captioned).collect(), // the first leads the page
         }
     }
 
     /// The truth and, of each joint, what multisine and chirp find.
-    fn curves<'a>(&'a self, joints: &[(&str, &'a Pair)]) -> Vec<Curve<'a>> {
+    fn curves<'a>(&'a self, joints: &[Joint<'a>]) -> Vec<Curve<'a>> {
         let exact = Curve::new("linear joint, exact", &self.truth, Style::Reference);
-        let found = joints.iter().flat_map(|(joint, pair)| pair.curves(joint));
+        let found = joints.iter().flat_map(Joint::curves);
         iter::once(exact).chain(found).collect()
     }
 }
 
-impl Pair {
-    /// Both estimates of a joint of this name.
-    fn curves(&self, joint: &str) -> [Curve<'_>; 2] {
+/// A joint with its name and the colours in which the page shows its multisine and its chirp.
+struct Joint<'a> {
+    name: &'static str,
+    pair: &'a Pair,
+    colors: [usize; 2],
+    shape: usize,
+}
+
+impl Section6 {
+    fn with_friction(&self) -> Joint<'_> {
+        joint("50 N m", &self.friction, [0, 1], 0)
+    }
+
+    fn without_friction(&self) -> Joint<'_> {
+        joint("no friction", &self.linear, [2, 3], 1)
+    }
+
+    fn that_stiffens(&self) -> Joint<'_> {
+        joint("k2 = 1.7 k1", &self.stiffening, [4, 2], 2)
+    }
+
+    fn on_constant_velocity(&self) -> Joint<'_> {
+        joint("50 N m, 0.25 rad/s", &self.gliding, [3, 4], 3)
+    }
+}
+
+fn joint<'a>(name: &'static str, pair: &'a Pair, colors: [usize; 2], shape: usize) -> Joint<'a> {
+    Joint {
+        name,
+        pair,
+        colors,
+        shape,
+    }
+}
+
+impl<'a> Joint<'a> {
+    /// Both estimates.
+    fn curves(&self) -> [Curve<'a>; 2] {
+        let [multisine, chirp] = self.colors;
+        let label = |what: &str| format!("{what}, {}", self.name);
         [
-            estimate(
-                format!("multisine, {joint}"),
-                &self.multisine,
-                Style::Markers,
-            ),
-            estimate(format!("chirp, {joint}"), &self.chirp, Style::Line),
+            estimate(label("multisine"), &self.pair.multisine, Style::Markers)
+                .with_swatch(multisine, self.shape),
+            estimate(label("chirp"), &self.pair.chirp, Style::Line).with_swatch(chirp, self.shape),
         ]
     }
 }

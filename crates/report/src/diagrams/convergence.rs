@@ -236,7 +236,7 @@ fn percent(share: f64) -> f64 {
 
 /// Lines with a marker at every iteration, told apart by colour, dash and marker.
 fn marked_inks(count: usize) -> Vec<Ink> {
-    let lines = inks(std::iter::repeat_n(Style::Line, count)).into_iter();
+    let lines = inks(std::iter::repeat_n((Style::Line, None), count)).into_iter();
     let markers = MARKERS.into_iter().cycle();
     let marked = |(ink, marker)| Ink {
         marker: Some(marker),

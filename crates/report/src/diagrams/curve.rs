@@ -3,7 +3,7 @@
 use frfid_signals::{Frf, Uncertainty};
 use ndarray::s;
 
-use crate::diagrams::style::Style;
+use crate::diagrams::style::{Style, Swatch};
 
 /// Which 95 % region is shaded around a curve.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -28,9 +28,11 @@ pub struct Curve<'a> {
     pub style: Style,
     /// What is shaded around it; nothing where that variance was not measured.
     pub band: Band,
-    /// Lines not to be trusted, one value per frequency: they are drawn as crosses. `None` where
-    /// all are sound.
+    /// Lines not to be trusted, one value per frequency: they have ticks at the upper edge. `None`
+    /// where all are sound.
     pub flagged: Option<Vec<bool>>,
+    /// Its place in the palette; `None` for the next that is free in a diagram.
+    pub swatch: Option<Swatch>,
 }
 
 impl<'a> Curve<'a> {
@@ -43,7 +45,20 @@ impl<'a> Curve<'a> {
             style,
             band: Band::None,
             flagged: None,
+            swatch: None,
         }
+    }
+
+    /// The same curve at a place of the palette, of colours and of dashes or markers.
+    #[must_use]
+    pub fn with_swatch(self, color: usize, shape: usize) -> Self {
+        let swatch = Some(Swatch { color, shape });
+        Self { swatch, ..self }
+    }
+
+    /// Its style and place in the palette.
+    pub(crate) fn look(&self) -> (Style, Option<Swatch>) {
+        (self.style, self.swatch)
     }
 
     /// Number of outputs and inputs.

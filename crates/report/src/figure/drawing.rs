@@ -82,6 +82,11 @@ impl Figure {
                 self.push(path(&outline, Some(white), ink, None));
             }
             Marker::Cross => self.cross(center, radius, color),
+            Marker::Tick => {
+                let (x, y) = center;
+                let pen = Pen::solid(color, OUTLINE);
+                self.stroke((x, y - radius), (x, y + radius), pen);
+            }
         }
     }
 

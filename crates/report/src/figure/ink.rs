@@ -29,6 +29,7 @@ pub(crate) enum Marker {
     Diamond,
     Circle,
     Cross,
+    Tick,
 }
 
 /// The ink of one curve, told apart by colour, dash and marker so that it survives a
@@ -59,9 +60,9 @@ impl Ink {
         }
     }
 
-    /// Crosses of the colour of this ink.
-    pub(crate) const fn crosses(self) -> Self {
-        Self::markers(Marker::Cross, self.color)
+    /// Ticks of the colour of this ink.
+    pub(crate) const fn ticks(self) -> Self {
+        Self::markers(Marker::Tick, self.color)
     }
 
     /// The line of this ink alone.

@@ -17,6 +17,7 @@ pub(crate) mod legend;
 pub(crate) mod panel;
 pub(crate) mod thinning;
 pub(crate) mod ticks;
+pub(crate) mod upward;
 
 use kuva::backend::raster::RasterBackend;
 use kuva::backend::svg::SvgBackend;
@@ -24,7 +25,11 @@ use kuva::render::render::{Primitive, Scene};
 
 use crate::error::ReportError;
 use crate::figure::image::Image;
+use crate::figure::upward::{is_upward, with_upward};
 use crate::validation;
+
+/// What text is written in.
+const FONTS: &str = "Arial, Helvetica, DejaVu Sans, sans-serif";
 
 /// Largest PNG we make, in pixels: 16 times a 4K screen.
 const MOST_PIXELS: f64 = 128e6;
@@ -96,13 +101,20 @@ impl Figure {
     /// [`ReportError::Png`].
     pub fn png(&self, scale: f64) -> Result<Vec<u8>, ReportError> {
         self.check_scale(scale)?;
+        let plain = self.shapes.iter().filter_map(|shape| match shape {
+            Shape::Plain(primitive) => Some(primitive),
+            Shape::Image(_) => None,
+        });
+        let upward: Vec<&Primitive> = plain.filter(|shape| is_upward(shape)).collect();
         // kuva's rasteriser begins the dash pattern again at every point, so dense dashed curves
         // would come out solid.
         let shapes = self.shapes.iter().flat_map(|shape| match shape {
+            Shape::Plain(primitive) if is_upward(primitive) => Vec::new(),
             Shape::Plain(primitive) => cut_dashes(primitive),
             Shape::Image(image) => vec![image.cells()],
         });
-        rasterised(&self.scene(shapes.collect(), Vec::new()), scale as f32)
+        let level = rasterised(&self.scene(shapes.collect(), Vec::new()), scale as f32)?;
+        with_upward(level, &upward, scale as f32)
     }
 
     /// Refuses a scale that gives no picture or too large a one.
@@ -117,7 +129,7 @@ impl Figure {
     /// The sheet with these shapes; clip paths and patterns are its definitions.
     fn scene(&self, shapes: Vec<Primitive>, patterns: Vec<String>) -> Scene {
         let mut scene = Scene::new(self.width, self.height);
-        scene.font_family = Some("Arial, Helvetica, DejaVu Sans, sans-serif".to_owned());
+        scene.font_family = Some(FONTS.to_owned());
         let clips = self.clip_rects.iter().enumerate();
         let clips = clips.map(|(k, rect)| format!("<clipPath id=\"clip{k}\">{rect}</clipPath>"));
         scene.defs = clips.chain(patterns).collect();

@@ -4,6 +4,7 @@ pub(crate) mod claim;
 pub(crate) mod of_result;
 pub(crate) mod payload;
 pub(crate) mod pieces;
+mod provenance;
 pub(crate) mod section;
 pub(crate) mod table;
 mod verdicts;
@@ -16,20 +17,22 @@ use sha2::{Digest, Sha256};
 use crate::diagrams::validation::check_curves;
 use crate::error::ReportError;
 use crate::page::claim::Claim;
-use crate::page::pieces::{badge, escaped, filled, section, table, table_row};
+use crate::page::pieces::{badge, escaped, filled, section, table};
+use crate::page::provenance::provenance_html;
 use crate::page::section::{Part, Responses};
-use crate::page::verdicts::verdicts_html;
+use crate::page::verdicts::{verdict_lines, verdicts_html};
 
-const TEMPLATE: &str = include_str!("report.html");
-const STYLE: &str = include_str!("report.css");
+const TEMPLATE: &str = include_str!("web/report.html");
+const STYLE: &str = include_str!("web/report.css");
 /// One function for each diagram of the page, so that several do not meet.
 const SCRIPT: &str = concat!(
     "\"use strict\";\nfunction responses(root, data) {\n",
-    include_str!("curves.js"),
-    include_str!("draw.js"),
-    include_str!("controls.js"),
+    include_str!("web/curves.js"),
+    include_str!("web/draw.js"),
+    include_str!("web/readout.js"),
+    include_str!("web/controls.js"),
     "}\n",
-    include_str!("start.js")
+    include_str!("web/start.js")
 );
 
 /// Everything a report shows; what is empty is left out.
@@ -37,6 +40,8 @@ const SCRIPT: &str = concat!(
 pub struct Report<'a> {
     /// Title of the page.
     pub title: String,
+    /// What is seen first, before every table.
+    pub lead: Option<Part<'a>>,
     /// Claims of the paper beside our numbers.
     pub claims: Vec<Claim>,
     /// What each axis suffers from.
@@ -59,7 +64,7 @@ impl Report<'_> {
     /// [`ReportError`] if the curves of a part differ in size, their labels do not fit, or a
     /// frequency is not above zero.
     pub fn html(&self) -> Result<String, ReportError> {
-        let parts = self.parts.iter();
+        let parts = self.lead.iter().chain(&self.parts);
         let responses: Vec<&Responses> = parts.filter_map(|part| part.responses.as_ref()).collect();
         for Responses { curves, labels, .. } in &responses {
             check_curves("the report", curves, labels)?;
@@ -75,30 +80,41 @@ impl Report<'_> {
             "script" => script.clone(),
             "data" => payload::json(&responses),
             "verdict" => self.verdict(),
+            "lead" => self.lead.iter().map(Part::html).collect(),
             "claims" => self.claims(),
             "axes" => verdicts_html(&self.verdicts),
             "checks" => self.checks(),
             "parts" => self.parts.iter().map(Part::html).collect(),
-            "provenance" => self.provenance(),
+            "provenance" => provenance_html(&self.provenance),
             other => unreachable!("the template has no place {other}"),
         }))
     }
 
-    /// How many claims hold and how many checks passed.
+    /// How many claims hold and how many checks passed, those that failed, and the verdict on each
+    /// axis.
     fn verdict(&self) -> String {
         let claims = self.claims.iter().map(|row| row.holds);
         let checks = self.checks.iter().map(|row| row.passed);
-        count(claims, "claims of the paper hold") + &count(checks, "checks passed")
+        let failed = self.checks.iter().filter(|row| !row.passed);
+        let failed = failed.map(|Check { name, found, .. }| {
+            let sign = badge(false, "", name);
+            format!("<p>{sign}: {}</p>\n", escaped(found))
+        });
+        [
+            count(claims, "claims of the paper hold"),
+            count(checks, "checks passed"),
+            failed.collect(),
+            verdict_lines(&self.verdicts),
+        ]
+        .concat()
     }
 
     /// The table of claims.
     fn claims(&self) -> String {
         let rows = self.claims.iter().map(|row| {
             let verdict = badge(row.holds, "holds", "does not hold");
-            table_row(
-                &format!("{} {}", row.id, row.statement),
-                &[escaped(row.expected), escaped(&row.found), verdict],
-            )
+            let cells = [escaped(row.expected), escaped(&row.found), verdict];
+            (format!("{} {}", row.id, row.statement), cells.to_vec())
         });
         let expected = "Expected (the paper in quotation marks)";
         section(
@@ -113,19 +129,10 @@ impl Report<'_> {
             let advice = if row.passed { "" } else { &row.advice };
             let [found, needed, advice] = [&row.found, &row.needed, advice].map(escaped);
             let verdict = badge(row.passed, "passed", "failed");
-            table_row(&row.name, &[verdict, found, needed, advice])
+            (row.name.clone(), vec![verdict, found, needed, advice])
         });
         let columns = ["Check", "Verdict", "Found", "Needed", "Advice"];
         section("Checks", &table(&columns, rows))
-    }
-
-    /// The table of names and values.
-    fn provenance(&self) -> String {
-        let rows = self
-            .provenance
-            .iter()
-            .map(|(name, value)| table_row(name, &[escaped(value)]));
-        section("Provenance", &table(&[], rows))
     }
 }
 

@@ -16,6 +16,9 @@ use crate::page::section::{Part, Responses};
 /// More frequencies than this are drawn as a line, fewer as markers.
 const DENSE: usize = 150;
 
+/// Outputs or inputs beyond which magnitudes alone are printed.
+const MOST_WITH_PHASE: usize = 3;
+
 /// The Bode diagram of a result, with the 95 % region of the largest variance that was measured.
 ///
 /// ```
@@ -41,7 +44,7 @@ const DENSE: usize = 150;
 /// # Errors
 /// [`ReportError`] for an FRF that cannot be drawn.
 pub fn result_figure(title: &str, result: &ResultFile) -> Result<Figure, ReportError> {
-    figure(&[(title, result)])
+    figure(&[(title, result)], result, true)
 }
 
 /// The page of a result, with `notes` on what a careful reader should know.
@@ -67,23 +70,13 @@ pub fn results_page(
     results: &[Named],
     notes: Vec<String>,
 ) -> Result<String, ReportError> {
-    let figure = figure(results)?;
     let report = Report {
         title: title.to_owned(),
+        lead: None,
         claims: Vec::new(),
         verdicts: verdicts(results),
         checks: checks(results),
-        parts: vec![Part {
-            title: "Frequency response".to_owned(),
-            notes,
-            tables: Vec::new(),
-            responses: Some(Responses {
-                title: "Interactive diagram".to_owned(),
-                curves: curves(results),
-                labels: labels(results[0].1),
-            }),
-            figures: vec![(caption(results), figure)],
-        }],
+        parts: vec![part(results, notes)?],
         provenance: provenance(results),
     };
     report.html()
@@ -92,18 +85,40 @@ pub fn results_page(
 /// A result and the name it goes by.
 type Named<'a> = (&'a str, &'a ResultFile);
 
-/// The Bode diagram of all results.
-fn figure(results: &[Named]) -> Result<Figure, ReportError> {
+/// The FRFs as a part of their page: to look into, and as a figure in print.
+fn part<'a>(results: &[Named<'a>], notes: Vec<String>) -> Result<Part<'a>, ReportError> {
     let &[(_, first), ref others @ ..] = results else {
         return Err(ReportError::empty("a page", "results"));
     };
     for (name, result) in others {
         check_channels(results[0], (name, result))?;
     }
+    Ok(Part {
+        title: "Frequency response".to_owned(),
+        notes,
+        tables: Vec::new(),
+        responses: Some(Responses {
+            title: "Bode diagram".to_owned(),
+            curves: curves(results),
+            labels: labels(first),
+            still: Some((caption(results), still(results, first)?)),
+        }),
+        figures: Vec::new(),
+    })
+}
+
+/// The figure for print: a large matrix shows its magnitudes only, so that it fits on a page.
+fn still(results: &[Named], first: &ResultFile) -> Result<Figure, ReportError> {
+    let (outputs, inputs) = (first.frf.n_outputs(), first.frf.n_inputs());
+    figure(results, first, outputs.max(inputs) <= MOST_WITH_PHASE)
+}
+
+/// The Bode diagram of results that go together.
+fn figure(results: &[Named], first: &ResultFile, with_phase: bool) -> Result<Figure, ReportError> {
     let (curves, labels) = (curves(results), labels(first));
     match curves[0].size() {
         (1, 1) => bode(&curves, 0, 0, &labels),
-        _ => bode_matrix(&curves, &labels, true, &[]),
+        _ => bode_matrix(&curves, &labels, with_phase, &[]),
     }
 }
 
@@ -209,7 +224,7 @@ fn band(frf: &Frf) -> Band {
     }
 }
 
-/// What the figure shows, its shades and crosses included.
+/// What the figure shows, its shades and ticks included.
 fn caption(results: &[Named]) -> String {
     let responses = match results {
         [_] => "Frequency response",
@@ -222,11 +237,13 @@ fn caption(results: &[Named]) -> String {
         false => "; shaded: 95 % region of the largest variance that each result has",
     };
     let flags = results.iter().flat_map(|(_, result)| &result.flagged);
-    let crossed = match flags.flatten().any(|flagged| *flagged) {
-        true => "; crossed: lines at which what remains of the torque ripple exceeds the noise",
+    let ticked = match flags.flatten().any(|flagged| *flagged) {
+        true => {
+            "; ticks at the upper edge: lines at which what remains of the torque ripple exceeds the noise"
+        }
         false => "",
     };
-    format!("{responses}{shaded}{crossed}")
+    format!("{responses}{shaded}{ticked}")
 }
 
 fn shaded(frf: &Frf) -> &'static str {

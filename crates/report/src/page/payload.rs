@@ -1,13 +1,15 @@
 //! Payload of a page: its numbers as its script reads them, JSON with arrays as base64 of
 //! little-endian float32.
 
+use std::iter::zip;
+
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use ndarray::Array3;
 use serde::Serialize;
 
 use crate::diagrams::curve::{Curve, confidence_radius};
-use crate::diagrams::style::Style;
+use crate::diagrams::style::{Style, Swatch, swatches};
 use crate::page::section::Responses;
 
 /// Everything an interactive diagram needs.
@@ -24,6 +26,8 @@ struct Payload<'a> {
 struct CurveData<'a> {
     label: &'a str,
     style: &'static str,
+    color: usize,
+    shape: usize,
     frequency_hz: String,
     re: String,
     im: String,
@@ -47,14 +51,16 @@ pub(crate) fn json(all: &[&Responses]) -> String {
 }
 
 fn payload<'a>(Responses { curves, labels, .. }: &'a Responses) -> Payload<'a> {
+    let places = swatches(curves.iter().map(Curve::look));
     Payload {
         inputs: &labels.inputs,
         outputs: &labels.outputs,
-        curves: curves.iter().map(curve_data).collect(),
+        curves: zip(curves, places).map(curve_data).collect(),
     }
 }
 
-fn curve_data<'a>(curve: &'a Curve) -> CurveData<'a> {
+fn curve_data<'a>((curve, swatch): (&'a Curve, Swatch)) -> CurveData<'a> {
+    let Swatch { color, shape } = swatch;
     let frf = curve.frf;
     CurveData {
         label: &curve.label,
@@ -63,6 +69,8 @@ fn curve_data<'a>(curve: &'a Curve) -> CurveData<'a> {
             Style::Line => "line",
             Style::Markers => "markers",
         },
+        color,
+        shape,
         frequency_hz: float32(frf.frequency_hz.iter().copied()),
         re: float32(frf.response.iter().map(|value| value.re)),
         im: float32(frf.response.iter().map(|value| value.im)),

@@ -1,5 +1,7 @@
 //! Pieces of HTML. Whatever comes from outside is shown as text.
 
+use std::iter;
+
 /// A section, or nothing where there is nothing to show. `title` is plain text.
 pub(crate) fn section(title: &str, content: &str) -> String {
     let title = escaped(title);
@@ -10,9 +12,23 @@ pub(crate) fn section(title: &str, content: &str) -> String {
     }
 }
 
-/// A table, or nothing without rows. Columns are plain text; rows come from [`table_row`].
-pub(crate) fn table(columns: &[&str], rows: impl Iterator<Item = String>) -> String {
-    let rows: String = rows.collect();
+/// A row of a table: its name as plain text, its cells as HTML.
+pub(crate) type Row = (String, Vec<String>);
+
+/// What is folded away below a line of plain text, or nothing where there is nothing to show.
+pub(crate) fn folded(summary: &str, content: &str) -> String {
+    let summary = escaped(summary);
+    if content.is_empty() {
+        String::new()
+    } else {
+        format!("<details>\n<summary>{summary}</summary>\n{content}</details>\n")
+    }
+}
+
+/// A table, or nothing without rows. Columns are plain text, that of the rows' names first. Where
+/// there is little width, each cell stands below the last with its column before it.
+pub(crate) fn table(columns: &[&str], rows: impl Iterator<Item = Row>) -> String {
+    let rows: String = rows.map(|row| table_row(columns, &row)).collect();
     if rows.is_empty() {
         return String::new();
     }
@@ -32,9 +48,13 @@ fn table_head(columns: &[&str]) -> String {
     format!("<thead><tr>{cells}</tr></thead>\n")
 }
 
-/// A row of a table: its name as plain text, its cells as HTML.
-pub(crate) fn table_row(name: &str, cells: &[String]) -> String {
-    let cells = cells.iter().map(|cell| format!("<td>{cell}</td>"));
+/// A row, its cells with the heads of their columns.
+fn table_row(columns: &[&str], (name, cells): &Row) -> String {
+    let heads = columns.iter().skip(1).chain(iter::repeat(&""));
+    let cells = cells.iter().zip(heads).map(|(cell, head)| match *head {
+        "" => format!("<td>{cell}</td>"),
+        head => format!("<td data-head=\"{}\">{cell}</td>", escaped(head)),
+    });
     let cells: String = cells.collect();
     format!("<tr><th scope=\"row\">{}</th>{cells}</tr>\n", escaped(name))
 }
@@ -46,7 +66,10 @@ pub(crate) fn badge(good: bool, yes: &str, no: &str) -> String {
     } else {
         ("bad", '✗', no)
     };
-    format!("<span class=\"{class}\">{sign} {word}</span>")
+    format!(
+        "<span class=\"{class}\">{sign}\u{a0}{}</span>",
+        escaped(word)
+    )
 }
 
 /// Text as HTML shows it literally, in content and in quoted attributes.

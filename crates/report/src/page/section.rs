@@ -6,7 +6,7 @@ use base64::engine::general_purpose::STANDARD;
 use crate::diagrams::curve::Curve;
 use crate::diagrams::labels::Labels;
 use crate::figure::Figure;
-use crate::page::pieces::{escaped, section, table, table_row};
+use crate::page::pieces::{escaped, section, table};
 use crate::page::table::Table;
 
 /// FRFs of equal size to look into: an interactive matrix of Bode diagrams.
@@ -18,6 +18,8 @@ pub struct Responses<'a> {
     pub curves: Vec<Curve<'a>>,
     /// Names of their channels and the unit of the gain.
     pub labels: Labels,
+    /// The same with its caption, where the diagram cannot be used: in print and without scripts.
+    pub still: Option<(String, Figure)>,
 }
 
 /// One part of a report; what is empty is left out.
@@ -43,9 +45,9 @@ impl Part<'_> {
         let responses = self.responses.iter().map(responses_html);
         let figures = self.figures.iter().map(figure_html);
         let content: String = notes
-            .chain(tables)
             .chain(responses)
             .chain(figures)
+            .chain(tables)
             .collect();
         section(&self.title, &content)
     }
@@ -60,7 +62,7 @@ fn table_html(content: &Table) -> String {
     let columns: Vec<&str> = content.columns.iter().map(String::as_str).collect();
     let rows = content.rows.iter().map(|(name, cells)| {
         let cells: Vec<String> = cells.iter().map(|cell| escaped(cell)).collect();
-        table_row(name, &cells)
+        (name.clone(), cells)
     });
     let (title, table) = (escaped(&content.title), table(&columns, rows));
     format!("<h3>{title}</h3>\n{table}")
@@ -72,7 +74,19 @@ fn responses_html(responses: &Responses) -> String {
         escaped(&responses.title),
         escaped(&responses.labels.gain_unit),
     );
-    format!(include_str!("responses.html"), title = title, unit = unit)
+    let still = responses.still.iter().map(figure_html);
+    let still = still.map(|figure| format!("<div class=\"still\">{figure}</div>\n"));
+    format!(
+        include_str!("web/responses.html"),
+        title = title,
+        unit = unit,
+        still = still.collect::<String>(),
+        kind = if responses.still.is_some() {
+            " has-still"
+        } else {
+            ""
+        },
+    )
 }
 
 /// A picture as an image: it cannot run scripts, and the ids inside one cannot meet those of

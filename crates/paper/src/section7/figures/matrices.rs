@@ -20,14 +20,14 @@ pub(super) fn figure_8(section7: &Section7) -> Result<Named, PaperError> {
     let campaign = &section7.multisine;
     let curves = [
         truth(section7),
-        Curve::new("not compensated", &campaign.uncompensated, Style::Line),
-        Curve::new("glide subtracted in time", &campaign.in_time, Style::Line),
+        Curve::new("not compensated", &campaign.uncompensated, Style::Line).with_swatch(1, 0),
+        Curve::new("glide subtracted in time", &campaign.in_time, Style::Line).with_swatch(4, 3),
         by_position(campaign),
     ];
     Ok(Named::new(
         "figure_8_ripple",
         "Figure 8: the multisine's FRF with and without compensation of the motors' periodic disturbances. Shaded: 95 % region of \
-         noise and nonlinear distortion. Crossed: lines at which what remains of the ripple exceeds the noise.",
+         noise and nonlinear distortion. Ticks at the upper edge: lines at which what remains of the ripple exceeds the noise.",
         bode_matrix(&curves, &labels(section7), false, &[])?,
     ))
 }
@@ -41,6 +41,7 @@ fn by_position(campaign: &MultisineCampaign) -> Curve<'_> {
             &campaign.by_position,
             Style::Markers,
         )
+        .with_swatch(0, 0)
     }
 }
 
@@ -49,9 +50,9 @@ pub(super) fn figure_9(section7: &Section7) -> Result<Named, PaperError> {
     let (orthogonal, sign_flip) = (&section7.orthogonal, &section7.sign_flip);
     let curves = [
         truth(section7),
-        at_iteration("sign flip", sign_flip.first, &sign_flip.first_frf),
-        at_iteration("orthogonal", orthogonal.best, &orthogonal.frf),
-        at_iteration("sign flip", sign_flip.best, &sign_flip.frf),
+        at_iteration("sign flip", sign_flip.first, &sign_flip.first_frf).with_swatch(4, 3),
+        at_iteration("orthogonal", orthogonal.best, &orthogonal.frf).with_swatch(2, 2),
+        at_iteration("sign flip", sign_flip.best, &sign_flip.frf).with_swatch(3, 1),
     ];
     let marks = [
         peak_marks(&orthogonal.frf, 2, MarkShape::Cross, "orthogonal"),
@@ -112,8 +113,9 @@ pub(super) fn figure_10(section7: &Section7) -> Result<Named, PaperError> {
             "multisine on constant velocity",
             &multisine.by_position,
             Style::Markers,
-        ),
-        Curve::new("shaped chirp", &chirp.frf, Style::Line),
+        )
+        .with_swatch(0, 0),
+        Curve::new("shaped chirp", &chirp.frf, Style::Line).with_swatch(3, 1),
     ];
     Ok(Named::new(
         "figure_10_comparison",

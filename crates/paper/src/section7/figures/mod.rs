@@ -45,6 +45,7 @@ impl Section7 {
                 title: "Frequency responses".into(),
                 curves: curves_to_look_into(self),
                 labels: labels(self),
+                still: None,
             }),
             figures: figures.iter().map(Named::captioned).collect(),
         }
@@ -76,7 +77,7 @@ fn torque_notes(whose: &str, warnings: &[String]) -> Vec<String> {
         .collect()
 }
 
-/// The curves of the page's interactive diagram.
+/// The curves of the page's interactive diagram, in the colours of the figures.
 fn curves_to_look_into(section7: &Section7) -> Vec<Curve<'_>> {
     let campaign = &section7.multisine;
     vec![
@@ -85,14 +86,16 @@ fn curves_to_look_into(section7: &Section7) -> Vec<Curve<'_>> {
             "multisine, glide subtracted by position",
             &campaign.by_position,
             Style::Markers,
-        ),
+        )
+        .with_swatch(0, 0),
         Curve::new(
             "multisine, not compensated",
             &campaign.uncompensated,
-            Style::Markers,
-        ),
-        Curve::new("chirp, orthogonal", &section7.orthogonal.frf, Style::Line),
-        Curve::new("chirp, sign flip", &section7.sign_flip.frf, Style::Line),
+            Style::Line,
+        )
+        .with_swatch(1, 0),
+        Curve::new("chirp, orthogonal", &section7.orthogonal.frf, Style::Line).with_swatch(2, 2),
+        Curve::new("chirp, sign flip", &section7.sign_flip.frf, Style::Line).with_swatch(3, 1),
     ]
 }
 

@@ -10,13 +10,13 @@ use crate::diagrams::curve::Curve;
 use crate::figure::Figure;
 use crate::figure::axis::Axis;
 use crate::figure::geometry::{Point, Rect};
-use crate::figure::ink::Ink;
+use crate::figure::ink::{Ink, Marker};
 use crate::figure::panel::{GAP, Panel, Value};
 
 /// Half the height of a mark in pixels.
 const MARK: f64 = 5.5;
-/// The same of the cross at a flagged line.
-const CROSS: f64 = 3.2;
+/// The same of the tick at a flagged line.
+const TICK: f64 = 3.2;
 
 /// The axes that all cells share.
 pub(crate) struct Axes {
@@ -55,11 +55,11 @@ impl Cell<'_> {
     fn magnitude(&self, figure: &mut Figure, corner: Point) -> Panel {
         let panel = self.panel(corner, self.sheet.magnitude, &self.axes.magnitude);
         panel.draw(figure, |figure| {
-            for (curve, ink) in self.sheet.inked_curves() {
+            for (curve, ink) in self.sheet.in_order_of_drawing() {
                 self.magnitude_curve(figure, &panel, curve, ink);
             }
         });
-        self.flags(figure, &panel, Frf::magnitude_db);
+        self.flags(figure, &panel);
         self.marks(figure, &panel);
         if self.is_leftmost {
             panel.label_y(figure, "Magnitude in dB");
@@ -71,11 +71,11 @@ impl Cell<'_> {
     fn phase(&self, figure: &mut Figure, corner: Point, height: f64) -> Panel {
         let panel = self.panel(corner, height, &self.axes.phase);
         panel.draw(figure, |figure| {
-            for (curve, ink) in self.sheet.inked_curves() {
+            for (curve, ink) in self.sheet.in_order_of_drawing() {
                 self.phase_curve(figure, &panel, curve, ink);
             }
         });
-        self.flags(figure, &panel, Frf::phase_deg);
+        self.flags(figure, &panel);
         if self.is_leftmost {
             panel.label_y(figure, "Phase in deg");
         }
@@ -103,7 +103,7 @@ impl Cell<'_> {
         }
         let line = self.line(curve, Frf::magnitude_db);
         panel.curve(figure, &line, &ink.without_markers());
-        draw_markers(figure, panel, curve, &line, ink);
+        panel.curve(figure, &line, &ink.without_line());
     }
 
     /// The magnitude with the radius of its region added or subtracted.
@@ -128,7 +128,7 @@ impl Cell<'_> {
             panel.curve(figure, &shifted(&|_| 0.0), &ink.without_markers());
         }
         let line = over_frequency(curve, phase_deg);
-        draw_markers(figure, panel, curve, &line, ink);
+        panel.curve(figure, &line, &ink.without_line());
     }
 
     /// Half the width of the region of a phase, seen from the origin.
@@ -144,11 +144,18 @@ impl Cell<'_> {
         ratios.map(half_width).collect()
     }
 
-    /// Draws crosses where curves are flagged, over all curves.
-    fn flags(&self, figure: &mut Figure, panel: &Panel, values: Values) {
-        for (curve, ink) in self.sheet.inked_curves() {
-            for point in chosen(&self.line(curve, values), |k| curve.is_flagged(k)) {
-                panel.mark(figure, point, &ink.crosses(), CROSS);
+    /// Draws ticks below the upper edge at the frequencies at which curves are flagged, where they
+    /// hide no curve: a row for each curve.
+    fn flags(&self, figure: &mut Figure, panel: &Panel) {
+        let flagged = self.sheet.inked_curves();
+        let flagged = flagged.filter(|(curve, _)| curve.has_flags());
+        for (row, (curve, ink)) in flagged.enumerate() {
+            let y = panel.rect.y + (2.0 * row as f64 + 1.5) * TICK;
+            for (k, &hz) in curve.frf.frequency_hz.iter().enumerate() {
+                let (x, _) = panel.at((hz, 0.0));
+                if curve.is_flagged(k) && x.is_finite() {
+                    figure.marker((x, y), Marker::Tick, TICK, ink.color);
+                }
             }
         }
     }
@@ -183,21 +190,9 @@ fn over_frequency(curve: &Curve, values: impl IntoIterator<Item = f64>) -> Line 
     frequencies.zip(values).collect()
 }
 
-/// The points of a line whose numbers are chosen.
-fn chosen(line: &[Value], is_chosen: impl Fn(usize) -> bool) -> Line {
-    let numbers = (0..line.len()).filter(|&k| is_chosen(k));
-    numbers.map(|k| line[k]).collect()
-}
-
 /// A run of phases, each shifted by a number of degrees.
 fn shifted_run(curve: &Curve, run: &[(usize, f64)], by: &dyn Fn(usize) -> f64) -> Line {
     run.iter()
         .map(|&(k, phase)| (curve.frf.frequency_hz[k], phase + by(k)))
         .collect()
-}
-
-/// Draws the markers of a curve, where it is not flagged.
-fn draw_markers(figure: &mut Figure, panel: &Panel, curve: &Curve, line: &[Value], ink: &Ink) {
-    let sound = chosen(line, |k| !curve.is_flagged(k));
-    panel.curve(figure, &sound, &ink.without_line());
 }

@@ -37,7 +37,7 @@ pub fn bode(
     check_entry(&curves[0], (output, input), size)?;
     Ok(Sheet {
         curves,
-        inks: inks(curves.iter().map(|curve| curve.style)),
+        inks: inks(curves.iter().map(Curve::look)),
         labels,
         marks: &[],
         rows: vec![output],
@@ -66,7 +66,7 @@ pub fn bode_matrix(
     check_marks(marks, curves, (outputs, inputs))?;
     Ok(Sheet {
         curves,
-        inks: inks(curves.iter().map(|curve| curve.style)),
+        inks: inks(curves.iter().map(Curve::look)),
         labels,
         marks,
         rows: (0..outputs).collect(),

@@ -6,6 +6,7 @@ use crate::diagrams::bode::cell::{Axes, Cell, Values};
 use crate::diagrams::curve::Curve;
 use crate::diagrams::labels::Labels;
 use crate::diagrams::mark::Mark;
+use crate::diagrams::style::Style;
 use crate::figure::Figure;
 use crate::figure::axis::Axis;
 use crate::figure::drawing::Align;
@@ -74,6 +75,15 @@ impl Sheet<'_> {
         self.curves.iter().zip(&self.inks)
     }
 
+    /// Every curve with its ink, what the others are compared with on top.
+    pub(crate) fn in_order_of_drawing(&self) -> impl Iterator<Item = (&Curve<'_>, &Ink)> {
+        let is_reference = |curve: &Curve| curve.style == Style::Reference;
+        let below = self.inked_curves();
+        let below = below.filter(move |(curve, _)| !is_reference(curve));
+        let above = self.inked_curves();
+        below.chain(above.filter(move |(curve, _)| is_reference(curve)))
+    }
+
     /// Every name of a mark once, with the ink of the first of that name.
     fn named_marks(&self) -> Vec<(&str, Ink)> {
         let mut names: Vec<(&str, Ink)> = Vec::new();
@@ -85,10 +95,10 @@ impl Sheet<'_> {
         names
     }
 
-    /// The crosses of every curve that has flagged lines.
+    /// The ticks of every curve that has flagged lines.
     fn flagged_lines(&self) -> impl Iterator<Item = (&str, Ink)> {
         let flagged = self.inked_curves().filter(|(curve, _)| curve.has_flags());
-        flagged.map(|(_, ink)| ("flagged line", ink.crosses()))
+        flagged.map(|(_, ink)| ("flagged line", ink.ticks()))
     }
 
     /// Says below the cells what 0 dB is.
@@ -135,21 +145,37 @@ impl Sheet<'_> {
     fn magnitudes_db(&self) -> Vec<f64> {
         let mut magnitudes = self.values(Frf::magnitude_db);
         let highest = highest(&magnitudes).unwrap_or(f64::NEG_INFINITY);
-        magnitudes.retain(|db| *db >= highest - DEEPEST_DB);
+        // below the truth nothing was measured
+        let truth = self.lowest_of_references_db();
+        let deepest = (highest - DEEPEST_DB).max(truth.unwrap_or(f64::NEG_INFINITY));
+        magnitudes.retain(|db| *db >= deepest);
         magnitudes.extend(self.marks.iter().map(|mark| mark.magnitude_db));
         magnitudes
     }
 
+    /// The lowest magnitude of what the others are compared with.
+    fn lowest_of_references_db(&self) -> Option<f64> {
+        let references = self.curves.iter();
+        let references = references.filter(|curve| curve.style == Style::Reference);
+        let values = references.flat_map(|curve| self.values_of(curve, Frf::magnitude_db));
+        values.filter(|db| db.is_finite()).reduce(f64::min)
+    }
+
     /// Values of every curve at every entry of the sheet.
     fn values(&self, of_entry: Values) -> Vec<f64> {
-        let mut values = Vec::new();
-        for &output in &self.rows {
-            for &input in &self.columns {
-                for curve in self.curves {
-                    values.extend(of_entry(curve.frf, output, input));
-                }
-            }
-        }
-        values
+        let curves = self.curves.iter();
+        curves
+            .flat_map(|curve| self.values_of(curve, of_entry))
+            .collect()
+    }
+
+    /// Values of a curve at every entry of the sheet.
+    fn values_of(&self, curve: &Curve, of_entry: Values) -> Vec<f64> {
+        let entries = self.rows.iter();
+        let entries =
+            entries.flat_map(|output| self.columns.iter().map(move |input| (output, input)));
+        entries
+            .flat_map(|(output, input)| of_entry(curve.frf, *output, *input))
+            .collect()
     }
 }

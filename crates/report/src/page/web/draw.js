@@ -2,11 +2,13 @@
 
 const FONT = "12px system-ui, 'Segoe UI', Roboto, Arial, sans-serif";
 const LEFT = 58, RIGHT = 10, TITLE = 24, GAP = 12, BELOW = 40;
+const NARROWEST = 130; // of a panel among others
 const sheet = document.createElement("canvas");
 let panels = [], paint = {};
 
 /** Draws all panels on the sheet behind the canvas, for the width there is, and shows it. */
 function draw() {
+  chooseEntries();
   const { width, height } = layOut(), most = 16000;
   const scale = Math.min(window.devicePixelRatio || 1, most / width, most / height);
   for (const target of [sheet, canvas]) {
@@ -25,6 +27,16 @@ function draw() {
   panels.forEach((panel) => drawPanel(pen, panel));
   show(width, height);
   root.dataset.drawn = String(panels.length);
+  writeValues();
+}
+
+/** One entry where the window has no room for all, unless the reader wants all. */
+function chooseEntries() {
+  const room = canvas.parentElement.clientWidth, isNarrow = room < LEFT + RIGHT + data.inputs.length * NARROWEST;
+  if (view.wants === "any") view.only = isNarrow && entries.length > 1 ? view.entry || entries[0] : null;
+  const choice = root.querySelector("select"), names = drawn().map(name).join(", ");
+  if (choice) choice.value = view.only ? String(entries.indexOf(view.only)) : "";
+  canvas.setAttribute("aria-label", (drawn().length > 1 ? "Bode diagrams of all entries: " : "Bode diagram: ") + names);
 }
 
 /** Puts the sheet on the canvas, with cursor and zoom rectangle. */
@@ -45,15 +57,16 @@ function show(width = parseFloat(canvas.style.width), height = parseFloat(canvas
 
 /** Places the panels; returns the size of the whole. */
 function layOut() {
-  const columns = data.inputs.length, rows = data.outputs.length, single = columns * rows === 1;
-  const width = Math.max(canvas.parentElement.clientWidth, LEFT + RIGHT + columns * 190);
+  const single = drawn().length === 1, columns = single ? 1 : data.inputs.length, rows = single ? 1 : data.outputs.length;
+  const width = Math.max(canvas.parentElement.clientWidth, LEFT + RIGHT + columns * (single ? 190 : NARROWEST));
   const across = (width - LEFT - RIGHT - (columns - 1) * GAP) / columns;
-  const tall = single ? 260 : 150, short = !shown.phase ? 0 : single ? 170 : 95;
+  const withPhase = shown.phase || (view.only && !asked.phase); // alone there is room for it
+  const tall = single ? 260 : Math.min(Math.max(0.6 * across, 110), 190), short = !withPhase ? 0 : single ? 170 : 95;
   const cell = TITLE + tall + (short ? GAP + short : 0) + 6;
   const [low, high] = view.db || magnitudeRange(), [least, most] = phaseRange();
-  panels = entries.flatMap((entry) => {
-    const y = entry.output * cell + TITLE, bottom = entry.output === rows - 1;
-    const common = { entry, x: LEFT + entry.input * (across + GAP), width: across };
+  panels = drawn().flatMap((entry) => {
+    const [row, column] = single ? [0, 0] : [entry.output, entry.input], y = row * cell + TITLE, bottom = row === rows - 1;
+    const common = { entry, x: LEFT + column * (across + GAP), width: across, isLeft: column === 0 };
     const magnitude = { ...common, phase: false, y, height: tall, low, high, bottom: bottom && !short };
     const phase = { ...common, phase: true, y: y + tall + GAP, height: short, low: least, high: most, bottom };
     return short ? [magnitude, phase] : [magnitude];
@@ -78,7 +91,9 @@ function drawPanel(pen, panel) {
   pen.beginPath();
   pen.rect(x, y, width, height);
   pen.clip();
-  visible().forEach((curve) => drawCurve(pen, panel, curve));
+  const isReference = (curve) => curve.style === "reference"; // on top
+  [...visible()].sort((a, b) => isReference(a) - isReference(b)).forEach((curve) => drawCurve(pen, panel, curve));
+  visible().filter((curve) => curve.flagged.includes(true)).forEach((curve, n) => drawFlags(pen, panel, curve, n));
   pen.restore();
   pen.strokeStyle = paint["--ink"];
   pen.lineWidth = 1;
@@ -111,7 +126,7 @@ function writeLabels(pen, panel, across, up) {
     for (const hz of across) pen.fillText(number(hz), toX(panel, hz), y + height + 15);
     pen.fillText("Frequency in Hz", middle, y + height + 33);
   }
-  if (entry.input > 0) return;
+  if (!panel.isLeft) return;
   pen.save();
   pen.translate(13, y + height / 2);
   pen.rotate(-Math.PI / 2);
@@ -137,18 +152,21 @@ function drawCurve(pen, panel, curve) {
   for (const [k, value] of all(panel.phase ? curve.phase : curve.db)) {
     if (!Number.isFinite(value)) continue;
     const [x, y] = [toX(panel, curve.hz[k]), toY(panel, value)];
-    if (curve.flagged[k]) drawCross(pen, curve, x, y);
-    else if (curve.marker) drawMarker(pen, curve, x, y);
+    if (curve.marker) drawMarker(pen, curve, x, y);
   }
 }
 
-/** A line that is not to be trusted. */
-function drawCross(pen, curve, x, y) {
-  const r = 3.2;
+/** Ticks at the lines that are not to be trusted, where they hide no curve: in the n-th row below the upper edge. */
+function drawFlags(pen, panel, curve, n) {
+  const y = panel.y + 2 + 7 * n;
   pen.strokeStyle = paint[curve.color];
   pen.lineWidth = 1.2;
   pen.beginPath();
-  for (const [dx, dy] of [[r, r], [r, -r]]) { pen.moveTo(x - dx, y - dy); pen.lineTo(x + dx, y + dy); }
+  curve.hz.forEach((hz, k) => {
+    if (!curve.flagged[k]) return;
+    pen.moveTo(toX(panel, hz), y);
+    pen.lineTo(toX(panel, hz), y + 6);
+  });
   pen.stroke();
 }
 

@@ -10,9 +10,15 @@ const LEVELS = [["noise", "noise level"], ["total", "total level"],
 const canvas = root.querySelector("canvas");
 const curves = data.curves.map(decoded);
 const entries = data.outputs.flatMap((_, output) => data.inputs.map((_, input) => ({ output, input })));
-/** The band and magnitudes in view (`db` null: what the curves need), the entry and frequency under the cursor. */
-const view = { low: 1, high: 10, db: null, entry: null, cursor: null, drag: null };
-const shown = { phase: true, region: true, noise: false, total: false, nonlinear: false };
+/**
+ * The band and magnitudes in view (`db` null: what the curves need), the entry and frequency under the cursor, the entry
+ * that is shown alone, and whether the reader wants "all", "one" or "any", whatever has room.
+ */
+const view = { low: 1, high: 10, db: null, entry: null, cursor: null, drag: null,
+  only: null, wants: "any" };
+const shown = { phase: data.outputs.length <= 3 && data.inputs.length <= 3, region: true, noise: false, total: false, nonlinear: false };
+/** What the reader has chosen, and not the room there is. */
+const asked = { phase: false };
 giveInks();
 
 function floats(text) {
@@ -27,7 +33,7 @@ function decoded(raw) {
   const re = floats(raw.re), im = floats(raw.im);
   const magnitude = re.map((x, i) => Math.hypot(x, im[i]));
   return {
-    label: raw.label, style: raw.style, visible: true, hz: floats(raw.frequency_hz), magnitude,
+    label: raw.label, style: raw.style, place: raw, visible: true, hz: floats(raw.frequency_hz), magnitude,
     db: magnitude.map(db), phase: re.map((x, i) => Math.atan2(im[i], x) * DEG),
     noise: floats(raw.noise_deviation), noiseFactor: raw.noise_factor,
     total: floats(raw.total_deviation), totalFactor: raw.total_factor,
@@ -35,21 +41,24 @@ function decoded(raw) {
   };
 }
 
-/** Colours, dashes and markers, given in the same order as in the printed figures. */
+/** Colours, dashes and markers, those of the printed figures. */
 function giveInks() {
-  let lines = 0, markers = 0;
   for (const curve of curves) {
+    const { color, shape } = curve.place;
     Object.assign(curve, { color: "--reference", dash: [], width: 1, marker: null });
     if (curve.style === "reference") continue;
-    curve.color = "--curve" + ((lines + markers) % 5);
-    if (curve.style === "line") Object.assign(curve, { dash: DASHES[lines++ % 4], width: 1.8 });
-    else Object.assign(curve, { marker: MARKERS[markers++ % 4], width: 0 });
+    curve.color = "--curve" + (color % 5);
+    if (curve.style === "line") Object.assign(curve, { dash: DASHES[shape % 4], width: 1.8 });
+    else Object.assign(curve, { marker: MARKERS[shape % 4], width: 0 });
   }
 }
 
 function db(magnitude) { return 20 * Math.log10(magnitude); }
 
 function name(entry) { return data.inputs[entry.input] + " \u2192 " + data.outputs[entry.output]; }
+
+/** The entries that are drawn. */
+function drawn() { return view.only ? [view.only] : entries; }
 
 function visible() { return curves.filter((curve) => curve.visible && curve.hz.length); }
 
@@ -105,7 +114,8 @@ function number(value, digits) {
 function logTicks(low, high, length) {
   const decade = length / Math.log10(high / low), fine = [], labelled = [];
   const sets = [[1, 2, 3, 4, 5, 6, 7, 8, 9], [1, 2, 5], [1]], gaps = [10 / 9, 2, 1e9];
-  const digits = sets.find((_, n) => decade * Math.log10(gaps[n]) > 30) || [1];
+  const room = 8 + 7 * Math.max(number(low, low < 1 ? 2 : 0).length, number(high, 0).length);
+  const digits = sets.find((_, n) => decade * Math.log10(gaps[n]) > room) || [1];
   for (let power = Math.floor(Math.log10(low)); power <= Math.ceil(Math.log10(high)); power++) {
     for (let digit = 1; digit < 10; digit++) {
       const value = Number(digit + "e" + power);
@@ -140,7 +150,7 @@ function extent(values) {
   for (const curve of visible()) {
     curve.hz.forEach((hz, k) => {
       if (hz < view.low || hz > view.high) return;
-      for (const value of entries.flatMap((entry) => values(curve, place(k, entry)))) {
+      for (const value of drawn().flatMap((entry) => values(curve, place(k, entry)))) {
         if (Number.isFinite(value)) { low = Math.min(low, value); high = Math.max(high, value); }
       }
     });

@@ -1,30 +1,4 @@
-// Cursor, zoom, check boxes and the table of values under the cursor.
-
-/** One row per visible curve: what it says at its line nearest to the cursor, in the entry under the cursor. */
-function writeReadout() {
-  const rows = visible().map((curve) => {
-    const row = document.createElement("tr");
-    [curve.label, ...values(curve)].forEach((text, n) => {
-      const cell = document.createElement(n ? "td" : "th");
-      cell.textContent = text;
-      row.append(cell);
-    });
-    return row;
-  });
-  root.querySelector(".readout tbody").replaceChildren(...rows);
-  root.querySelector(".readout th").textContent = view.entry ? name(view.entry) : "Curve";
-}
-
-/** Frequency, magnitude, phase and 95 % region of a curve at the cursor, as text. */
-function values(curve) {
-  const none = "\u2013";
-  if (view.cursor === null || !view.entry) return [none, none, none, none];
-  const k = nearest(curve, view.cursor), i = place(k, view.entry), known = radius(curve, i), size = curve.magnitude[i];
-  const region = ({ rho, kind }) =>
-    db(1 + rho / size).toPrecision(2) + " dB, " + halfWidth(rho, size).toPrecision(2) + " deg (" + kind + ")";
-  const hz = number(curve.hz[k]) + (curve.flagged[k] ? " (flagged)" : "");
-  return [hz, number(curve.db[i], 2), number(curve.phase[i], 1), known ? region(known) : none];
-}
+// Cursor, zoom, choice of the panel and check boxes.
 
 function panelAt([x, y]) {
   return panels.find((p) => x >= p.x && x <= p.x + p.width && y >= p.y && y <= p.y + p.height);
@@ -48,7 +22,43 @@ function endDrag() {
   const [low, high] = [valueAt(bottom), valueAt(top)];
   if (!panel.phase && bottom - top > 30 && high - low > 1e-3) view.db = [low, high];
   if (right - left > 8) zoomTo(hzAt(panel, left), hzAt(panel, right));
+  else if (bottom - top < 4 && !view.only && entries.length > 1) enlarge(panel.entry);
   else draw();
+}
+
+/** Shows one entry in all the width, or all of them again. */
+function enlarge(entry) {
+  if (entries.length < 2) return;
+  view.only = entry;
+  view.wants = entry ? "one" : "all";
+  if (entry) view.entry = entry;
+  draw();
+}
+
+/** Moves to the entry `rows` below and `columns` to the right, at the edge to the other one. */
+function step(rows, columns) {
+  const now = view.entry || entries[0], wrap = (value, count) => (value + count) % count;
+  const output = wrap(now.output + rows, data.outputs.length), input = wrap(now.input + columns, data.inputs.length);
+  toEntry(entries[output * data.inputs.length + input]);
+}
+
+function toEntry(entry) {
+  view.entry = entry;
+  if (view.cursor === null && visible()[0]) view.cursor = visible()[0].hz[0];
+  if (view.only) view.only = entry;
+  draw();
+}
+
+/** The key that asks for another panel, or for one alone; whether there was one. */
+function changePanel(key) {
+  const at = entries.indexOf(view.entry || entries[0]), last = entries.length;
+  if (key === "ArrowUp") step(-1, 0);
+  else if (key === "ArrowDown") step(1, 0);
+  else if (key === "PageUp") toEntry(entries[(at + last - 1) % last]);
+  else if (key === "PageDown") toEntry(entries[(at + 1) % last]);
+  else if (key === "Enter") enlarge(view.only ? null : view.entry || entries[0]);
+  else return false;
+  return true;
 }
 
 function listenToPointer() {
@@ -70,7 +80,7 @@ function listenToPointer() {
   });
   canvas.addEventListener("pointerup", () => { if (view.drag) endDrag(); });
   canvas.addEventListener("pointercancel", () => { view.drag = null; show(); });
-  canvas.addEventListener("dblclick", () => { showAll(); draw(); });
+  canvas.addEventListener("dblclick", () => { showAll(); draw(); }); // the two clicks before it undo each other
 }
 
 function listenToKeys() {
@@ -84,8 +94,9 @@ function listenToKeys() {
       view.entry = view.entry || entries[0];
       show();
     } else if (power) zoomTo(middle * (view.low / middle) ** power, middle * (view.high / middle) ** power);
+    else if (event.key === "Escape" && view.only) enlarge(null);
     else if (event.key === "0" || event.key === "Escape") { showAll(); draw(); }
-    else return;
+    else if (entries.length < 2 || !changePanel(event.key)) return;
     event.preventDefault();
   });
 }
@@ -116,9 +127,19 @@ function swatch(curve) {
   return svg;
 }
 
+/** The list of entries, for those who do not point. */
+function addChoice() {
+  const label = document.createElement("label"), choice = document.createElement("select");
+  choice.append(new Option("all panels", ""), ...entries.map((entry, n) => new Option(name(entry), String(n))));
+  choice.addEventListener("change", () => enlarge(choice.value ? entries[+choice.value] : null));
+  label.append("show ", choice);
+  root.querySelector(".controls").append(label);
+}
+
 function addControls() {
+  if (entries.length > 1) addChoice();
   for (const curve of curves) addToggle(curve.label, true, (on) => { curve.visible = on; }, swatch(curve));
-  addToggle("phase", shown.phase, (on) => { shown.phase = on; });
+  addToggle("phase", shown.phase, (on) => { shown.phase = on; asked.phase = true; });
   if (curves.some((curve) => curve.noise || curve.total)) {
     addToggle("95 % region", shown.region, (on) => { shown.region = on; });
   }
@@ -127,7 +148,7 @@ function addControls() {
   }
   if (curves.some((curve) => curve.flagged.includes(true))) {
     const note = document.createElement("span");
-    note.textContent = "\u00d7 flagged line";
+    note.textContent = "ticks at the upper edge: flagged lines";
     root.querySelector(".controls").append(note);
   }
   const button = document.createElement("button");
@@ -137,6 +158,7 @@ function addControls() {
   root.querySelector(".controls").append(button);
 }
 
+root.querySelector(".values").addEventListener("toggle", writeValues);
 addControls();
 showAll();
 draw();
