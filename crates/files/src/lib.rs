@@ -34,6 +34,7 @@ mod ros {
     pub(crate) mod field;
     pub(crate) mod joint_state;
     pub(crate) mod known_types;
+    pub(crate) mod layout;
     pub(crate) mod selector;
     pub(crate) mod value;
 }

@@ -5,6 +5,8 @@
 use thiserror::Error;
 
 use crate::bytes::{Bytes, Short};
+use crate::ros::field::Primitive;
+use crate::ros::layout::Trace;
 
 /// Why bytes are not the message they should be.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -61,6 +63,7 @@ pub(crate) struct CdrReader<'a> {
     body: Bytes<'a>,
     big_endian: bool,
     field: String,
+    trace: Option<Trace>,
 }
 
 /// Makes the readers of the fixed-size numbers: aligned to their own size, in the message's byte
@@ -97,7 +100,40 @@ impl<'a> CdrReader<'a> {
             body: Bytes::new(bytes.rest()),
             big_endian: is_big_endian(header)?,
             field,
+            trace: None,
         })
+    }
+
+    /// The same, noting what stands where.
+    ///
+    /// # Errors
+    /// As [`CdrReader::new`].
+    pub(crate) fn tracing(message: &'a [u8]) -> Result<Self, CdrError> {
+        Ok(Self {
+            trace: Some(Trace::default()),
+            ..Self::new(message)?
+        })
+    }
+
+    /// What stood where.
+    pub(crate) fn into_trace(self) -> Trace {
+        self.trace.unwrap_or_default()
+    }
+
+    /// Notes the number of `size` bytes that was just read; returns its place if that is what is asked for.
+    pub(crate) fn note_number(&mut self, kind: Primitive, size: usize) -> Option<usize> {
+        let place = self.body.at() - size;
+        let trace = self.trace.as_mut()?;
+        trace.numbers.push((place, kind));
+        Some(place)
+    }
+
+    /// Notes the last `size` bytes as what a layout rests on.
+    fn note_fixed(&mut self, size: usize) {
+        let end = self.body.at();
+        if let Some(trace) = &mut self.trace {
+            trace.fixed.push((end - size, end));
+        }
     }
 
     /// Names the field that is read next, for the errors.
@@ -138,6 +174,7 @@ impl<'a> CdrReader<'a> {
     /// [`CdrError::Short`].
     pub(crate) fn count(&mut self, least_size: usize) -> Result<usize, CdrError> {
         let count = self.u32()? as usize;
+        self.note_fixed(size_of::<u32>());
         self.fits(count, least_size)
     }
 
@@ -168,6 +205,7 @@ impl<'a> CdrReader<'a> {
     pub(crate) fn text(&mut self) -> Result<&'a str, CdrError> {
         let length = self.count(1)?;
         let text = closed_text(self.take(length)?);
+        self.note_fixed(length);
         text.ok_or_else(|| CdrError::Text {
             field: self.field.clone(),
         })

@@ -47,8 +47,15 @@ impl Value {
 /// # Errors
 /// [`CdrError`] naming the field.
 pub(crate) fn decode(definition: &Definition, message: &[u8]) -> Result<Value, CdrError> {
-    let mut cdr = CdrReader::new(message)?;
-    let value = read_message(definition, 0, &mut cdr)?;
+    decode_from(definition, &mut CdrReader::new(message)?)
+}
+
+/// The same from a reader; of one that notes places these stand for the numbers.
+///
+/// # Errors
+/// [`CdrError`] naming the field.
+pub(crate) fn decode_from(definition: &Definition, cdr: &mut CdrReader) -> Result<Value, CdrError> {
+    let value = read_message(definition, 0, cdr)?;
     cdr.finish()?;
     Ok(value)
 }
@@ -105,7 +112,14 @@ fn read_element(
     }
 }
 
+/// A number, or its place from a reader that notes places.
 fn read_number(kind: Primitive, cdr: &mut CdrReader) -> Result<f64, CdrError> {
+    let number = number(kind, cdr)?;
+    let place = cdr.note_number(kind, least_size(Element::Primitive(kind)));
+    Ok(place.map_or(number, |place| place as f64))
+}
+
+fn number(kind: Primitive, cdr: &mut CdrReader) -> Result<f64, CdrError> {
     Ok(match kind {
         Primitive::Bool | Primitive::Uint(1) => f64::from(cdr.u8()?),
         Primitive::Uint(2) => f64::from(cdr.u16()?),

@@ -9,6 +9,7 @@ use crate::description::estimate::EstimateTable;
 use crate::estimate::others::checks;
 use crate::estimate::others::estimated::Estimated;
 use crate::estimate::others::found::Found;
+use crate::estimate::others::recording::units::period_words;
 use crate::estimate::others::recording::{Odd, Recording};
 use crate::estimate::others::run::measured::Measured;
 use crate::estimate::outcome::{Outcome, condition_check, left_out_check, noise_bias_check};
@@ -96,10 +97,13 @@ impl Found {
         warnings.extend(self.unused.iter().map(ToString::to_string));
         warnings.extend((estimated.n_incomplete > 0).then(|| incomplete(estimated)));
         warnings.extend(self.recordings.iter().flat_map(Recording::remarks));
+        warnings.extend(self.recordings.iter().flat_map(Recording::unit_words));
         for run in &estimated.runs {
             warnings.extend(run.trend_words(&self.recordings[run.recording]));
             warnings.extend(run.clock_words());
         }
+        let period_s = estimated.runs.first().map(|run| run.clock.period_s());
+        warnings.extend(period_s.and_then(period_words));
         warnings.extend(levels(estimated));
         let draws = estimated.equal.iter();
         warnings.extend(draws.map(|draws| same_draw(draws, estimated)));

@@ -101,18 +101,19 @@ fn conversion(encoding: &str, schema: &str) -> &'static str {
     }
 }
 
-/// The header's stamp; none where the message has no header.
-pub(crate) fn header_stamp_ns(message: &Value) -> Option<i64> {
+/// Seconds and nanoseconds of the header's stamp; none where the message has no header.
+pub(crate) fn header_stamp(message: &Value) -> Option<[f64; 2]> {
     let header = message.field("header").unwrap_or(message);
-    time_ns(header.field("stamp")?)
+    let stamp = header.field("stamp")?;
+    let part = |name| stamp.field(name)?.number();
+    Some([part("sec")?, part("nanosec")?])
 }
 
-/// A time in whole seconds and the ns behind them.
-fn time_ns(time: &Value) -> Option<i64> {
-    let sec = time.field("sec")?.number()?;
+/// A stamp in ns.
+pub(crate) fn stamp_ns([sec, nanosec]: [f64; 2]) -> i64 {
     // saturating: what a hostile message holds is no time, and later refused as such
     let whole_ns = (sec as i64).saturating_mul(1_000_000_000);
-    Some(whole_ns.saturating_add(time.field("nanosec")?.number()? as i64))
+    whole_ns.saturating_add(nanosec as i64)
 }
 
 #[cfg(test)]
@@ -129,7 +130,8 @@ mod tests {
             let stamp = [("sec", Value::Number(sec)), ("nanosec", Value::Number(5.0))];
             message(&[("stamp", message(&stamp))])
         };
-        assert_eq!(header_stamp_ns(&stamped(2.0)), Some(2_000_000_005));
-        assert_eq!(header_stamp_ns(&stamped(1e300)), Some(i64::MAX));
+        let stamp_of = |sec| header_stamp(&stamped(sec)).map(stamp_ns);
+        assert_eq!(stamp_of(2.0), Some(2_000_000_005));
+        assert_eq!(stamp_of(1e300), Some(i64::MAX));
     }
 }

@@ -10,18 +10,29 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use crate::error::FileError;
-use crate::log::bag::message::{Received, header_stamp_ns};
+use crate::log::bag::message::{Received, header_stamp, stamp_ns};
 use crate::log::map::{Signal, Signals};
 use crate::log::recording::{Cells, Recording, Series, TimedDamage, of_damaged};
 use crate::log::table::Table;
+use crate::ros::cdr_read::CdrError;
 use crate::ros::definition::Definition;
+use crate::ros::layout::{Layout, Picked};
 use crate::ros::selector::Selector;
 use crate::ros::value::{Value, decode};
+
+/// Layouts are learnt at least so many times.
+const FEW_DECODED: usize = 64;
 
 /// One mapped topic while its messages come in.
 struct Topic {
     selectors: Vec<Selector>,
     definition: Option<Definition>,
+    /// Where the numbers of the last decoded message were, the stamp's last.
+    layout: Option<Picked>,
+    /// Messages that were decoded field by field.
+    n_decoded: usize,
+    /// Numbers of the last message.
+    row: Vec<Option<f64>>,
     n_messages: usize,
     /// The samples, stamped by their headers or, without, by the recorder.
     table: Table,
@@ -129,6 +140,10 @@ impl Topics {
     }
 }
 
+fn in_words(error: CdrError) -> String {
+    error.to_string()
+}
+
 fn selector_of(path: &Path, signal: &Signal) -> Result<Selector, FileError> {
     Selector::parse(&signal.source).ok_or_else(|| {
         let found = format!("`{}`", signal.source);
@@ -142,6 +157,9 @@ impl Topic {
         Self {
             selectors: Vec::new(),
             definition: None,
+            layout: None,
+            n_decoded: 0,
+            row: Vec::new(),
             n_messages: 0,
             table: Table::of(name),
             recorders_ns: Some(Vec::new()),
@@ -149,40 +167,62 @@ impl Topic {
     }
 
     fn take(&mut self, received: &Received) -> Result<(), FileError> {
-        let value = self.decoded(received)?;
-        let row = self.picked(&value);
-        let row = row.map_err(|found| received.bad(self.n_messages, found))?;
+        let mut row = std::mem::take(&mut self.row);
+        let by_layout = self.layout.as_ref();
+        let is_known = by_layout.and_then(|layout| layout.read(received.data, &mut row));
+        if is_known.is_none() {
+            self.define(received)?;
+            let decoded = self.decoded(received.data);
+            row = decoded.map_err(|found| received.bad(self.n_messages, found))?;
+        }
         self.n_messages += 1;
-        self.push(header_stamp_ns(&value), received.recorders_ns, &row);
+        self.push(received.recorders_ns, &row);
+        self.row = row;
         Ok(())
     }
 
-    /// The mapped signals of a message, or what it has instead.
+    /// The numbers of a message, or what it has instead; the layout is kept for those to come, unless most
+    /// are laid out anew.
+    fn decoded(&mut self, message: &[u8]) -> Result<Vec<Option<f64>>, String> {
+        let definition = self.definition.as_ref().ok_or("no definition")?;
+        let row = self.picked(&decode(definition, message).map_err(in_words)?)?;
+        self.layout = None;
+        self.n_decoded += 1;
+        if self.n_decoded < FEW_DECODED + self.n_messages / 4 {
+            let layout = Layout::of(definition, message).map_err(in_words)?;
+            self.layout = Some(layout.picked(&self.picked(layout.places())?));
+        }
+        Ok(row)
+    }
+
+    /// The mapped signals of a message and the two numbers of its stamp, or what it has instead.
     fn picked(&self, message: &Value) -> Result<Vec<Option<f64>>, String> {
         let selectors = self.selectors.iter();
-        selectors.map(|selector| selector.pick(message)).collect()
+        let signals = selectors.map(|selector| selector.pick(message));
+        let stamp = header_stamp(message);
+        let stamp = [0, 1].map(|part| Ok(stamp.map(|stamp| stamp[part])));
+        signals.chain(stamp).collect()
     }
 
-    fn decoded(&mut self, received: &Received) -> Result<Value, FileError> {
-        let value = decode(self.definition(received)?, received.data);
-        value.map_err(|error| received.bad(self.n_messages, error.to_string()))
-    }
-
-    /// The definition of its messages, by the first one: of several variants the first that it fits.
-    fn definition(&mut self, received: &Received) -> Result<&Definition, FileError> {
-        match &mut self.definition {
-            Some(definition) => Ok(definition),
-            none => {
-                let mut variants = received.definitions()?;
-                let fits = |variant: &Definition| decode(variant, received.data).is_ok();
-                let fitting = variants.iter().position(fits).unwrap_or(0);
-                Ok(none.insert(variants.swap_remove(fitting)))
-            }
+    /// Finds the definition of its messages, by the first one: of several variants the first that it fits.
+    fn define(&mut self, received: &Received) -> Result<(), FileError> {
+        if self.definition.is_none() {
+            let mut variants = received.definitions()?;
+            let fits = |variant: &Definition| decode(variant, received.data).is_ok();
+            let fitting = variants.iter().position(fits).unwrap_or(0);
+            self.definition = Some(variants.swap_remove(fitting));
         }
+        Ok(())
     }
 
-    /// Takes in a sample. Headers whose stamps are all 0 were never set: then the recorder's count.
-    fn push(&mut self, header_ns: Option<i64>, recorders_ns: i64, row: &Cells) {
+    /// Takes in a sample, the last two numbers of which are its stamp. Headers whose stamps are all 0 were never set:
+    /// then the recorder's count.
+    fn push(&mut self, recorders_ns: i64, row: &Cells) {
+        let (header_ns, row) = match *row {
+            [ref row @ .., Some(sec), Some(nanosec)] => (Some(stamp_ns([sec, nanosec])), row),
+            [ref row @ .., _, _] => (None, row),
+            _ => (None, row),
+        };
         if !self.table.push(header_ns.unwrap_or(recorders_ns), row) {
             return;
         }

@@ -4,6 +4,7 @@ mod cut;
 mod looking;
 mod losses;
 pub(in crate::estimate::others) mod reading;
+pub(in crate::estimate::others) mod units;
 
 use std::fmt;
 use std::path::PathBuf;
