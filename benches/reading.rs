@@ -164,14 +164,14 @@ fn reading(criterion: &mut Criterion) {
         bencher.iter(|| read(black_box(&bag), &map(), MESSAGES));
     });
     group.bench_function("mcap alone", |bencher| {
-        bencher.iter(|| bare_mcap(black_box(&bag)))
+        bencher.iter(|| bare_mcap(black_box(&bag)));
     });
     group.throughput(Throughput::Elements((ROWS * COLUMNS) as u64));
     group.bench_function("read_log, CSV", |bencher| {
         bencher.iter(|| read(black_box(&csv), &table_map(), ROWS));
     });
     group.bench_function("csv alone", |bencher| {
-        bencher.iter(|| bare_csv(black_box(&csv)))
+        bencher.iter(|| bare_csv(black_box(&csv)));
     });
     group.finish();
 }

@@ -74,7 +74,7 @@ def test_where_the_reference_enters_must_be_known(tmp_path):
     outcome = estimate(tmp_path, ["a.csv"], *MAP, "--response", "sensitivity")
     assert outcome.code == 1 and outcome.said("set point", "added to the input"), outcome.text
     outcome = estimate(tmp_path, ["a.csv"], *MAP[2:], "--response", "r-to-u")
-    assert outcome.code == 1 and outcome.said("reference", "--r"), outcome.text
+    assert outcome.code == 2 and outcome.said("reference", "--r"), outcome.text
 
 
 @pytest.mark.parametrize("level", [500.0, 800.0])

@@ -36,6 +36,7 @@ mod text {
     pub(crate) mod looked;
     pub(crate) mod plan;
     pub(crate) mod strength;
+    pub(crate) mod summary;
     pub(crate) mod table;
     pub(crate) mod verdicts;
 }

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 use frfid_experiment::{
-    EstimateOptions, GuessedMap, Outcome, Steps, estimate_logs, for_each, recordings_among,
+    EstimateOptions, ExperimentError, GuessedMap, Outcome, Progress, Steps, estimate_logs,
+    for_each, recordings_among, silent,
 };
 use frfid_files::LogMap;
 use serde_json::{Value, json};
@@ -42,108 +43,142 @@ pub(crate) fn run(
     check_all(&arguments.files, Needed::Any)?;
     let stated = arguments.map.log_map()?;
     let files = recordings_among(&arguments.files)?;
-    let (looked, estimate) = watched(console, "looking", "files", |progress| {
+    let found = watched(console, "looking", "files", |progress| {
+        Found::of(files, stated, progress)
+    })?;
+    if options.json {
+        console.json(&found.as_json())?;
+        return Ok(Exit::Done);
+    }
+    console.data(&found.as_text())?;
+    if let Some(next) = found.next() {
+        console.hint(next);
+    }
+    Ok(Exit::Done)
+}
+
+/// What was found in all files.
+struct Found {
+    files: Vec<PathBuf>,
+    looked: Vec<Looked>,
+    /// The map that was given.
+    stated: Option<LogMap>,
+    /// What an estimate would find, or why it would refuse; `None` of files that are no logs.
+    estimate: Option<Result<Outcome, String>>,
+}
+
+impl Found {
+    fn of(
+        files: Vec<PathBuf>,
+        stated: Option<LogMap>,
+        progress: Progress,
+    ) -> Result<Self, ExperimentError> {
         let steps = Steps {
             progress,
             before: 0,
             total: files.len(),
         };
         let looked = for_each(&files, 1, steps, |path| Looked::of(path))?;
-        let estimate = estimated(&files, &looked, stated.as_ref());
-        Ok::<_, Failure>((looked, estimate))
-    })?;
-    let guessed = looked
-        .iter()
-        .find_map(Looked::guessed)
-        .filter(|_| stated.is_none());
-    if options.json {
-        console.json(&as_json(&files, &looked, guessed, estimate.as_ref()))?;
-        return Ok(Exit::Done);
+        let mut found = Self {
+            files,
+            looked,
+            stated,
+            estimate: None,
+        };
+        found.estimate = found.estimated();
+        Ok(found)
     }
-    for (path, looked) in files.iter().zip(&looked) {
-        console.data(&looked.as_text(path))?;
-    }
-    if let Some(guessed) = guessed {
-        console.data(&format!("log map\n{}", indented(&guessed.to_toml())))?;
-    }
-    if let Some(estimate) = &estimate {
-        console.data(&estimate_as_text(estimate))?;
-    }
-    hint(&files, &looked, guessed.is_some(), console);
-    Ok(Exit::Done)
-}
 
-/// The estimate that the files would give, or why there would be none; `None` of files that are no logs.
-fn estimated(
-    files: &[PathBuf],
-    looked: &[Looked],
-    stated: Option<&LogMap>,
-) -> Option<Result<Outcome, String>> {
-    let is_ours = looked
-        .iter()
-        .any(|looked| matches!(looked, Looked::OurLog(_)));
-    let guessed = || {
-        looked
+    /// The map that was guessed from the first recording; `None` where one was given.
+    fn guessed(&self) -> Option<&GuessedMap> {
+        let is_open = self.stated.is_none();
+        self.looked
             .iter()
             .find_map(Looked::guessed)
-            .map(|guessed| guessed.map.clone())
-    };
-    let map = stated.cloned().or_else(guessed).filter(|_| !is_ours);
-    let logs = files
-        .iter()
-        .zip(looked)
-        .filter(|(_, looked)| looked.is_log());
-    let logs: Vec<PathBuf> = logs.map(|(path, _)| path.clone()).collect();
-    let is_possible = !logs.is_empty() && (is_ours || map.is_some());
-    let options = EstimateOptions {
-        map,
-        ..EstimateOptions::default()
-    };
-    let outcome = || estimate_logs(&logs, &options, &|_, _| true);
-    is_possible.then(|| outcome().map_err(|error| Failure::from(error).message))
-}
+            .filter(|_| is_open)
+    }
 
-/// The next command.
-fn hint(files: &[PathBuf], looked: &[Looked], is_guessed: bool, console: &mut Console) {
-    let names: Vec<String> = files
-        .iter()
-        .map(|path| path.display().to_string())
-        .collect();
-    let names = if names.len() > 3 {
-        format!("{} ...", names[0])
-    } else {
-        names.join(" ")
-    };
-    match looked.first() {
-        Some(Looked::Recording(_)) if is_guessed => {
-            console.hint(format_args!(
-                "frfid init map {} -o map.toml, then frfid estimate {names} -o frf.json --map map.toml",
-                files[0].display()
-            ));
+    fn has_ours(&self) -> bool {
+        self.looked
+            .iter()
+            .any(|looked| matches!(looked, Looked::OurLog(_)))
+    }
+
+    fn logs(&self) -> Vec<PathBuf> {
+        let mut logs = self.files.clone();
+        let mut looked = self.looked.iter();
+        logs.retain(|_| looked.next().is_some_and(Looked::is_log));
+        logs
+    }
+
+    fn estimated(&self) -> Option<Result<Outcome, String>> {
+        let (logs, is_ours) = (self.logs(), self.has_ours());
+        let guessed = || self.guessed().map(|guessed| guessed.map.clone());
+        let options = EstimateOptions {
+            map: self.stated.clone().or_else(guessed).filter(|_| !is_ours),
+            ..EstimateOptions::default()
+        };
+        let is_possible = !logs.is_empty() && (is_ours || options.map.is_some());
+        let outcome = || estimate_logs(&logs, &options, &silent);
+        is_possible.then(|| outcome().map_err(|error| Failure::from(error).message))
+    }
+
+    fn as_text(&self) -> String {
+        let files = self.files.iter().zip(&self.looked);
+        let mut text: String = files.map(|(path, looked)| looked.as_text(path)).collect();
+        if let Some(guessed) = self.guessed() {
+            text += &format!("log map\n{}", indented(&guessed.to_toml()));
         }
-        Some(Looked::Recording(_)) => {
-            console.hint(format_args!(
+        text + &self
+            .estimate
+            .as_ref()
+            .map(estimate_as_text)
+            .unwrap_or_default()
+    }
+
+    /// The next command.
+    fn next(&self) -> Option<String> {
+        let names = names(&self.files);
+        let first = self.files.first()?.display();
+        Some(match self.looked.first()? {
+            Looked::Recording(_) if self.guessed().is_some() => format!(
+                "frfid init map {first} -o map.toml, then frfid estimate {names} -o frf.json --map map.toml"
+            ),
+            Looked::Recording(_) if self.stated.is_some() => {
+                format!("frfid estimate {names} -o frf.json, with the same map")
+            }
+            Looked::Recording(_) => format!(
                 "frfid estimate {names} -o frf.json --u SIGNAL=UNIT --y SIGNAL=UNIT, with signals of the table above"
-            ));
-        }
-        Some(Looked::OurLog(_)) => console.hint(format_args!("frfid estimate {names} -o frf.json")),
-        Some(Looked::Plan(_)) => console.hint(format_args!("frfid run {names} -o logs")),
-        Some(Looked::Result(_)) => console.hint(format_args!("frfid export {names} -o frf.csv")),
-        None => {}
+            ),
+            Looked::OurLog(_) => format!("frfid estimate {names} -o frf.json"),
+            Looked::Plan(_) => format!("frfid run {first} -o logs"),
+            Looked::Result(_) => format!("frfid report {names} -o frf.html"),
+        })
+    }
+
+    fn as_json(&self) -> Value {
+        let files = self.files.iter().zip(&self.looked);
+        let files = files.map(|(path, looked)| looked.as_json(path));
+        json!({
+            "files": files.collect::<Vec<_>>(),
+            "map": self.guessed().map(|guessed| &guessed.map),
+            "map_toml": self.guessed().map(GuessedMap::to_toml),
+            "estimate": self.estimate.as_ref().map(estimate_as_json),
+        })
     }
 }
 
-fn as_json(
-    files: &[PathBuf],
-    looked: &[Looked],
-    guessed: Option<&GuessedMap>,
-    estimate: Option<&Result<Outcome, String>>,
-) -> Value {
-    let files = files
-        .iter()
-        .zip(looked)
-        .map(|(path, looked)| looked.as_json(path));
-    let estimate = estimate.map(|estimate| match estimate {
+/// The files, or the first of many.
+fn names(files: &[PathBuf]) -> String {
+    let named = |path: &PathBuf| path.display().to_string();
+    match files {
+        [first, _, _, _, ..] => named(first) + " ...",
+        few => few.iter().map(named).collect::<Vec<_>>().join(" "),
+    }
+}
+
+fn estimate_as_json(estimate: &Result<Outcome, String>) -> Value {
+    match estimate {
         Ok(Outcome {
             result, warnings, ..
         }) => json!({
@@ -156,11 +191,5 @@ fn as_json(
             "warnings": warnings,
         }),
         Err(message) => json!({"refused": message}),
-    });
-    json!({
-        "files": files.collect::<Vec<_>>(),
-        "map": guessed.map(|guessed| &guessed.map),
-        "map_toml": guessed.map(GuessedMap::to_toml),
-        "estimate": estimate,
-    })
+    }
 }

@@ -14,10 +14,23 @@ const MOST_SIGNALS: usize = 80;
 /// What was found in a recording.
 pub(crate) fn inspection_as_text(inspection: &Inspection) -> String {
     let Inspection { listing, looks, .. } = inspection;
-    let groups: Vec<(&SignalGroup, &GroupLook)> = listing.groups.iter().zip(looks).collect();
-    let n_groups = count(groups.len(), "group");
+    let groups = || listing.groups.iter().zip(looks);
+    let n_groups = count(listing.groups.len(), "group");
     let mut text = format!("{}, {n_groups} of signals\n", listing.format);
-    let head = row([
+    let rows = groups().map(|(group, look)| sampling(group, look));
+    text += &table(
+        &[sampling_head()]
+            .into_iter()
+            .chain(rows)
+            .collect::<Vec<_>>(),
+    );
+    text += &remarks(&listing.told);
+    text.extend(groups().map(|(group, look)| in_detail(group, look)));
+    text
+}
+
+fn sampling_head() -> Vec<String> {
+    row([
         "",
         "type",
         "rows",
@@ -26,30 +39,16 @@ pub(crate) fn inspection_as_text(inspection: &Inspection) -> String {
         "lost",
         "jitter",
         "longest gap",
-    ]);
-    let rows = groups.iter().map(|(group, look)| sampling(group, look));
-    text += &table(&[head].into_iter().chain(rows).collect::<Vec<_>>());
-    text += &remarks(&listing.told);
-    for (group, look) in groups {
-        let is_signal = group.n_rows.is_none_or(|n_rows| n_rows >= FEWEST_ROWS);
-        if is_signal && !group.signals.is_empty() {
-            text += &format!("{}\n", group.name);
-            text += &signals(group, look);
-            text += &remarks(&look.told);
-            text += &remarks(look.failed.as_slice());
-        }
-    }
-    text
+    ])
 }
 
 /// How a group is sampled.
 fn sampling(group: &SignalGroup, look: &GroupLook) -> Vec<String> {
     let step_s = look.sample_time_s;
-    let is_read = look.n_samples > 0;
+    let read = Some(look).filter(|look| look.n_samples > 0);
     let rows = group
         .n_rows
-        .or(is_read.then_some(look.n_samples - look.n_lost));
-    let lost = is_read.then(|| look.n_lost.to_string());
+        .or(read.map(|look| look.n_samples - look.n_lost));
     vec![
         group.name.clone(),
         group.type_name.clone().unwrap_or_default(),
@@ -58,54 +57,60 @@ fn sampling(group: &SignalGroup, look: &GroupLook) -> Vec<String> {
         or_dash(step_s, |step_s| {
             format!("{} Hz", significant(1.0 / step_s, 5))
         }),
-        or_dash(lost, |lost| lost),
+        or_dash(read, |look| look.n_lost.to_string()),
         or_dash(look.jitter, |jitter| {
             format!("{} %", significant(100.0 * jitter, 2))
         }),
-        or_dash(look.longest_gap_s, |gap_s| duration(gap_s)),
+        or_dash(look.longest_gap_s, duration),
     ]
 }
 
-/// Every signal with its unit, its range and what is odd about it.
-fn signals(group: &SignalGroup, look: &GroupLook) -> String {
-    let unit_of = |signal: &SignalLook| {
-        let listed = group
-            .signals
-            .iter()
-            .find(|listed| listed.source == signal.source);
-        or_dash(listed.and_then(|listed| listed.unit.clone()), |unit| unit)
-    };
-    let number = |value: Option<f64>| or_dash(value, |value| significant(value, 4));
-    let rows = look.signals.iter().take(MOST_SIGNALS).map(|signal| {
-        vec![
-            format!("  {}", signal.source),
-            unit_of(signal),
-            number(signal.lowest),
-            number(signal.highest),
-        ]
-    });
-    let head = row(["  signal", "unit", "lowest", "highest"]);
-    let mut text = table(&[head].into_iter().chain(rows).collect::<Vec<_>>());
-    let n_more = look.signals.len().saturating_sub(MOST_SIGNALS);
-    text += &if n_more > 0 {
-        format!("    and {n_more} more\n")
-    } else {
-        String::new()
-    };
-    for signal in &look.signals {
-        let odd = signal
-            .odd
-            .iter()
-            .map(|odd| format!("{} {odd}", signal.source));
-        text += &remarks(&odd.collect::<Vec<_>>());
+/// The signals of a group that is long enough to have any.
+fn in_detail(group: &SignalGroup, look: &GroupLook) -> String {
+    let is_signal = group.n_rows.is_none_or(|n_rows| n_rows >= FEWEST_ROWS);
+    if !is_signal || group.signals.is_empty() {
+        return String::new();
     }
-    text
+    let odd = look.signals.iter().flat_map(odd_words);
+    let told = odd
+        .chain(look.told.iter().cloned())
+        .chain(look.failed.clone());
+    let told: Vec<String> = told.collect();
+    format!("{}\n{}{}", group.name, signals(group, look), remarks(&told))
+}
+
+/// Every signal with its unit and its range, or the first of many.
+fn signals(group: &SignalGroup, look: &GroupLook) -> String {
+    let shown = look.signals.iter().take(MOST_SIGNALS);
+    let rows = shown.map(|signal| signal_row(group, signal));
+    let head = row(["  signal", "unit", "lowest", "highest"]);
+    let text = table(&[head].into_iter().chain(rows).collect::<Vec<_>>());
+    match look.signals.len().saturating_sub(MOST_SIGNALS) {
+        0 => text,
+        n_more => format!("{text}    and {n_more} more\n"),
+    }
+}
+
+fn signal_row(group: &SignalGroup, signal: &SignalLook) -> Vec<String> {
+    let mut listed = group.signals.iter();
+    let listed = listed.find(|listed| listed.source == signal.source);
+    let number = |value: Option<f64>| or_dash(value, |value| significant(value, 4));
+    vec![
+        format!("  {}", signal.source),
+        or_dash(listed.and_then(|listed| listed.unit.clone()), |unit| unit),
+        number(signal.lowest),
+        number(signal.highest),
+    ]
+}
+
+/// What is odd about a signal.
+fn odd_words(signal: &SignalLook) -> impl Iterator<Item = String> {
+    let odd = signal.odd.iter();
+    odd.map(|odd| format!("{} {odd}", signal.source))
 }
 
 /// Remarks, a line each.
 fn remarks(remarks: &[String]) -> String {
-    remarks
-        .iter()
-        .map(|remark| format!("    ! {remark}\n"))
-        .collect()
+    let lines = remarks.iter().map(|remark| format!("    ! {remark}\n"));
+    lines.collect()
 }

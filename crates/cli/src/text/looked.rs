@@ -8,9 +8,9 @@ use frfid_files::{
 };
 use serde_json::{Value, json};
 
-use crate::command::estimate::summary;
 use crate::text::checks::checks_as_text;
 use crate::text::inspection::inspection_as_text;
+use crate::text::summary::summary;
 use crate::text::table::{indented, list};
 use crate::text::verdicts::verdicts_as_text;
 

@@ -1,19 +1,29 @@
 //! Units of axes that turn or slide, where none is stated.
 
-use frfid_files::ListedSignal;
+use frfid_files::{ListedSignal, SignalGroup};
 
+use crate::inspect::family::Family;
 use crate::inspect::kind::Kind;
 
 /// What is known of the axes when no unit is stated.
 #[derive(Clone, Copy)]
 pub(super) struct Axes<'l> {
     /// Whether they slide rather than turn.
-    pub(super) slide: bool,
+    slide: bool,
     /// Type of the messages, without its package.
-    pub(super) type_name: &'l str,
+    type_name: &'l str,
 }
 
-impl Axes<'_> {
+impl<'l> Axes<'l> {
+    /// What a group and the input in it say of them.
+    pub(super) fn of(group: &'l SignalGroup, input: &Family) -> Self {
+        let type_name = group.type_name.as_deref().unwrap_or_default();
+        Self {
+            slide: input.kind == Kind::Force || input.slides(),
+            type_name: type_name.rsplit('/').next().unwrap_or(type_name),
+        }
+    }
+
     /// The unit of a signal, and where that comes from.
     pub(super) fn unit_of(self, signal: &ListedSignal, kind: Kind) -> (String, String) {
         if let Some(unit) = &signal.unit {

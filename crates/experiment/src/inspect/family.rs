@@ -20,6 +20,12 @@ pub(super) const OUTPUTS: [Kind; 4] = [
     Kind::Position,
     Kind::Unknown,
 ];
+/// An input in the letters and words of control.
+const INPUT: [&str; 2] = ["u", "input"];
+/// An output.
+pub(super) const OUTPUT: [&str; 2] = ["y", "output"];
+/// A reference.
+pub(super) const REFERENCE: [&str; 2] = ["r", "reference"];
 /// Parts of the names of joints that slide.
 const SLIDING: [&str; 6] = [
     "slide",
@@ -89,33 +95,31 @@ fn key(source: &str) -> String {
 impl Family<'_> {
     /// Whether it may drive the plant.
     pub(super) fn is_input(&self) -> bool {
-        INPUTS.contains(&self.kind) && (self.kind != Kind::Unknown || self.is_named("u"))
+        INPUTS.contains(&self.kind) && (self.kind != Kind::Unknown || self.is_named(INPUT))
+    }
+
+    /// Whether it has as many axes.
+    pub(super) fn has_axes_of(&self, other: &Family) -> bool {
+        self.signals.len() == other.signals.len()
     }
 
     /// Whether it is an output beside an input of as many axes.
     pub(super) fn answers(&self, input: &Family) -> bool {
         let is_output = OUTPUTS[..3].contains(&self.kind) && !self.is_asked;
-        is_output && self.group == input.group && self.signals.len() == input.signals.len()
+        is_output && self.group == input.group && self.has_axes_of(input)
     }
 
     /// Whether the names of its joints are of axes that slide.
     pub(super) fn slides(&self) -> bool {
-        let names = self
-            .signals
-            .iter()
-            .map(|signal| signal.source.to_lowercase());
-        let is_sliding = |name: String| SLIDING.iter().any(|word| name.contains(word));
-        names.into_iter().all(is_sliding)
+        self.signals.iter().all(|signal| {
+            let name = signal.source.to_lowercase();
+            SLIDING.iter().any(|word| name.contains(word))
+        })
     }
 
-    /// Whether its name is that of a role, in the letters and words of control.
-    pub(super) fn is_named(&self, role: &str) -> bool {
-        let word = match role {
-            "u" => "input",
-            "y" => "output",
-            _ => "reference",
-        };
-        let words = self.signals.first().map(|signal| words(&signal.source));
-        words.is_some_and(|words| words.iter().any(|own| own == role || own == word))
+    /// Whether its name has the letter or the word of a role.
+    pub(super) fn is_named(&self, role: [&str; 2]) -> bool {
+        let words = words(&self.signals[0].source);
+        words.iter().any(|word| role.contains(&word.as_str()))
     }
 }

@@ -1,11 +1,11 @@
 //! Guess of a log map: which signal plays which role, by kind, by what was asked for, and by number.
 
-use frfid_files::{Listing, LogMap, Signal};
+use frfid_files::{Listing, LogMap, Signal, SignalGroup};
 use frfid_signals::InputKind;
 use serde::Serialize;
 
 use crate::inspect::axes::Axes;
-use crate::inspect::family::{Family, INPUTS, OUTPUTS, families};
+use crate::inspect::family::{Family, INPUTS, OUTPUT, OUTPUTS, REFERENCE, families};
 use crate::inspect::kind::Kind;
 use crate::inspect::looked::GroupLook;
 use crate::inspect::times::times;
@@ -43,11 +43,7 @@ impl GuessedMap {
             units_from: Vec::new(),
             has_clock: group.type_name.is_some() || times(group).is_some(),
         };
-        let type_name = group.type_name.as_deref().unwrap_or_default();
-        let axes = Axes {
-            slide: roles.u.kind == Kind::Force || roles.u.slides(),
-            type_name: type_name.rsplit('/').next().unwrap_or(type_name),
-        };
+        let axes = Axes::of(group, roles.u);
         guess.map.u = guess.signals(&[roles.u], axes);
         guess.map.y = guess.signals(&roles.y, axes);
         guess.map.r = guess.signals(roles.r.as_slice(), axes);
@@ -55,28 +51,34 @@ impl GuessedMap {
         if roles.u.is_asked {
             guess.map.input_kind = InputKind::Commanded;
         }
-        if let Some((time, is_stated)) = times(group).filter(|_| group.type_name.is_none()) {
-            let why = if is_stated {
-                "as the file says"
-            } else {
-                "guessed from its steps"
-            };
-            guess.units_from.push((time.source.clone(), why.into()));
-            guess.map.time = Some(time);
-        }
+        guess.add_time(group);
         Some(guess)
+    }
+
+    /// The sample times of a table or of arrays; bags have stamps.
+    fn add_time(&mut self, group: &SignalGroup) {
+        let is_bag = group.type_name.is_some();
+        let Some((time, is_stated)) = times(group).filter(|_| !is_bag) else {
+            return;
+        };
+        let why = if is_stated {
+            "as the file says"
+        } else {
+            "guessed from its steps"
+        };
+        self.units_from.push((time.source.clone(), why.into()));
+        self.map.time = Some(time);
     }
 
     /// The signals of families with their units.
     fn signals(&mut self, families: &[&Family], axes: Axes) -> Vec<Signal> {
         let mut signals = Vec::new();
-        for (family, signal) in families
-            .iter()
-            .flat_map(|family| family.signals.iter().map(move |one| (family, one)))
-        {
-            let (unit, why) = axes.unit_of(signal, family.kind);
-            self.units_from.push((signal.source.clone(), why));
-            signals.push(Signal::of(&signal.source, &unit));
+        for family in families {
+            for signal in &family.signals {
+                let (unit, why) = axes.unit_of(signal, family.kind);
+                self.units_from.push((signal.source.clone(), why));
+                signals.push(Signal::of(&signal.source, &unit));
+            }
         }
         signals
     }
@@ -86,30 +88,41 @@ impl<'f, 'l> Roles<'f, 'l> {
     fn of(families: &'f [Family<'l>]) -> Option<Self> {
         let u = input(families)?;
         let y = outputs(families, u);
-        let (output, size) = (y.first()?.kind, u.signals.len());
-        let n_outputs: usize = y.iter().map(|family| family.signals.len()).sum();
-        let others = || {
-            families
-                .iter()
-                .filter(|family| !std::ptr::eq(*family, u) && family.signals.len() == size)
-        };
-        let positions: Vec<&Family> = others()
-            .filter(|family| {
-                family.kind == Kind::Position && !family.is_asked && family.group == y[0].group
-            })
-            .take(y.len())
-            .collect();
-        let is_whole = output != Kind::Position && positions.len() * size == n_outputs;
-        let asked = || others().filter(|family| family.is_asked || family.is_named("r"));
-        let alike = asked().find(|family| family.kind == u.kind);
-        let r = alike.or_else(|| asked().find(|family| family.kind != Kind::Position));
+        let is_other = |family: &&Family| !std::ptr::eq(*family, u) && family.has_axes_of(u);
+        let others: Vec<&Family> = families.iter().filter(is_other).collect();
         Some(Self {
             u,
-            r: r.or_else(|| asked().next()),
-            position: if is_whole { positions } else { Vec::new() },
+            r: reference(&others, u),
+            position: positions(&others, &y)?,
             y,
         })
     }
+}
+
+/// The positions of all outputs, or none.
+fn positions<'f, 'l>(others: &[&'f Family<'l>], y: &[&Family]) -> Option<Vec<&'f Family<'l>>> {
+    let output = y.first()?;
+    let measured = |family: &&&Family| family.kind == Kind::Position && !family.is_asked;
+    let beside = others
+        .iter()
+        .filter(measured)
+        .filter(|family| family.group == output.group);
+    let positions: Vec<&Family> = beside.copied().take(y.len()).collect();
+    let are_all = output.kind != Kind::Position && n_signals(&positions) == n_signals(y);
+    Some(if are_all { positions } else { Vec::new() })
+}
+
+fn n_signals(families: &[&Family]) -> usize {
+    families.iter().map(|family| family.signals.len()).sum()
+}
+
+/// What was asked for: of the kind of the input, then of any kind but positions, then these.
+fn reference<'f, 'l>(others: &[&'f Family<'l>], u: &Family) -> Option<&'f Family<'l>> {
+    let asked = others
+        .iter()
+        .copied()
+        .filter(|family| family.is_asked || family.is_named(REFERENCE));
+    asked.min_by_key(|family| (family.kind != u.kind, family.kind == Kind::Position))
 }
 
 /// What drives the plant: measured rather than asked for, beside outputs of as many axes if there is such.
@@ -129,7 +142,7 @@ fn outputs<'f, 'l>(families: &'f [Family<'l>], u: &Family) -> Vec<&'f Family<'l>
             family.kind == *kind
                 && !family.is_asked
                 && !std::ptr::eq(*family, u)
-                && (*kind != Kind::Unknown || family.is_named("y"))
+                && (*kind != Kind::Unknown || family.is_named(OUTPUT))
         });
         let candidates: Vec<&Family> = candidates.collect();
         let beside = candidates
@@ -154,7 +167,7 @@ fn outputs<'f, 'l>(families: &'f [Family<'l>], u: &Family) -> Vec<&'f Family<'l>
 mod tests {
     use super::*;
     use crate::inspect::looked::SignalLook;
-    use frfid_files::{ListedSignal, SignalGroup};
+    use frfid_files::ListedSignal;
 
     fn guessed(groups: &[(&str, &[&str])]) -> Option<[Vec<String>; 4]> {
         let group = |(type_name, sources): &(&str, &[&str])| SignalGroup {

@@ -163,17 +163,23 @@ fn way(source: &str) -> &str {
 
 /// What a signal measures, by its unit, then by the words of its name.
 pub(super) fn kind(signal: &ListedSignal) -> Kind {
-    if signal.is_moment {
-        return Kind::Time;
+    match signal.unit.as_deref().and_then(by_unit) {
+        _ if signal.is_moment => Kind::Time,
+        Some(kind) => kind,
+        None => by_words(&words(&signal.source)),
     }
-    let unit = signal.unit.as_deref().and_then(si_unit);
-    let by_unit = unit.and_then(|unit| OF_UNITS.iter().find(|(name, _)| *name == unit));
-    by_unit.map_or_else(|| by_words(&words(&signal.source)), |(_, kind)| *kind)
+}
+
+fn by_unit(unit: &str) -> Option<Kind> {
+    let si = si_unit(unit)?;
+    let known = OF_UNITS.iter().find(|(name, _)| *name == si);
+    known.map(|(_, kind)| *kind)
 }
 
 fn by_words(words: &[String]) -> Kind {
-    let has = |known: &[&str]| words.iter().any(|word| known.contains(&word.as_str()));
-    let named = OF_WORDS.iter().find(|(_, known)| has(known));
+    let is_known = |word: &String, known: &[&str]| known.contains(&word.as_str());
+    let mut kinds = OF_WORDS.iter();
+    let named = kinds.find(|(_, known)| words.iter().any(|word| is_known(word, known)));
     named.map_or(Kind::Unknown, |(kind, _)| *kind)
 }
 

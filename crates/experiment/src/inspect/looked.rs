@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use frfid_estimate::look;
+use frfid_estimate::{Oddity, look};
 use frfid_files::{ClockFit, Log, LogMap, Signal, SignalGroup, read_log};
 use ndarray::ArrayView1;
 use serde::Serialize;
@@ -120,7 +120,7 @@ impl SignalLook {
             lowest,
             highest,
             is_constant: lowest == highest,
-            odd: odd.iter().map(|oddity| oddity.found()).collect(),
+            odd: odd.iter().map(Oddity::found).collect(),
         }
     }
 }

@@ -38,11 +38,8 @@ pub struct Inspection {
 /// no error: its look says why.
 pub fn inspect_recording(path: &Path) -> Result<Inspection, ExperimentError> {
     let listing = list_recording(path)?;
-    let looks: Vec<GroupLook> = listing
-        .groups
-        .iter()
-        .map(|group| looked(path, group))
-        .collect();
+    let groups = listing.groups.iter();
+    let looks: Vec<GroupLook> = groups.map(|group| looked(path, group)).collect();
     let map = GuessedMap::of(&listing, &looks);
     Ok(Inspection {
         listing,

@@ -58,15 +58,15 @@ pub(crate) fn listing(
 ) -> Listing {
     let mut groups: Vec<SignalGroup> = Vec::new();
     for (source, samples) in channels {
-        let n_rows = Some(samples.len());
+        let n_rows = samples.len();
         let unit = unit_in_name(&source);
         let first = samples.into_iter().take(N_FIRST).collect();
         let signal = ListedSignal::of(source, unit, first);
-        match groups.iter_mut().find(|group| group.n_rows == n_rows) {
+        match groups.iter_mut().find(|group| group.n_rows == Some(n_rows)) {
             Some(group) => group.signals.push(signal),
             None => groups.push(SignalGroup {
-                name: format!("arrays of {}", n_rows.unwrap_or(0)),
-                n_rows,
+                name: format!("arrays of {n_rows}"),
+                n_rows: Some(n_rows),
                 signals: vec![signal],
                 ..SignalGroup::default()
             }),

@@ -154,10 +154,17 @@ impl Topic {
     fn has(&mut self, row: &Row) -> bool {
         let cell = row.cell(self.column);
         let is_its = cell == self.name;
-        if !is_its && self.others.len() < LISTED && !self.others.contains(cell) {
-            self.others.insert(cell.to_owned());
+        if !is_its {
+            self.see(cell);
         }
         is_its
+    }
+
+    /// Remembers another topic, to name it where this one is not there.
+    fn see(&mut self, other: &str) {
+        if self.others.len() < LISTED && !self.others.contains(other) {
+            self.others.insert(other.to_owned());
+        }
     }
 }
 

@@ -72,18 +72,10 @@ impl Head<'_> {
             let last = groups.len() - 1;
             groups[last].signals.push(signal);
         }
-        let mut together: Vec<SignalGroup> = Vec::new();
-        for group in groups.into_iter().filter(|group| !group.signals.is_empty()) {
-            join(&mut together, group);
-        }
-        let is_one = together.len() == 1;
-        for group in &mut together {
-            group.name = match &group.signals[..] {
-                [_, first, ..] if !is_one => format!("rows of {}", first.source),
-                _ => "rows".into(),
-            };
-            let is_counted = is_one && is_whole && n_rows < N_FIRST;
-            group.n_rows = is_counted.then_some(n_rows);
+        let mut together = together(groups);
+        if let [only] = &mut together[..] {
+            only.name = "rows".into();
+            only.n_rows = (is_whole && n_rows < N_FIRST).then_some(n_rows);
         }
         together
     }
@@ -189,4 +181,17 @@ fn column(
         is_moment,
         ..ListedSignal::of(name.to_owned(), unit, first)
     })
+}
+
+/// Groups of equal times as one, each named by its first signal.
+fn together(groups: Vec<SignalGroup>) -> Vec<SignalGroup> {
+    let mut together: Vec<SignalGroup> = Vec::new();
+    for group in groups.into_iter().filter(|group| !group.signals.is_empty()) {
+        join(&mut together, group);
+    }
+    for group in &mut together {
+        let first = group.signals.get(1).or(group.signals.first());
+        group.name = first.map_or_else(String::new, |first| format!("rows of {}", first.source));
+    }
+    together
 }

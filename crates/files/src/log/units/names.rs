@@ -88,8 +88,9 @@ pub(crate) fn are_alike(one: &str, other: &str) -> bool {
 /// That the name of a signal says another unit than the log map; `1` takes the numbers as they are.
 pub(crate) fn name_says_otherwise(signal: &Signal) -> Option<String> {
     let named = unit_in_name(&signal.source)?;
-    let (source, unit) = (&signal.source, &signal.unit);
-    (unit != "1" && !are_alike(&named, unit)).then(|| {
+    let Signal { source, unit, .. } = signal;
+    let is_other = unit != "1" && !are_alike(&named, unit);
+    is_other.then(|| {
         format!(
             "`{source}` is in `{named}` by its name and in `{unit}` by the map, which was taken"
         )
