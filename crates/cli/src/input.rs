@@ -36,6 +36,7 @@ impl Needed {
             (Self::Runs, _) => false,
             (Self::Log, FileKind::Folder) => false,
             (Self::Any, FileKind::Plan | FileKind::Result) => true,
+            (Self::Any, FileKind::Empty) => false,
             (Self::Logs | Self::Any, FileKind::Text) => !is_toml,
             (
                 Self::Logs | Self::Log | Self::Any,

@@ -147,6 +147,7 @@ impl Found {
             Looked::Recording(_) if self.stated.is_some() => {
                 format!("frfid estimate {names} -o frf.json, with the same map")
             }
+            Looked::Recording(inspection) if inspection.has_no_signal() => return None,
             Looked::Recording(_) => format!(
                 "frfid estimate {names} -o frf.json --u SIGNAL=UNIT --y SIGNAL=UNIT, with signals of the table above"
             ),

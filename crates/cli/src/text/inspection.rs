@@ -26,6 +26,9 @@ pub(crate) fn inspection_as_text(inspection: &Inspection) -> String {
     );
     text += &remarks(&listing.told);
     text.extend(groups().map(|(group, look)| in_detail(group, look)));
+    if inspection.has_no_signal() {
+        text += "no signal in it: nothing that is a number over time\n";
+    }
     text
 }
 

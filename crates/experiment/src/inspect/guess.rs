@@ -57,8 +57,7 @@ impl GuessedMap {
 
     /// The sample times of a table or of arrays; bags have stamps.
     fn add_time(&mut self, group: &SignalGroup) {
-        let is_bag = group.type_name.is_some();
-        let Some((time, is_stated)) = times(group).filter(|_| !is_bag) else {
+        let Some((time, is_stated)) = times(group) else {
             return;
         };
         let why = if is_stated {

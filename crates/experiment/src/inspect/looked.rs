@@ -45,6 +45,9 @@ pub struct SignalLook {
     pub odd: Vec<String>,
 }
 
+/// Signals that are looked at alone at most: each of them takes the whole file.
+const MOST_ALONE: usize = 32;
+
 /// Looks at a group of a recording; without samples there is nothing to look at.
 pub(super) fn looked(path: &Path, group: &SignalGroup) -> GroupLook {
     let time = times(group).map(|(time, _)| time);
@@ -68,9 +71,24 @@ pub(super) fn looked(path: &Path, group: &SignalGroup) -> GroupLook {
         Ok(log) => GroupLook::of(&all, &log, has_times),
         Err(error) => GroupLook {
             failed: Some(error.to_string()),
+            signals: one_by_one(path, group.type_name.is_some(), &all),
             ..GroupLook::default()
         },
     }
+}
+
+/// The signals of a group that cannot be put on one clock, each by itself; those of tables and arrays by their
+/// places.
+fn one_by_one(path: &Path, has_stamps: bool, all: &[Signal]) -> Vec<SignalLook> {
+    let look = |signal: &Signal| {
+        let map = LogMap {
+            sample_time_s: (!has_stamps).then_some(1.0),
+            ..LogMap::new(vec![signal.clone()], vec![signal.clone()])
+        };
+        let log = read_log(path, &map).ok()?;
+        Some(SignalLook::of(&signal.source, log.record.y.row(0)))
+    };
+    all.iter().take(MOST_ALONE).filter_map(look).collect()
 }
 
 impl GroupLook {

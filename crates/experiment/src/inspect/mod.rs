@@ -31,6 +31,14 @@ pub struct Inspection {
     pub map: Option<GuessedMap>,
 }
 
+impl Inspection {
+    /// Whether there are no numbers over time in it.
+    #[must_use]
+    pub fn has_no_signal(&self) -> bool {
+        self.looks.iter().all(|look| look.signals.is_empty())
+    }
+}
+
 /// Looks at every signal of a recording that frfid did not make.
 ///
 /// # Errors
