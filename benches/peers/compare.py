@@ -1,6 +1,6 @@
 """The work of the benches done by numpy and scipy, and how many times longer that takes: python benches/peers/compare.py
 
-Needs the wheel, numpy and scipy. Both sides run in the same process, one after the other and in changing order, several
+Needs the wheel, numpy, scipy, pandas and mcap-ros2-support. Both sides run in the same process, one after the other and in changing order, several
 rounds; the ratios are of one round each, so a busy machine slows both. First the answers must agree.
 """
 
@@ -24,12 +24,13 @@ def main():
     import excerpts
     import frfid
     import multisine
+    import reading
     import simulation
 
     threads = options.threads or f"up to {os.cpu_count()}"
     print(f"{threads} threads, frfid {frfid.__version__}, numpy {numpy.__version__}, scipy {scipy.__version__}")
     print(f"{'work':34} {'instead':37} {'agree to':>8} {'times longer':>13} {'min':>7} {'max':>7}")
-    for part in (multisine, simulation, accelerations, bla, excerpts):
+    for part in (multisine, simulation, accelerations, bla, excerpts, reading):
         for case in part.cases():
             difference = case.difference()
             if not difference < case.tolerance:

@@ -1,6 +1,8 @@
 //! Errors of the crates as Python exceptions: `ValueError` for bad input, `NumericalError` for
 //! singular or divergent.
 
+use std::path::Path;
+
 use frfid_estimate::{EstimateError, ShapeError};
 use frfid_experiment::{ConfigError, ExperimentError};
 use frfid_files::FileError;
@@ -18,6 +20,19 @@ pyo3::create_exception!(
     PyArithmeticError,
     "The numbers gave out: a matrix that cannot be inverted, a simulation that diverged, a search that found nothing."
 );
+
+/// A file that is not there, as `open` says it: with number and name.
+pub(crate) fn check_there(path: &Path) -> Result<(), PyErr> {
+    path.metadata().map(drop).map_err(|reason| {
+        let words = reason.to_string();
+        let words = words
+            .split(" (os error")
+            .next()
+            .unwrap_or(&words)
+            .to_owned();
+        PyOSError::new_err((reason.raw_os_error(), words, path.to_path_buf()))
+    })
+}
 
 /// Bad input, in the words of the crate that found it.
 pub(crate) fn signal(error: SignalError) -> PyErr {

@@ -17,6 +17,7 @@ mod description {
 /// Design: what a plan costs, and what it will ask of the robot.
 mod design {
     pub(crate) mod cost;
+    pub(crate) mod plausible;
     pub(crate) mod predict;
     pub(crate) mod preflight;
 }

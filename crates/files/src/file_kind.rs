@@ -6,16 +6,15 @@ use std::path::Path;
 
 use crate::error::FileError;
 
-/// From MATLAB to a file that is read.
-const MAT_ADVICE: &str = "in MATLAB writetable(table(t, u, y), 'log.csv'); or in Python numpy.savez('log.npz', t=m['t'], u=m['u'], \
-                          y=m['y']), an NPZ, with m = scipy.io.loadmat('log.mat', squeeze_me=True)";
+/// From MATLAB to a file with something in it.
+const MAT_ADVICE: &str = "save arrays of numbers: in MATLAB save('log.mat', 't', 'u', 'y'), or writetable(table(t, u, y), 'log.csv')";
 
 /// First bytes, what the file is, and what to do.
 const KINDS: [(&[u8], &str, &str); 7] = [
     (
         b"SQLite format 3\0",
         "a rosbag2 .db3 file",
-        "convert it: ros2 bag convert, or rosbags-convert --dst-storage mcap",
+        "frfid estimate reads it with a log map (--map); as MCAP: ros2 bag convert, or rosbags-convert --dst-storage mcap",
     ),
     (b"MATLAB 5.0 MAT-file", "a MATLAB file (MAT v5)", MAT_ADVICE),
     (

@@ -36,7 +36,7 @@ impl Experiment {
     ///     With file, line and caret of what is wrong in it.
     #[staticmethod]
     fn load(path: PathBuf) -> PyResult<Self> {
-        path.metadata()?;
+        error::check_there(&path)?;
         Ok(Self {
             description: Description::load(&path).map_err(error::config)?,
         })

@@ -47,7 +47,7 @@ impl Plan {
     ///     If it is no plan, cut or damaged: a plan moves a robot.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        path.metadata()?;
+        error::check_there(&path)?;
         let planned = py.detach(|| PlannedRuns::load(&path));
         Ok(Self {
             planned: planned.map_err(error::experiment)?,

@@ -56,7 +56,7 @@ impl From<Response> for Frf {
 ///     If it is no result, or contradicts itself.
 #[pyfunction]
 pub(crate) fn load(py: Python<'_>, path: PathBuf) -> PyResult<Frf> {
-    path.metadata()?;
+    error::check_there(&path)?;
     Ok(Frf::of(
         py.detach(|| read_result(&path)).map_err(error::file)?,
     ))

@@ -46,7 +46,7 @@ pub(crate) fn read(
     map: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Record> {
     let map = map.map(log_map).transpose()?;
-    path.metadata()?;
+    error::check_there(&path)?;
     let read = py.detach(|| match &map {
         Some(map) => read_log(&path, map).map(|log| (log.record, log.losses, log.warnings)),
         None => read_run(&path).map(|(run, losses)| (run.record, losses, Vec::new())),
@@ -78,7 +78,7 @@ pub(crate) fn read(
 ///     If it is no recording.
 #[pyfunction]
 pub(crate) fn inspect<'py>(py: Python<'py>, path: PathBuf) -> PyResult<Bound<'py, PyAny>> {
-    path.metadata()?;
+    error::check_there(&path)?;
     let inspection = interruptible(py, None, |_| inspect_recording(&path))?;
     to_python(py, &inspection.map_err(error::experiment)?)
 }

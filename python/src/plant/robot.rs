@@ -124,7 +124,7 @@ impl Plant {
         pose_rad: Option<Vec<f64>>,
         challenges: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        path.metadata()?;
+        error::check_there(&path)?;
         let table = RobotTable::load(&path).map_err(error::config)?;
         let challenges: Option<Challenges> = challenges
             .map(|challenges| from_python("challenges", challenges))

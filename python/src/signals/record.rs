@@ -115,7 +115,7 @@ impl Record {
     ///     If it is no run of frfid; ``frfid.read`` reads other recordings.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        path.metadata()?;
+        error::check_there(&path)?;
         let (run, losses) = py.detach(|| read_run(&path)).map_err(error::file)?;
         warn(py, losses.iter().map(ToString::to_string))?;
         Self::of(py, vec![run.record], false)

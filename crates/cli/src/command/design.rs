@@ -56,7 +56,7 @@ pub(crate) fn run(
     let experiment = with_seed(Experiment::load(&arguments.experiment)?, arguments.seed)?;
     warn(&experiment, console);
     let output = arguments.output.as_ref().filter(|_| !arguments.dry_run);
-    output.map_or(Ok(()), |path| options.check_free(path))?;
+    output.map_or(Ok(()), |path| check_name(path, options))?;
     let prediction = predicted(&experiment, arguments.jobs, console)?;
     tell(&experiment, &prediction, options, console)?;
     if let Some(error) = outside(&experiment, &prediction) {
@@ -66,6 +66,17 @@ pub(crate) fn run(
         write(&experiment, path, options, console)?;
     }
     Ok(Exit::Done)
+}
+
+/// Refuses an output that exists, or whose name says something else than what is written.
+fn check_name(path: &Path, options: &Options) -> Result<(), Failure> {
+    if path.extension().is_some_and(|ending| ending == "mcap") {
+        return Ok(options.check_free(path)?);
+    }
+    let path = path.display();
+    Err(Failure::usage(format!(
+        "{path}: a plan is an MCAP, needed a name that ends in .mcap"
+    )))
 }
 
 /// What the plan will ask of the robot, run by run.

@@ -5,16 +5,18 @@ use frfid_plant::check_stability;
 use frfid_signals::{Excess, Limit, Peaks};
 
 use crate::description::text::ConfigError;
+use crate::design::plausible::implausible;
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::load::larger;
 
 impl Experiment {
-    /// What is possible but looks like a mistake: inertias that no body can have, and gains under
-    /// which the linear loop is not stable.
+    /// What is possible but looks like a mistake: other units than meant, inertias that no body can have, and gains
+    /// under which the linear loop is not stable.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
-        let mut warnings = self.robot.warnings();
+        let mut warnings = implausible(&self.config);
+        warnings.extend(self.robot.warnings());
         if let Some(controller) = &self.controller {
             let sample_time_s = self.config.sample_time_s;
             let checked =
