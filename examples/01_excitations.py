@@ -3,6 +3,7 @@
 Run: python examples/01_excitations.py
 """
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import frfid
@@ -25,3 +26,12 @@ flipped = chirp.sample(sample_time_s=1e-3, n_inputs=3, mimo="sign-flip")
 for name, signal, bins in (("multisine, orthogonal", r, ms.harmonics), ("chirp, sign flip", flipped, [200])):
     matrix = np.moveaxis(np.fft.rfft(signal)[..., bins], -1, 0)
     print(f"condition number of U, {name}: {np.linalg.cond(matrix).max():.3f}")
+
+# The chirp reaches 150 N m in every cycle, the multisine once in a period.
+figure, panels = plt.subplots(2, sharex=True, sharey=True, layout="constrained")
+for panel, name, torque in zip(panels, ("chirp", "multisine"), (chirp.sample(sample_time_s=1e-3), ms.realize(seed=1, peak=150.0))):
+    panel.plot(1e-3 * np.arange(torque.size), torque[0, 0], linewidth=0.5)
+    panel.set(title=f"{name}: {torque.std():.0f} N m rms", ylabel="Torque in N m")
+panels[-1].set_xlabel("Time in s")
+figure.savefig("01_excitations.svg")
+print("01_excitations.svg: the torque of both over time")

@@ -37,3 +37,10 @@ for name, frf in (("multisine", multisine), ("chirp", excerpts)):
     lost = db(truth[band]).max() - db(frf[band]).max()
     print(f"{name}: the peak at the resonance lies {lost:.1f} dB below the truth")
 print("the multisine's total variance says that something nonlinear is at work:", multisine.total_variance is not None)
+
+axes = multisine.plot.bode(label="multisine")
+excerpts.plot.bode(ax=axes, label="chirp")
+plant.frf(hz, sample_time_s=T).plot.bode(ax=axes, label="without friction", color="black", linestyle="-")
+axes[0, 0].set(title="motor torque → motor velocity", ylabel="Magnitude in dB\nre 1 rad/s per N m")
+axes[0, 0].figure.savefig("02_friction.svg")
+print("02_friction.svg: of the resonance the chirp shows most, the multisine nothing")

@@ -31,3 +31,11 @@ away = 20 * np.abs(np.log10(np.abs(bla.response / soft.frf(bla.frequency_hz, sam
 print(f"multisine of 150 N m peak: within {away.max():.2f} dB of the truth with k1, it hardly reaches the knee")
 
 print(frfid.compare(bla, excerpts, stronger="b"))
+
+axes = bla.plot.bode(label="multisine", linestyle="none")
+excerpts.plot.bode(ax=axes, label="chirp", linestyle="-")
+for name, plant, line in (("k1", soft, "-"), ("1.7 k1", stiff, ":")):
+    plant.frf(hz, sample_time_s=T).plot.bode(ax=axes, label=f"linear, {name}", color="black", linestyle=line, linewidth=0.8)
+axes[0, 0].set(title="motor torque → motor velocity", ylabel="Magnitude in dB\nre 1 rad/s per N m")
+axes[0, 0].figure.savefig("04_stiffness.svg")
+print("04_stiffness.svg: the multisine lies on k1, the resonance of the chirp close to that of 1.7 k1")

@@ -3,6 +3,7 @@
 Run: python examples/05_uncertainty.py
 """
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import frfid
@@ -32,3 +33,13 @@ print("friction is not noise: it repeats from period to period, but not from rea
 
 single = frfid.estimate_bla(campaign(rec.u)[:, :, :1], campaign(rec.y)[:, :, :1], sample_time_s=T, harmonics=ms.harmonics)
 print("with one period the noise variance is", single.noise_variance)
+
+figure, panel = plt.subplots(layout="constrained")
+frf.plot.bode(ax=panel, label="response")
+for name, color in (("nonlinear", "tab:blue"), ("noise", "tab:gray")):
+    level = 10 * np.log10(getattr(frf, f"{name}_variance")[:, 0, 0])
+    panel.plot(frf.frequency_hz, level, ".:", color=color, label=f"standard deviation, {name}")
+panel.set(title="motor torque → motor velocity", ylabel="Magnitude in dB re 1 rad/s per N m", ylim=(-210, -50))
+panel.legend(loc="lower left")
+figure.savefig("05_uncertainty.svg")
+print("05_uncertainty.svg: the response, and what it is uncertain by, line by line")

@@ -39,3 +39,6 @@ print("\n".join(sorted({f"warned: {warning.message}" for warning in said})))
 print("made with seed", frf.provenance["seed"], "from the description with the hash", frf.provenance["config_sha256"][:12])
 
 print("the simulated robot gives the same FRF to the last bit:", np.array_equal(same.response, frf.response))
+
+pathlib.Path("07_own_testbed.svg").write_text(frf.to_svg(), encoding="utf-8")
+print("07_own_testbed.svg: its Bode diagram, with the 95 % region")

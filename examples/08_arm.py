@@ -42,3 +42,13 @@ for peak in (1e-3, 1e-4):
     truth = linear.frf(frf.frequency_hz, sample_time_s=T)
     error = np.abs(frf.response - truth).max() / np.abs(truth).max()
     print(f"references up to {2 * peak:g} rad/s: the 3 x 3 FRF equals the truth to {error:.0e} of its peak")
+
+hz = np.geomspace(2.0, 60.0, 300)
+axes = upright.frf(hz, sample_time_s=T).plot.bode(label="stretched upwards, exact")
+arm.frf(hz, sample_time_s=T).plot.bode(ax=axes, label="at its pose, exact", linestyle="-")
+frf.plot.bode(ax=axes, label="at its pose, measured", linestyle="none")
+for (row, column), panel in np.ndenumerate(axes[::2]):
+    panel.set_title(f"torque {column + 1} → velocity {row + 1}")
+    panel.set_ylabel("" if column else "Magnitude in dB\nre 1 rad/s per N m")
+axes[0, 0].figure.savefig("08_arm.svg")
+print("08_arm.svg: the matrix at both poses, nine Bode diagrams")

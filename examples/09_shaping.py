@@ -5,6 +5,7 @@ Run: python examples/09_shaping.py
 
 import pathlib
 
+import matplotlib.pyplot as plt
 import numpy as np
 
 import frfid
@@ -36,3 +37,12 @@ print("the paper's step without damping:", ", ".join("-" if e is None else f"{10
 
 weak = frfid.shape((arm, controller), desired=chirps([100.0, 150.0, 120.0])[1], **options)
 print("with table 1's torques instead:", *weak.sticking, sep="\n  ")
+
+figure, panel = plt.subplots(layout="constrained")
+for name, found in (("damped", shaped), ("the paper's step", paper), ("damped, table 1's torques", weak)):
+    percent = [np.nan if error is None else 100 * error for error in found.errors]
+    panel.semilogy(range(1, len(percent) + 1), percent, "o-", label=name)
+panel.set(xlabel="Iteration", ylabel="Error of the torque in %", yticks=(10, 20, 50, 100), yticklabels=(10, 20, 50, 100))
+panel.legend()
+figure.savefig("09_shaping.svg")
+print("09_shaping.svg: the error from iteration to iteration")

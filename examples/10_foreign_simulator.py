@@ -93,3 +93,11 @@ hz = np.geomspace(2.5, 45.0, 60)
 frf = frfid.estimate_chirp(u, y, chirp=chirp, sample_time_s=T, frequencies_hz=hz)
 error = 20 * np.log10(np.abs(frf.response / robot.truth(hz)))
 print(f"FRF from the shaped chirps against MuJoCo's own linearisation: median error {np.median(np.abs(error)):.2f} dB")
+
+axes = frf.plot.bode(label="from the shaped chirps")
+names = {"input_names": ["motor_1 torque", "motor_2 torque"], "output_names": ["motor_1 velocity", "motor_2 velocity"]}
+units = {"input_units": ["N m"] * 2, "output_units": ["rad/s"] * 2}
+exact = frfid.Frf(frequency_hz=hz, response=robot.truth(hz), **names, **units)
+exact.plot.bode(ax=axes, label="MuJoCo's linearisation", color="black", linestyle="-", marker="none")
+axes[0, 0].figure.savefig("10_foreign_simulator.svg")
+print("10_foreign_simulator.svg: both, entry by entry")
