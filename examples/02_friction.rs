@@ -7,10 +7,12 @@
 //! Run: cargo run --release --example 02_friction
 
 use std::error::Error;
+use std::fs;
 
 use frfid::estimate::{FrfOptions, estimate_bla, estimate_chirp};
 use frfid::paper::Measured;
 use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, Trajectory, simulate};
+use frfid::report::{Band, Curve, Labels, Style, bode};
 use frfid::signals::{
     Chirp, Draw, Frf, GridDesign, GridKind, Multisine, Phasing, Profile, log_spaced, power::rms,
 };
@@ -93,13 +95,26 @@ fn main() -> Result<(), Box<dyn Error>> {
     )?;
 
     let known = multisine.total.is_some();
-    for (name, frf) in [("multisine", multisine), ("chirp", excerpts)] {
+    for (name, frf) in [("multisine", &multisine), ("chirp", &excerpts)] {
         println!(
             "{name}: the peak at the resonance lies {:.1} dB below the truth",
-            lost_db(&joint, frf)?
+            lost_db(&joint, frf.clone())?
         );
     }
     println!("the multisine's total variance says that something nonlinear is at work: {known}");
+
+    let truth = joint.frf(&hz, Hold::Zoh, T)?;
+    let curves = [
+        Curve::new("without friction", &truth, Style::Reference),
+        Curve {
+            band: Band::Total,
+            ..Curve::new("multisine", &multisine, Style::Markers)
+        },
+        Curve::new("chirp", &excerpts, Style::Line),
+    ];
+    let figure = bode(&curves, 0, 0, &Labels::torque_to_velocity(1, 1))?;
+    fs::write("02_friction.svg", figure.svg())?;
+    println!("02_friction.svg: of the resonance the chirp shows most, the multisine nothing");
     Ok(())
 }
 

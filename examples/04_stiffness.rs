@@ -4,10 +4,12 @@
 //! Run: cargo run --release --example 04_stiffness
 
 use std::error::Error;
+use std::fs;
 
 use frfid::estimate::{CompareOptions, FrfOptions, Side, compare, estimate_bla, estimate_chirp};
 use frfid::paper::Measured;
 use frfid::plant::{Hold, Robot as _, SingleJoint, Torque, simulate};
+use frfid::report::{Curve, Labels, Style, bode};
 use frfid::signals::{Chirp, Draw, GridDesign, GridKind, Multisine, Phasing, Profile, log_spaced};
 use ndarray::{Array5, Axis, concatenate, s};
 
@@ -126,5 +128,15 @@ fn main() -> Result<(), Box<dyn Error>> {
     if let Some(judgement) = compare(&bla, &excerpts, &options)?.judgement {
         println!("{}", judgement.verdict);
     }
+
+    let k1 = soft.frf(&hz, Hold::Zoh, T)?;
+    let curves = [
+        Curve::new("linear, k1", &k1, Style::Reference),
+        Curve::new("multisine", &bla, Style::Markers),
+        Curve::new("chirp", &excerpts, Style::Line),
+    ];
+    let figure = bode(&curves, 0, 0, &Labels::torque_to_velocity(1, 1))?;
+    fs::write("04_stiffness.svg", figure.svg())?;
+    println!("04_stiffness.svg: the multisine lies on k1, the resonance of the chirp is moved up");
     Ok(())
 }

@@ -3,10 +3,13 @@
 //! Run: cargo run --release --example 05_uncertainty
 
 use std::error::Error;
+use std::fs;
 use std::sync::Arc;
 
 use frfid::estimate::{FrfOptions, estimate_bla};
+use frfid::files::ResultFile;
 use frfid::plant::{Sensor, SimulatedRobot, SingleJoint};
+use frfid::report::result_figure;
 use frfid::signals::{
     Draw, GridDesign, GridKind, Multisine, Phasing, Run, RunId, RunKind, Testbed as _,
 };
@@ -108,5 +111,9 @@ fn main() -> Result<(), Box<dyn Error>> {
         "with one period the noise variance is {:?}",
         single.noise_variance()
     );
+
+    let result = ResultFile::torque_to_velocity(frf, &["joint 1".into()]);
+    fs::write("05_uncertainty.svg", result_figure("G", &result)?.svg())?;
+    println!("05_uncertainty.svg: the response, with its 95 % region");
     Ok(())
 }

@@ -3,10 +3,12 @@
 //! Run: cargo run --release --example 07_own_testbed
 
 use std::error::Error;
+use std::fs;
 use std::path::Path;
 
 use frfid::experiment::{Experiment, predict, silent};
 use frfid::plant::{SingleJoint, Torque, simulate};
+use frfid::report::result_figure;
 use frfid::signals::{InputKind, Limit, Record, Run, Testbed, TestbedError};
 
 /// Anything with `run(&Run) -> Record`. Here it is a simulation; a driver of a real robot
@@ -70,7 +72,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for warning in &outcome.warnings {
         println!("warned: {warning}");
     }
-    let frf = outcome.result.frf;
+    let frf = &outcome.result.frf;
     let hz = &frf.frequency_hz;
     println!(
         "FRF at {} frequencies from {:.4} Hz to {:.4} Hz",
@@ -95,5 +97,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         "the simulated robot gives the same FRF to the last bit: {}",
         same.response == frf.response
     );
+    let figure = result_figure("G", &outcome.result)?;
+    fs::write("07_own_testbed.svg", figure.svg())?;
+    println!("07_own_testbed.svg: its Bode diagram, with the 95 % region");
     Ok(())
 }

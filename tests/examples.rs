@@ -1,5 +1,6 @@
-//! Every Rust lesson runs and prints its numbers.
+//! Every Rust lesson runs and prints its numbers; those that measure one joint draw it.
 
+use std::fs;
 use std::path::PathBuf;
 use std::process::Command;
 
@@ -31,13 +32,31 @@ fn every_lesson_says_what_it_teaches() {
     // `cargo test` builds the examples beside the binary; for this test alone: cargo build
     // --examples
     let folder = PathBuf::from(env!("CARGO_BIN_EXE_frfid")).with_file_name("examples");
+    let pictures = tempfile::tempdir().expect("a folder for the pictures");
     for (lesson, says) in lessons {
-        let output = Command::new(folder.join(lesson)).output().expect(lesson);
+        let output = Command::new(folder.join(lesson))
+            .current_dir(pictures.path())
+            .output()
+            .expect(lesson);
         let told = String::from_utf8_lossy(&output.stdout);
         assert!(
             output.status.success() && told.contains(says),
             "{lesson}: {told}{}",
             String::from_utf8_lossy(&output.stderr)
+        );
+    }
+    for lesson in [
+        "02_friction",
+        "04_stiffness",
+        "05_uncertainty",
+        "06_closed_loop",
+        "07_own_testbed",
+    ] {
+        let picture = fs::read_to_string(pictures.path().join(lesson).with_extension("svg"));
+        let picture = picture.expect(lesson);
+        assert!(
+            picture.starts_with("<svg") && picture.trim_end().ends_with("</svg>"),
+            "{lesson}"
         );
     }
 }
