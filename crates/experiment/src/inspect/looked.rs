@@ -121,11 +121,15 @@ impl GroupLook {
 fn longest_gap(log: &Log) -> usize {
     let (mut longest, mut running) = (0, 0);
     for sample in log.record.y.columns() {
-        let is_there = sample.iter().any(|value| value.is_finite());
-        running = if is_there { 0 } else { running + 1 };
+        running = if is_there(sample) { 0 } else { running + 1 };
         longest = longest.max(running);
     }
     longest + 1
+}
+
+/// Whether a sample has a number of any signal.
+fn is_there(sample: ArrayView1<f64>) -> bool {
+    sample.iter().any(|value| value.is_finite())
 }
 
 impl SignalLook {

@@ -113,30 +113,31 @@ fn opposite(ratio: f64) -> String {
 
 /// That a position goes far for one in rad.
 fn far(position: ArrayView1<f64>) -> Option<String> {
-    let farthest = position
-        .iter()
-        .filter(|value| value.is_finite())
-        .fold(0.0, |far: f64, value| far.max(value.abs()));
-    let (farthest, turns) = (significant(farthest, 3), farthest / TAU);
-    (turns * TAU > FAR_RAD).then(|| {
-        format!(
-            "it goes as far as {farthest} rad, {} turns: is it in degrees?",
-            significant(turns, 2)
-        )
-    })
+    let farthest = farthest(position);
+    let (far_rad, turns) = (significant(farthest, 3), significant(farthest / TAU, 2));
+    (farthest > FAR_RAD)
+        .then(|| format!("it goes as far as {far_rad} rad, {turns} turns: is it in degrees?"))
+}
+
+fn farthest(position: ArrayView1<f64>) -> f64 {
+    let finite = position.iter().filter(|value| value.is_finite());
+    finite.fold(0.0, |far, value| value.abs().max(far))
 }
 
 /// That a period is 2 pi times a round number of seconds, as where rad/s are taken for Hz.
 pub(in crate::estimate::others) fn period_words(period_s: f64) -> Option<String> {
     let turns = period_s / TAU;
-    let decade = 10_f64.powf(turns.log10().floor());
-    let is_round = [1.0, 2.0, 5.0, 10.0]
-        .iter()
-        .any(|digit| (turns / (digit * decade) - 1.0).abs() < ROUND);
-    (turns.is_normal() && is_round).then(|| {
-        let (period_s, round) = (significant(period_s, 6), significant(turns, 3));
-        format!("the period is {period_s} s, 2 pi times {round} s: were rad/s taken for Hz where the excitation was made?")
+    let (found, round) = (significant(period_s, 6), significant(turns, 3));
+    is_round(turns).then(|| {
+        format!("the period is {found} s, 2 pi times {round} s: were rad/s taken for Hz where the excitation was made?")
     })
+}
+
+/// Whether a number is 1, 2 or 5 times a power of ten.
+fn is_round(number: f64) -> bool {
+    let decade = 10_f64.powf(number.log10().floor());
+    let is_close = |digit: &f64| (number / (digit * decade) - 1.0).abs() < ROUND;
+    number.is_normal() && [1.0, 2.0, 5.0, 10.0].iter().any(is_close)
 }
 
 #[cfg(test)]
