@@ -14,6 +14,7 @@ mod estimate {
 mod experiment {
     pub(crate) mod description;
     pub(crate) mod plan;
+    mod planned;
 }
 /// `Frf`: an FRF matrix with everything that belongs to it.
 mod frf {

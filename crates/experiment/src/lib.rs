@@ -28,6 +28,7 @@ mod inspect;
 /// Runs: done on a testbed, several at once, and kept.
 mod run {
     pub(crate) mod folder;
+    pub(crate) mod kept;
     pub(crate) mod load;
     pub(crate) mod parallel;
     pub(crate) mod planned_runs;
@@ -70,6 +71,7 @@ pub use experiment::Experiment;
 pub use inspect::guess::GuessedMap;
 pub use inspect::{GroupLook, Inspection, SignalLook, inspect_recording};
 pub use run::folder::{RunOptions, RunReport, RunSummary, run_to_folder};
+pub use run::kept::KeptRuns;
 pub use run::load::Load;
 pub use run::parallel::{Progress, Steps, for_each, silent};
 pub use run::planned_runs::PlannedRuns;

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
-use frfid_experiment::{Experiment as Description, PlannedRuns};
-use frfid_signals::RunId;
+use frfid_experiment::PlannedRuns;
+use frfid_signals::{RunId, Testbed};
 use numpy::PyArray2;
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
@@ -15,14 +15,13 @@ use crate::frf::matrix::Frf;
 use crate::interrupt::interruptible;
 use crate::signals::record::Record;
 use crate::signals::run::Run;
-use crate::testbed::python_testbed::PythonTestbed;
 use crate::testbed::runs::{measured, one_by_one, records_of};
 use crate::warnings::warn;
 
 /// Every run of an experiment; made by ``Experiment.design``, or read by ``Plan.load``.
 #[pyclass(frozen, module = "frfid")]
 pub(crate) struct Plan {
-    planned: PlannedRuns,
+    pub(super) planned: PlannedRuns,
 }
 
 #[pymethods]
@@ -160,9 +159,8 @@ impl Plan {
 
     /// Does every run.
     ///
-    /// An exception, or Ctrl-C, ends it without records. On a machine where each run is dear, do
-    /// them one by one and keep what each returns: ``testbed.run(run)`` for each ``run`` of the
-    /// plan.
+    /// An exception, or Ctrl-C, ends it without records; with ``folder`` every run that was done is kept there, and the
+    /// next call goes on behind it.
     ///
     /// Parameters
     /// ----------
@@ -174,6 +172,11 @@ impl Plan {
     ///     Called with (done, total), from (0, total) on; an exception from it stops the work.
     /// jobs : int, optional
     ///     Threads for the simulation, 0 for one on each core.
+    /// folder : str or path-like, optional
+    ///     Where every record is written as soon as it is measured, as ``frfid run`` does; runs that are there are read,
+    ///     not done again.
+    /// overwrite : bool, optional
+    ///     Whether runs in ``folder`` that were stopped before their end are done again.
     ///
     /// Returns
     /// -------
@@ -184,26 +187,35 @@ impl Plan {
     /// ------
     /// ValueError
     ///     If no robot is described, or a record does not fit the plan.
+    /// OSError
+    ///     If a record cannot be written.
     /// NumericalError
     ///     If a simulation diverges.
-    #[pyo3(signature = (testbed = None, progress = None, *, jobs = 0))]
+    #[pyo3(signature = (testbed = None, progress = None, *, jobs = 0, folder = None, overwrite = false))]
     fn run(
         &self,
         py: Python<'_>,
         testbed: Option<&Bound<'_, PyAny>>,
         progress: Option<&Bound<'_, PyAny>>,
         jobs: usize,
+        folder: Option<PathBuf>,
+        overwrite: bool,
     ) -> PyResult<Vec<Record>> {
         let (ids, run) = (self.ids(), |id| self.planned.run(id));
-        let records = match testbed {
-            Some(object) => {
-                let testbed = self.python_testbed(object)?;
-                one_by_one(py, &ids, &run, &testbed, progress)?
-            }
-            None => {
-                let testbed = self.description().testbed();
-                records_of(py, &ids, &run, &*testbed, jobs, progress)?
-            }
+        let model = self.description().testbed();
+        let machine = testbed
+            .map(|object| self.python_testbed(object))
+            .transpose()?;
+        let machine = machine.as_ref().map(|machine| machine as &dyn Testbed);
+        let bed = machine.unwrap_or(&*model);
+        let kept = folder
+            .as_deref()
+            .map(|folder| self.kept(bed, folder, overwrite))
+            .transpose()?;
+        let bed = kept.as_ref().map_or(bed, |kept| kept);
+        let records = match machine {
+            Some(_) => one_by_one(py, &ids, &run, bed, progress)?,
+            None => records_of(py, &ids, &run, bed, jobs, progress)?,
         };
         records
             .into_iter()
@@ -263,36 +275,5 @@ impl Plan {
         Ok(format!(
             "<frfid.Plan: {runs} runs, {time_s:.1} s on the robot>"
         ))
-    }
-}
-
-impl From<Description> for Plan {
-    fn from(description: Description) -> Self {
-        Self {
-            planned: PlannedRuns::of(description),
-        }
-    }
-}
-
-impl Plan {
-    fn description(&self) -> &Description {
-        &self.planned.experiment
-    }
-
-    fn ids(&self) -> Vec<RunId> {
-        self.planned.run_ids()
-    }
-
-    fn python_testbed(&self, object: &Bound<'_, PyAny>) -> PyResult<PythonTestbed> {
-        let n_inputs = self.description().plan().n_inputs;
-        let limits = self.description().limits().clone();
-        PythonTestbed::new(object, n_inputs, limits, self.reference_unit())
-    }
-
-    fn reference_unit(&self) -> &'static str {
-        match self.description().controller() {
-            Some(_) => "rad/s",
-            None => "N m",
-        }
     }
 }

@@ -108,13 +108,13 @@ enum Found {
     /// Nothing, or something that is not this run's.
     Nothing,
     /// The run, stopped before its end.
-    Stopped,
+    Stopped(Record),
     /// The run.
-    Whole,
+    Whole(Record),
 }
 
 /// Does runs and writes their files.
-struct Writer<'a> {
+pub(crate) struct Writer<'a> {
     planned: &'a PlannedRuns,
     folder: &'a Path,
     overwrite: Overwrite,
@@ -122,7 +122,7 @@ struct Writer<'a> {
 }
 
 impl<'a> Writer<'a> {
-    fn new(planned: &'a PlannedRuns, folder: &'a Path, overwrite: Overwrite) -> Self {
+    pub(crate) fn new(planned: &'a PlannedRuns, folder: &'a Path, overwrite: Overwrite) -> Self {
         Self {
             planned,
             folder,
@@ -140,11 +140,11 @@ impl<'a> Writer<'a> {
         let (mut open, mut stopped_before) = (Vec::new(), Vec::new());
         for &id in ids {
             match self.found(id) {
-                Found::Whole => {}
-                Found::Stopped if self.overwrite != Overwrite::Replace => {
+                Found::Whole(_) => {}
+                Found::Stopped(_) if self.overwrite != Overwrite::Replace => {
                     stopped_before.push(self.path_of(id));
                 }
-                Found::Stopped | Found::Nothing => open.push(id),
+                Found::Stopped(_) | Found::Nothing => open.push(id),
             }
         }
         (open, stopped_before)
@@ -157,21 +157,35 @@ impl<'a> Writer<'a> {
         let is_ours = file.metadata.get(CONFIG) == self.metadata.get(CONFIG);
         match file.record.stopped_at_s() {
             _ if !losses.is_empty() || file.run != id || !is_ours => Found::Nothing,
-            Some(_) => Found::Stopped,
-            None => Found::Whole,
+            Some(_) => Found::Stopped(file.record),
+            None => Found::Whole(file.record),
         }
+    }
+
+    /// The record of a run that is there and not to be done again.
+    pub(crate) fn record_of(&self, id: RunId) -> Option<Record> {
+        match self.found(id) {
+            Found::Whole(record) => Some(record),
+            Found::Stopped(record) if self.overwrite != Overwrite::Replace => Some(record),
+            Found::Stopped(_) | Found::Nothing => None,
+        }
+    }
+
+    /// Writes the file of a run; the record comes back with the starts of its periods.
+    pub(crate) fn write(&self, id: RunId, record: Record) -> Result<Record, ExperimentError> {
+        let file = run_file(&self.planned.experiment, id, record, self.metadata.clone())?;
+        write_run(&self.path_of(id), self.overwrite, &file)?;
+        Ok(file.record)
     }
 
     /// Does a run and writes it.
     fn done(&self, id: RunId, testbed: &dyn Testbed) -> Result<Done, ExperimentError> {
         let experiment = &self.planned.experiment;
         let run = self.planned.run(id)?;
-        let record = testbed.run(&run)?;
-        let file = run_file(experiment, id, record, self.metadata.clone())?;
-        let load = Load::of(&file.record, &run.start_rad, &experiment.pose_rad);
-        let report = report(self.path_of(id), load, &file.record);
-        write_run(&report.path, self.overwrite, &file)?;
-        Ok((report, experiment.strength_of(id, &file.record)))
+        let record = self.write(id, testbed.run(&run)?)?;
+        let load = Load::of(&record, &run.start_rad, &experiment.pose_rad);
+        let report = report(self.path_of(id), load, &record);
+        Ok((report, experiment.strength_of(id, &record)))
     }
 }
 

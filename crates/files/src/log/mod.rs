@@ -153,24 +153,25 @@ impl<'s> Source<'s> {
         let clocks = self.clocks(recording)?;
         let topics = self.paced(&recording.series, &clocks);
         let mut warnings = recording.warnings.clone();
-        warnings.extend(
-            self.signals
-                .iter()
-                .filter_map(|signal| name_says_otherwise(signal)),
-        );
+        let signals = self.signals.iter();
+        warnings.extend(signals.filter_map(|signal| name_says_otherwise(signal)));
         let grid = Grid::of(&topics, &mut warnings).map_err(|flaw| self.flawed("topics", flaw))?;
         warnings.extend(told(&topics));
         let mut values = self.no_values(grid.n_samples)?;
         let mut losses = grid.fill(&topics, &self.signals, &mut values);
         losses.extend(grid.of_file(&recording.damages));
+        let two_clocks = two_clocks(&topics);
+        let (times_s, clock) = (grid.times_s(&topics[0]), grid.clock_fit(&topics[0]));
+        drop(topics);
+        recording.series = Vec::new(); // as large as the values: not held beside their copies
         self.check_measured(&values)?;
         self.convert(&mut values)?;
         Ok(Log {
             losses,
             warnings,
-            two_clocks: two_clocks(&topics),
-            times_s: grid.times_s(&topics[0]),
-            ..sort_into_roles(self.map, &values, grid.clock_fit(&topics[0]))
+            two_clocks,
+            times_s,
+            ..sort_into_roles(self.map, &values, clock)
         })
     }
 

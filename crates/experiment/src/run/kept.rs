@@ -1,0 +1,55 @@
+//! Runs that are kept: every record is in its folder as soon as it is measured, and a run that is there is not done
+//! again.
+
+use std::path::Path;
+
+use frfid_files::{Overwrite, create_folder};
+use frfid_signals::{Record, Run, Testbed, TestbedError};
+
+use crate::error::ExperimentError;
+use crate::run::folder::Writer;
+use crate::run::planned_runs::PlannedRuns;
+
+/// A testbed that keeps what another one measures, in the files of `frfid run`.
+///
+/// A run that is in the folder already, whole or stopped, is read and not done again, so that work which an error or
+/// Ctrl-C ended goes on where it was; [`Overwrite::Replace`] does stopped runs again.
+pub struct KeptRuns<'a> {
+    writer: Writer<'a>,
+    testbed: &'a dyn Testbed,
+}
+
+impl<'a> KeptRuns<'a> {
+    /// Keeps the runs of a plan in a folder, which is made if need be.
+    ///
+    /// # Errors
+    /// [`ExperimentError::File`] for a folder that cannot be made.
+    pub fn new(
+        planned: &'a PlannedRuns,
+        testbed: &'a dyn Testbed,
+        folder: &'a Path,
+        overwrite: Overwrite,
+    ) -> Result<Self, ExperimentError> {
+        create_folder(folder)?;
+        let writer = Writer::new(planned, folder, overwrite);
+        Ok(Self { writer, testbed })
+    }
+}
+
+impl Testbed for KeptRuns<'_> {
+    fn n_inputs(&self) -> usize {
+        self.testbed.n_inputs()
+    }
+
+    fn run(&self, run: &Run) -> Result<Record, TestbedError> {
+        if let Some(record) = self.writer.record_of(run.id) {
+            return Ok(record);
+        }
+        let record = self.testbed.run(run)?;
+        let kept = self.writer.write(run.id, record);
+        kept.map_err(|error| TestbedError::Foreign {
+            run: run.id,
+            source: Box::new(error),
+        })
+    }
+}

@@ -1,0 +1,58 @@
+//! What a `Plan` rests on: the description, the runs, the testbeds that it is done on.
+
+use std::path::Path;
+
+use frfid_experiment::{Experiment as Description, KeptRuns, PlannedRuns};
+use frfid_files::Overwrite;
+use frfid_signals::{RunId, Testbed};
+use pyo3::prelude::*;
+
+use crate::error;
+use crate::experiment::plan::Plan;
+use crate::testbed::python_testbed::PythonTestbed;
+
+impl From<Description> for Plan {
+    fn from(description: Description) -> Self {
+        Self {
+            planned: PlannedRuns::of(description),
+        }
+    }
+}
+
+impl Plan {
+    pub(super) fn description(&self) -> &Description {
+        &self.planned.experiment
+    }
+
+    pub(super) fn ids(&self) -> Vec<RunId> {
+        self.planned.run_ids()
+    }
+
+    /// The testbed, with its records kept in a folder.
+    pub(super) fn kept<'a>(
+        &'a self,
+        testbed: &'a dyn Testbed,
+        folder: &'a Path,
+        replaces: bool,
+    ) -> PyResult<KeptRuns<'a>> {
+        let overwrite = if replaces {
+            Overwrite::Replace
+        } else {
+            Overwrite::Resume
+        };
+        KeptRuns::new(&self.planned, testbed, folder, overwrite).map_err(error::experiment)
+    }
+
+    pub(super) fn python_testbed(&self, object: &Bound<'_, PyAny>) -> PyResult<PythonTestbed> {
+        let n_inputs = self.description().plan().n_inputs;
+        let limits = self.description().limits().clone();
+        PythonTestbed::new(object, n_inputs, limits, self.reference_unit())
+    }
+
+    pub(super) fn reference_unit(&self) -> &'static str {
+        match self.description().controller() {
+            Some(_) => "rad/s",
+            None => "N m",
+        }
+    }
+}
