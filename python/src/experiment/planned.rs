@@ -1,4 +1,4 @@
-//! What a `Plan` rests on: the description, the runs, the testbeds that it is done on.
+//! Runs behind a `Plan`: the description they come from, and the testbeds that they are done on.
 
 use std::path::Path;
 
