@@ -10,83 +10,54 @@ use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use frfid::files::{Log, LogMap, Signal, read_log};
-use mcap::records::MessageHeader;
-use mcap::{MessageStream, WriteOptions, Writer};
+use frfid::files::{Log, LogMap, Overwrite, RunFile, Signal, read_log, write_run};
+use frfid::signals::{Injection, InputKind, Record, RunId};
+use mcap::{Compression, MessageStream, WriteOptions};
+use ndarray::Array2;
 use tempfile::TempDir;
 
 const MESSAGES: usize = 200_000;
 const ROWS: usize = 100_000;
 const COLUMNS: usize = 10;
 
-const JOINT_STATE: &str = "\
-std_msgs/Header header
-string[] name
-float64[] position
-float64[] velocity
-float64[] effort
-================================================================================
-MSG: std_msgs/Header
-builtin_interfaces/Time stamp
-string frame_id
-================================================================================
-MSG: builtin_interfaces/Time
-int32 sec
-uint32 nanosec
-";
-
-/// A message of three joints, little endian.
-fn message(k: usize, time_ns: u64) -> Vec<u8> {
-    let mut body: Vec<u8> = Vec::new();
-    body.extend(((time_ns / 1_000_000_000) as i32).to_le_bytes());
-    body.extend(((time_ns % 1_000_000_000) as u32).to_le_bytes());
-    body.extend([1, 0, 0, 0, 0, 0, 0, 0]); // an empty frame, padded
-    body.extend(3_u32.to_le_bytes());
-    for name in ["j1", "j2", "j3"] {
-        body.extend(3_u32.to_le_bytes());
-        body.extend(name.as_bytes());
-        body.extend([0, 0]); // closed, padded
-    }
-    for array in 0..3 {
-        body.extend(3_u32.to_le_bytes());
-        body.resize(body.len().next_multiple_of(8), 0);
-        for joint in 0..3 {
-            let phase = 1e-3 * (k * (joint + 1)) as f64 + f64::from(array);
-            body.extend(phase.sin().to_le_bytes());
+/// One topic of JointState in the chunks that the `mcap` crate makes by itself.
+fn write_mcap(path: &Path) {
+    let run = path.with_extension("run");
+    write_three_joints(&run);
+    let bytes = std::fs::read(&run).expect("there");
+    let file = std::fs::File::create(path).expect("room for the recording");
+    let options = WriteOptions::new().compression(Some(Compression::Zstd));
+    let mut writer = options.create(file).expect("an MCAP");
+    for message in MessageStream::new(&bytes).expect("an MCAP") {
+        let message = message.expect("sound");
+        if message.channel.topic == "/joint_states" {
+            writer.write(&message).expect("room");
         }
     }
-    [&[0, 1, 0, 0], &body[..]].concat()
+    writer.finish().expect("room");
 }
 
-fn write_mcap(path: &Path) {
-    let file = std::fs::File::create(path).expect("room for the recording");
-    let options = WriteOptions::new().compression(Some(mcap::Compression::Zstd));
-    let mut writer: Writer<_> = options.create(file).expect("an MCAP");
-    let schema = writer.add_schema(
-        "sensor_msgs/msg/JointState",
-        "ros2msg",
-        JOINT_STATE.as_bytes(),
-    );
-    let channel = writer.add_channel(
-        schema.expect("room"),
-        "/joint_states",
-        "cdr",
-        &BTreeMap::new(),
-    );
-    let channel_id = channel.expect("room");
-    for k in 0..MESSAGES {
-        let log_time = 1_700_000_000_000_000_000 + 1_000_000 * k as u64;
-        let header = MessageHeader {
-            channel_id,
-            sequence: k as u32,
-            log_time,
-            publish_time: log_time,
-        };
-        writer
-            .write_to_known_channel(&header, &message(k, log_time))
-            .expect("room");
-    }
-    writer.finish().expect("room");
+/// A run of three joints as frfid writes it.
+fn write_three_joints(path: &Path) {
+    let phase = |joint: usize, k: usize| 1e-3 * (k * (joint + 1)) as f64;
+    let record = Record {
+        sample_time_s: 1e-3,
+        u: Array2::from_shape_fn((3, MESSAGES), |(joint, k)| phase(joint, k).cos()),
+        y: Array2::from_shape_fn((3, MESSAGES), |(joint, k)| phase(joint, k).sin()),
+        r: None,
+        position_rad: None,
+        input_kind: InputKind::Measured,
+        events: Vec::new(),
+    };
+    let file = RunFile {
+        joint_names: ["j1", "j2", "j3"].map(str::to_owned).to_vec(),
+        run: RunId::excitation(0, 0, 0),
+        injection: Injection::Torque,
+        record,
+        metadata: BTreeMap::new(),
+        experiment_toml: String::new(),
+    };
+    write_run(path, Overwrite::Refuse, &file).expect("room for the recording");
 }
 
 fn map() -> LogMap {

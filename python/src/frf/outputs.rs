@@ -4,7 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use frfid_files::{EXPORTS, write_bytes};
-use frfid_report::results_page;
+use frfid_report::result_page;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -134,7 +134,7 @@ impl Frf {
         let stem = || path.file_stem().unwrap_or_default().to_string_lossy();
         let title = title.unwrap_or_else(|| stem().into_owned());
         let notes = note.into_iter().collect();
-        let page = py.detach(|| results_page(&title, &[(&title, &self.result)], notes));
+        let page = py.detach(|| result_page(&title, &self.result, notes));
         let page = page.map_err(error::report)?;
         py.detach(|| write_bytes(&path, overwrite_if(overwrite), page.as_bytes()))
             .map_err(error::file)

@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use frfid_experiment::{ConfigError, Experiment, ExperimentError, Prediction, predict};
+use frfid_experiment::{
+    ConfigError, Experiment, ExperimentError, PlannedRuns, Prediction, predict,
+};
 use frfid_signals::format::significant;
 use frfid_signals::{Excess, Limit, Limits, Plan};
 use serde_json::json;
@@ -97,7 +99,7 @@ fn write(
     console: &mut Console,
 ) -> Result<(), Failure> {
     watched(console, "writing", "runs", |progress| {
-        experiment.write_plan(path, options.overwrite(), progress)
+        PlannedRuns::of(experiment.clone()).write(path, options.overwrite(), progress)
     })?;
     console.wrote(path);
     console.hint(format_args!("frfid run {} -o logs", path.display()));

@@ -122,21 +122,6 @@ impl PlannedRuns {
     }
 }
 
-impl Experiment {
-    /// Writes the plan, see [`PlannedRuns::write`].
-    ///
-    /// # Errors
-    /// [`ExperimentError::File`], also when `progress` said to stop.
-    pub fn write_plan(
-        &self,
-        path: &Path,
-        overwrite: Overwrite,
-        progress: Progress,
-    ) -> Result<(), ExperimentError> {
-        PlannedRuns::of(self.clone()).write(path, overwrite, progress)
-    }
-}
-
 /// One run of every reference: repetitions share theirs.
 pub(crate) fn first_repetitions(plan: &Plan) -> Vec<RunId> {
     plan.run_ids().filter(|id| id.repetition == 0).collect()

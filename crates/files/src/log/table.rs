@@ -179,7 +179,8 @@ impl Table {
     }
 }
 
-fn names(places: &[usize], signals: &Signals) -> String {
+/// The sources of signals, by their places among all.
+pub(crate) fn names(places: &[usize], signals: &Signals) -> String {
     let names = places.iter().map(|place| signals[*place].source.as_str());
     names.collect::<Vec<_>>().join(", ")
 }

@@ -97,14 +97,22 @@ impl<'a> CdrReader<'a> {
             Err(short) => return Err(CdrError::Short { field, short }),
         };
         Ok(Self {
-            body: Bytes::new(bytes.rest()),
-            big_endian: is_big_endian(header)?,
             field,
-            trace: None,
+            ..Self::headless(bytes.rest(), is_big_endian(header)?)
         })
     }
 
-    /// The same, noting what stands where.
+    /// Reads what begins with these bytes, aligned, in the byte order that a header named before.
+    pub(crate) fn headless(bytes: &'a [u8], big_endian: bool) -> Self {
+        Self {
+            body: Bytes::new(bytes),
+            big_endian,
+            field: String::new(),
+            trace: None,
+        }
+    }
+
+    /// The same as [`CdrReader::new`], noting what stands where.
     ///
     /// # Errors
     /// As [`CdrReader::new`].

@@ -4,7 +4,7 @@
 use crate::ros::cdr_read::{CdrError, CdrReader};
 use crate::ros::definition::Definition;
 use crate::ros::field::Primitive;
-use crate::ros::value::{Value, decode_from};
+use crate::ros::value::{Value, decode_from, number};
 
 /// What stands where in a message while it is decoded.
 #[derive(Debug, Clone, Default)]
@@ -99,40 +99,17 @@ impl Picked {
         let is_big_endian = message.get(1) == Some(&0);
         numbers.clear();
         for place in &self.numbers {
+            let number = |(start, kind): &(usize, Primitive)| {
+                let mut cdr = CdrReader::headless(message.get(*start..)?, is_big_endian);
+                number(*kind, &mut cdr).ok()
+            };
             numbers.push(match place {
-                Some((start, kind)) => Some(number(message.get(*start..)?, *kind, is_big_endian)?),
+                Some(place) => Some(number(place)?),
                 None => None,
             });
         }
         Some(())
     }
-}
-
-/// The number at the beginning of bytes.
-fn number(bytes: &[u8], kind: Primitive, is_big_endian: bool) -> Option<f64> {
-    macro_rules! read {
-        ($name:ident) => {{
-            let bytes = *bytes.first_chunk()?;
-            if is_big_endian {
-                $name::from_be_bytes(bytes)
-            } else {
-                $name::from_le_bytes(bytes)
-            }
-        }};
-    }
-    Some(match kind {
-        Primitive::Bool | Primitive::Uint(1) => f64::from(read!(u8)),
-        Primitive::Uint(2) => f64::from(read!(u16)),
-        Primitive::Uint(4) => f64::from(read!(u32)),
-        Primitive::Uint(_) => read!(u64) as f64,
-        Primitive::Int(1) => f64::from(read!(i8)),
-        Primitive::Int(2) => f64::from(read!(i16)),
-        Primitive::Int(4) => f64::from(read!(i32)),
-        Primitive::Int(_) => read!(i64) as f64,
-        Primitive::Float(4) => f64::from(read!(f32)),
-        Primitive::Float(_) => read!(f64),
-        Primitive::Text | Primitive::WideText => return None,
-    })
 }
 
 #[cfg(test)]

@@ -119,7 +119,11 @@ fn read_number(kind: Primitive, cdr: &mut CdrReader) -> Result<f64, CdrError> {
     Ok(place.map_or(number, |place| place as f64))
 }
 
-fn number(kind: Primitive, cdr: &mut CdrReader) -> Result<f64, CdrError> {
+/// A number of this kind.
+///
+/// # Errors
+/// [`CdrError`]: too short, or a text.
+pub(crate) fn number(kind: Primitive, cdr: &mut CdrReader) -> Result<f64, CdrError> {
     Ok(match kind {
         Primitive::Bool | Primitive::Uint(1) => f64::from(cdr.u8()?),
         Primitive::Uint(2) => f64::from(cdr.u16()?),

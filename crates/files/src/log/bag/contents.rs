@@ -71,15 +71,11 @@ impl Topic {
     }
 
     fn decoded(&mut self, received: &Received) -> Result<Value, String> {
-        if self.definition.is_none() {
-            let variants = received.definitions().map_err(|error| error.to_string())?;
-            let fits = |variant: &Definition| decode(variant, received.data).is_ok();
-            self.definition = variants.into_iter().find(fits);
-        }
-        let definition = self
-            .definition
-            .as_ref()
-            .ok_or("messages of another type than stated")?;
+        let definition = match self.definition.take() {
+            Some(definition) => definition,
+            None => received.definition().map_err(|error| error.to_string())?,
+        };
+        let definition = self.definition.insert(definition);
         decode(definition, received.data).map_err(|error| error.to_string())
     }
 

@@ -7,8 +7,7 @@ use yaml_rust2::YamlLoader;
 
 use crate::error::FileError;
 use crate::file_kind::start_of;
-use crate::log::bag::{self, Take, contents};
-use crate::log::bag::{db3, mcap};
+use crate::log::bag::{self, Take, contents, db3, mcap};
 use crate::log::listing::Listing;
 use crate::log::map::Signals;
 use crate::log::packed::Unpacked;

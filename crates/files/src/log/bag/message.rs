@@ -5,7 +5,7 @@ use std::path::Path;
 use crate::error::FileError;
 use crate::ros::definition::{self, Definition, DefinitionError};
 use crate::ros::known_types::definitions_of;
-use crate::ros::value::Value;
+use crate::ros::value::{Value, decode};
 
 /// A message and where it comes from.
 pub(crate) struct Received<'m> {
@@ -35,8 +35,16 @@ impl Received<'_> {
         FileError::content(self.path, what, found, needed)
     }
 
+    /// The definition of the message: of several variants the first that it fits.
+    pub(crate) fn definition(&self) -> Result<Definition, FileError> {
+        let mut variants = self.definitions()?;
+        let fits = |variant: &Definition| decode(variant, self.data).is_ok();
+        let fitting = variants.iter().position(fits).unwrap_or(0);
+        Ok(variants.swap_remove(fitting))
+    }
+
     /// The definitions that the topic's messages may have: that of the file, or the variants of a known type.
-    pub(crate) fn definitions(&self) -> Result<Vec<Definition>, FileError> {
+    fn definitions(&self) -> Result<Vec<Definition>, FileError> {
         let Described {
             encoding,
             type_name,

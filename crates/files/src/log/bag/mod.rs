@@ -14,14 +14,10 @@ use crate::log::bag::message::{Received, header_stamp, stamp_ns};
 use crate::log::map::{Signal, Signals};
 use crate::log::recording::{Cells, Recording, Series, TimedDamage, of_damaged};
 use crate::log::table::Table;
-use crate::ros::cdr_read::CdrError;
 use crate::ros::definition::Definition;
 use crate::ros::layout::{Layout, Picked};
 use crate::ros::selector::Selector;
-use crate::ros::value::{Value, decode};
-
-/// Layouts are learnt at least so many times.
-const FEW_DECODED: usize = 64;
+use crate::ros::value::Value;
 
 /// One mapped topic while its messages come in.
 struct Topic {
@@ -29,8 +25,6 @@ struct Topic {
     definition: Option<Definition>,
     /// Where the numbers of the last decoded message were, the stamp's last.
     layout: Option<Picked>,
-    /// Messages that were decoded field by field.
-    n_decoded: usize,
     /// Numbers of the last message.
     row: Vec<Option<f64>>,
     n_messages: usize,
@@ -140,10 +134,6 @@ impl Topics {
     }
 }
 
-fn in_words(error: CdrError) -> String {
-    error.to_string()
-}
-
 fn selector_of(path: &Path, signal: &Signal) -> Result<Selector, FileError> {
     Selector::parse(&signal.source).ok_or_else(|| {
         let found = format!("`{}`", signal.source);
@@ -158,7 +148,6 @@ impl Topic {
             selectors: Vec::new(),
             definition: None,
             layout: None,
-            n_decoded: 0,
             row: Vec::new(),
             n_messages: 0,
             table: Table::of(name),
@@ -172,8 +161,8 @@ impl Topic {
         let is_known = by_layout.and_then(|layout| layout.read(received.data, &mut row));
         if is_known.is_none() {
             self.define(received)?;
-            let decoded = self.decoded(received.data);
-            row = decoded.map_err(|found| received.bad(self.n_messages, found))?;
+            let decoded = self.decode(received.data, &mut row);
+            decoded.map_err(|found| received.bad(self.n_messages, found))?;
         }
         self.n_messages += 1;
         self.push(received.recorders_ns, &row);
@@ -181,18 +170,14 @@ impl Topic {
         Ok(())
     }
 
-    /// The numbers of a message, or what it has instead; the layout is kept for those to come, unless most
-    /// are laid out anew.
-    fn decoded(&mut self, message: &[u8]) -> Result<Vec<Option<f64>>, String> {
+    /// Decodes a message field by field into the numbers of its row, or says what it has instead; its layout is kept
+    /// for those to come.
+    fn decode(&mut self, message: &[u8], row: &mut Vec<Option<f64>>) -> Result<(), String> {
         let definition = self.definition.as_ref().ok_or("no definition")?;
-        let row = self.picked(&decode(definition, message).map_err(in_words)?)?;
-        self.layout = None;
-        self.n_decoded += 1;
-        if self.n_decoded < FEW_DECODED + self.n_messages / 4 {
-            let layout = Layout::of(definition, message).map_err(in_words)?;
-            self.layout = Some(layout.picked(&self.picked(layout.places())?));
-        }
-        Ok(row)
+        let layout = Layout::of(definition, message).map_err(|error| error.to_string())?;
+        let picked = layout.picked(&self.picked(layout.places())?);
+        let numbers = self.layout.insert(picked).read(message, row);
+        numbers.ok_or_else(|| "no number where its definition has one".into())
     }
 
     /// The mapped signals of a message and the two numbers of its stamp, or what it has instead.
@@ -204,13 +189,10 @@ impl Topic {
         signals.chain(stamp).collect()
     }
 
-    /// Finds the definition of its messages, by the first one: of several variants the first that it fits.
+    /// Finds the definition of its messages, by the first one.
     fn define(&mut self, received: &Received) -> Result<(), FileError> {
         if self.definition.is_none() {
-            let mut variants = received.definitions()?;
-            let fits = |variant: &Definition| decode(variant, received.data).is_ok();
-            let fitting = variants.iter().position(fits).unwrap_or(0);
-            self.definition = Some(variants.swap_remove(fitting));
+            self.definition = Some(received.definition()?);
         }
         Ok(())
     }

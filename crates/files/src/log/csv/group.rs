@@ -10,7 +10,7 @@ use crate::log::csv::header::Header;
 use crate::log::csv::row::Row;
 use crate::log::map::{LogMap, Signal, Signals};
 use crate::log::sample_times::{SampleTimes, nth_stamp_ns};
-use crate::log::table::Table;
+use crate::log::table::{Table, names};
 
 /// Names of a long table, with a row for each value.
 const TOPIC: &str = "topic";
@@ -188,11 +188,6 @@ pub(super) fn check_topics(
         "no row with a time and a value",
         needed,
     ))
-}
-
-fn names(places: &[usize], signals: &Signals) -> String {
-    let names = places.iter().map(|place| signals[*place].source.as_str());
-    names.collect::<Vec<_>>().join(", ")
 }
 
 /// The columns of topics and values of a long table.

@@ -128,6 +128,13 @@ impl Header {
         (0..self.names.len()).filter(is_it).collect()
     }
 
+    /// The unit of a column, if the file says one.
+    pub(super) fn unit(&self, column: usize) -> Option<&str> {
+        let written = self.units.as_ref()?.get(column)?;
+        let written = written.trim_matches(['[', ']', '(', ')']);
+        (!written.is_empty()).then_some(written)
+    }
+
     /// The place of the one column of a name.
     pub(super) fn column(&self, path: &Path, name: &str) -> Result<usize, FileError> {
         let places = self.places(name);
@@ -152,9 +159,8 @@ impl Header {
     /// Where a unit in the file is another one than the log map says: `None` where they agree, or the file says
     /// nothing.
     pub(super) fn other_unit(&self, signal: &Signal, column: usize) -> Option<String> {
-        let written = self.units.as_ref()?.get(column)?;
-        let written = written.trim_matches(['[', ']', '(', ')']);
-        let is_same = written.is_empty() || signal.unit == "1" || are_alike(written, &signal.unit);
+        let written = self.unit(column)?;
+        let is_same = signal.unit == "1" || are_alike(written, &signal.unit);
         (!is_same).then(|| {
             format!(
                 "column `{}` is in `{written}` by the file and in `{}` by the map",

@@ -111,11 +111,8 @@ impl Head<'_> {
 
     fn unit(&self, place: usize) -> Option<String> {
         let header = &self.dialect.header;
-        let stated = header.units.as_ref().and_then(|units| units.get(place));
-        let stated = stated.map(|unit| unit.trim_matches(['[', ']', '(', ')']).to_owned());
-        stated
-            .filter(|unit| !unit.is_empty())
-            .or_else(|| unit_in_name(&header.names[place]))
+        let stated = header.unit(place).map(str::to_owned);
+        stated.or_else(|| unit_in_name(&header.names[place]))
     }
 
     /// The topics of a long table, each with the times that its rows have.

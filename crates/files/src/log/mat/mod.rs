@@ -40,12 +40,11 @@ pub(crate) fn read(path: &Path, map: &LogMap, signals: &Signals) -> Result<Recor
 /// Lists its arrays: those of one length are sampled together.
 pub(crate) fn list(path: &Path) -> Result<Listing, FileError> {
     let file = MatFile::of(path, None)?;
-    let sources = file.sources();
-    let channels = sources.filter_map(|source| Some((file.numbers(&source).ok()?, source)));
-    Ok(arrays::listing(
-        "MAT",
-        channels.map(|(samples, source)| (source, samples)),
-    ))
+    let channels = file.sources().filter_map(|source| {
+        let samples = file.numbers(&source).ok()?;
+        Some((source, samples))
+    });
+    Ok(arrays::listing("MAT", channels))
 }
 
 fn level5_variables(path: &Path, sources: Option<&[&str]>) -> Result<Vec<Variable>, FileError> {
