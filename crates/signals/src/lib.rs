@@ -17,6 +17,7 @@ mod limits;
 mod number;
 mod peaks;
 mod plan;
+mod playback;
 mod record;
 
 pub use error::SignalError;
@@ -31,4 +32,5 @@ pub use peaks::{Peaks, largest_by_axis};
 pub use plan::Plan;
 pub use plan::run::{Run, RunId, RunKind};
 pub use plan::testbed::{Testbed, TestbedError};
+pub use playback::{Motion, Playback, Played, Player};
 pub use record::{Event, EventKind, InputKind, Record, check_finite};

@@ -22,9 +22,7 @@ impl Peaks {
         let ways = Ways::of(record, start_rad);
         let reached = |limit: Limit| match limit {
             Limit::Torque => Some(by_axis(record.u.view(), largest)),
-            Limit::TorqueRate => Some(by_axis(record.u.view(), |row| {
-                steepest(row) / record.sample_time_s
-            })),
+            Limit::TorqueRate => Some(steepest_by_axis(&record.u, record.sample_time_s)),
             Limit::Velocity => Some(by_axis(record.y.view(), largest)),
             Limit::Acceleration | Limit::Jerk => None,
             Limit::Travel => ways.as_ref().map(Ways::farther),
@@ -115,6 +113,11 @@ fn about(pose_rad: &[f64], ways: &[f64]) -> Vec<f64> {
 #[must_use]
 pub fn largest_by_axis(signal: &Array2<f64>) -> Vec<f64> {
     by_axis(signal.view(), largest)
+}
+
+/// Largest rate of every row of a signal `(axis, sample)`, from sample to sample.
+pub(crate) fn steepest_by_axis(signal: &Array2<f64>, sample_time_s: f64) -> Vec<f64> {
+    by_axis(signal.view(), |row| steepest(row) / sample_time_s)
 }
 
 fn by_axis(signal: ArrayView2<f64>, value: impl Fn(ArrayView1<f64>) -> f64) -> Vec<f64> {
