@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use frfid_estimate::{EstimateError, ShapeError};
 use frfid_files::FileError;
 use frfid_plant::PlantError;
-use frfid_signals::{SignalError, TestbedError};
+use frfid_signals::format::significant;
+use frfid_signals::{Excess, RunId, SignalError, TestbedError};
 use thiserror::Error;
 
 use crate::description::text::ConfigError;
@@ -81,6 +82,22 @@ pub enum ExperimentError {
         jobs: usize,
         /// The reason given.
         reason: String,
+    },
+    /// A run that would take a machine beyond a limit.
+    #[error(
+        "run {run}, played from rest to rest: the {what} of {joint} reaches {} {}, {} is {}; \
+         lower the amplitudes or the constant velocity, or raise the limit",
+        significant(excess.found, 4), excess.limit.unit(), excess.limit.key(), significant(excess.allowed, 4)
+    )]
+    Exceeds {
+        /// The run.
+        run: RunId,
+        /// What exceeds it: the reference, or the predicted motion.
+        what: &'static str,
+        /// Which joint.
+        joint: String,
+        /// The limit and the value reached.
+        excess: Excess,
     },
     /// Logs that do not belong together, or not to this plan.
     #[error("{what}: found {found}, needed {needed}; {advice}")]

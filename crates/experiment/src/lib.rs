@@ -25,6 +25,10 @@ mod error;
 mod estimate;
 mod experiment;
 mod inspect;
+/// Plays of runs on machines of others: out to their players, back from their recorders.
+mod play {
+    pub(crate) mod playing;
+}
 /// Runs: done on a testbed, several at once, and kept.
 mod run {
     pub(crate) mod folder;

@@ -1,0 +1,94 @@
+//! Playing of planned runs: each as a machine can play it, refused where it would exceed a limit from its
+//! first rest to its last.
+
+use frfid_plant::SimulatedRobot;
+use frfid_signals::{Excess, Playback, Played, Player, Run, RunId};
+
+use crate::error::ExperimentError;
+use crate::experiment::Experiment;
+use crate::run::load::Load;
+use crate::run::planned_runs::PlannedRuns;
+
+/// Rest before and after every run in s: long enough to be recognised.
+const REST_S: f64 = 0.5;
+
+impl Experiment {
+    /// The machine that is described as a player of `rate_hz`, of the plan's own rate if `None`.
+    #[must_use]
+    pub fn player(&self, rate_hz: Option<f64>) -> Player {
+        Player {
+            rate_hz: rate_hz.unwrap_or(1.0 / self.plan.sample_time_s),
+            rest_s: REST_S,
+            pose_rad: self.pose_rad.clone(),
+            limits: self.limits.clone(),
+        }
+    }
+
+    /// A run as `player` plays it: neither a sample of the reference nor, on the robot's model, the motion
+    /// and its torque exceeds a limit, ramps and moves included.
+    ///
+    /// # Errors
+    /// [`ExperimentError::Exceeds`]; [`ExperimentError::Signal`] for a run that cannot be played.
+    pub fn playback(&self, run: &Run, player: &Player) -> Result<Playback, ExperimentError> {
+        let playback = self.plan.playback(run, player)?;
+        self.refuse(run.id, "reference", playback.excesses(player))?;
+        let excesses = self.predicted_excesses(run, player)?;
+        self.refuse(run.id, "motion that the model predicts", excesses)?;
+        Ok(playback)
+    }
+
+    /// What the model exceeds where it is given the whole playback, from rest to rest.
+    fn predicted_excesses(
+        &self,
+        run: &Run,
+        player: &Player,
+    ) -> Result<Vec<Excess>, ExperimentError> {
+        let own_rate = Player {
+            rate_hz: 1.0 / self.plan.sample_time_s,
+            ..player.clone()
+        };
+        let whole = self.plan.playback(run, &own_rate)?;
+        let at_rest = vec![0.0; self.plan.n_inputs];
+        let whole = Run {
+            reference: match whole.played {
+                Played::Motion(motion) => motion.velocity_rad_s,
+                Played::Torque(torque) => torque,
+            },
+            velocity_rad_s: at_rest.clone(),
+            start_rad: at_rest.clone(),
+            ..run.clone()
+        };
+        let simulator: SimulatedRobot = self.simulator(None);
+        let (record, truth) = simulator.simulate(&whole)?;
+        let load = Load::of(&record, &at_rest, &self.pose_rad).with_motion(&truth);
+        Ok(player.limits.exceeded(&load.peaks))
+    }
+
+    fn refuse(
+        &self,
+        run: RunId,
+        what: &'static str,
+        excesses: Vec<Excess>,
+    ) -> Result<(), ExperimentError> {
+        let Some(excess) = excesses.into_iter().next() else {
+            return Ok(());
+        };
+        let joint = self.joint_names[excess.axis].clone();
+        Err(ExperimentError::Exceeds {
+            run,
+            what,
+            joint,
+            excess,
+        })
+    }
+}
+
+impl PlannedRuns {
+    /// The run of this name as `player` plays it.
+    ///
+    /// # Errors
+    /// As [`PlannedRuns::run`] and [`Experiment::playback`].
+    pub fn playback(&self, id: RunId, player: &Player) -> Result<Playback, ExperimentError> {
+        self.experiment.playback(&self.run(id)?, player)
+    }
+}
