@@ -5,8 +5,8 @@ use std::ffi::OsString;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use crate::command::{
-    check, compare, completions, demo, design, estimate, export, init, inspect, man, recover,
-    report, run, schema, shape,
+    check, compare, completions, demo, design, estimate, export, import, init, inspect, man,
+    recover, report, run, schema, shape,
 };
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
@@ -54,6 +54,7 @@ enum Command {
     Schema(schema::Arguments),
     Design(design::Arguments),
     Run(run::Arguments),
+    Import(Box<import::Arguments>),
     Shape(shape::Arguments),
     Estimate(Box<estimate::Arguments>),
     Compare(compare::Arguments),
@@ -81,6 +82,7 @@ impl Arguments {
             Command::Schema(arguments) => schema::run(arguments, console),
             Command::Design(arguments) => design::run(arguments, options, console),
             Command::Run(arguments) => run::run(arguments, options, console),
+            Command::Import(arguments) => import::run(arguments, options, console),
             Command::Shape(arguments) => shape::run(arguments, options, console),
             Command::Estimate(arguments) => estimate::run(arguments, options, console),
             Command::Compare(arguments) => compare::run(arguments, options, console),

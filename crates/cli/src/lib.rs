@@ -11,6 +11,7 @@ mod command {
     pub(crate) mod design;
     pub(crate) mod estimate;
     pub(crate) mod export;
+    pub(crate) mod import;
     pub(crate) mod init;
     pub(crate) mod inspect;
     pub(crate) mod man;

@@ -4,6 +4,7 @@
 //! Equation numbers are those of Saupe and Knoblach, MSSP 52-53 (2015) 60-72, cited SK15. Shapes,
 //! units and the DFT follow `frfid_signals`. Nothing here knows files, clocks or chance.
 
+mod alignment;
 mod closed_loop;
 mod compare;
 /// Correlation of a signal with itself: power that repeats after a lag, over holes and rests.
@@ -51,6 +52,7 @@ mod spectrogram;
 mod testing;
 mod trend;
 
+pub use alignment::{Alignment, Logged, Occurrence, Template, find_occurrences, resampled};
 pub use closed_loop::{ClosedLoop, Entry, Port, Response};
 pub use compare::agreement::{Agreement, NoiseTest, UnknownAgreement, WorstBand};
 pub use compare::change::{Change, Side, Sides};

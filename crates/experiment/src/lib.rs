@@ -27,6 +27,7 @@ mod experiment;
 mod inspect;
 /// Plays of runs on machines of others: out to their players, back from their recorders.
 mod play {
+    pub(crate) mod import;
     pub(crate) mod playing;
 }
 /// Runs: done on a testbed, several at once, and kept.
@@ -74,6 +75,7 @@ pub use estimate::{EstimateOptions, estimate_logs};
 pub use experiment::Experiment;
 pub use inspect::guess::GuessedMap;
 pub use inspect::{GroupLook, Inspection, SignalLook, inspect_recording};
+pub use play::import::{ImportOptions, ImportSummary, ImportedRun, import_recordings};
 pub use run::folder::{RunOptions, RunReport, RunSummary, run_to_folder};
 pub use run::kept::KeptRuns;
 pub use run::load::Load;

@@ -173,7 +173,19 @@ impl<'a> Writer<'a> {
 
     /// Writes the file of a run; the record comes back with the starts of its periods.
     pub(crate) fn write(&self, id: RunId, record: Record) -> Result<Record, ExperimentError> {
-        let file = run_file(&self.planned.experiment, id, record, self.metadata.clone())?;
+        self.write_with(id, record, Metadata::new())
+    }
+
+    /// The same with more to say of where the record comes from.
+    pub(crate) fn write_with(
+        &self,
+        id: RunId,
+        record: Record,
+        origin: Metadata,
+    ) -> Result<Record, ExperimentError> {
+        let mut metadata = self.metadata.clone();
+        metadata.extend(origin);
+        let file = run_file(&self.planned.experiment, id, record, metadata)?;
         write_run(&self.path_of(id), self.overwrite, &file)?;
         Ok(file.record)
     }

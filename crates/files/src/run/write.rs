@@ -185,11 +185,27 @@ fn write_sample<W: Write>(
     sample: usize,
 ) -> McapResult<()> {
     let at = Sample { run, sample };
-    writer.joint_state(&mut topics.states, &run.joint_names, &at.state())?;
-    writer.joint_state(&mut topics.commands, &run.joint_names, &at.command())?;
+    let record = &run.record;
+    let states = [
+        Some(&record.y),
+        record.position_rad.as_ref(),
+        at.input_of(InputKind::Measured),
+    ];
+    if at.is_known(states) {
+        writer.joint_state(&mut topics.states, &run.joint_names, &at.state())?;
+    }
+    let reference = record
+        .r
+        .as_ref()
+        .filter(|_| run.injection == Injection::Velocity);
+    if at.is_known([reference, at.input_of(InputKind::Commanded), None]) {
+        writer.joint_state(&mut topics.commands, &run.joint_names, &at.command())?;
+    }
     match &mut topics.excitation {
-        Some(topic) => writer.joint_state(topic, &run.joint_names, &at.injected()),
-        None => Ok(()),
+        Some(topic) if at.is_known([record.r.as_ref(), None, None]) => {
+            writer.joint_state(topic, &run.joint_names, &at.injected())
+        }
+        _ => Ok(()),
     }
 }
 
@@ -243,10 +259,26 @@ impl Sample<'_> {
         }
     }
 
+    /// Whether every value of this sample was measured: one that was not is left out, and found missing
+    /// by the reader.
+    fn is_known(&self, signals: [Option<&Array2<f64>>; 3]) -> bool {
+        let mut signals = signals.into_iter().flatten();
+        signals.all(|signal| {
+            signal
+                .column(self.sample)
+                .iter()
+                .all(|value| value.is_finite())
+        })
+    }
+
     /// The input, if it is of this kind.
-    fn input(&self, kind: InputKind) -> Vec<f64> {
+    fn input_of(&self, kind: InputKind) -> Option<&Array2<f64>> {
         let record = &self.run.record;
-        self.values(Some(&record.u).filter(|_| record.input_kind == kind))
+        (record.input_kind == kind).then_some(&record.u)
+    }
+
+    fn input(&self, kind: InputKind) -> Vec<f64> {
+        self.values(self.input_of(kind))
     }
 
     /// The reference, if it acts in this way.

@@ -1,0 +1,161 @@
+//! Sought references: what may have been played of a plan, each reference once.
+
+use frfid_estimate::{Logged, Occurrence, Template, find_occurrences};
+use frfid_signals::{Played, Player, RunId, RunKind, median};
+use ndarray::Array2;
+use std::ops::Range;
+
+use crate::error::ExperimentError;
+use crate::run::planned_runs::{PlannedRuns, first_repetitions};
+
+/// A reference of a plan.
+pub(super) struct Sought {
+    /// The first of its repetitions.
+    pub(super) id: RunId,
+    /// What moves, `(channel, sample)`: the run above the constant velocity, or a glide from rest to rest.
+    reference: Array2<f64>,
+    sample_time_s: f64,
+    /// Where the run itself begins and ends in it, in s.
+    run_s: Range<f64>,
+    high_hz: f64,
+}
+
+/// A run that was found in a recording.
+#[derive(Debug, Clone)]
+pub(super) struct FoundRun {
+    /// The first of the repetitions that it may be.
+    pub(super) id: RunId,
+    /// Where; the start is that of the run's own first sample.
+    pub(super) occurrence: Occurrence,
+    /// Length of the run in s of the plan.
+    pub(super) length_s: f64,
+}
+
+impl FoundRun {
+    /// Its place in s of the recorder.
+    fn span_s(&self) -> Range<f64> {
+        let alignment = &self.occurrence.alignment;
+        let length_s = self.occurrence.stopped_s.unwrap_or(self.length_s);
+        alignment.start_s..alignment.start_s + alignment.clock_ratio * length_s
+    }
+}
+
+/// References of a plan by kind.
+pub(super) struct SoughtRuns {
+    excited: Vec<Sought>,
+    glides: Vec<Sought>,
+}
+
+impl SoughtRuns {
+    /// All references of a plan, or those of `only` one run, as `player` plays them.
+    pub(super) fn of(
+        planned: &PlannedRuns,
+        player: &Player,
+        only: Option<RunId>,
+    ) -> Result<Self, ExperimentError> {
+        let ids = match only {
+            Some(id) => vec![id],
+            None => first_repetitions(&planned.experiment.plan),
+        };
+        let (glides, excited): (Vec<RunId>, Vec<RunId>) =
+            ids.into_iter().partition(|id| id.kind == RunKind::Glide);
+        let excited = excited.into_iter().map(|id| excitation(planned, id));
+        let glides = glides.into_iter().map(|id| glide(planned, id, player));
+        Ok(Self {
+            excited: excited.collect::<Result<_, _>>()?,
+            glides: glides.collect::<Result<_, _>>()?,
+        })
+    }
+
+    /// The runs in a recording, excited ones first: a glide has no more than its ramps to be told by.
+    pub(super) fn find(&self, logged: &Logged) -> Vec<FoundRun> {
+        let excited = found(&self.excited, logged, &[], None);
+        let ratios: Vec<f64> = excited
+            .iter()
+            .map(|run| run.occurrence.alignment.clock_ratio)
+            .collect();
+        let known = median(ratios);
+        let taken: Vec<Range<f64>> = excited.iter().map(FoundRun::span_s).collect();
+        let glides = found(&self.glides, logged, &taken, known);
+        excited.into_iter().chain(glides).collect()
+    }
+}
+
+fn found(
+    sought: &[Sought],
+    logged: &Logged,
+    taken: &[Range<f64>],
+    known_ratio: Option<f64>,
+) -> Vec<FoundRun> {
+    let templates: Vec<Template> = sought.iter().map(Sought::template).collect();
+    let occurrences = find_occurrences(logged, &templates, taken, known_ratio);
+    let of_run = |mut occurrence: Occurrence| {
+        let sought = &sought[occurrence.template];
+        let alignment = &mut occurrence.alignment;
+        alignment.start_s += alignment.clock_ratio * sought.run_s.start;
+        occurrence.stopped_s = occurrence
+            .stopped_s
+            .map(|stopped_s| stopped_s - sought.run_s.start);
+        let length_s = sought.run_s.end - sought.run_s.start;
+        FoundRun {
+            id: sought.id,
+            occurrence,
+            length_s,
+        }
+    };
+    occurrences.into_iter().map(of_run).collect()
+}
+
+impl Sought {
+    fn template(&self) -> Template<'_> {
+        Template {
+            reference: self.reference.view(),
+            sample_time_s: self.sample_time_s,
+            high_hz: self.high_hz,
+        }
+    }
+}
+
+/// An excited run above its constant velocity.
+fn excitation(planned: &PlannedRuns, id: RunId) -> Result<Sought, ExperimentError> {
+    let run = planned.run(id)?;
+    let length_s = run.reference.ncols() as f64 * run.sample_time_s;
+    let mut reference = run.reference;
+    for mut row in reference.rows_mut() {
+        row -= row.mean().unwrap_or(0.0);
+    }
+    Ok(Sought {
+        id,
+        reference,
+        sample_time_s: run.sample_time_s,
+        run_s: 0.0..length_s,
+        high_hz: high_hz(planned),
+    })
+}
+
+/// A glide from rest to rest.
+fn glide(planned: &PlannedRuns, id: RunId, player: &Player) -> Result<Sought, ExperimentError> {
+    let playback = planned
+        .experiment
+        .plan
+        .playback(&planned.run(id)?, player)?;
+    let t = playback.sample_time_s;
+    let begin_s = playback.first_sample as f64 * t;
+    let length_s =
+        planned.experiment.plan.run_samples()? as f64 * planned.experiment.plan.sample_time_s;
+    let reference = match playback.played {
+        Played::Motion(motion) => motion.velocity_rad_s,
+        Played::Torque(torque) => torque,
+    };
+    Ok(Sought {
+        id,
+        reference,
+        sample_time_s: t,
+        run_s: begin_s..begin_s + length_s,
+        high_hz: high_hz(planned),
+    })
+}
+
+fn high_hz(planned: &PlannedRuns) -> f64 {
+    planned.experiment.plan.excitation.waveform().band_hz()[1]
+}
