@@ -2,19 +2,23 @@
 the elastic arm, which scipy integrates over MuJoCo's link accelerations."""
 
 import pathlib
+import sys
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from scipy.spatial.transform import Rotation
 
 import frfid
 
 tomllib = pytest.importorskip("tomllib", reason="robot files are read with Python 3.11's tomllib")
 mujoco = pytest.importorskip("mujoco", reason="the independent check of the arm needs MuJoCo: pip install mujoco")
 
-ROBOTS = pathlib.Path(__file__).parents[2] / "examples" / "robots"
+EXAMPLES = pathlib.Path(__file__).parents[2] / "examples"
+sys.path.insert(0, str(EXAMPLES / "players"))
+import mujoco_robot
+
+ROBOTS = EXAMPLES / "robots"
 T = 1e-3
 LINEAR = {"coulomb_friction": False, "stiffening": False, "torque_ripple": False, "sensing": False}
 
@@ -33,22 +37,9 @@ class Multibody:
     def of_tables(cls, robot):
         """From the tables of a robot file: bodies in a chain, locked joints turned once and for all."""
         spec = mujoco.MjSpec()
-        parent = spec.worldbody
-        for body in robot["body"]:
-            turned = Rotation.from_euler("xyz", body.get("rotation_rpy_rad", (0.0, 0.0, 0.0)))
-            axis = np.array(body["axis"], float) / np.linalg.norm(body["axis"])
-            turned *= Rotation.from_rotvec(body.get("locked_position_rad", 0.0) * axis)
-            x, y, z, w = turned.as_quat()
-            placeholder = {"mass": 1.0, "inertia": (1.0, 1.0, 1.0), "explicitinertial": True}
-            parent = parent.add_body(name=body["name"], pos=body["offset_m"], quat=(w, x, y, z), **placeholder)
-            if "joint" in body:
-                parent.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=axis)
-        if "payload" in robot:
-            parent.add_body(name="payload", **placeholder)
+        mujoco_robot.add_links(spec, robot)
         model = spec.compile()
-        # The compiler refuses simplified bodies and point masses; the equations of motion do not mind.
-        for body in [*robot["body"], {"name": "payload", **robot["payload"]}] if "payload" in robot else robot["body"]:
-            set_inertia(model, **body)
+        mujoco_robot.set_inertias(model, robot)
         return cls(model, robot["gravity_m_s2"])
 
     @classmethod
@@ -61,24 +52,13 @@ class Multibody:
             of = lambda part: {} if link.find("inertial") is None else link.find("inertial").find(part).attrib
             inertia = {entry: float(value) for entry, value in of("inertia").items()}
             center = [float(x) for x in of("origin").get("xyz", "0 0 0").split()]
-            set_inertia(model, link.get("name"), float(of("mass").get("value", 0.0)), center, inertia)
+            mujoco_robot.set_inertia(model, link.get("name"), float(of("mass").get("value", 0.0)), center, inertia)
         return cls(model, (0.0, 0.0, -9.81))
 
     def acceleration(self, q, qd, torque):
         self.data.qpos[:], self.data.qvel[:], self.data.qfrc_applied[:] = q, qd, torque
         mujoco.mj_forward(self.model, self.data)
         return self.data.qacc.copy()
-
-
-def set_inertia(model, name, mass_kg, center_of_mass_m=(0.0, 0.0, 0.0), inertia_kg_m2={}, **_):
-    xx, yy, zz, xy, xz, yz = (inertia_kg_m2.get(entry, 0.0) for entry in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz"))
-    principal, axes = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    axes[:, 0] *= np.linalg.det(axes)  # right-handed
-    k = model.body(name).id
-    x, y, z, w = Rotation.from_matrix(axes).as_quat()
-    model.body_mass[k], model.body_ipos[k] = mass_kg, center_of_mass_m
-    model.body_inertia[k], model.body_iquat[k] = principal, (w, x, y, z)
-    model.body_sameframe[k] = model.body_simple[k] = 0  # shortcuts the compiler took for its placeholder
 
 
 class Elastic:
