@@ -8,8 +8,8 @@ Without them they are taken from FRFID_REFERENCE and FRFID_LOG. FRFID_RATE_HZ, w
 FRFID_RUN names the run: chance differs from run to run, and is the same whenever a run is played again.
 
 The controller starts with the reference, on its first sample, follows its quintic spline at a rate of its own, and asks for
-torques. Exit code 0 when the motion was played to its end, 2 if it was refused (nothing moved, no log), 3 if it was stopped on the
-way (the log ends there). What went wrong is a line on stderr.
+torques. Exit code 0 when the motion was played to its end, 2 if it was refused (nothing moved, no log), 3 if it was stopped on
+its way, where the log ends. What went wrong is a line on stderr.
 """
 
 import argparse

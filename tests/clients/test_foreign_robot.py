@@ -201,6 +201,17 @@ def test_a_played_reference_comes_back(play, planned):
     np.testing.assert_allclose(ideal["r"][:, at_plan], planned[0].velocity, atol=1e-12)
 
 
+def test_six_axes_are_played_as_well(tmp_path):
+    robot, options = robot_of(SIX[0]), ["--experiment", str(EXAMPLES / "experiments" / SIX[0]), "--clock-ppm", "0"]
+    motion = multisine(robot.pose_rad, duration_s=4.0)
+    files = [str(write(tmp_path / "reference.csv", motion, robot.names)), str(tmp_path / "log.csv")]
+    assert mujoco_player.main([*files, *options]) == 0
+    _, *columns = np.loadtxt(files[1], delimiter=",", skiprows=1).T
+    followed = np.array(columns[1::4])
+    ways = np.ptp(followed, axis=1) / np.ptp(motion.position, axis=1)
+    assert ways.min() > 0.8 and ways.max() < 1.2
+
+
 HOSTILE = "--rate-hz 800 --degrees --motor-side --flip joint_2 --low-pass-hz 100 --drop 0.01 --double 0.01".split()
 
 
