@@ -25,6 +25,7 @@ mod mcap {
     pub(crate) mod write;
 }
 mod plan;
+mod playback;
 mod result;
 /// ROS 2 messages: definitions, CDR, and values picked out of them.
 mod ros {
@@ -65,6 +66,9 @@ pub use loss::Loss;
 pub use mcap::recover::{Recovered, recover};
 pub use plan::write::write_plan;
 pub use plan::{PlanEntry, PlanFile, PlanHead, PlannedRun};
+pub use playback::PlaybackFile;
+pub use playback::csv::write_playback_csv;
+pub use playback::form::{AngleUnit, DecimalMark, Separator, TableForm};
 pub use result::exports::{EXPORTS, Export};
 pub use result::json::{read_result, write_result};
 pub use result::result_file::{Check, ResultFile};
