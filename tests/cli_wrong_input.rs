@@ -168,7 +168,7 @@ const REFUSED: [(&str, &str, &str, &str); 29] = [
         "frfid estimate",
     ),
     (
-        "export x.toml -o y.csv",
+        "export note.txt -o y.csv",
         "a text file",
         RESULT,
         "frfid estimate",

@@ -86,9 +86,9 @@ impl From<ExperimentError> for Failure {
             ExperimentError::Interrupted { .. } | ExperimentError::ShapingInterrupted { .. } => {
                 Self::of(Exit::Interrupted, &error)
             }
-            ExperimentError::Trail { .. } | ExperimentError::Logs { .. } => {
-                Self::of(Exit::Usage, &error)
-            }
+            ExperimentError::Trail { .. }
+            | ExperimentError::Logs { .. }
+            | ExperimentError::Exceeds { .. } => Self::of(Exit::Usage, &error),
             error => Self::failed(&error),
         }
     }

@@ -21,6 +21,8 @@ pub(crate) enum Needed {
     Any,
     /// A result.
     Result,
+    /// A result, a plan or a description.
+    Exportable,
 }
 
 impl Needed {
@@ -31,9 +33,10 @@ impl Needed {
             (Self::Description, FileKind::Text | FileKind::Empty)
             | (Self::Result, FileKind::Result) => true,
             (Self::Description | Self::Result, _) => false,
-            (Self::Runs, FileKind::Plan | FileKind::Recording) => true,
-            (Self::Runs, FileKind::Text | FileKind::Empty) => is_toml,
-            (Self::Runs, _) => false,
+            (Self::Exportable, FileKind::Result) => true,
+            (Self::Runs | Self::Exportable, FileKind::Plan | FileKind::Recording) => true,
+            (Self::Runs | Self::Exportable, FileKind::Text | FileKind::Empty) => is_toml,
+            (Self::Runs | Self::Exportable, _) => false,
             (Self::Log, FileKind::Folder) => false,
             (Self::Any, FileKind::Plan | FileKind::Result) => true,
             (Self::Any, FileKind::Empty) => false,
@@ -61,6 +64,9 @@ impl Needed {
             Self::Log => "a log (MCAP)",
             Self::Any => "logs, recordings (MCAP, rosbag2, CSV, MAT, NPZ), plans or results",
             Self::Result => "a result of frfid estimate (JSON)",
+            Self::Exportable => {
+                "a result of frfid estimate (JSON), a plan of frfid design (MCAP) or the description of an experiment (.toml)"
+            }
         }
     }
 
@@ -71,7 +77,7 @@ impl Needed {
                 "frfid init multisine -o experiment.toml writes a description to start from"
             }
             Self::Logs | Self::Log | Self::Any => "frfid run makes logs of a plan",
-            Self::Result => "frfid estimate LOGS -o frf.json makes one of logs",
+            Self::Result | Self::Exportable => "frfid estimate LOGS -o frf.json makes one of logs",
         }
     }
 
@@ -79,7 +85,7 @@ impl Needed {
     fn advice(self, kind: FileKind, path: &Path) -> String {
         let path = path.display();
         match (kind, self) {
-            (FileKind::Folder, Self::Result | Self::Runs) => {
+            (FileKind::Folder, Self::Result | Self::Runs | Self::Exportable) => {
                 format!(
                     "name a file in it; if it holds logs, frfid estimate {path} -o frf.json makes a result of them"
                 )

@@ -27,8 +27,11 @@ mod experiment;
 mod inspect;
 /// Plays of runs on machines of others: out to their players, back from their recorders.
 mod play {
+    pub(crate) mod export;
     pub(crate) mod import;
+    pub(crate) mod layout;
     pub(crate) mod playing;
+    pub(crate) mod rehearsal;
 }
 /// Runs: done on a testbed, several at once, and kept.
 mod run {
@@ -75,7 +78,9 @@ pub use estimate::{EstimateOptions, estimate_logs};
 pub use experiment::Experiment;
 pub use inspect::guess::GuessedMap;
 pub use inspect::{GroupLook, Inspection, SignalLook, inspect_recording};
+pub use play::export::{Exported, PlayOptions};
 pub use play::import::{ImportOptions, ImportSummary, ImportedRun, import_recordings};
+pub use play::rehearsal::Rehearsal;
 pub use run::folder::{RunOptions, RunReport, RunSummary, run_to_folder};
 pub use run::kept::KeptRuns;
 pub use run::load::Load;

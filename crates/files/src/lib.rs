@@ -69,6 +69,8 @@ pub use plan::{PlanEntry, PlanFile, PlanHead, PlannedRun};
 pub use playback::PlaybackFile;
 pub use playback::csv::write_playback_csv;
 pub use playback::form::{AngleUnit, DecimalMark, Separator, TableForm};
+pub use playback::formats::{PLAY_FORMATS, PlayFormat};
+pub use playback::order::{OrderEntry, write_order};
 pub use result::exports::{EXPORTS, Export};
 pub use result::json::{read_result, write_result};
 pub use result::result_file::{Check, ResultFile};

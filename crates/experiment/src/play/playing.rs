@@ -2,7 +2,7 @@
 //! first rest to its last.
 
 use frfid_plant::SimulatedRobot;
-use frfid_signals::{Excess, Playback, Played, Player, Run, RunId};
+use frfid_signals::{Excess, Peaks, Playback, Played, Player, Run, RunId};
 
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
@@ -30,19 +30,28 @@ impl Experiment {
     /// # Errors
     /// [`ExperimentError::Exceeds`]; [`ExperimentError::Signal`] for a run that cannot be played.
     pub fn playback(&self, run: &Run, player: &Player) -> Result<Playback, ExperimentError> {
-        let playback = self.plan.playback(run, player)?;
-        self.refuse(run.id, "reference", playback.excesses(player))?;
-        let excesses = self.predicted_excesses(run, player)?;
-        self.refuse(run.id, "motion that the model predicts", excesses)?;
-        Ok(playback)
+        Ok(self.rehearsed(run, player)?.0)
     }
 
-    /// What the model exceeds where it is given the whole playback, from rest to rest.
-    fn predicted_excesses(
+    /// The same with the peaks that the model predicts.
+    ///
+    /// # Errors
+    /// As [`Experiment::playback`].
+    pub(crate) fn rehearsed(
         &self,
         run: &Run,
         player: &Player,
-    ) -> Result<Vec<Excess>, ExperimentError> {
+    ) -> Result<(Playback, Peaks), ExperimentError> {
+        let playback = self.plan.playback(run, player)?;
+        self.refuse(run.id, "reference", playback.excesses(player))?;
+        let peaks = self.predicted_peaks(run, player)?;
+        let excesses = player.limits.exceeded(&peaks);
+        self.refuse(run.id, "motion that the model predicts", excesses)?;
+        Ok((playback, peaks))
+    }
+
+    /// What the model reaches where it is given the whole playback, from rest to rest.
+    fn predicted_peaks(&self, run: &Run, player: &Player) -> Result<Peaks, ExperimentError> {
         let own_rate = Player {
             rate_hz: 1.0 / self.plan.sample_time_s,
             ..player.clone()
@@ -61,7 +70,7 @@ impl Experiment {
         let simulator: SimulatedRobot = self.simulator(None);
         let (record, truth) = simulator.simulate(&whole)?;
         let load = Load::of(&record, &at_rest, &self.pose_rad).with_motion(&truth);
-        Ok(player.limits.exceeded(&load.peaks))
+        Ok(load.peaks)
     }
 
     fn refuse(

@@ -90,7 +90,7 @@ impl PlannedRuns {
     }
 
     /// What all runs of the plan file have in common.
-    fn head(&self) -> Result<PlanHead, ExperimentError> {
+    pub(crate) fn head(&self) -> Result<PlanHead, ExperimentError> {
         if let Some(plan) = &self.plan {
             return Ok(plan.head.clone());
         }

@@ -3,6 +3,8 @@
 pub(crate) mod columns;
 pub(crate) mod csv;
 pub(crate) mod form;
+pub(crate) mod formats;
+pub(crate) mod order;
 #[cfg(test)]
 pub(crate) mod testing;
 
@@ -13,7 +15,7 @@ use ndarray::Array2;
 
 use crate::error::FileError;
 use crate::playback::form::TableForm;
-use crate::run::header::check_joints;
+use crate::run::header::{MOST_VALUES, check_joints};
 
 /// What a file of playbacks holds: one run, or all of them one after the other.
 #[derive(Debug, Clone)]
@@ -71,8 +73,20 @@ impl PlaybackFile {
         let Some(first) = self.playbacks.first() else {
             return Err(FileError::shape("playbacks", "none", "at least one run"));
         };
+        self.check_size()?;
         let mut all = self.playbacks.iter();
         all.try_for_each(|playback| self.check_playback(playback, first))
+    }
+
+    /// Refuses more numbers than a recording of them could hold.
+    fn check_size(&self) -> Result<(), FileError> {
+        let n_samples = self.n_samples();
+        if n_samples.saturating_mul(3 * self.joint_names.len()) <= MOST_VALUES {
+            return Ok(());
+        }
+        let found = format!("{n_samples} samples in one file");
+        let needed = "at most 2^28 numbers: a file for each run, or a lower rate";
+        Err(FileError::shape("playbacks", found, needed))
     }
 
     fn check_playback(&self, playback: &Playback, first: &Playback) -> Result<(), FileError> {

@@ -1,0 +1,177 @@
+//! Export of a plan: its runs from rest to rest, for the players of robots.
+
+use std::path::Path;
+
+use clap::Args;
+use frfid_experiment::{Exported, PlannedRuns, PlayOptions};
+use frfid_files::{AngleUnit, DecimalMark, PLAY_FORMATS, PlayFormat, Separator, TableForm};
+use frfid_signals::format::{count, significant};
+use serde_json::{Value, json};
+
+use crate::command::design::warn;
+use crate::command::export::{Arguments, ending, unfit};
+use crate::console::Console;
+use crate::exit::{Exit, Failure};
+use crate::options::{Options, named};
+use crate::progress::watched;
+
+/// What goes with a plan alone.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "For plans")]
+pub(super) struct PlanArguments {
+    /// Samples a second of the player, in place of the plan's own
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
+    /// One file with all runs in order, repetitions, moves and rests between them included
+    #[arg(long)]
+    campaign: bool,
+    /// What stands between the columns of a CSV
+    #[arg(long, value_parser = named::<Separator>())]
+    separator: Option<Separator>,
+    /// What stands before the decimals of a CSV
+    #[arg(long, value_parser = named::<DecimalMark>())]
+    decimal: Option<DecimalMark>,
+    /// Unit of a table's angles
+    #[arg(long, value_parser = named::<AngleUnit>())]
+    angle: Option<AngleUnit>,
+    /// Turns of the motor for a turn of the joint, one for each joint, of either sign: a table on the motor side
+    #[arg(
+        long,
+        value_name = "RATIO,...",
+        value_delimiter = ',',
+        allow_hyphen_values = true
+    )]
+    gear_ratio: Vec<f64>,
+    /// Runs to simulate at once for the check of the limits; 0: one for each core
+    #[arg(long, env = "FRFID_JOBS", default_value_t = 0)]
+    jobs: usize,
+}
+
+impl PlanArguments {
+    /// The first option that is given of those that say how a table is written.
+    fn of_table(&self) -> Option<&'static str> {
+        let given = [
+            (self.separator.is_some(), "--separator"),
+            (self.decimal.is_some(), "--decimal"),
+            (self.angle.is_some(), "--angle"),
+            (!self.gear_ratio.is_empty(), "--gear-ratio"),
+        ];
+        given
+            .iter()
+            .find(|(is_given, _)| *is_given)
+            .map(|(_, name)| *name)
+    }
+
+    /// Refuses them beside a result.
+    pub(super) fn refuse_with_result(&self) -> Result<(), Failure> {
+        let rate = self.rate.map(|_| "--rate");
+        let campaign = self.campaign.then_some("--campaign");
+        match rate.or(campaign).or(self.of_table()) {
+            None => Ok(()),
+            Some(option) => Err(Failure::usage(format!(
+                "{option}: found a result, needed a plan; leave it out, or export the plan of the result"
+            ))),
+        }
+    }
+
+    fn form(&self) -> TableForm {
+        TableForm {
+            separator: self.separator.unwrap_or_default(),
+            decimal: self.decimal.unwrap_or_default(),
+            angle: self.angle.unwrap_or_default(),
+            gear_ratio: self.gear_ratio.clone(),
+        }
+    }
+
+    /// Refuses the form of a table for a format that is none.
+    fn check_form(&self, format: &PlayFormat) -> Result<(), Failure> {
+        match self.of_table() {
+            Some(option) if !format.is_table => Err(Failure::usage(format!(
+                "{option}: messages of ROS are in rad and N m on the joint side (--to {}); leave it out, or export a table",
+                format.name
+            ))),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The format of this name.
+fn of_name(name: &str) -> Result<&'static PlayFormat, Failure> {
+    let names = PLAY_FORMATS.map(|format| format.name);
+    PlayFormat::named(name).map_err(|_| unfit(name, "a plan", &names))
+}
+
+/// The format that is asked for, or that of the ending; both must not contradict each other.
+fn format(to: Option<&str>, output: &Path) -> Result<&'static PlayFormat, Failure> {
+    let (path, of_ending) = (output.display(), PlayFormat::of_suffix(output));
+    let Some(to) = to else {
+        return of_ending.ok_or_else(|| {
+            let names = PLAY_FORMATS.map(|format| format.name).join(", ");
+            let found = ending(output);
+            Failure::usage(format!("{path}: found {found}, needed the format of a plan's files; say --to, one of {names}"))
+        });
+    };
+    let to = of_name(to)?;
+    match of_ending {
+        Some(other) if !to.is_ending_of(output) => Err(Failure::usage(format!(
+            "--to {} and {path} contradict each other: .{} is the ending of another format; leave --to out, or choose another name",
+            to.name, other.suffix
+        ))),
+        _ => Ok(to),
+    }
+}
+
+pub(super) fn run(
+    arguments: &Arguments,
+    options: &Options,
+    console: &mut Console,
+) -> Result<Exit, Failure> {
+    let (plan, output) = (&arguments.plan, &arguments.output);
+    let play = PlayOptions {
+        format: format(arguments.to.as_deref(), output)?,
+        rate_hz: plan.rate,
+        form: plan.form(),
+        is_campaign: plan.campaign,
+        jobs: plan.jobs,
+        overwrite: options.overwrite(),
+    };
+    plan.check_form(play.format)?;
+    let planned = PlannedRuns::load(&arguments.input)?;
+    warn(&planned.experiment, console);
+    let exported = watched(console, "rehearsing", "references", |progress| {
+        planned.export(output, &play, progress)
+    })?;
+    tell(&exported, output, options, console)?;
+    Ok(Exit::Done)
+}
+
+fn tell(
+    exported: &Exported,
+    output: &Path,
+    options: &Options,
+    console: &mut Console,
+) -> Result<(), Failure> {
+    if options.json {
+        console.json(&as_json(exported, output))?;
+    }
+    console.wrote(output);
+    let files = count(exported.files.len(), "file");
+    let (runs, time_s) = (exported.n_runs(), significant(exported.duration_s(), 4));
+    let runs = count(runs, "run");
+    let plan_id = exported.plan_id;
+    console.note(format_args!(
+        "{files}, {runs}, {time_s} s on the robot, plan_id {plan_id}"
+    ));
+    Ok(())
+}
+
+fn as_json(exported: &Exported, output: &Path) -> Value {
+    json!({
+        "output": output,
+        "files": exported.files,
+        "plan_id": exported.plan_id,
+        "rate_hz": exported.player.rate_hz,
+        "n_runs": exported.n_runs(),
+        "duration_s": exported.duration_s(),
+    })
+}

@@ -1,0 +1,90 @@
+//! Rehearsal of a plan: every reference as a player plays it, held against the limits before anything is written.
+
+use std::sync::Arc;
+
+use frfid_signals::{Peaks, Playback, Player, RunId};
+
+use crate::error::ExperimentError;
+use crate::run::parallel::{Progress, Steps, for_each};
+use crate::run::planned_runs::PlannedRuns;
+
+/// A reference that was held against the limits and keeps them.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rehearsal {
+    /// The first of its repetitions.
+    pub id: RunId,
+    /// How often it is played, one after the other.
+    pub n_repetitions: usize,
+    /// Samples of each repetition, from rest to rest.
+    pub n_samples: usize,
+    /// Sample at which the run itself begins.
+    pub first_sample: usize,
+    /// Samples of the run itself.
+    pub run_samples: usize,
+    /// Duration of each repetition in s.
+    pub duration_s: f64,
+    /// What is commanded at most.
+    pub commanded: Peaks,
+    /// What the model predicts at most; `None` without a model.
+    pub predicted: Option<Peaks>,
+}
+
+impl PlannedRuns {
+    /// The first repetition of every reference with their number, in the order in which they are played.
+    pub(crate) fn references(&self) -> Vec<(RunId, usize)> {
+        let mut references: Vec<(RunId, usize)> = Vec::new();
+        for id in self.run_ids() {
+            match references.last_mut() {
+                Some((first, n)) if is_same_reference(*first, id) => *n += 1,
+                _ => references.push((id, 1)),
+            }
+        }
+        references
+    }
+
+    /// Every reference as `player` plays it, on `jobs` threads (0: one for each core).
+    ///
+    /// # Errors
+    /// As [`PlannedRuns::playback`]; [`ExperimentError::Interrupted`].
+    pub fn rehearse(
+        &self,
+        player: &Player,
+        jobs: usize,
+        progress: Progress,
+    ) -> Result<Vec<Rehearsal>, ExperimentError> {
+        let references = self.references();
+        let steps = Steps {
+            progress,
+            before: 0,
+            total: references.len(),
+        };
+        for_each(&references, jobs, steps, |&(id, n_repetitions)| {
+            let (playback, predicted) = self.experiment.rehearsed(&self.run(id)?, player)?;
+            Ok(Rehearsal {
+                id,
+                n_repetitions,
+                n_samples: playback.n_samples(),
+                first_sample: playback.first_sample,
+                run_samples: playback.run_samples,
+                duration_s: playback.n_samples() as f64 * playback.sample_time_s,
+                commanded: playback.peaks(&player.pose_rad),
+                predicted: Some(predicted),
+            })
+        })
+    }
+
+    /// A run that was rehearsed, made anew: signals of a whole plan would take much memory.
+    pub(crate) fn rehearsed_again(
+        &self,
+        run: &Rehearsal,
+        player: &Player,
+    ) -> Result<Arc<Playback>, ExperimentError> {
+        let playback = self.experiment.plan.playback(&self.run(run.id)?, player)?;
+        Ok(Arc::new(playback))
+    }
+}
+
+fn is_same_reference(first: RunId, id: RunId) -> bool {
+    let repetition = first.repetition;
+    RunId { repetition, ..id } == first
+}
