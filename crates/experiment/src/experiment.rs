@@ -16,6 +16,8 @@ use crate::description::text::{ConfigError, TomlText};
 #[derive(Debug, Clone)]
 pub struct Experiment {
     pub(crate) text: TomlText,
+    /// What is to be said of a file that was read in.
+    pub(crate) note: Option<String>,
     pub(crate) config: Config,
     pub(crate) robot: Arc<dyn Robot>,
     pub(crate) joint_names: Vec<String>,
@@ -50,7 +52,10 @@ impl Experiment {
     pub fn new(text: TomlText, folder: &Path) -> Result<Self, ConfigError> {
         let mut config: Config = text.parse_kinds(&Config::TABLES_OF_KINDS)?;
         config.robot.read_files(&text, folder)?;
-        Self::of(config, text)
+        let joints = config.robot.joint_names();
+        let read = config.limits.read_file(folder, &joints);
+        let note = read.map_err(|fault| text.locate(&[], fault))?;
+        Self::of(config, text, note)
     }
 
     /// The experiment of a template.
@@ -80,11 +85,11 @@ impl Experiment {
     pub fn with(&self, change: impl FnOnce(&mut Config)) -> Result<Self, ConfigError> {
         let mut config = self.config.clone();
         change(&mut config);
-        Self::of(config, self.text.clone())
+        Self::of(config, self.text.clone(), self.note.clone())
     }
 
     /// Checks a description and resolves it; errors point into `text`.
-    fn of(config: Config, text: TomlText) -> Result<Self, ConfigError> {
+    fn of(config: Config, text: TomlText, note: Option<String>) -> Result<Self, ConfigError> {
         let robot = config.robot.resolve();
         let robot = robot.map_err(|fault| text.locate(&["robot"], fault))?;
         let controller = config.controller.as_ref().map(ControllerTable::controller);
@@ -97,9 +102,10 @@ impl Experiment {
             pose_rad: config.robot.pose(),
             sensors: config.robot.sensors(),
             controller,
-            limits: config.limits.tighter(&config.robot.limits()),
+            limits: config.limits.given.tighter(&config.robot.limits()),
             plan: design(&config).map_err(|fault| text.locate(&[], fault))?,
             text,
+            note,
             config,
             robot,
         };
@@ -159,7 +165,7 @@ impl Experiment {
     /// Whether a limit of an axis is the robot's own, not that of the experiment.
     #[must_use]
     pub fn limit_is_robots_own(&self, limit: Limit, axis: usize) -> bool {
-        self.config.limits.of(limit, axis) != self.limits.of(limit, axis)
+        self.config.limits.given.of(limit, axis) != self.limits.of(limit, axis)
     }
 
     /// The runs that follow from the description.

@@ -6,8 +6,11 @@ mod description {
     pub(crate) mod controller;
     pub(crate) mod estimate;
     pub(crate) mod fault;
+    pub(crate) mod joint_limits;
+    pub(crate) mod limits;
     pub(crate) mod misspelt;
     pub(crate) mod plan;
+    pub(crate) mod radians;
     pub(crate) mod robot;
     pub(crate) mod schema;
     pub(crate) mod shape;
@@ -59,6 +62,7 @@ mod shape {
 pub use description::config::{AveragingTable, Config, ConstantVelocityTable};
 pub use description::controller::ControllerTable;
 pub use description::estimate::{Average, EstimateTable, GlideSubtraction};
+pub use description::limits::LimitsTable;
 pub use description::robot::RobotTable;
 pub use description::robot::body::BodyTable;
 pub use description::robot::joint::{JointTable, MotorRippleTable, SingleJointTable};

@@ -1,13 +1,14 @@
 //! Tables of `experiment.toml`: one description of robot, excitation, averaging, limits and
 //! estimator.
 
-use frfid_signals::{ChirpDesign, Design, Limits, MultisineDesign, SteppedSineDesign};
+use frfid_signals::{ChirpDesign, Design, MultisineDesign, SteppedSineDesign};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::description::controller::ControllerTable;
 use crate::description::estimate::EstimateTable;
 use crate::description::fault::Fault;
+use crate::description::limits::LimitsTable;
 use crate::description::robot::RobotTable;
 use crate::description::shape::ShapeTable;
 
@@ -39,7 +40,7 @@ pub struct Config {
     pub constant_velocity: Option<ConstantVelocityTable>,
     /// Limits that no run may exceed.
     #[serde(default)]
-    pub limits: Limits,
+    pub limits: LimitsTable,
     /// How the records become an FRF.
     #[serde(default)]
     pub estimate: EstimateTable,

@@ -9,17 +9,21 @@ pub(crate) fn with_suggestion(message: &str) -> String {
     }
 }
 
-/// The known name nearest to the unknown one: at most a third of its letters differ, capitals do
-/// not count.
+/// The known name nearest to the unknown one.
 fn meant(message: &str) -> Option<&str> {
-    let is_unknown = ["unknown field `", "unknown variant `"];
+    let is_unknown = ["unknown field `", "unknown variant `", "unknown limit `"];
     let rest = is_unknown
         .iter()
         .find_map(|start| message.strip_prefix(start))?;
     let (unknown, known) = rest.split_once("`, expected ")?;
+    nearest(unknown, known.split('`').skip(1).step_by(2))
+}
+
+/// The name nearest to an unknown one: at most a third of its letters differ, capitals do not
+/// count.
+pub(crate) fn nearest<'a>(unknown: &str, names: impl Iterator<Item = &'a str>) -> Option<&'a str> {
     let distance =
         |name: &str| strsim::damerau_levenshtein(&unknown.to_lowercase(), &name.to_lowercase());
-    let names = known.split('`').skip(1).step_by(2);
     let nearest = names.min_by_key(|name| distance(name))?;
     let most = unknown.chars().count() / 3;
     (distance(nearest) <= most).then_some(nearest)

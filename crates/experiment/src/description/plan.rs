@@ -26,7 +26,7 @@ pub(crate) fn design(config: &Config) -> Result<Plan, Fault> {
     // one draw shows whether amplitudes, phasing and inputs fit together; its numbers are thrown
     // away
     plan.period(0).map_err(located(name))?;
-    let checked = config.limits.check(plan.n_inputs);
+    let checked = config.limits.given.check(plan.n_inputs);
     checked.map_err(located("limits"))?;
     Ok(plan)
 }

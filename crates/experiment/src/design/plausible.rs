@@ -16,7 +16,7 @@ pub(crate) fn implausible(config: &Config) -> Vec<String> {
         .constant_velocity
         .as_ref()
         .and_then(|table| table.travel_rad.as_deref());
-    let limit = config.limits.get(Limit::Travel);
+    let limit = config.limits.given.get(Limit::Travel);
     let far = [("travel_rad", travel), ("max_travel", limit)];
     let far = far
         .into_iter()

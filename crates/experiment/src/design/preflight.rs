@@ -11,11 +11,12 @@ use crate::experiment::Experiment;
 use crate::run::load::larger;
 
 impl Experiment {
-    /// What is possible but looks like a mistake: other units than meant, inertias that no body can have, and gains
-    /// under which the linear loop is not stable.
+    /// What is possible but looks like a mistake: joints without limits, other units than meant, inertias that no body
+    /// can have, and gains under which the linear loop is not stable.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = implausible(&self.config);
+        warnings.extend(self.note.clone());
         warnings.extend(self.robot.warnings());
         if let Some(controller) = &self.controller {
             let sample_time_s = self.config.sample_time_s;

@@ -61,7 +61,7 @@ impl Variant {
                     travel_rad: None,
                     glides: 0,
                 });
-                config.limits.remove(Limit::Torque);
+                config.limits.given.remove(Limit::Torque);
             }
         });
         Ok(experiment?)

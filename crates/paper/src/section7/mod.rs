@@ -11,7 +11,7 @@ pub(crate) mod multisine;
 use frfid_estimate::Summary;
 use frfid_experiment::{Experiment, ExperimentError, Progress, StepName, Template};
 use frfid_plant::Hold;
-use frfid_signals::{Amplitude, Frf, Limits, Phasing, log_spaced};
+use frfid_signals::{Amplitude, Frf, Phasing, log_spaced};
 
 use crate::section7::chirps::ShapedChirps;
 use crate::section7::multisine::MultisineCampaign;
@@ -105,7 +105,7 @@ fn paper_step(
             shape.step = StepName::Paper;
             shape.n_iterations = PAPER_ITERATIONS;
         }
-        config.limits = Limits::default();
+        config.limits = Default::default();
     })?;
     let mut iterations = Vec::new();
     experiment.shape_in_memory(jobs, progress, &mut |iteration| {
