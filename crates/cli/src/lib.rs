@@ -27,6 +27,7 @@ mod input;
 mod interrupt;
 mod log_map;
 mod options;
+mod player;
 mod progress;
 /// Texts for people: tables of what was designed, reached and checked.
 mod text {

@@ -30,6 +30,7 @@ mod experiment;
 mod inspect;
 /// Plays of runs on machines of others: out to their players, back from their recorders.
 mod play {
+    pub(crate) mod command;
     pub(crate) mod export;
     pub(crate) mod import;
     pub(crate) mod layout;
@@ -39,6 +40,7 @@ mod play {
 /// Runs: done on a testbed, several at once, and kept.
 mod run {
     pub(crate) mod folder;
+    pub(crate) mod guard;
     pub(crate) mod kept;
     pub(crate) mod load;
     pub(crate) mod parallel;
@@ -82,10 +84,12 @@ pub use estimate::{EstimateOptions, estimate_logs};
 pub use experiment::Experiment;
 pub use inspect::guess::GuessedMap;
 pub use inspect::{GroupLook, Inspection, SignalLook, inspect_recording};
+pub use play::command::{CommandTestbed, PlayerCommand};
 pub use play::export::{Exported, PlayOptions};
 pub use play::import::{ImportOptions, ImportSummary, ImportedRun, import_recordings};
 pub use play::rehearsal::Rehearsal;
 pub use run::folder::{RunOptions, RunReport, RunSummary, run_to_folder};
+pub use run::guard::Guarded;
 pub use run::kept::KeptRuns;
 pub use run::load::Load;
 pub use run::parallel::{Progress, Steps, for_each, silent};

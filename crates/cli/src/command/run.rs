@@ -1,4 +1,4 @@
-//! `frfid run`: the runs of a description or a plan in simulation, one MCAP each.
+//! `frfid run`: the runs of a description or a plan in simulation or on a machine, one MCAP each.
 
 use std::path::{Path, PathBuf};
 
@@ -7,7 +7,7 @@ use frfid_experiment::{
     Experiment, Load, PlannedRuns, RunOptions, RunSummary, Strength, run_to_folder,
 };
 use frfid_signals::format::{count, significant};
-use frfid_signals::{Event, EventKind, Limits};
+use frfid_signals::{Event, EventKind, Limits, Testbed};
 use serde_json::json;
 
 use crate::command::design::{predicted, tell, warn, with_seed};
@@ -15,6 +15,7 @@ use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::input::{Needed, check};
 use crate::options::{Options, existing_path};
+use crate::player::{PlayerOptions, machine};
 use crate::progress::watched;
 use crate::text::load::{excess_in_words, load_as_text};
 use crate::text::strength::{share_as_text, strength_rows};
@@ -27,6 +28,7 @@ Examples:
   frfid run plan.mcap -o logs
   frfid run experiment.toml -o logs --jobs 4            the same without a plan file
   frfid run plan.mcap -o logs --index $SLURM_ARRAY_TASK_ID    one run of a job array
+  frfid run plan.mcap -o logs --player ./play.sh --map map.toml        on a machine, run by run
   frfid run plan.mcap --dry-run                         what it would ask of the robot; nothing is written")]
 pub(crate) struct Arguments {
     /// A description, or a plan made from one
@@ -47,6 +49,8 @@ pub(crate) struct Arguments {
     /// Only tell what would be asked of the robot
     #[arg(long)]
     dry_run: bool,
+    #[command(flatten)]
+    player: PlayerOptions,
 }
 
 pub(crate) fn run(
@@ -63,13 +67,24 @@ pub(crate) fn run(
         tell(&planned.experiment, &prediction, options, console)?;
         return Ok(Exit::Done);
     };
+    let player = arguments.player.command()?;
     let settings = RunOptions {
-        jobs: arguments.jobs,
+        jobs: if player.is_some() { 1 } else { arguments.jobs },
         index: arguments.index,
         overwrite: options.overwrite(),
     };
-    let summary = watched(console, "simulating", "runs", |progress| {
-        run_to_folder(&planned, None, folder, &settings, progress)
+    let machine = player
+        .as_ref()
+        .map(|player| machine(&planned.experiment, player, folder));
+    let machine = machine.transpose()?;
+    let testbed = machine.as_ref().map(|machine| machine as &dyn Testbed);
+    let doing = if testbed.is_some() {
+        "playing"
+    } else {
+        "simulating"
+    };
+    let summary = watched(console, doing, "runs", |progress| {
+        run_to_folder(&planned, testbed, folder, &settings, progress)
     })?;
     report(&planned.experiment, &summary, folder, options, console)
 }

@@ -8,6 +8,7 @@ use frfid_estimate::OctaveError;
 use frfid_experiment::{
     Experiment, IterationReport, ShapeFolderOptions, ShapeReport, shape_to_folder,
 };
+use frfid_signals::Testbed;
 use frfid_signals::format::significant;
 use serde_json::json;
 
@@ -16,6 +17,7 @@ use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::input::{Needed, check};
 use crate::options::Options;
+use crate::player::{PlayerOptions, machine};
 use crate::progress::watched;
 use crate::text::checks::{checks_as_text, warn_of_failed};
 use crate::text::table::{or_dash, row, side_by_side, table};
@@ -26,6 +28,7 @@ use crate::text::table::{or_dash, row, side_by_side, table};
 #[command(before_help = "\
 Examples:
   frfid shape experiment.toml -o shaped          goes on where an interrupted one stopped
+  frfid shape experiment.toml -o shaped --player ./play.sh --map map.toml    on a machine
   frfid shape experiment.toml -o shaped --json
   frfid export shaped/frf.json --to csv -o frf.csv")]
 pub(crate) struct Arguments {
@@ -41,6 +44,8 @@ pub(crate) struct Arguments {
     /// Another seed than that of the description
     #[arg(long)]
     seed: Option<u64>,
+    #[command(flatten)]
+    player: PlayerOptions,
 }
 
 pub(crate) fn run(
@@ -51,12 +56,18 @@ pub(crate) fn run(
     check(&arguments.experiment, Needed::Description)?;
     let experiment = with_seed(Experiment::load(&arguments.experiment)?, arguments.seed)?;
     warn(&experiment, console);
+    let player = arguments.player.command()?;
+    let machine = player
+        .as_ref()
+        .map(|player| machine(&experiment, player, &arguments.output));
+    let machine = machine.transpose()?;
+    let testbed = machine.as_ref().map(|machine| machine as &dyn Testbed);
     let settings = ShapeFolderOptions {
-        jobs: arguments.jobs,
+        jobs: if testbed.is_some() { 1 } else { arguments.jobs },
         overwrite: options.overwrite(),
     };
     let report = watched(console, "shaping", "runs", |progress| {
-        shape_to_folder(&experiment, None, &arguments.output, &settings, progress)
+        shape_to_folder(&experiment, testbed, &arguments.output, &settings, progress)
     })?;
     tell(arguments, &report, options, console)?;
     Ok(Exit::flawed_unless(report.is_good()))

@@ -9,6 +9,7 @@ use serde::Serialize;
 
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
+use crate::run::guard::Guarded;
 use crate::run::load::Load;
 use crate::run::parallel::{Progress, Steps, for_each};
 use crate::run::planned_runs::PlannedRuns;
@@ -74,7 +75,12 @@ pub fn run_to_folder(
     let writer = Writer::new(planned, folder, options.overwrite);
     let (open, stopped_before) = writer.open(&ids);
     let model = experiment.testbed();
-    let testbed = testbed.unwrap_or(&*model);
+    let guarded = testbed
+        .map(|testbed| writer.guarded(&ids, testbed))
+        .transpose()?;
+    let testbed = guarded
+        .as_ref()
+        .map_or(&*model, |guarded| guarded as &dyn Testbed);
     create_folder(folder)?;
     let n_skipped = ids.len() - open.len();
     let steps = Steps {
@@ -169,6 +175,21 @@ impl<'a> Writer<'a> {
             Found::Stopped(record) if self.overwrite != Overwrite::Replace => Some(record),
             Found::Stopped(_) | Found::Nothing => None,
         }
+    }
+
+    /// A testbed with a guard that has seen the runs that are there already.
+    fn guarded(
+        &self,
+        ids: &[RunId],
+        testbed: &'a dyn Testbed,
+    ) -> Result<Guarded<'a>, ExperimentError> {
+        let guarded = Guarded::new(&self.planned.experiment, testbed);
+        for &id in ids {
+            if let Some(record) = self.record_of(id) {
+                guarded.see(&self.planned.run(id)?, &record);
+            }
+        }
+        Ok(guarded)
     }
 
     /// Writes the file of a run; the record comes back with the starts of its periods.

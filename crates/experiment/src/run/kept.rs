@@ -8,6 +8,7 @@ use frfid_signals::{Record, Run, Testbed, TestbedError};
 
 use crate::error::ExperimentError;
 use crate::run::folder::Writer;
+use crate::run::guard::Guarded;
 use crate::run::planned_runs::PlannedRuns;
 
 /// A testbed that keeps what another one measures, in the files of `frfid run`.
@@ -16,7 +17,7 @@ use crate::run::planned_runs::PlannedRuns;
 /// Ctrl-C ended goes on where it was; [`Overwrite::Replace`] does stopped runs again.
 pub struct KeptRuns<'a> {
     writer: Writer<'a>,
-    testbed: &'a dyn Testbed,
+    testbed: Guarded<'a>,
 }
 
 impl<'a> KeptRuns<'a> {
@@ -32,6 +33,7 @@ impl<'a> KeptRuns<'a> {
     ) -> Result<Self, ExperimentError> {
         create_folder(folder)?;
         let writer = Writer::new(planned, folder, overwrite);
+        let testbed = Guarded::new(&planned.experiment, testbed);
         Ok(Self { writer, testbed })
     }
 }
@@ -43,6 +45,7 @@ impl Testbed for KeptRuns<'_> {
 
     fn run(&self, run: &Run) -> Result<Record, TestbedError> {
         if let Some(record) = self.writer.record_of(run.id) {
+            self.testbed.see(run, &record);
             return Ok(record);
         }
         let record = self.testbed.run(run)?;

@@ -9,6 +9,7 @@ use frfid_signals::{Record, Testbed};
 
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
+use crate::run::guard::Guarded;
 use crate::run::parallel::Progress;
 use crate::shape::report::ShapeReport;
 use crate::shape::trail::Trail;
@@ -41,12 +42,16 @@ pub fn shape_to_folder(
 ) -> Result<ShapeReport, ExperimentError> {
     let (shaper, shape_options) = experiment.shaper()?;
     let model = experiment.testbed();
-    let testbed = testbed.unwrap_or(&*model);
+    let guarded = testbed.map(|testbed| Guarded::new(experiment, testbed));
+    let testbed = guarded
+        .as_ref()
+        .map_or(&*model, |guarded| guarded as &dyn Testbed);
     let report = ShapeReport::begun(experiment, &shape_options);
     let trail = Trail::open(experiment, folder, options.jobs, options.overwrite, report)?;
     let mut player = Player {
         trail,
         testbed,
+        guard: guarded.as_ref(),
         progress,
     };
     let shaped = shaper.drive(&mut player)?;
@@ -57,6 +62,7 @@ pub fn shape_to_folder(
 struct Player<'a> {
     trail: Trail<'a>,
     testbed: &'a dyn Testbed,
+    guard: Option<&'a Guarded<'a>>,
     progress: Progress<'a>,
 }
 
@@ -64,7 +70,15 @@ impl Driver for Player<'_> {
     type Error = ExperimentError;
 
     fn records(&mut self, shaper: &Shaper) -> Result<Vec<Record>, ExperimentError> {
-        self.trail.records(shaper, self.testbed, self.progress)
+        let records = self.trail.records(shaper, self.testbed, self.progress)?;
+        // those of before as well
+        if let Some(guard) = self.guard {
+            let runs = shaper.runs();
+            runs.iter()
+                .zip(&records)
+                .for_each(|(run, record)| guard.see(run, record));
+        }
+        Ok(records)
     }
 
     fn iterated(&mut self, iteration: &Iteration) -> Result<bool, ExperimentError> {

@@ -85,6 +85,7 @@ impl<'a> Trail<'a> {
         let mut records = self.records_in(&folder, &runs)?;
         let mut open: Vec<&Run> = runs.iter().collect();
         open.retain(|run| !records.contains_key(&run.id));
+        testbed.announce(&open)?;
         let steps = Steps {
             progress,
             before: (iteration - 1) * runs.len() + records.len(),

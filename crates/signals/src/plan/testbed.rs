@@ -15,6 +15,15 @@ pub trait Testbed: Sync {
     /// Number of inputs (channels of the reference).
     fn n_inputs(&self) -> usize;
 
+    /// Hears which runs come next, before the first of them: for machines whose runs are played elsewhere,
+    /// all in one go.
+    ///
+    /// # Errors
+    /// [`TestbedError`].
+    fn announce(&self, _runs: &[&Run]) -> Result<(), TestbedError> {
+        Ok(())
+    }
+
     /// Does one run and returns what was measured: as many samples as the reference, or fewer if
     /// the run was stopped (then the record's last event says why).
     ///

@@ -9,11 +9,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use frfid_files::{Log, LogMap, Overwrite, create_folder, read_log, sha256_file};
-use frfid_signals::{Excess, Limit, Record, RunId, RunKind};
+use frfid_signals::{Excess, Limit, Record, Run, RunId, RunKind};
 use serde::Serialize;
 
 use crate::description::estimate::GlideSubtraction;
 use crate::error::ExperimentError;
+use crate::experiment::Experiment;
 use crate::play::import::judged::{check_channels, check_gains, doubt};
 use crate::play::import::plan_clock::{followed, on_plan_clock, times_of};
 use crate::play::import::sought::{FoundRun, SoughtRuns};
@@ -96,9 +97,9 @@ pub fn import_recordings(
     options: &ImportOptions,
     progress: Progress,
 ) -> Result<ImportSummary, ExperimentError> {
-    check_map(planned, map)?;
+    check_map(&planned.experiment, map)?;
     let player = planned.experiment.player(options.rate_hz);
-    let sought = SoughtRuns::of(planned, &player, None)?;
+    let sought = SoughtRuns::of(planned, &player)?;
     create_folder(folder)?;
     let mut import = Import::new(planned, Writer::new(planned, folder, options.overwrite));
     for (done, recording) in recordings.iter().enumerate() {
@@ -113,39 +114,42 @@ pub fn import_recordings(
     import.finish()
 }
 
-/// The run of this name in the recording of it alone; the record is on the plan's clock.
+/// A run in the recording of it alone; the record is on the plan's clock.
 ///
 /// # Errors
 /// [`ExperimentError`]: a map that does not fit, a recording that cannot be read or is not of this run.
 pub(crate) fn imported_run(
-    planned: &PlannedRuns,
-    id: RunId,
+    experiment: &Experiment,
+    run: &Run,
     recording: &Path,
     map: &LogMap,
     rate_hz: Option<f64>,
 ) -> Result<Record, ExperimentError> {
-    let experiment = &planned.experiment;
-    let sought = SoughtRuns::of(planned, &experiment.player(rate_hz), Some(id))?;
+    let plan = &experiment.plan;
+    let sought = SoughtRuns::of_run(plan, run, &experiment.player(rate_hz))?;
     let log = read_log(recording, map)?;
-    check_channels(&log, &experiment.plan)?;
+    check_channels(&log, plan)?;
     let times_s = times_of(&log);
-    let mut found = sought.find(&followed(&log, &times_s, &experiment.plan));
+    let mut found = sought.find(&followed(&log, &times_s, plan));
     found.sort_by(|a, b| b.occurrence.likeness.total_cmp(&a.occurrence.likeness));
     let Some(best) = found.first() else {
-        return Err(not_recognised(recording, &format!("nothing like {id}")));
+        return Err(not_recognised(&format!(
+            "nothing like {} in {}",
+            run.id,
+            recording.display()
+        )));
     };
     if let Some(doubt) = doubt(best, &log) {
-        return Err(not_recognised(recording, &doubt));
+        return Err(not_recognised(&format!("{}: {doubt}", recording.display())));
     }
     check_gains(best, &log, &experiment.joint_names)?;
-    Ok(on_plan_clock(&log, &times_s, best, &experiment.plan))
+    Ok(on_plan_clock(&log, &times_s, best, plan))
 }
 
 /// Checks that a map has what the description needs.
-pub(crate) fn check_map(planned: &PlannedRuns, map: &LogMap) -> Result<(), ExperimentError> {
-    let by_position =
-        planned.experiment.config.estimate.glide_subtraction == GlideSubtraction::Position;
-    if !by_position || !map.position.is_empty() {
+pub(crate) fn check_map(experiment: &Experiment, map: &LogMap) -> Result<(), ExperimentError> {
+    let subtraction = experiment.config.estimate.glide_subtraction;
+    if subtraction != GlideSubtraction::Position || !map.position.is_empty() {
         return Ok(());
     }
     Err(ExperimentError::logs(
@@ -156,11 +160,11 @@ pub(crate) fn check_map(planned: &PlannedRuns, map: &LogMap) -> Result<(), Exper
     ))
 }
 
-fn not_recognised(recording: &Path, found: &str) -> ExperimentError {
+fn not_recognised(found: &str) -> ExperimentError {
     ExperimentError::logs(
-        "runs of the plan",
-        format!("{found} in {}", recording.display()),
-        "a run of this plan, played at full speed, the signals as the map says",
+        "runs of the plan in the recordings",
+        found,
+        "runs of this plan, played at full speed, the signals as the map says",
         "compare plan and recording: another plan, a speed slider below 100 %, a sign or the order of joints",
     )
 }
@@ -294,14 +298,7 @@ impl<'a> Import<'a> {
             Some(unused) => unused.clone(),
             None => "none".into(),
         };
-        Err(self.first_error.unwrap_or_else(|| {
-            ExperimentError::logs(
-                "runs of the plan in the recordings",
-                found,
-                "runs of this plan, played at full speed, the signals as the map says",
-                "compare plan and recording: another plan, a speed slider below 100 %, a sign or the order of joints",
-            )
-        }))
+        Err(self.first_error.unwrap_or_else(|| not_recognised(&found)))
     }
 }
 

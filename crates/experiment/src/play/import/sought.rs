@@ -1,7 +1,7 @@
 //! Sought references: what may have been played of a plan, each reference once.
 
 use frfid_estimate::{Logged, Occurrence, Template, find_occurrences};
-use frfid_signals::{Played, Player, RunId, RunKind, median};
+use frfid_signals::{Plan, Played, Player, Run, RunId, RunKind, median};
 use ndarray::Array2;
 use std::ops::Range;
 
@@ -41,30 +41,35 @@ impl FoundRun {
 }
 
 /// References of a plan by kind.
+#[derive(Default)]
 pub(super) struct SoughtRuns {
     excited: Vec<Sought>,
     glides: Vec<Sought>,
 }
 
 impl SoughtRuns {
-    /// All references of a plan, or those of `only` one run, as `player` plays them.
-    pub(super) fn of(
-        planned: &PlannedRuns,
-        player: &Player,
-        only: Option<RunId>,
-    ) -> Result<Self, ExperimentError> {
-        let ids = match only {
-            Some(id) => vec![id],
-            None => first_repetitions(&planned.experiment.plan),
-        };
-        let (glides, excited): (Vec<RunId>, Vec<RunId>) =
-            ids.into_iter().partition(|id| id.kind == RunKind::Glide);
-        let excited = excited.into_iter().map(|id| excitation(planned, id));
-        let glides = glides.into_iter().map(|id| glide(planned, id, player));
-        Ok(Self {
-            excited: excited.collect::<Result<_, _>>()?,
-            glides: glides.collect::<Result<_, _>>()?,
-        })
+    /// All references of a plan, as `player` plays them.
+    pub(super) fn of(planned: &PlannedRuns, player: &Player) -> Result<Self, ExperimentError> {
+        let mut all = Self::default();
+        for id in first_repetitions(&planned.experiment.plan) {
+            all.add(&planned.experiment.plan, planned.run(id)?, player)?;
+        }
+        Ok(all)
+    }
+
+    /// The reference of one run.
+    pub(super) fn of_run(plan: &Plan, run: &Run, player: &Player) -> Result<Self, ExperimentError> {
+        let mut one = Self::default();
+        one.add(plan, run.clone(), player)?;
+        Ok(one)
+    }
+
+    fn add(&mut self, plan: &Plan, run: Run, player: &Player) -> Result<(), ExperimentError> {
+        match run.id.kind {
+            RunKind::Excitation => self.excited.push(excitation(plan, run)),
+            RunKind::Glide => self.glides.push(glide(plan, &run, player)?),
+        }
+        Ok(())
     }
 
     /// The runs in a recording, excited ones first: a glide has no more than its ramps to be told by.
@@ -117,45 +122,36 @@ impl Sought {
 }
 
 /// An excited run above its constant velocity.
-fn excitation(planned: &PlannedRuns, id: RunId) -> Result<Sought, ExperimentError> {
-    let run = planned.run(id)?;
+fn excitation(plan: &Plan, run: Run) -> Sought {
     let length_s = run.reference.ncols() as f64 * run.sample_time_s;
     let mut reference = run.reference;
     for mut row in reference.rows_mut() {
         row -= row.mean().unwrap_or(0.0);
     }
-    Ok(Sought {
-        id,
+    Sought {
+        id: run.id,
         reference,
         sample_time_s: run.sample_time_s,
         run_s: 0.0..length_s,
-        high_hz: high_hz(planned),
-    })
+        high_hz: plan.excitation.waveform().band_hz()[1],
+    }
 }
 
 /// A glide from rest to rest.
-fn glide(planned: &PlannedRuns, id: RunId, player: &Player) -> Result<Sought, ExperimentError> {
-    let playback = planned
-        .experiment
-        .plan
-        .playback(&planned.run(id)?, player)?;
+fn glide(plan: &Plan, run: &Run, player: &Player) -> Result<Sought, ExperimentError> {
+    let playback = plan.playback(run, player)?;
     let t = playback.sample_time_s;
     let begin_s = playback.first_sample as f64 * t;
-    let length_s =
-        planned.experiment.plan.run_samples()? as f64 * planned.experiment.plan.sample_time_s;
+    let length_s = plan.run_samples()? as f64 * plan.sample_time_s;
     let reference = match playback.played {
         Played::Motion(motion) => motion.velocity_rad_s,
         Played::Torque(torque) => torque,
     };
     Ok(Sought {
-        id,
+        id: run.id,
         reference,
         sample_time_s: t,
         run_s: begin_s..begin_s + length_s,
-        high_hz: high_hz(planned),
+        high_hz: plan.excitation.waveform().band_hz()[1],
     })
-}
-
-fn high_hz(planned: &PlannedRuns) -> f64 {
-    planned.experiment.plan.excitation.waveform().band_hz()[1]
 }

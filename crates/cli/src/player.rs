@@ -1,0 +1,71 @@
+//! Player of somebody else: the command that plays references and records, from options.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use frfid_experiment::{CommandTestbed, Experiment, PlannedRuns, PlayerCommand, TomlText};
+
+use crate::exit::Failure;
+
+/// Options for a machine behind a command.
+#[derive(Debug, Args)]
+#[command(next_help_heading = "A machine behind a command, in place of the simulation")]
+pub(crate) struct PlayerOptions {
+    /// Command that plays a run: it is given the file of the reference and the path for its recording
+    #[arg(long, value_name = "CMD", requires = "map")]
+    player: Option<String>,
+    /// Which signal of its recordings is which
+    #[arg(long, value_name = "MAP.toml", requires = "player")]
+    map: Option<PathBuf>,
+    /// Samples a second of the references, where they are not the plan's
+    #[arg(long, value_name = "HZ", requires = "player")]
+    rate: Option<f64>,
+    /// Ending of its recordings
+    #[arg(
+        long,
+        value_name = "SUFFIX",
+        requires = "player",
+        default_value = "csv"
+    )]
+    recording: String,
+    /// Time in s that it may take for a run; two minutes and twice what it plays without it
+    #[arg(long, value_name = "S", requires = "player")]
+    player_timeout: Option<f64>,
+}
+
+impl PlayerOptions {
+    /// The player, if one is given.
+    ///
+    /// # Errors
+    /// [`Failure`] for a map that cannot be read.
+    pub(crate) fn command(&self) -> Result<Option<PlayerCommand>, Failure> {
+        let Some((command, map)) = self.player.clone().zip(self.map.as_ref()) else {
+            return Ok(None);
+        };
+        Ok(Some(PlayerCommand {
+            command,
+            map: TomlText::read(map)?.parse()?,
+            rate_hz: self.rate,
+            recording_suffix: self.recording.trim_start_matches('.').to_owned(),
+            timeout_s: self.player_timeout,
+        }))
+    }
+}
+
+/// The machine behind a player; what it is told and what it records stays in `folder/player`.
+///
+/// # Errors
+/// [`Failure`] for a map without what the description needs, or a folder that cannot be made.
+pub(crate) fn machine<'a>(
+    experiment: &'a Experiment,
+    player: &'a PlayerCommand,
+    folder: &Path,
+) -> Result<CommandTestbed<'a>, Failure> {
+    let plan_id = PlannedRuns::of(experiment.clone()).plan_id()?;
+    Ok(CommandTestbed::new(
+        experiment,
+        plan_id,
+        player,
+        &folder.join("player"),
+    )?)
+}

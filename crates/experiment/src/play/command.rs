@@ -1,0 +1,203 @@
+//! Player as a command: each run's reference in a file, somebody else's program that plays it and records, its
+//! recording as the run's record.
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+
+use frfid_files::{LogMap, Overwrite, PlaybackFile, create_folder, write_playback_csv};
+use frfid_signals::{Playback, Record, Run, RunId, Testbed, TestbedError};
+
+use crate::error::ExperimentError;
+use crate::experiment::Experiment;
+use crate::play::import::imported_run;
+
+/// Time from one look at a player to the next.
+const LOOK: Duration = Duration::from_millis(20);
+/// A player may take so many times as long as it plays, ..
+const SLOWER: f64 = 2.0;
+/// .. and so many seconds more: to start, to move, to write its recording.
+const BESIDE_S: f64 = 120.0;
+
+/// Somebody else's program that plays references and records.
+///
+/// For each run the command is given to the shell with two arguments, the file of the reference and the path of
+/// the recording that it is to write. The environment says the same (`FRFID_REFERENCE`, `FRFID_LOG`), the run
+/// (`FRFID_RUN`) and the rate (`FRFID_RATE_HZ`). It ends with 0 once the recording is complete; whatever else
+/// ends the campaign.
+#[derive(Debug, Clone)]
+pub struct PlayerCommand {
+    /// The command, as a shell takes it.
+    pub command: String,
+    /// Which signal of its recordings is which.
+    pub map: LogMap,
+    /// Samples a second of the references; the plan's without it.
+    pub rate_hz: Option<f64>,
+    /// Ending of its recordings.
+    pub recording_suffix: String,
+    /// Time in s that it may take for a run; without it two minutes and twice what it plays.
+    pub timeout_s: Option<f64>,
+}
+
+/// A player as a testbed: references and recordings stay in a folder.
+pub struct CommandTestbed<'a> {
+    experiment: &'a Experiment,
+    player: &'a PlayerCommand,
+    plan_id: u32,
+    folder: PathBuf,
+}
+
+impl<'a> CommandTestbed<'a> {
+    /// The testbed of an experiment whose references and recordings are kept in `folder`.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for a map that does not fit, or a folder that cannot be made.
+    pub fn new(
+        experiment: &'a Experiment,
+        plan_id: u32,
+        player: &'a PlayerCommand,
+        folder: &Path,
+    ) -> Result<Self, ExperimentError> {
+        crate::play::import::check_map(experiment, &player.map)?;
+        create_folder(folder)?;
+        Ok(Self {
+            experiment,
+            player,
+            plan_id,
+            folder: folder.into(),
+        })
+    }
+
+    fn played(&self, run: &Run) -> Result<Record, ExperimentError> {
+        let player = self.experiment.player(self.player.rate_hz);
+        let playback = self.experiment.playback(run, &player)?;
+        let timeout_s = self.player.timeout_s.unwrap_or_else(|| {
+            SLOWER * playback.n_samples() as f64 * playback.sample_time_s + BESIDE_S
+        });
+        let reference = self.folder.join(format!("{}.csv", run.id));
+        write_reference(&reference, self.experiment, self.plan_id, run.id, playback)?;
+        let recording = self.recording_of(run.id);
+        remove(&recording)?;
+        self.play(run.id, &reference, &recording, player.rate_hz, timeout_s)?;
+        if !recording.exists() {
+            let found = format!("none at {}", recording.display());
+            return Err(failed(
+                "recording of the player",
+                found,
+                "one at the path that it is given",
+            ));
+        }
+        imported_run(
+            self.experiment,
+            run,
+            &recording,
+            &self.player.map,
+            self.player.rate_hz,
+        )
+    }
+
+    fn recording_of(&self, run: RunId) -> PathBuf {
+        self.folder
+            .join(format!("{run}.recording.{}", self.player.recording_suffix))
+    }
+
+    /// Starts the player and waits for its end.
+    fn play(
+        &self,
+        run: RunId,
+        reference: &Path,
+        recording: &Path,
+        rate_hz: f64,
+        timeout_s: f64,
+    ) -> Result<(), ExperimentError> {
+        let command = format!("{} \"$@\"", self.player.command);
+        let child = Command::new("sh")
+            .args(["-c", &command, "player"])
+            .args([reference, recording])
+            .env("FRFID_REFERENCE", reference)
+            .env("FRFID_LOG", recording)
+            .env("FRFID_RUN", run.to_string())
+            .env("FRFID_RATE_HZ", rate_hz.to_string())
+            .stdin(Stdio::null())
+            .stdout(Stdio::from(std::io::stderr()))
+            .spawn();
+        let needed = "a program that a shell can start";
+        let mut child = child.map_err(|error| failed("player", error.to_string(), needed))?;
+        let status = waited(&mut child, timeout_s)?;
+        if status.success() {
+            return Ok(());
+        }
+        Err(failed(
+            "player",
+            format!("{status}"),
+            "exit code 0: played and recorded",
+        ))
+    }
+}
+
+impl Testbed for CommandTestbed<'_> {
+    fn n_inputs(&self) -> usize {
+        self.experiment.plan.n_inputs
+    }
+
+    fn run(&self, run: &Run) -> Result<Record, TestbedError> {
+        let played = self.played(run);
+        played.map_err(|error| TestbedError::Foreign {
+            run: run.id,
+            source: Box::new(error),
+        })
+    }
+}
+
+/// Writes the file of a reference.
+pub(crate) fn write_reference(
+    path: &Path,
+    experiment: &Experiment,
+    plan_id: u32,
+    run: RunId,
+    playback: Playback,
+) -> Result<(), ExperimentError> {
+    let file = PlaybackFile {
+        name: run.to_string(),
+        joint_names: experiment.joint_names.clone(),
+        plan_id,
+        playbacks: vec![playback.into()],
+        form: frfid_files::TableForm::default(),
+    };
+    Ok(write_playback_csv(path, Overwrite::Replace, &file)?)
+}
+
+/// Waits for the end of a player, which is stopped if it takes too long.
+fn waited(child: &mut Child, timeout_s: f64) -> Result<ExitStatus, ExperimentError> {
+    let lost = |error: std::io::Error| failed("player", error.to_string(), "a program that ends");
+    let begin = Instant::now();
+    loop {
+        if let Some(status) = child.try_wait().map_err(lost)? {
+            return Ok(status);
+        }
+        if begin.elapsed().as_secs_f64() > timeout_s {
+            child.kill().map_err(lost)?;
+            child.wait().map_err(lost)?;
+            let found = format!("still at it after {timeout_s} s, stopped");
+            return Err(failed("player", found, "an end before (--player-timeout)"));
+        }
+        std::thread::sleep(LOOK);
+    }
+}
+
+/// Removes what an earlier try left.
+fn remove(recording: &Path) -> Result<(), ExperimentError> {
+    let removed = match recording.symlink_metadata() {
+        Err(_) => Ok(()),
+        Ok(metadata) if metadata.is_dir() => std::fs::remove_dir_all(recording),
+        Ok(_) => std::fs::remove_file(recording),
+    };
+    let needed = "a recording of an earlier try that can be removed";
+    removed.map_err(|error| failed("recording of the player", error.to_string(), needed))
+}
+
+fn failed(what: &'static str, found: String, needed: &str) -> ExperimentError {
+    let advice =
+        "the next run is not sent; once the cause is removed, the same command goes on from here";
+    ExperimentError::logs(what, found, needed, advice)
+}

@@ -1,0 +1,89 @@
+//! Guard of a machine: once it went beyond a limit, it is not sent another run.
+
+use std::sync::Mutex;
+
+use frfid_signals::{Excess, InputKind, Limit, Limits, Peaks, Record, Run, Testbed, TestbedError};
+
+use crate::experiment::Experiment;
+
+/// A testbed that is given no further run after one in which it exceeded a limit.
+pub struct Guarded<'a> {
+    testbed: &'a dyn Testbed,
+    limits: &'a Limits,
+    pose_rad: &'a [f64],
+    /// What was exceeded.
+    tripped: Mutex<Option<String>>,
+}
+
+impl<'a> Guarded<'a> {
+    /// The guard of a testbed, with the limits of a description.
+    #[must_use]
+    pub fn new(experiment: &'a Experiment, testbed: &'a dyn Testbed) -> Self {
+        Self {
+            testbed,
+            limits: &experiment.limits,
+            pose_rad: &experiment.pose_rad,
+            tripped: Mutex::new(None),
+        }
+    }
+
+    /// Sees the record of a run, done now or before.
+    pub(crate) fn see(&self, run: &Run, record: &Record) {
+        let peaks = Peaks::of_record(record, &run.start_rad, self.pose_rad);
+        let exceeded = self.limits.exceeded(&peaks);
+        // from sample to sample a measured torque changes by its noise
+        let counts = |excess: &&Excess| {
+            excess.limit != Limit::TorqueRate || record.input_kind == InputKind::Commanded
+        };
+        if let Some(excess) = exceeded.iter().find(counts) {
+            let told = in_words(run, excess);
+            self.tripped
+                .lock()
+                .expect("no thread panics with it")
+                .get_or_insert(told);
+        }
+    }
+
+    fn pass(&self, run: &Run) -> Result<(), TestbedError> {
+        let tripped = self.tripped.lock().expect("no thread panics with it");
+        match &*tripped {
+            None => Ok(()),
+            Some(reason) => Err(TestbedError::Foreign {
+                run: run.id,
+                source: reason.clone().into(),
+            }),
+        }
+    }
+}
+
+impl Testbed for Guarded<'_> {
+    fn n_inputs(&self) -> usize {
+        self.testbed.n_inputs()
+    }
+
+    fn announce(&self, runs: &[&Run]) -> Result<(), TestbedError> {
+        self.testbed.announce(runs)
+    }
+
+    fn run(&self, run: &Run) -> Result<Record, TestbedError> {
+        self.pass(run)?;
+        let record = self.testbed.run(run)?;
+        self.see(run, &record);
+        Ok(record)
+    }
+}
+
+fn in_words(run: &Run, excess: &Excess) -> String {
+    let &Excess {
+        axis,
+        limit,
+        allowed,
+        found,
+    } = excess;
+    let (axis, id, quantity, unit) = (axis + 1, run.id, limit.quantity(), limit.unit());
+    format!(
+        "not sent to the machine: in run {id} axis {axis} reached {quantity} {found:.5} {unit}, {} is {allowed:.5}; \
+         find out why, then lower the amplitudes or raise the limit, or do that run again (--force)",
+        limit.key()
+    )
+}
