@@ -13,6 +13,7 @@ mod found_kind;
 mod hostile_tests;
 mod log;
 mod loss;
+mod mat_write;
 /// MCAP containers: read with every checksum, written, recovered.
 mod mcap {
     pub(crate) mod chunk;
@@ -37,6 +38,7 @@ mod ros {
     pub(crate) mod known_types;
     pub(crate) mod layout;
     pub(crate) mod selector;
+    pub(crate) mod trajectory;
     pub(crate) mod value;
 }
 /// Run files: what one run measured, and where it comes from.

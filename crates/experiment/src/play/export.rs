@@ -148,6 +148,7 @@ impl PlannedRuns {
             name: name.to_owned(),
             joint_names: self.experiment.joint_names.clone(),
             plan_id: exported.plan_id,
+            pose_rad: exported.player.pose_rad.clone(),
             playbacks,
             form: options.form.clone(),
         };

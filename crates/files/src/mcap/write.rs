@@ -107,7 +107,7 @@ impl<W: Write> RosWriter<W> {
     }
 
     /// Announces a topic of messages of this kind.
-    fn topic(&mut self, name: &str, kind: &MessageType) -> McapResult<Topic> {
+    pub(crate) fn topic(&mut self, name: &str, kind: &MessageType) -> McapResult<Topic> {
         let schema = self
             .mcap
             .add_schema(kind.name, "ros2msg", kind.definition.as_bytes())?;
@@ -127,8 +127,18 @@ impl<W: Write> RosWriter<W> {
     }
 
     pub(crate) fn text(&mut self, topic: &mut Topic, time_ns: u64, text: &str) -> McapResult<()> {
+        self.encoded(topic, time_ns, |cdr| cdr.text(text))
+    }
+
+    /// A message of any kind, as `encode` writes it.
+    pub(crate) fn encoded(
+        &mut self,
+        topic: &mut Topic,
+        time_ns: u64,
+        encode: impl FnOnce(&mut CdrWriter),
+    ) -> McapResult<()> {
         self.cdr.clear();
-        self.cdr.text(text);
+        encode(&mut self.cdr);
         self.message(topic, time_ns)
     }
 

@@ -161,6 +161,6 @@ mod tests {
         let kinds = refused(|file| file.playbacks.push(torque(3)));
         assert!(kinds.contains("one kind"), "{kinds}");
         let names = refused(|file| file.joint_names = vec!["a".into()]);
-        assert!(names.contains("1 channels"), "{names}");
+        assert!(names.contains("one for each of 1 joints"), "{names}");
     }
 }

@@ -7,6 +7,9 @@ use crate::atomic_write::Overwrite;
 use crate::error::FileError;
 use crate::playback::PlaybackFile;
 use crate::playback::csv::write_playback_csv;
+use crate::playback::float_array::write_float_array;
+use crate::playback::joint_trajectory::write_joint_trajectory;
+use crate::playback::mat::write_playback_mat;
 
 /// A format that plans are exported to.
 #[derive(Debug)]
@@ -53,11 +56,38 @@ impl PlayFormat {
 }
 
 /// The formats that plans are exported to.
-pub const PLAY_FORMATS: [PlayFormat; 1] = [PlayFormat {
-    name: "csv",
-    suffix: "csv",
-    describes: "A row for each sample: PLCs, controllers, programs of all kinds",
-    is_table: true,
-    companion: None,
-    write: write_playback_csv,
-}];
+pub const PLAY_FORMATS: [PlayFormat; 4] = [
+    PlayFormat {
+        name: "csv",
+        suffix: "csv",
+        describes: "A row for each sample: PLCs, controllers, programs of all kinds",
+        is_table: true,
+        companion: None,
+        write: write_playback_csv,
+    },
+    PlayFormat {
+        name: "mat",
+        suffix: "mat",
+        describes: "The same for Simulink, MATLAB and Octave (level 5)",
+        is_table: true,
+        companion: None,
+        write: write_playback_mat,
+    },
+    PlayFormat {
+        name: "joint-trajectory",
+        suffix: "mcap",
+        describes: "A trajectory_msgs/JointTrajectory for each run, for ros2_control, with a node that plays them",
+        is_table: false,
+        companion: None,
+        write: write_joint_trajectory,
+    },
+    PlayFormat {
+        name: "float64-array",
+        suffix: "mcap",
+        describes: "A std_msgs/Float64MultiArray on /commands for each sample, for ros2 bag play; the messages bear no time, so that \
+                    timing is what the player makes of it",
+        is_table: false,
+        companion: None,
+        write: write_float_array,
+    },
+];

@@ -2,8 +2,12 @@
 
 pub(crate) mod columns;
 pub(crate) mod csv;
+mod float_array;
 pub(crate) mod form;
 pub(crate) mod formats;
+mod joint_trajectory;
+mod mat;
+mod named;
 pub(crate) mod order;
 #[cfg(test)]
 pub(crate) mod testing;
@@ -26,6 +30,8 @@ pub struct PlaybackFile {
     pub joint_names: Vec<String>,
     /// What a recording brings back to tell which plan was played: the first 32 bits of its hash.
     pub plan_id: u32,
+    /// Where the machine rests, in rad, one for each joint.
+    pub pose_rad: Vec<f64>,
     /// Played without a pause, in this order: each begins and ends at rest at the same pose. A run that is
     /// repeated is here as often as it is played.
     pub playbacks: Vec<Arc<Playback>>,
@@ -70,6 +76,11 @@ impl PlaybackFile {
     pub(crate) fn check(&self) -> Result<(), FileError> {
         check_joints(&self.joint_names)?;
         self.form.check(self.joint_names.len())?;
+        if self.pose_rad.len() != self.joint_names.len() {
+            let found = format!("{} positions", self.pose_rad.len());
+            let needed = format!("one for each of {} joints", self.joint_names.len());
+            return Err(FileError::shape("pose_rad", found, needed));
+        }
         let Some(first) = self.playbacks.first() else {
             return Err(FileError::shape("playbacks", "none", "at least one run"));
         };

@@ -13,6 +13,7 @@ pub(crate) fn file(playbacks: Vec<Arc<Playback>>) -> PlaybackFile {
         name: "p000-m0-q0".into(),
         joint_names: vec!["a".into(), "b,\"2\"".into()],
         plan_id: 0xdead_beef,
+        pose_rad: vec![0.25, -0.5],
         playbacks,
         form: Default::default(),
     }
@@ -54,4 +55,17 @@ pub(crate) fn motion(n: usize) -> Arc<Playback> {
 
 pub(crate) fn torque(n: usize) -> Arc<Playback> {
     playback(n, Played::Torque(signal(n, 5.0)))
+}
+
+/// A motion that stays where it is.
+pub(crate) fn resting(n: usize) -> Arc<Playback> {
+    let mut resting = Arc::unwrap_or_clone(motion(n));
+    let zeros = || Array2::zeros((2, n));
+    resting.played = Played::Motion(Motion {
+        position_rad: zeros(),
+        velocity_rad_s: zeros(),
+        acceleration_rad_s2: zeros(),
+        jerk_rad_s3: zeros(),
+    });
+    resting.into()
 }
