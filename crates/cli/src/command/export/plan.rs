@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use clap::Args;
-use frfid_experiment::{Exported, PlannedRuns, PlayOptions};
+use frfid_experiment::{ExperimentError, Exported, PlannedRuns, PlayOptions};
 use frfid_files::{AngleUnit, DecimalMark, PLAY_FORMATS, PlayFormat, Separator, TableForm};
 use frfid_signals::format::{count, significant};
 use serde_json::{Value, json};
@@ -140,9 +140,18 @@ pub(super) fn run(
     warn(&planned.experiment, console);
     let exported = watched(console, "rehearsing", "references", |progress| {
         planned.export(output, &play, progress)
-    })?;
+    });
+    let exported = exported.map_err(refused)?;
     tell(&exported, output, options, console)?;
     Ok(Exit::Done)
+}
+
+/// A run that this player cannot play is a matter of the command line.
+fn refused(error: ExperimentError) -> Failure {
+    match error {
+        ExperimentError::Signal(_) => Failure::of(Exit::Usage, &error),
+        error => error.into(),
+    }
 }
 
 fn tell(
