@@ -70,6 +70,7 @@ pub use plan::write::write_plan;
 pub use plan::{PlanEntry, PlanFile, PlanHead, PlannedRun};
 pub use playback::PlaybackFile;
 pub use playback::csv::write_playback_csv;
+pub use playback::exported::{Exported, Rehearsal};
 pub use playback::form::{AngleUnit, DecimalMark, Separator, TableForm};
 pub use playback::formats::{PLAY_FORMATS, PlayFormat};
 pub use playback::order::{OrderEntry, write_order};

@@ -34,6 +34,7 @@ pub use error::ReportError;
 pub use figure::Figure;
 pub use page::Report;
 pub use page::claim::Claim;
+pub use page::of_plan::{PLAN_PAGE, plan_page};
 pub use page::of_result::{result_figure, result_page, results_page};
 pub use page::section::{Part, Responses};
 pub use page::table::Table;

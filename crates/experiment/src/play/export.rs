@@ -1,14 +1,13 @@
 //! Export of a plan: its runs from rest to rest, in the files that the players of others take.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
-use frfid_files::{Overwrite, PlayFormat, PlaybackFile, TableForm};
-use frfid_signals::{Playback, Player, RunKind};
+use frfid_files::{Exported, Overwrite, PlayFormat, PlaybackFile, Rehearsal, TableForm};
+use frfid_signals::{Playback, RunKind};
 
 use crate::error::ExperimentError;
 use crate::play::layout::Layout;
-use crate::play::rehearsal::Rehearsal;
 use crate::run::parallel::Progress;
 use crate::run::planned_runs::PlannedRuns;
 use crate::run::provenance::DESIGN;
@@ -28,40 +27,6 @@ pub struct PlayOptions {
     pub jobs: usize,
     /// What to do with files that exist.
     pub overwrite: Overwrite,
-}
-
-/// What was exported.
-#[derive(Debug, Clone)]
-pub struct Exported {
-    /// The player that it is for.
-    pub player: Player,
-    /// What recordings bring back to tell which plan was played.
-    pub plan_id: u32,
-    /// The runs, in the order in which they are played.
-    pub runs: Vec<Rehearsal>,
-    /// The files with the runs.
-    pub files: Vec<PathBuf>,
-    /// The list of runs, where a folder was written.
-    pub order: Option<PathBuf>,
-    /// A run to be shown: the first with an excitation.
-    pub shown: Arc<Playback>,
-}
-
-impl Exported {
-    /// Runs to be played, repetitions included.
-    #[must_use]
-    pub fn n_runs(&self) -> usize {
-        self.runs.iter().map(|run| run.n_repetitions).sum()
-    }
-
-    /// Time on the robot in s, rests and moves included.
-    #[must_use]
-    pub fn duration_s(&self) -> f64 {
-        let times = self.runs.iter();
-        times
-            .map(|run| run.n_repetitions as f64 * run.duration_s)
-            .sum()
-    }
 }
 
 impl PlannedRuns {
@@ -88,6 +53,7 @@ impl PlannedRuns {
             plan_id: self.plan_id()?,
             files: layout.files.clone(),
             order: layout.order.clone(),
+            joint_names: self.experiment.joint_names.clone(),
             player,
             runs,
         };
@@ -146,7 +112,7 @@ impl PlannedRuns {
     ) -> Result<(), ExperimentError> {
         let file = PlaybackFile {
             name: name.to_owned(),
-            joint_names: self.experiment.joint_names.clone(),
+            joint_names: exported.joint_names.clone(),
             plan_id: exported.plan_id,
             pose_rad: exported.player.pose_rad.clone(),
             playbacks,

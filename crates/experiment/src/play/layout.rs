@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use frfid_files::{
-    FileError, OrderEntry, Overwrite, check_free, create_folder, write_bytes, write_order,
+    Exported, FileError, OrderEntry, Overwrite, Rehearsal, check_free, create_folder, write_bytes,
+    write_order,
 };
 use frfid_signals::RunId;
 
-use crate::play::export::{Exported, PlayOptions};
-use crate::play::rehearsal::Rehearsal;
+use crate::play::export::PlayOptions;
 
 /// Name of the list of runs.
 const ORDER: &str = "runs.csv";

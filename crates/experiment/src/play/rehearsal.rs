@@ -2,32 +2,12 @@
 
 use std::sync::Arc;
 
-use frfid_signals::{Peaks, Playback, Player, RunId};
+use frfid_files::Rehearsal;
+use frfid_signals::{Playback, Player, RunId};
 
 use crate::error::ExperimentError;
 use crate::run::parallel::{Progress, Steps, for_each};
 use crate::run::planned_runs::PlannedRuns;
-
-/// A reference that was held against the limits and keeps them.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Rehearsal {
-    /// The first of its repetitions.
-    pub id: RunId,
-    /// How often it is played, one after the other.
-    pub n_repetitions: usize,
-    /// Samples of each repetition, from rest to rest.
-    pub n_samples: usize,
-    /// Sample at which the run itself begins.
-    pub first_sample: usize,
-    /// Samples of the run itself.
-    pub run_samples: usize,
-    /// Duration of each repetition in s.
-    pub duration_s: f64,
-    /// What is commanded at most.
-    pub commanded: Peaks,
-    /// What the model predicts at most; `None` without a model.
-    pub predicted: Option<Peaks>,
-}
 
 impl PlannedRuns {
     /// The first repetition of every reference with their number, in the order in which they are played.

@@ -2,6 +2,7 @@
 
 pub(crate) mod columns;
 pub(crate) mod csv;
+pub(crate) mod exported;
 mod float_array;
 pub(crate) mod form;
 pub(crate) mod formats;

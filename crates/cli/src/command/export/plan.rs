@@ -3,8 +3,11 @@
 use std::path::Path;
 
 use clap::Args;
-use frfid_experiment::{ExperimentError, Exported, PlannedRuns, PlayOptions};
-use frfid_files::{AngleUnit, DecimalMark, PLAY_FORMATS, PlayFormat, Separator, TableForm};
+use frfid_experiment::{ExperimentError, PlannedRuns, PlayOptions};
+use frfid_files::{
+    AngleUnit, DecimalMark, Exported, PLAY_FORMATS, PlayFormat, Separator, TableForm, write_bytes,
+};
+use frfid_report::{PLAN_PAGE, plan_page};
 use frfid_signals::format::{count, significant};
 use serde_json::{Value, json};
 
@@ -136,12 +139,17 @@ pub(super) fn run(
         overwrite: options.overwrite(),
     };
     plan.check_form(play.format)?;
+    let page = (!play.format.is_ending_of(output)).then(|| output.join(PLAN_PAGE));
+    page.iter().try_for_each(|page| options.check_free(page))?;
     let planned = PlannedRuns::load(&arguments.input)?;
     warn(&planned.experiment, console);
     let exported = watched(console, "rehearsing", "references", |progress| {
         planned.export(output, &play, progress)
     });
     let exported = exported.map_err(refused)?;
+    if let Some(page) = &page {
+        write_bytes(page, options.overwrite(), plan_page(&exported)?.as_bytes())?;
+    }
     tell(&exported, output, options, console)?;
     Ok(Exit::Done)
 }

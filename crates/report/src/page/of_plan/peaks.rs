@@ -1,0 +1,152 @@
+//! Peaks of an exported plan beside its limits.
+
+use frfid_files::{Check, Exported, Rehearsal};
+use frfid_signals::format::{count, significant};
+use frfid_signals::{Limit, Peaks};
+
+use crate::page::of_plan::{Row, table};
+use crate::page::section::Part;
+
+/// The limits that the description does not give.
+pub(super) fn unlimited(exported: &Exported) -> String {
+    let bounded = [
+        Limit::Velocity,
+        Limit::Acceleration,
+        Limit::Jerk,
+        Limit::Torque,
+    ];
+    let limits = &exported.player.limits;
+    let missing = bounded.iter().filter(|limit| limits.get(**limit).is_none());
+    let missing: Vec<_> = missing.map(|limit| limit.quantity()).collect();
+    if missing.is_empty() {
+        return String::new();
+    }
+    format!(
+        "Not limited by the description, so not checked: {}.",
+        missing.join(", ")
+    )
+}
+
+/// What is commanded and predicted at most, the farther of both.
+pub(super) fn reached(exported: &Exported) -> Peaks {
+    let commanded = largest(exported, |run| Some(&run.commanded));
+    let predicted = largest(exported, |run| run.predicted.as_ref());
+    let mut reached = predicted.unwrap_or_default();
+    for &limit in Limit::ALL {
+        if let Some(values) = commanded.as_ref().and_then(|peaks| peaks.get(limit)) {
+            reached.set(limit, values.to_vec());
+        }
+    }
+    reached
+}
+
+/// The largest of all runs; `None` where a run does not know.
+fn largest(exported: &Exported, of: fn(&Rehearsal) -> Option<&Peaks>) -> Option<Peaks> {
+    let mut all = exported.runs.iter().map(of);
+    let first = all.next()??.clone();
+    all.try_fold(first, |largest, peaks| Some(largest.farther(peaks?)))
+}
+
+/// Every peak beside its limit, a table for each joint.
+pub(super) fn peaks(exported: &Exported) -> Part<'_> {
+    let both = [
+        largest(exported, |run| Some(&run.commanded)).unwrap_or_default(),
+        largest(exported, |run| run.predicted.as_ref()).unwrap_or_default(),
+    ];
+    let tables = exported
+        .joint_names
+        .iter()
+        .enumerate()
+        .map(|(joint, name)| {
+            let rows = Limit::ALL
+                .iter()
+                .filter_map(|&limit| peak(exported, &both, limit, joint));
+            let columns = ["Largest", "Commanded", "Predicted", "Limit", "Used"];
+            table(name, &columns, rows.collect())
+        });
+    let note = "The largest of all runs from rest to rest: of the commands, and of the motion that the model predicts.";
+    Part {
+        title: "Peaks and limits".into(),
+        notes: vec![note.into()],
+        tables: tables.collect(),
+        ..Part::default()
+    }
+}
+
+/// A quantity of a joint: commanded, predicted, its limit, how much of it is used; `None` where it is not known, and for
+/// positions without a limit, which stand elsewhere.
+fn peak(exported: &Exported, both: &[Peaks; 2], limit: Limit, joint: usize) -> Option<Row> {
+    let [commanded, predicted] = both.each_ref().map(|peaks| value(peaks, limit, joint));
+    let known = [commanded, predicted].into_iter().flatten();
+    let largest = known.reduce(f64::max)?;
+    let allowed = exported.player.limits.of(limit, joint);
+    if !limit.is_size() && !allowed.is_finite() {
+        return None;
+    }
+    let [commanded, predicted, bound] =
+        [commanded, predicted, finite(allowed)].map(|value| with_unit(value, limit));
+    let used = share(largest, allowed, limit);
+    Some((
+        limit.quantity().to_owned(),
+        vec![commanded, predicted, bound, used],
+    ))
+}
+
+fn value(peaks: &Peaks, limit: Limit, joint: usize) -> Option<f64> {
+    peaks.get(limit)?.get(joint).copied()
+}
+
+pub(super) fn finite(value: f64) -> Option<f64> {
+    value.is_finite().then_some(value)
+}
+
+fn with_unit(value: Option<f64>, limit: Limit) -> String {
+    let text = value.map(|value| format!("{} {}", significant(value, 4), unit(limit)));
+    text.unwrap_or_else(|| "-".into())
+}
+
+/// The unit as it is printed.
+fn unit(limit: Limit) -> String {
+    limit.unit().replace("^2", "\u{b2}").replace("^3", "\u{b3}")
+}
+
+/// How much of the limit of a size is used.
+fn share(found: f64, allowed: f64, limit: Limit) -> String {
+    if !limit.is_size() || !allowed.is_finite() {
+        return "-".into();
+    }
+    format!("{} %", significant(100.0 * found / allowed, 3))
+}
+
+/// That every limit is kept.
+pub(super) fn checks(exported: &Exported) -> Vec<Check> {
+    let excesses = exported.player.limits.exceeded(&reached(exported));
+    vec![Check {
+        name: "limits".into(),
+        passed: excesses.is_empty(),
+        found: format!("{} beyond a limit", count(excesses.len(), "peak")),
+        needed: "no sample of a command or of the predicted motion beyond a limit".into(),
+        advice: "lower the amplitudes".into(),
+    }]
+}
+
+/// Which peak comes closest to its limit, in words.
+pub(super) fn closest(exported: &Exported) -> String {
+    let peaks = reached(exported);
+    let sizes = exported
+        .player
+        .limits
+        .iter()
+        .filter(|(limit, _)| limit.is_size());
+    let shares = sizes.flat_map(|(limit, allowed)| {
+        let found = peaks.get(limit).unwrap_or_default().iter();
+        let shares = found.zip(allowed).map(|(found, allowed)| found / allowed);
+        let named = shares.zip(&exported.joint_names);
+        named.map(move |(share, joint)| (share, limit, joint))
+    });
+    let closest = shares.max_by(|a, b| a.0.total_cmp(&b.0));
+    closest.map_or(String::new(), |(share, limit, joint)| {
+        let (percent, quantity) = (significant(100.0 * share, 3), limit.quantity());
+        format!("Closest to its limit: the {quantity} of {joint}, at {percent} %.")
+    })
+}
