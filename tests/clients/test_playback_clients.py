@@ -239,6 +239,13 @@ def trajectories(folder):
     return folder / "ros"
 
 
+def test_the_node_goes_with_trajectories_alone(trajectories, folder):
+    node = ROOT / "crates" / "files" / "src" / "playback" / "play.py"
+    assert (trajectories / "play.py").read_text() == node.read_text()
+    exported(folder, "plan.mcap", "--to", "float64-array", "-o", "no_node")
+    assert not list((folder / "no_node").glob("*.py")) and (folder / "no_node" / "plan.html").exists()
+
+
 @pytest.mark.parametrize("read", READERS.values(), ids=READERS)
 def test_a_trajectory_has_every_sample_behind_the_rest(trajectories, plain, read):
     topics = read(trajectories / "p000-m1-q0.mcap")

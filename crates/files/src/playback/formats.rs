@@ -78,7 +78,7 @@ pub const PLAY_FORMATS: [PlayFormat; 4] = [
         suffix: "mcap",
         describes: "A trajectory_msgs/JointTrajectory for each run, for ros2_control, with a node that plays them",
         is_table: false,
-        companion: None,
+        companion: Some(("play.py", include_str!("play.py"))),
         write: write_joint_trajectory,
     },
     PlayFormat {
