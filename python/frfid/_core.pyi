@@ -281,6 +281,21 @@ class Plan:
         folder: str | PathLike[str] | None = None,
         overwrite: bool = False,
     ) -> list[Record]: ...
+    def export(
+        self,
+        path: str | PathLike[str],
+        to: Literal["csv", "mat", "joint-trajectory", "float64-array"] = "csv",
+        *,
+        rate_hz: float | None = None,
+        campaign: bool = False,
+        separator: Literal["comma", "semicolon", "tab"] = "comma",
+        decimal: Literal["point", "comma"] = "point",
+        angle: Literal["rad", "deg", "turn", "rpm"] = "rad",
+        gear_ratio: Sequence[float] | None = None,
+        jobs: int = 0,
+        overwrite: bool = False,
+        progress: _Progress | None = None,
+    ) -> dict[str, Any]: ...
     def estimate(self, records: Sequence[Record | None]) -> Frf: ...
     def __getitem__(self, index: int, /) -> Run: ...
     def __len__(self) -> int: ...

@@ -13,6 +13,7 @@ mod estimate {
 /// `Experiment` and `Plan`: the workflow of the command line.
 mod experiment {
     pub(crate) mod description;
+    mod export;
     pub(crate) mod plan;
     mod planned;
 }

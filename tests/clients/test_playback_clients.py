@@ -354,3 +354,28 @@ def test_what_cannot_be_exported_is_refused_before_anything_is_written(folder, a
     done = frfid(folder, "export", *arguments)
     assert done.returncode == 2 and told in done.stderr, done.stderr
     assert not list(folder.glob("x*"))
+
+
+def test_python_writes_the_same_bytes(folder):
+    frfid_module = pytest.importorskip("frfid")
+    plan = frfid_module.Plan.load(folder / "plan.mcap")
+    form = {"separator": "semicolon", "decimal": "comma", "angle": "rpm", "gear_ratio": [-105.0, 210.0, 60.0]}
+    told = plan.export(folder / "python", "csv", rate_hz=250, **form)
+    options = ["--separator", "semicolon", "--decimal", "comma", "--angle", "rpm", "--gear-ratio", "-105,210,60"]
+    by_command = exported(folder, "plan.mcap", "--to", "csv", "--rate", 250, *options, "-o", "command")
+    assert {key: told[key] for key in ["plan_id", "rate_hz", "n_runs", "duration_s"]} == {
+        key: by_command[key] for key in ["plan_id", "rate_hz", "n_runs", "duration_s"]
+    }
+    names = [path.name for path in sorted((folder / "command").iterdir())]
+    assert names == [path.name for path in sorted((folder / "python").iterdir())] and "plan.html" in names
+    for name in names:
+        assert (folder / "python" / name).read_bytes() == (folder / "command" / name).read_bytes(), name
+    with pytest.raises(FileExistsError):
+        plan.export(folder / "python")
+    with pytest.raises(ValueError, match="one of csv, mat, joint-trajectory, float64-array"):
+        plan.export(folder / "x", "npz")
+    with pytest.raises(ValueError, match="at least 148.1"):
+        plan.export(folder / "x", rate_hz=100)
+    with pytest.raises(ValueError, match="the reference of joint_3 reaches"):
+        frfid_module.Experiment.load(folder / "tight.toml").design().export(folder / "x")
+    assert not (folder / "x").exists()

@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use frfid_files::{Exported, Overwrite, PlayFormat, PlaybackFile, Rehearsal, TableForm};
+use frfid_files::{Exported, FileError, Overwrite, PlayFormat, PlaybackFile, Rehearsal, TableForm};
 use frfid_signals::{Playback, RunKind};
 
 use crate::error::ExperimentError;
@@ -29,6 +29,23 @@ pub struct PlayOptions {
     pub overwrite: Overwrite,
 }
 
+impl PlayOptions {
+    /// Refuses a form that does not fit the joints, and that of a table for a format that is none.
+    fn check(&self, n_joints: usize) -> Result<(), FileError> {
+        if !self.format.is_table && self.form != TableForm::default() {
+            return Err(FileError::Shape {
+                what: "form",
+                found: format!(
+                    "separator, decimal mark, unit or side of a table for {}",
+                    self.format.name
+                ),
+                needed: "none: messages of ROS are in rad and N m on the joint side".into(),
+            });
+        }
+        self.form.check(n_joints)
+    }
+}
+
 impl PlannedRuns {
     /// Writes every run as a player takes it, once all of them were held against the limits.
     ///
@@ -46,7 +63,7 @@ impl PlannedRuns {
     ) -> Result<Exported, ExperimentError> {
         let player = self.experiment.player(options.rate_hz);
         let layout = Layout::of(path, options, &self.references())?;
-        options.form.check(self.experiment.plan.n_inputs)?;
+        options.check(self.experiment.plan.n_inputs)?;
         let runs = self.rehearse(&player, options.jobs, progress)?;
         let exported = Exported {
             shown: self.rehearsed_again(&runs[shown(&runs)], &player)?,

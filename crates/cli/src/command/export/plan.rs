@@ -85,17 +85,6 @@ impl PlanArguments {
             gear_ratio: self.gear_ratio.clone(),
         }
     }
-
-    /// Refuses the form of a table for a format that is none.
-    fn check_form(&self, format: &PlayFormat) -> Result<(), Failure> {
-        match self.of_table() {
-            Some(option) if !format.is_table => Err(Failure::usage(format!(
-                "{option}: messages of ROS are in rad and N m on the joint side (--to {}); leave it out, or export a table",
-                format.name
-            ))),
-            _ => Ok(()),
-        }
-    }
 }
 
 /// The format of this name.
@@ -138,7 +127,6 @@ pub(super) fn run(
         jobs: plan.jobs,
         overwrite: options.overwrite(),
     };
-    plan.check_form(play.format)?;
     let page = (!play.format.is_ending_of(output)).then(|| output.join(PLAN_PAGE));
     page.iter().try_for_each(|page| options.check_free(page))?;
     let planned = PlannedRuns::load(&arguments.input)?;
@@ -148,7 +136,8 @@ pub(super) fn run(
     });
     let exported = exported.map_err(refused)?;
     if let Some(page) = &page {
-        write_bytes(page, options.overwrite(), plan_page(&exported)?.as_bytes())?;
+        let html = plan_page(&exported)?;
+        write_bytes(page, options.overwrite(), html.as_bytes())?;
     }
     tell(&exported, output, options, console)?;
     Ok(Exit::Done)
@@ -179,6 +168,13 @@ fn tell(
     console.note(format_args!(
         "{files}, {runs}, {time_s} s on the robot, plan_id {plan_id}"
     ));
+    if exported.order.is_some() {
+        let page = output.join(PLAN_PAGE);
+        console.hint(format_args!(
+            "read {} before anything moves",
+            page.display()
+        ));
+    }
     Ok(())
 }
 
