@@ -1,9 +1,9 @@
 //! `Plan.export`: the runs of a plan in the files that the players of robots take.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use frfid_experiment::PlayOptions;
-use frfid_files::{Exported, PlayFormat, TableForm, check_free, write_bytes};
+use frfid_files::{Exported, Overwrite, PlayFormat, TableForm, check_free, write_bytes};
 use frfid_report::{PLAN_PAGE, plan_page};
 use pyo3::prelude::*;
 use serde_json::json;
@@ -108,13 +108,16 @@ impl Plan {
             self.planned.export(&path, options, &report)
         })?;
         let exported = exported.map_err(error::experiment)?;
-        if let Some(page) = &page {
-            let html = plan_page(&exported).map_err(error::report)?;
-            let written = write_bytes(page, options.overwrite, html.as_bytes());
-            written.map_err(error::file)?;
-        }
+        page.map_or(Ok(()), |page| {
+            write_page(&page, &exported, options.overwrite)
+        })?;
         told(py, &exported)
     }
+}
+
+fn write_page(page: &Path, exported: &Exported, overwrite: Overwrite) -> PyResult<()> {
+    let html = plan_page(exported).map_err(error::report)?;
+    write_bytes(page, overwrite, html.as_bytes()).map_err(error::file)
 }
 
 fn told<'py>(py: Python<'py>, exported: &Exported) -> PyResult<Bound<'py, PyAny>> {

@@ -33,38 +33,41 @@ impl Layout {
         options: &PlayOptions,
         references: &[(RunId, usize)],
     ) -> Result<Self, FileError> {
-        let is_campaign = options.is_campaign;
         let layout = if options.format.is_ending_of(path) {
-            check_one(path, references.len(), is_campaign)?;
-            Self {
-                files: vec![path.into()],
-                order: None,
-                companion: None,
-                is_campaign,
-            }
+            Self::one_file(path, options, references.len())?
         } else {
-            let suffix = options.format.suffix;
-            let names = file_names(references, is_campaign).into_iter();
-            let companion = options.format.companion;
-            Self {
-                files: names
-                    .map(|name| path.join(format!("{name}.{suffix}")))
-                    .collect(),
-                order: Some(path.join(ORDER)),
-                companion: companion.map(|(name, text)| (path.join(name), text)),
-                is_campaign,
-            }
+            Self::folder(path, options, references)
         };
-        let mut all = layout.all();
-        all.try_for_each(|file| check_free(file, options.overwrite))?;
-        drop(all);
+        layout.check_free(options.overwrite)?;
         Ok(layout)
     }
 
-    /// Every file.
-    fn all(&self) -> impl Iterator<Item = &PathBuf> {
+    fn one_file(path: &Path, options: &PlayOptions, n: usize) -> Result<Self, FileError> {
+        check_one(path, n, options.is_campaign)?;
+        Ok(Self {
+            files: vec![path.into()],
+            order: None,
+            companion: None,
+            is_campaign: options.is_campaign,
+        })
+    }
+
+    fn folder(path: &Path, options: &PlayOptions, references: &[(RunId, usize)]) -> Self {
+        let file = |name| path.join(format!("{name}.{}", options.format.suffix));
+        let names = file_names(references, options.is_campaign);
+        let companion = options.format.companion;
+        Self {
+            files: names.into_iter().map(file).collect(),
+            order: Some(path.join(ORDER)),
+            companion: companion.map(|(name, text)| (path.join(name), text)),
+            is_campaign: options.is_campaign,
+        }
+    }
+
+    fn check_free(&self, overwrite: Overwrite) -> Result<(), FileError> {
         let companion = self.companion.iter().map(|(path, _)| path);
-        self.files.iter().chain(&self.order).chain(companion)
+        let mut all = self.files.iter().chain(&self.order).chain(companion);
+        all.try_for_each(|file| check_free(file, overwrite))
     }
 
     /// Creates the folder, if it is one.

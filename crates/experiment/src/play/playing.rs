@@ -52,25 +52,29 @@ impl Experiment {
 
     /// What the model reaches where it is given the whole playback, from rest to rest.
     fn predicted_peaks(&self, run: &Run, player: &Player) -> Result<Peaks, ExperimentError> {
+        let whole = self.whole_run(run, player)?;
+        let simulator: SimulatedRobot = self.simulator(None);
+        let (record, truth) = simulator.simulate(&whole)?;
+        let load = Load::of(&record, &whole.start_rad, &self.pose_rad).with_motion(&truth);
+        Ok(load.peaks)
+    }
+
+    /// The whole playback as a run at the plan's rate, which begins at rest at the pose.
+    fn whole_run(&self, run: &Run, player: &Player) -> Result<Run, ExperimentError> {
         let own_rate = Player {
             rate_hz: 1.0 / self.plan.sample_time_s,
             ..player.clone()
         };
-        let whole = self.plan.playback(run, &own_rate)?;
         let at_rest = vec![0.0; self.plan.n_inputs];
-        let whole = Run {
-            reference: match whole.played {
+        Ok(Run {
+            reference: match self.plan.playback(run, &own_rate)?.played {
                 Played::Motion(motion) => motion.velocity_rad_s,
                 Played::Torque(torque) => torque,
             },
             velocity_rad_s: at_rest.clone(),
-            start_rad: at_rest.clone(),
+            start_rad: at_rest,
             ..run.clone()
-        };
-        let simulator: SimulatedRobot = self.simulator(None);
-        let (record, truth) = simulator.simulate(&whole)?;
-        let load = Load::of(&record, &at_rest, &self.pose_rad).with_motion(&truth);
-        Ok(load.peaks)
+        })
     }
 
     fn refuse(

@@ -50,9 +50,7 @@ impl PlaybackFile {
     ) -> McapResult<()> {
         for (sample, values) in commanded(playback).columns().into_iter().enumerate() {
             let stamp_ns = self.stamp_ns(first_k + sample);
-            writer.encoded(commands, stamp_ns, |cdr| {
-                encode_array(&values.to_vec(), cdr)
-            })?;
+            writer.encoded(commands, stamp_ns, |cdr| encode_array(values, cdr))?;
         }
         Ok(())
     }

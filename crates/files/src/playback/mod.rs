@@ -77,17 +77,26 @@ impl PlaybackFile {
     pub(crate) fn check(&self) -> Result<(), FileError> {
         check_joints(&self.joint_names)?;
         self.form.check(self.joint_names.len())?;
-        if self.pose_rad.len() != self.joint_names.len() {
-            let found = format!("{} positions", self.pose_rad.len());
-            let needed = format!("one for each of {} joints", self.joint_names.len());
-            return Err(FileError::shape("pose_rad", found, needed));
-        }
+        self.check_pose()?;
         let Some(first) = self.playbacks.first() else {
             return Err(FileError::shape("playbacks", "none", "at least one run"));
         };
         self.check_size()?;
         let mut all = self.playbacks.iter();
         all.try_for_each(|playback| self.check_playback(playback, first))
+    }
+
+    fn check_pose(&self) -> Result<(), FileError> {
+        let (found, needed) = (self.pose_rad.len(), self.joint_names.len());
+        if found == needed {
+            return Ok(());
+        }
+        let needed = format!("one for each of {needed} joints");
+        Err(FileError::shape(
+            "pose_rad",
+            format!("{found} positions"),
+            needed,
+        ))
     }
 
     /// Refuses more numbers than a recording of them could hold.

@@ -1,6 +1,8 @@
 //! Messages of ROS 2 that players take: `trajectory_msgs/msg/JointTrajectory` and
 //! `std_msgs/msg/Float64MultiArray`.
 
+use ndarray::ArrayView1;
+
 use crate::ros::cdr_write::CdrWriter;
 use crate::ros::joint_state::MessageType;
 
@@ -96,10 +98,10 @@ pub(crate) fn encode_trajectory(
 }
 
 /// Values without a layout.
-pub(crate) fn encode_array(values: &[f64], cdr: &mut CdrWriter) {
+pub(crate) fn encode_array(values: ArrayView1<f64>, cdr: &mut CdrWriter) {
     cdr.u32(0);
     cdr.u32(0);
-    cdr.f64s(values);
+    cdr.f64s(&values.to_vec());
 }
 
 #[cfg(test)]
@@ -130,7 +132,7 @@ mod tests {
             cdr::serialize::<_, _, cdr::CdrLe>(&fields, cdr::Infinite).expect("encodes")
         );
         ours.clear();
-        encode_array(&[0.25, 4.0], &mut ours);
+        encode_array(ArrayView1::from(&[0.25, 4.0]), &mut ours);
         let fields = (&[0_u32; 0][..], 0_u32, &[0.25, 4.0][..]);
         assert_eq!(
             ours.bytes(),

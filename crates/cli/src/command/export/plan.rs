@@ -95,22 +95,29 @@ fn of_name(name: &str) -> Result<&'static PlayFormat, Failure> {
 
 /// The format that is asked for, or that of the ending; both must not contradict each other.
 fn format(to: Option<&str>, output: &Path) -> Result<&'static PlayFormat, Failure> {
-    let (path, of_ending) = (output.display(), PlayFormat::of_suffix(output));
-    let Some(to) = to else {
-        return of_ending.ok_or_else(|| {
-            let names = PLAY_FORMATS.map(|format| format.name).join(", ");
-            let found = ending(output);
-            Failure::usage(format!("{path}: found {found}, needed the format of a plan's files; say --to, one of {names}"))
-        });
-    };
-    let to = of_name(to)?;
-    match of_ending {
-        Some(other) if !to.is_ending_of(output) => Err(Failure::usage(format!(
-            "--to {} and {path} contradict each other: .{} is the ending of another format; leave --to out, or choose another name",
-            to.name, other.suffix
-        ))),
-        _ => Ok(to),
+    let of_ending = PlayFormat::of_suffix(output);
+    match to.map(of_name).transpose()? {
+        None => of_ending.ok_or_else(|| without_format(output)),
+        Some(to) if of_ending.is_some() && !to.is_ending_of(output) => {
+            Err(contradicted(to, output))
+        }
+        Some(to) => Ok(to),
     }
+}
+
+fn without_format(output: &Path) -> Failure {
+    let names = PLAY_FORMATS.map(|format| format.name).join(", ");
+    let (path, found) = (output.display(), ending(output));
+    Failure::usage(format!(
+        "{path}: found {found}, needed the format of a plan's files; say --to, one of {names}"
+    ))
+}
+
+fn contradicted(to: &PlayFormat, output: &Path) -> Failure {
+    let (name, path, found) = (to.name, output.display(), ending(output));
+    Failure::usage(format!(
+        "--to {name} and {path} contradict each other: found {found}, that of another format; leave --to out, or choose another name"
+    ))
 }
 
 pub(super) fn run(
@@ -118,15 +125,8 @@ pub(super) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
-    let (plan, output) = (&arguments.plan, &arguments.output);
-    let play = PlayOptions {
-        format: format(arguments.to.as_deref(), output)?,
-        rate_hz: plan.rate,
-        form: plan.form(),
-        is_campaign: plan.campaign,
-        jobs: plan.jobs,
-        overwrite: options.overwrite(),
-    };
+    let output = &arguments.output;
+    let play = play_options(arguments, options)?;
     let page = (!play.format.is_ending_of(output)).then(|| output.join(PLAN_PAGE));
     page.iter().try_for_each(|page| options.check_free(page))?;
     let planned = PlannedRuns::load(&arguments.input)?;
@@ -139,8 +139,19 @@ pub(super) fn run(
         let html = plan_page(&exported)?;
         write_bytes(page, options.overwrite(), html.as_bytes())?;
     }
-    tell(&exported, output, options, console)?;
-    Ok(Exit::Done)
+    tell(&exported, arguments, options, console)
+}
+
+fn play_options(arguments: &Arguments, options: &Options) -> Result<PlayOptions, Failure> {
+    let plan = &arguments.plan;
+    Ok(PlayOptions {
+        format: format(arguments.to.as_deref(), &arguments.output)?,
+        rate_hz: plan.rate,
+        form: plan.form(),
+        is_campaign: plan.campaign,
+        jobs: plan.jobs,
+        overwrite: options.overwrite(),
+    })
 }
 
 /// A run that this player cannot play is a matter of the command line.
@@ -153,21 +164,16 @@ fn refused(error: ExperimentError) -> Failure {
 
 fn tell(
     exported: &Exported,
-    output: &Path,
+    arguments: &Arguments,
     options: &Options,
     console: &mut Console,
-) -> Result<(), Failure> {
+) -> Result<Exit, Failure> {
+    let output = &arguments.output;
     if options.json {
         console.json(&as_json(exported, output))?;
     }
     console.wrote(output);
-    let files = count(exported.files.len(), "file");
-    let (runs, time_s) = (exported.n_runs(), significant(exported.duration_s(), 4));
-    let runs = count(runs, "run");
-    let plan_id = exported.plan_id;
-    console.note(format_args!(
-        "{files}, {runs}, {time_s} s on the robot, plan_id {plan_id}"
-    ));
+    console.note(in_words(exported));
     if exported.order.is_some() {
         let page = output.join(PLAN_PAGE);
         console.hint(format_args!(
@@ -175,7 +181,14 @@ fn tell(
             page.display()
         ));
     }
-    Ok(())
+    Ok(Exit::Done)
+}
+
+fn in_words(exported: &Exported) -> String {
+    let files = count(exported.files.len(), "file");
+    let runs = count(exported.n_runs(), "run");
+    let (time_s, plan_id) = (significant(exported.duration_s(), 4), exported.plan_id);
+    format!("{files}, {runs}, {time_s} s on the robot, plan_id {plan_id}")
 }
 
 fn as_json(exported: &Exported, output: &Path) -> Value {

@@ -132,21 +132,26 @@ pub(super) fn checks(exported: &Exported) -> Vec<Check> {
 
 /// Which peak comes closest to its limit, in words.
 pub(super) fn closest(exported: &Exported) -> String {
-    let peaks = reached(exported);
-    let sizes = exported
-        .player
-        .limits
-        .iter()
-        .filter(|(limit, _)| limit.is_size());
-    let shares = sizes.flat_map(|(limit, allowed)| {
-        let found = peaks.get(limit).unwrap_or_default().iter();
-        let shares = found.zip(allowed).map(|(found, allowed)| found / allowed);
-        let named = shares.zip(&exported.joint_names);
-        named.map(move |(share, joint)| (share, limit, joint))
-    });
-    let closest = shares.max_by(|a, b| a.0.total_cmp(&b.0));
-    closest.map_or(String::new(), |(share, limit, joint)| {
-        let (percent, quantity) = (significant(100.0 * share, 3), limit.quantity());
+    let closest = shares(exported)
+        .into_iter()
+        .max_by(|a, b| a.0.total_cmp(&b.0));
+    closest.map_or(String::new(), |(share, quantity, joint)| {
+        let percent = significant(100.0 * share, 3);
         format!("Closest to its limit: the {quantity} of {joint}, at {percent} %.")
     })
+}
+
+/// Every size that has a limit: its share of it, what it is, the joint.
+fn shares(exported: &Exported) -> Vec<(f64, &'static str, &str)> {
+    let peaks = reached(exported);
+    let limits = exported.player.limits.iter();
+    let sizes = limits.filter(|(limit, _)| limit.is_size());
+    let shares = sizes.flat_map(|(limit, allowed)| {
+        let found = peaks.get(limit).unwrap_or_default().iter();
+        let shares = found.zip(allowed).zip(&exported.joint_names);
+        shares.map(move |((found, allowed), joint)| {
+            (found / allowed, limit.quantity(), joint.as_str())
+        })
+    });
+    shares.collect()
 }
