@@ -88,7 +88,6 @@ pub use play::command::{CommandTestbed, PlayerCommand};
 pub use play::export::{Exported, PlayOptions};
 pub use play::import::{ImportOptions, ImportSummary, ImportedRun, import_recordings};
 pub use play::rehearsal::Rehearsal;
-pub use play::export::PlayOptions;
 pub use run::folder::{RunOptions, RunReport, RunSummary, run_to_folder};
 pub use run::guard::Guarded;
 pub use run::kept::KeptRuns;
