@@ -141,6 +141,25 @@ fn what_is_wrong_in_a_description_is_shown_with_its_place() {
 }
 
 #[test]
+fn an_arm_in_urdf_becomes_a_description_that_names_it_from_where_it_stands() {
+    let folder = tempdir().expect("a temporary folder");
+    let here = folder.path();
+    fs::create_dir(here.join("arm")).expect("made");
+    let urdf = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/robots/six_axis.urdf");
+    fs::copy(urdf, here.join("arm/six.urdf")).expect("copied");
+    for (output, file) in [("x.toml", "arm/six.urdf"), ("arm/x.toml", "six.urdf")] {
+        let made = frfid(here, &["init", "urdf", "arm/six.urdf", "-o", output]);
+        assert_eq!(code(&made), 0, "{}", stderr(&made));
+        let text = fs::read_to_string(here.join(output)).expect("written");
+        assert!(text.contains(&format!("file = \"{file}\"")), "{text}");
+        let checked = frfid(here, &["check", output]);
+        assert_eq!(code(&checked), 0, "{}", stderr(&checked));
+    }
+    let refused = frfid(here, &["init", "chirp", "--tip-link", "hand"]);
+    assert_eq!(code(&refused), 2, "{}", stderr(&refused));
+}
+
+#[test]
 fn nothing_is_overwritten_without_force() {
     let folder = tempdir().expect("a temporary folder");
     let path = folder.path().join("x.toml");

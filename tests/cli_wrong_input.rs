@@ -212,7 +212,7 @@ const REFUSED: [(&str, &str, &str, &str); 29] = [
 ];
 
 /// Command lines with a file that is not there.
-const MISSING: [&str; 11] = [
+const MISSING: [&str; 12] = [
     "check none.toml",
     "design none.toml -o y",
     "shape none.toml -o y",
@@ -224,6 +224,7 @@ const MISSING: [&str; 11] = [
     "recover none.mcap",
     "inspect none.mcap",
     "init map none.mcap",
+    "init urdf none.urdf",
 ];
 
 fn run(here: &Path, line: &str) -> (i32, String, String) {

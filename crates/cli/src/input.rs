@@ -103,7 +103,9 @@ impl Needed {
                 "frfid report, frfid compare and frfid export take results".into()
             }
             (FileKind::Shaping, _) => "the result of a shaping is frf.json beside it".into(),
-            (FileKind::Urdf, _) => "name it in the table [robot.urdf] of a description".into(),
+            (FileKind::Urdf, _) => format!(
+                "frfid init urdf {path} writes a description with it in its table [robot.urdf]"
+            ),
             (FileKind::Page, Self::Result) => "give the result that it was made of".into(),
             _ => self.made_by().into(),
         }

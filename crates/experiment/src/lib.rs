@@ -69,6 +69,7 @@ pub use description::robot::RobotTable;
 pub use description::robot::body::BodyTable;
 pub use description::robot::joint::{JointTable, MotorRippleTable, SingleJointTable};
 pub use description::robot::urdf::UrdfTable;
+pub use description::robot::urdf_start::description_of_urdf;
 pub use description::schema::{map_schema, robot_schema, schema};
 pub use description::shape::{ShapeTable, StepName};
 pub use description::templates::{TEMPLATES, Template};

@@ -37,6 +37,9 @@ const ROWS: [(&str, &str, Limit); 9] = [
     ),
 ];
 
+const NO_TABLE: &str = "found no table joint_limits, needed: one with an entry for each joint, at the top or within \
+                        NODE: ros__parameters:";
+
 /// What such a file says of the joints of a robot.
 #[derive(Debug, PartialEq)]
 pub(crate) struct JointLimits {
@@ -72,17 +75,14 @@ fn not_yaml(error: &ScanError) -> String {
 }
 
 /// The tables `joint_limits` of a file.
-#[derive(Default)]
 struct Tables<'a>(Vec<&'a Hash>);
 
 impl<'a> Tables<'a> {
     fn among(documents: &'a [Yaml]) -> Result<Self, String> {
-        let mut tables = Self::default();
+        let mut tables = Self(Vec::new());
         documents.iter().for_each(|node| tables.gather(node));
         if tables.0.is_empty() {
-            return Err("found no table joint_limits, needed: one with an entry for each joint, at the top or within \
-                        NODE: ros__parameters:"
-                .to_owned());
+            return Err(NO_TABLE.to_owned());
         }
         Ok(tables)
     }
@@ -202,9 +202,8 @@ fn is_true(key: &str, value: &Yaml) -> Result<bool, String> {
 
 /// A number, whole or not.
 fn number(key: &str, value: &Yaml) -> Result<f64, String> {
-    let whole = value.as_i64().map(|whole| whole as f64);
     let found = in_words(value);
-    let number = whole.or_else(|| value.as_f64());
+    let number = value.as_f64().or(value.as_i64().map(|whole| whole as f64));
     number.ok_or_else(|| format!("{key} is {found}, needed: a number"))
 }
 

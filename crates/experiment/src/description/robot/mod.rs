@@ -4,6 +4,8 @@ pub(crate) mod body;
 pub(crate) mod check;
 pub(crate) mod joint;
 pub(crate) mod urdf;
+pub(crate) mod urdf_limits;
+pub(crate) mod urdf_start;
 
 use std::path::Path;
 use std::sync::Arc;

@@ -13,12 +13,13 @@ use crate::description::fault::Fault;
 use crate::description::robot::RobotTable;
 use crate::description::robot::body::{BodyTable, rotation};
 use crate::description::robot::joint::JointTable;
+use crate::description::robot::urdf_limits::with_limits;
 use crate::description::text::{ConfigError, TomlText};
 
 /// An arm from URDF: the chain of joints from the base link to the tip link. Revolute and
 /// continuous joints move and need a table of their name; fixed ones are locked. Limits that a
 /// table leaves out are those of URDF.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct UrdfTable {
     /// The URDF file, relative to the file that names it; plain URDF, xacro expanded.
@@ -63,12 +64,8 @@ impl RobotTable {
 impl UrdfTable {
     /// Reads the file, which is looked up in `folder`.
     fn read(&self, folder: &Path) -> Result<Vec<BodyTable>, Fault> {
-        let unread = |message: String| Fault::new(&["file"], message);
-        let path = folder.join(&self.file);
-        let xml = TomlText::read(&path).map_err(|error| unread(error.to_string()))?;
-        let robot = urdf_rs::read_from_string(&xml.text)
-            .map_err(|error| unread(format!("{}: not URDF: {error}", path.display())))?;
-        self.bodies(&robot)
+        let unread = |error: ConfigError| Fault::new(&["file"], error.to_string());
+        self.bodies(&read_robot(&folder.join(&self.file)).map_err(unread)?)
     }
 
     /// The bodies of the chain, from the base to the tip.
@@ -99,7 +96,7 @@ impl UrdfTable {
     }
 
     /// The joints from the base link to the tip link.
-    fn chain<'a>(&self, robot: &'a urdf_rs::Robot) -> Result<Vec<&'a Joint>, Fault> {
+    pub(super) fn chain<'a>(&self, robot: &'a urdf_rs::Robot) -> Result<Vec<&'a Joint>, Fault> {
         let (base, tip) = (self.base(robot)?, self.tip(robot)?);
         let (mut chain, mut link) = (Vec::new(), tip);
         while link != base {
@@ -116,7 +113,7 @@ impl UrdfTable {
         Ok(chain)
     }
 
-    fn base<'a>(&self, robot: &'a urdf_rs::Robot) -> Result<&'a str, Fault> {
+    pub(super) fn base<'a>(&self, robot: &'a urdf_rs::Robot) -> Result<&'a str, Fault> {
         let is_base = |link: &&str| above(link, robot).is_none();
         named("base_link", self.base_link.as_deref(), robot, is_base)
     }
@@ -172,12 +169,25 @@ impl UrdfTable {
     fn table_of_moving(&self, joint: &Joint) -> Result<JointTable, Fault> {
         let name = &joint.name;
         let table = self.joint.get(name).ok_or_else(|| {
-            let message =
-                format!("no table urdf.joint.{name}: URDF knows no motor, gear and friction");
+            let message = format!(
+                "no table urdf.joint.{name}: URDF knows no motor, gear and friction; \
+                 frfid init urdf writes a table for every joint, with guesses"
+            );
             Fault::new(&["joint"], message)
         })?;
         Ok(with_limits(table, joint))
     }
+}
+
+/// Reads a URDF file.
+pub(super) fn read_robot(path: &Path) -> Result<urdf_rs::Robot, ConfigError> {
+    let xml = TomlText::read(path)?;
+    let robot = urdf_rs::read_from_string(&xml.text);
+    let robot = robot.map_err(|error| xml.error(&[], format!("not URDF: {error}")))?;
+    if robot.links.is_empty() {
+        return Err(xml.error(&[], "not URDF: found no link"));
+    }
+    Ok(robot)
 }
 
 /// The joint on which a link hangs.
@@ -203,16 +213,25 @@ fn inertial_of(joint: &Joint, robot: &urdf_rs::Robot) -> Inertial {
 /// Refuses links with a mass that hang beside the chain: what they weigh would be lost.
 fn check_nothing_beside(robot: &urdf_rs::Robot, chain: &[&Joint]) -> Result<(), Fault> {
     let beside = beside(robot, chain);
-    let has_mass =
-        |link: &&Link| beside.contains(&link.name.as_str()) && link.inertial.mass.value != 0.0;
-    let Some(link) = robot.links.iter().find(has_mass) else {
+    let links = robot
+        .links
+        .iter()
+        .filter(|link| beside.contains(&link.name.as_str()));
+    let heavy: Vec<String> = links.filter_map(weight_in_words).collect();
+    if heavy.is_empty() {
         return Ok(());
-    };
+    }
+    let heavy = heavy.join(", ");
     let message = format!(
-        "link {} of {} kg hangs beside the chain to the tip; give its mass to a link of the chain",
-        link.name, link.inertial.mass.value
+        "{heavy} beside the chain to the tip, needed: nothing that weighs; in the URDF give the masses to links of the chain"
     );
     Err(Fault::new(&["tip_link"], message))
+}
+
+/// A link and what it weighs; `None` of one without a mass.
+fn weight_in_words(link: &Link) -> Option<String> {
+    let mass_kg = link.inertial.mass.value;
+    (mass_kg != 0.0).then(|| format!("link {} of {mass_kg} kg", link.name))
 }
 
 /// Links that hang on the links of the chain, directly or not, without being of it.
@@ -250,28 +269,6 @@ fn named<'a>(
             Err(Fault::new(&[key], message))
         }
     }
-}
-
-/// The table with the limits of URDF where it has none. URDF writes 0 for an effort or a velocity
-/// that is not known, and an empty range for a joint without one.
-fn with_limits(table: &JointTable, joint: &Joint) -> JointTable {
-    let limit = &joint.limit;
-    let has_range = joint.joint_type == JointType::Revolute && limit.lower < limit.upper;
-    let position = |value: f64| Some(value).filter(|value| has_range && value.is_finite());
-    JointTable {
-        min_position: table.min_position.or(position(limit.lower)),
-        max_position: table.max_position.or(position(limit.upper)),
-        max_velocity: table.max_velocity.or(size(limit.velocity)),
-        max_acceleration: table.max_acceleration.or(size(limit.acceleration)),
-        max_jerk: table.max_jerk.or(size(limit.jerk)),
-        max_effort: table.max_effort.or(size(limit.effort)),
-        ..table.clone()
-    }
-}
-
-/// A size that URDF knows.
-fn size(value: f64) -> Option<f64> {
-    Some(value).filter(|value| value.is_finite() && *value > 0.0)
 }
 
 /// The inertia tensor of URDF, in the frame of its own origin.
