@@ -52,7 +52,7 @@ fn assert_follows(experiment: &Experiment, record: &Record) {
         panic!("a multisine")
     };
     let controller = experiment.controller().expect("closed loop");
-    let (robot, sensors) = (experiment.robot(), experiment.sensors());
+    let (robot, sensors) = (experiment.model().expect("a robot"), experiment.sensors());
     let linear = LoopFrf::new(
         &**robot,
         &**controller,

@@ -160,6 +160,44 @@ fn an_arm_in_urdf_becomes_a_description_that_names_it_from_where_it_stands() {
 }
 
 #[test]
+fn a_drive_without_a_model_is_designed_and_what_needs_one_is_refused() {
+    let folder = tempdir().expect("a temporary folder");
+    let here = folder.path();
+    for line in [
+        "init drive-axis -o x.toml",
+        "check x.toml",
+        "design x.toml -o plan.mcap",
+        "inspect plan.mcap",
+    ] {
+        let done = frfid(here, &line.split(' ').collect::<Vec<_>>());
+        assert_eq!(code(&done), 0, "{line}: {}", stderr(&done));
+    }
+    let told = frfid(here, &["design", "x.toml", "--dry-run", "--json"]);
+    assert!(stderr(&told).contains("no model: only the signal"));
+    let told: Value = serde_json::from_slice(&told.stdout).expect("JSON");
+    let keys: Vec<&String> = told.as_object().expect("an object").keys().collect();
+    assert_eq!(keys, ["limits", "plan", "signal", "version"]);
+    for order in ["x.toml", "plan.mcap"] {
+        let refused = frfid(here, &["run", order, "-o", "logs"]);
+        assert_eq!(code(&refused), 2);
+        let said = stderr(&refused);
+        assert!(
+            said.contains("no robot model") && said.contains("play the plan"),
+            "{said}"
+        );
+    }
+    let text = fs::read_to_string(here.join("x.toml")).expect("written");
+    fs::write(
+        here.join("x.toml"),
+        text.replace("peak = [0.5]", "peak = [1.5]"),
+    )
+    .expect("written");
+    let refused = frfid(here, &["design", "x.toml", "--dry-run"]);
+    assert_eq!(code(&refused), 2);
+    assert!(stderr(&refused).contains("axis_1 would reach 1.5 A, max_input is 1 A"));
+}
+
+#[test]
 fn nothing_is_overwritten_without_force() {
     let folder = tempdir().expect("a temporary folder");
     let path = folder.path().join("x.toml");

@@ -79,7 +79,7 @@ fn experiment(peak_rad_s: f64, max_step_s: Option<f64>, velocity_by_differencing
         text,
     };
     let experiment = Experiment::new(source, &examples).expect("sound");
-    let robot = experiment.robot();
+    let robot = experiment.model().expect("a robot");
     let controller = experiment.controller().expect("described");
     let testbed = SimulatedRobot {
         max_step_s,

@@ -88,6 +88,7 @@ impl From<ExperimentError> for Failure {
             }
             ExperimentError::Trail { .. }
             | ExperimentError::Logs { .. }
+            | ExperimentError::NoModel
             | ExperimentError::Exceeds { .. } => Self::of(Exit::Usage, &error),
             error => Self::failed(&error),
         }

@@ -37,6 +37,7 @@ mod text {
     pub(crate) mod load;
     pub(crate) mod looked;
     pub(crate) mod plan;
+    pub(crate) mod signal;
     pub(crate) mod strength;
     pub(crate) mod summary;
     pub(crate) mod table;

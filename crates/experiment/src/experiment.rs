@@ -6,11 +6,15 @@ use std::sync::Arc;
 use frfid_plant::{Controller, Robot, Sensor};
 use frfid_signals::{Limit, Limits, Plan};
 
+use crate::description::channels::ChannelsTable;
 use crate::description::config::Config;
 use crate::description::controller::ControllerTable;
+use crate::description::fault::Fault;
+use crate::description::machine::Machine;
 use crate::description::plan::{design, located};
 use crate::description::templates::Template;
 use crate::description::text::{ConfigError, TomlText};
+use crate::error::ExperimentError;
 
 /// A description that was read and found sound, and everything that it describes.
 #[derive(Debug, Clone)]
@@ -19,13 +23,24 @@ pub struct Experiment {
     /// What is to be said of a file that was read in.
     pub(crate) note: Option<String>,
     pub(crate) config: Config,
-    pub(crate) robot: Arc<dyn Robot>,
+    /// `None` without a model.
+    pub(crate) robot: Option<Arc<dyn Robot>>,
     pub(crate) joint_names: Vec<String>,
     pub(crate) pose_rad: Vec<f64>,
     pub(crate) sensors: Vec<Sensor>,
     pub(crate) controller: Option<Arc<dyn Controller>>,
     pub(crate) limits: Limits,
     pub(crate) plan: Plan,
+}
+
+/// The controller of the machine, checked against it.
+fn controller(config: &Config, machine: &Machine) -> Result<Option<Arc<dyn Controller>>, Fault> {
+    let controller = config.controller.as_ref().map(ControllerTable::controller);
+    if let Some(controller) = &controller {
+        let checked = controller.check(machine.joint_names.len(), config.sample_time_s);
+        checked.map_err(located("controller"))?;
+    }
+    Ok(controller)
 }
 
 /// Everything else follows from the description.
@@ -52,7 +67,7 @@ impl Experiment {
     pub fn new(text: TomlText, folder: &Path) -> Result<Self, ConfigError> {
         let mut config: Config = text.parse_kinds(&Config::TABLES_OF_KINDS)?;
         config.robot.read_files(&text, folder)?;
-        let joints = config.robot.joint_names();
+        let joints = config.joint_names();
         let read = config.limits.read_file(folder, &joints);
         let note = read.map_err(|fault| text.locate(&[], fault))?;
         Self::of(config, text, note)
@@ -90,24 +105,19 @@ impl Experiment {
 
     /// Checks a description and resolves it; errors point into `text`.
     fn of(config: Config, text: TomlText, note: Option<String>) -> Result<Self, ConfigError> {
-        let robot = config.robot.resolve();
-        let robot = robot.map_err(|fault| text.locate(&["robot"], fault))?;
-        let controller = config.controller.as_ref().map(ControllerTable::controller);
-        if let Some(controller) = &controller {
-            let checked = controller.check(robot.n_axes(), config.sample_time_s);
-            checked.map_err(|error| text.locate(&[], located("controller")(error)))?;
-        }
+        let locate = |fault: Fault| text.locate(&[], fault);
+        let machine = config.machine().map_err(locate)?;
         let experiment = Self {
-            joint_names: config.robot.joint_names(),
-            pose_rad: config.robot.pose(),
-            sensors: config.robot.sensors(),
-            controller,
-            limits: config.limits.given.tighter(&config.robot.limits()),
-            plan: design(&config).map_err(|fault| text.locate(&[], fault))?,
+            controller: controller(&config, &machine).map_err(locate)?,
+            limits: config.limits.given.tighter(&machine.limits),
+            plan: design(&config).map_err(locate)?,
+            robot: machine.robot,
+            joint_names: machine.joint_names,
+            pose_rad: machine.pose_rad,
+            sensors: machine.sensors,
             text,
             note,
             config,
-            robot,
         };
         experiment.check_feasible()?;
         Ok(experiment)
@@ -125,10 +135,19 @@ impl Experiment {
         &self.config
     }
 
-    /// The robot to be simulated, without the challenges that are switched off.
+    /// The robot to be simulated, without the challenges that are switched off; `None` where the
+    /// description has channels and no model.
     #[must_use]
-    pub fn robot(&self) -> &Arc<dyn Robot> {
-        &self.robot
+    pub fn robot(&self) -> Option<&Arc<dyn Robot>> {
+        self.robot.as_ref()
+    }
+
+    /// The robot to be simulated, or what to do without one.
+    ///
+    /// # Errors
+    /// [`ExperimentError::NoModel`] where the description has channels in the place of a robot.
+    pub fn model(&self) -> Result<&Arc<dyn Robot>, ExperimentError> {
+        self.robot().ok_or(ExperimentError::NoModel)
     }
 
     /// Names of the joints, as they stand in the logs.
@@ -166,6 +185,16 @@ impl Experiment {
     #[must_use]
     pub fn limit_is_robots_own(&self, limit: Limit, axis: usize) -> bool {
         self.config.limits.given.of(limit, axis) != self.limits.of(limit, axis)
+    }
+
+    /// Unit of the reference of every axis: that of its channel, else N m in open loop and rad/s
+    /// in closed loop.
+    #[must_use]
+    pub fn reference_units(&self) -> Vec<String> {
+        let unit = self.plan.injection.unit();
+        let of_robot = || vec![unit.to_owned(); self.joint_names.len()];
+        let channels = self.config.channels.as_ref();
+        channels.map_or_else(of_robot, ChannelsTable::input_units)
     }
 
     /// The runs that follow from the description.

@@ -2,12 +2,14 @@
 
 /// `experiment.toml`: the description of an experiment, its text and its tables.
 mod description {
+    pub(crate) mod channels;
     pub(crate) mod config;
     pub(crate) mod controller;
     pub(crate) mod estimate;
     pub(crate) mod fault;
     pub(crate) mod joint_limits;
     pub(crate) mod limits;
+    pub(crate) mod machine;
     pub(crate) mod misspelt;
     pub(crate) mod plan;
     pub(crate) mod radians;
@@ -23,6 +25,7 @@ mod design {
     pub(crate) mod plausible;
     pub(crate) mod predict;
     pub(crate) mod preflight;
+    pub(crate) mod signal;
 }
 mod error;
 mod estimate;
@@ -61,6 +64,7 @@ mod shape {
     pub(crate) mod trail;
 }
 
+pub use description::channels::{ChannelsTable, Units};
 pub use description::config::{AveragingTable, Config, ConstantVelocityTable};
 pub use description::controller::ControllerTable;
 pub use description::estimate::{Average, EstimateTable, GlideSubtraction};
@@ -76,6 +80,7 @@ pub use description::templates::{TEMPLATES, Template};
 pub use description::text::{ConfigError, TextSpan, TomlText};
 pub use design::cost::Cost;
 pub use design::predict::{Prediction, predict};
+pub use design::signal::SignalPeaks;
 pub use error::ExperimentError;
 pub use estimate::estimator::{Estimator, Spectra};
 pub use estimate::find_logs::recordings_among;

@@ -59,7 +59,7 @@ fn a_filtered_loop_is_identified_as_its_linear_system_says() {
     let frf = outcome.result.frf;
     let controller = experiment.controller().expect("described");
     let of_loop = LoopFrf::new(
-        &**experiment.robot(),
+        &**experiment.model().expect("a robot"),
         &**controller,
         T,
         experiment.sensors(),

@@ -104,7 +104,8 @@ impl Plan {
     /// Returns
     /// -------
     /// ndarray, float64, shape (channel, sample)
-    ///     Motor torques in N m in open loop, velocities in rad/s in closed loop.
+    ///     Motor torques in N m in open loop, velocities in rad/s in closed loop; for ``[channels]`` in
+    ///     their unit.
     ///
     /// Raises
     /// ------
@@ -202,6 +203,9 @@ impl Plan {
         overwrite: bool,
     ) -> PyResult<Vec<Record>> {
         let (ids, run) = (self.ids(), |id| self.planned.run(id));
+        if testbed.is_none() {
+            self.description().model().map_err(error::experiment)?;
+        }
         let model = self.description().testbed();
         let machine = testbed
             .map(|object| self.python_testbed(object))
@@ -262,8 +266,7 @@ impl Plan {
             PyIndexError::new_err(format!("{index}: the plan has {} runs", ids.len()))
         })?;
         let planned = self.planned.run(id).map_err(error::experiment)?;
-        let limits = self.description().limits();
-        Ok(Run::of(py, planned, limits, self.reference_unit()))
+        Ok(Run::of(py, planned, self.limits(), &self.reference_unit()))
     }
 
     fn __len__(&self) -> usize {

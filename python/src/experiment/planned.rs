@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 
 use crate::error;
 use crate::experiment::plan::Plan;
+use crate::signals::run::{LimitsByKey, by_key};
 use crate::testbed::python_testbed::PythonTestbed;
 
 impl From<Description> for Plan {
@@ -45,14 +46,22 @@ impl Plan {
 
     pub(super) fn python_testbed(&self, object: &Bound<'_, PyAny>) -> PyResult<PythonTestbed> {
         let n_inputs = self.description().plan().n_inputs;
-        let limits = self.description().limits().clone();
-        PythonTestbed::new(object, n_inputs, limits, self.reference_unit())
+        PythonTestbed::new(object, n_inputs, self.limits(), &self.reference_unit())
     }
 
-    pub(super) fn reference_unit(&self) -> &'static str {
-        match self.description().controller() {
-            Some(_) => "rad/s",
-            None => "N m",
-        }
+    /// Every limit by its key, those of channels, too.
+    pub(super) fn limits(&self) -> LimitsByKey {
+        let description = self.description();
+        let mut limits = by_key(description.limits());
+        let of_signal = description.signal_limits();
+        limits.extend(of_signal.map(|(key, values)| (key, values.to_vec())));
+        limits
+    }
+
+    /// Unit of the references; of channels with several units all of them, in their order.
+    pub(super) fn reference_unit(&self) -> String {
+        let mut units = self.description().reference_units();
+        units.dedup();
+        units.join(", ")
     }
 }

@@ -17,6 +17,7 @@ use crate::plant::controller::{PiController, closed_loop};
 use crate::plant::robot::Plant;
 use crate::shape::shaped::Shaped;
 use crate::signals::profile::per_channel;
+use crate::signals::run::by_key;
 use crate::testbed::python_testbed::PythonTestbed;
 
 const SIGNALS: [Axes; 1] = [&["experiment", "channel", "sample"]];
@@ -174,7 +175,7 @@ pub(crate) fn shape(
         }
         Err(_) => measured(
             py,
-            &PythonTestbed::new(testbed, n_axes, options.limits.clone(), "rad/s")?,
+            &PythonTestbed::new(testbed, n_axes, by_key(&options.limits), "rad/s")?,
             desired,
             start,
             options,

@@ -16,27 +16,35 @@ use crate::array::c_ordered;
 #[pyclass(frozen, module = "frfid")]
 pub(crate) struct Run {
     planned: Planned,
-    limits: BTreeMap<&'static str, Vec<f64>>,
+    limits: LimitsByKey,
     reference: Py<PyArray2<f64>>,
-    reference_unit: &'static str,
+    reference_unit: String,
+}
+
+/// Limits by their keys in ``[limits]``, a value for each axis.
+pub(crate) type LimitsByKey = BTreeMap<&'static str, Vec<f64>>;
+
+/// The limits of a robot by their keys.
+pub(crate) fn by_key(limits: &Limits) -> LimitsByKey {
+    let limits = limits.iter();
+    limits
+        .map(|(limit, values)| (limit.key(), values.to_vec()))
+        .collect()
 }
 
 impl Run {
-    /// A run of an open (N m) or closed loop (rad/s).
+    /// A run of an open (N m) or closed loop (rad/s), or of channels in their own unit.
     pub(crate) fn of(
         py: Python<'_>,
         planned: Planned,
-        limits: &Limits,
-        reference_unit: &'static str,
+        limits: LimitsByKey,
+        reference_unit: &str,
     ) -> Self {
-        let limits = limits.iter();
         Self {
             reference: c_ordered(py, planned.reference.clone()).unbind(),
-            limits: limits
-                .map(|(limit, values)| (limit.key(), values.to_vec()))
-                .collect(),
+            limits,
             planned,
-            reference_unit,
+            reference_unit: reference_unit.to_owned(),
         }
     }
 }
@@ -56,16 +64,18 @@ impl Run {
     }
 
     /// What is injected, shape (channel, sample): motor torques in N m in open loop, reference
-    /// velocities in rad/s in closed loop, the constant velocity then included.
+    /// velocities in rad/s in closed loop, the constant velocity then included; for ``[channels]``
+    /// in their unit.
     #[getter]
     fn reference(&self, py: Python<'_>) -> Py<PyArray2<f64>> {
         self.reference.clone_ref(py)
     }
 
-    /// Unit of the reference: ``"N m"`` in open loop, ``"rad/s"`` in closed loop.
+    /// Unit of the reference: ``"N m"`` in open loop, ``"rad/s"`` in closed loop, ``input_unit`` of
+    /// ``[channels]``; where those have several, all of them: ``"A, %"``.
     #[getter]
-    fn reference_unit(&self) -> &'static str {
-        self.reference_unit
+    fn reference_unit(&self) -> &str {
+        &self.reference_unit
     }
 
     /// Velocity in rad/s at which the run starts, and on which it stays but for the excitation, for
@@ -84,7 +94,7 @@ impl Run {
     /// Limits that the run must not exceed, by their keys in ``[limits]``, a value for each axis;
     /// without those that are not given.
     #[getter]
-    fn limits(&self) -> BTreeMap<&'static str, Vec<f64>> {
+    fn limits(&self) -> LimitsByKey {
         self.limits.clone()
     }
 

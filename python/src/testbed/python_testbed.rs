@@ -2,22 +2,22 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use frfid_signals::{Limits, Record as Measured, Run as Planned, SignalError};
+use frfid_signals::{Record as Measured, Run as Planned, SignalError};
 use frfid_signals::{Testbed, TestbedError};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
 use crate::array::c_ordered;
 use crate::signals::record::Record;
-use crate::signals::run::Run;
+use crate::signals::run::{LimitsByKey, Run};
 
 /// The object, and the turn that a run waits for: a machine does one run at a time.
 pub(crate) struct PythonTestbed {
     object: Py<PyAny>,
     takes_bare_reference: bool,
     n_inputs: usize,
-    limits: Limits,
-    reference_unit: &'static str,
+    limits: LimitsByKey,
+    reference_unit: String,
     turn: Mutex<()>,
 }
 
@@ -27,8 +27,8 @@ impl PythonTestbed {
     pub(crate) fn new(
         object: &Bound<'_, PyAny>,
         n_inputs: usize,
-        limits: Limits,
-        reference_unit: &'static str,
+        limits: LimitsByKey,
+        reference_unit: &str,
     ) -> PyResult<Self> {
         let run = object.getattr("run").ok().filter(PyAnyMethods::is_callable);
         let Some(run) = run else {
@@ -42,7 +42,7 @@ impl PythonTestbed {
             takes_bare_reference: takes_bare_reference(&run),
             n_inputs,
             limits,
-            reference_unit,
+            reference_unit: reference_unit.to_owned(),
             turn: Mutex::new(()),
         })
     }
@@ -53,7 +53,7 @@ impl PythonTestbed {
             check_from_rest(run)?;
             object.call_method1("run", (c_ordered(py, run.reference.clone()),))?
         } else {
-            let run = Run::of(py, run.clone(), &self.limits, self.reference_unit);
+            let run = Run::of(py, run.clone(), self.limits.clone(), &self.reference_unit);
             object.call_method1("run", (run,))?
         };
         let Ok(record) = answer.cast::<Record>() else {

@@ -11,6 +11,7 @@ use crate::exit::{Exit, Failure};
 use crate::input::{Needed, check};
 use crate::options::Options;
 use crate::text::plan::{plan_as_json, plan_as_text};
+use crate::text::signal::NO_MODEL;
 
 /// Check a description, and tell what its experiment will cost
 #[derive(Debug, Args)]
@@ -36,6 +37,9 @@ pub(crate) fn run(
         experiment.shaper()?; // refuses what cannot be shaped
     }
     warn(&experiment, console);
+    if experiment.robot().is_none() {
+        console.note(NO_MODEL);
+    }
     if options.json {
         console.json(&plan_as_json(experiment.plan())?)?;
     } else {

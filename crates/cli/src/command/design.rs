@@ -18,6 +18,7 @@ use crate::options::Options;
 use crate::progress::watched;
 use crate::text::load::load_as_text;
 use crate::text::plan::{plan_as_json, plan_as_text};
+use crate::text::signal::{NO_MODEL, signal_as_text};
 
 /// Design the excitation of every run inside the limits, and write it as a plan
 #[derive(Debug, Args)]
@@ -59,15 +60,53 @@ pub(crate) fn run(
     warn(&experiment, console);
     let output = arguments.output.as_ref().filter(|_| !arguments.dry_run);
     output.map_or(Ok(()), |path| check_name(path, options))?;
-    let prediction = predicted(&experiment, arguments.jobs, console)?;
-    tell(&experiment, &prediction, options, console)?;
-    if let Some(error) = outside(&experiment, &prediction) {
-        return Err(error.into());
-    }
+    foretell(&experiment, arguments.jobs, options, console)?;
     if let Some(path) = output {
         write(&experiment, path, options, console)?;
     }
     Ok(Exit::Done)
+}
+
+/// Tells what the design asks of the robot or, without a model, what its signal is, and refuses what
+/// exceeds a limit.
+fn foretell(
+    experiment: &Experiment,
+    jobs: usize,
+    options: &Options,
+    console: &mut Console,
+) -> Result<(), Failure> {
+    if experiment.robot().is_none() {
+        return foretell_signal(experiment, jobs, options, console);
+    }
+    let prediction = predicted(experiment, jobs, console)?;
+    tell(experiment, &prediction, options, console)?;
+    outside(experiment, &prediction).map_or(Ok(()), |error| Err(error.into()))
+}
+
+/// The same without a model.
+fn foretell_signal(
+    experiment: &Experiment,
+    jobs: usize,
+    options: &Options,
+    console: &mut Console,
+) -> Result<(), Failure> {
+    let planned = PlannedRuns::of(experiment.clone());
+    let peaks = watched(console, "designing", "runs", |progress| {
+        planned.signal_peaks(jobs, progress)
+    })?;
+    console.note(NO_MODEL);
+    if options.json {
+        let limits: BTreeMap<_, _> = experiment.signal_limits().collect();
+        let plan = plan_as_json(experiment.plan())?;
+        console.json(&json!({ "plan": plan, "signal": peaks, "limits": limits }))?;
+    } else {
+        let (plan, signal) = (
+            plan_as_text(experiment.plan())?,
+            signal_as_text(experiment, &peaks),
+        );
+        console.data(&format!("{plan}\n{signal}"))?;
+    }
+    Ok(experiment.check_signal(&peaks)?)
 }
 
 /// Refuses an output that exists, or whose name says something else than what is written.
@@ -102,7 +141,9 @@ fn write(
         PlannedRuns::of(experiment.clone()).write(path, options.overwrite(), progress)
     })?;
     console.wrote(path);
-    console.hint(format_args!("frfid run {} -o logs", path.display()));
+    if experiment.robot().is_some() {
+        console.hint(format_args!("frfid run {} -o logs", path.display()));
+    }
     Ok(())
 }
 

@@ -60,6 +60,7 @@ pub(crate) fn run(
 ) -> Result<Exit, Failure> {
     check(&arguments.order, Needed::Runs)?;
     let planned = planned_runs(&arguments.order, arguments.seed)?;
+    planned.experiment.model()?;
     warn(&planned.experiment, console);
     check_index(arguments.index, planned.run_ids().len())?;
     let Some(folder) = arguments.output.as_ref().filter(|_| !arguments.dry_run) else {

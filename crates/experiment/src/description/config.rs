@@ -5,6 +5,7 @@ use frfid_signals::{ChirpDesign, Design, MultisineDesign, SteppedSineDesign};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
+use crate::description::channels::ChannelsTable;
 use crate::description::controller::ControllerTable;
 use crate::description::estimate::EstimateTable;
 use crate::description::fault::Fault;
@@ -21,8 +22,11 @@ pub struct Config {
     pub seed: u64,
     /// Sample time of the controller in s: the clock of references and records.
     pub sample_time_s: f64,
-    /// The machine.
+    /// The machine; this or `[channels]` is needed.
+    #[serde(default, skip_serializing_if = "RobotTable::is_left_out")]
     pub robot: RobotTable,
+    /// A machine without a model, in the place of `[robot]`.
+    pub channels: Option<ChannelsTable>,
     /// The controller; without this table the experiment runs in open loop and the reference is the
     /// motor torque.
     pub controller: Option<ControllerTable>,

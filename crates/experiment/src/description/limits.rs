@@ -10,10 +10,16 @@ use serde::de::value::StringDeserializer;
 use serde::de::{Error, IntoDeserializer, MapAccess, Visitor};
 use serde::ser::SerializeMap;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde_json::Value;
 
 use crate::description::fault::Fault;
 use crate::description::joint_limits::JointLimits;
 use crate::description::text::TomlText;
+
+/// Keys of the limits of the signal.
+pub(crate) const MAX_INPUT: &str = "max_input";
+/// Of its change.
+pub(crate) const MAX_INPUT_RATE: &str = "max_input_rate";
 
 /// Limits that no run may exceed: one list for each, a number for each axis; what is not given is
 /// not limited.
@@ -22,11 +28,38 @@ pub struct LimitsTable {
     /// A `joint_limits.yaml` of `ros2_control` or `MoveIt`, relative to the file that names it; of it and
     /// the keys beside it the tighter one binds.
     pub file: Option<String>,
+    /// Largest value of the signal in the unit of each channel; of `[channels]` only.
+    pub max_input: Option<Vec<f64>>,
+    /// Largest change of the signal from sample to sample in its unit per second, likewise.
+    pub max_input_rate: Option<Vec<f64>>,
     /// The limits of the keys; once the file is read, its own among them.
     pub given: Limits,
 }
 
 impl LimitsTable {
+    /// Limits of the signal of `[channels]`: their keys and values, where they are given.
+    pub(crate) fn of_signal(&self) -> impl Iterator<Item = (&'static str, &[f64])> {
+        let of_key = [
+            (MAX_INPUT, &self.max_input),
+            (MAX_INPUT_RATE, &self.max_input_rate),
+        ];
+        let given = of_key.into_iter();
+        given.filter_map(|(key, values)| Some((key, values.as_deref()?)))
+    }
+
+    /// The key of the first of them.
+    pub(crate) fn first_of_signal(&self) -> Option<&'static str> {
+        self.of_signal().map(|(key, _)| key).next()
+    }
+
+    /// Checks that every limit has a number for each axis, above 0 for a size.
+    pub(crate) fn check(&self, n_axes: usize) -> Result<(), Fault> {
+        let checked = self.given.check(n_axes).map_err(Fault::in_table("limits"));
+        checked?;
+        self.of_signal()
+            .try_for_each(|(key, values)| check_signal(key, values, n_axes))
+    }
+
     /// Puts what the file says in the place of its name, and returns what is to be said of it:
     /// joints that it does not know.
     pub(crate) fn read_file(
@@ -44,6 +77,16 @@ impl LimitsTable {
     }
 }
 
+/// Refuses a limit of the signal that has not one number above 0 for each channel.
+fn check_signal(key: &str, values: &[f64], n_channels: usize) -> Result<(), Fault> {
+    if values.len() == n_channels && values.iter().all(|value| *value > 0.0) {
+        return Ok(());
+    }
+    let message =
+        format!("{key} is {values:?}, needed: a number above 0 for each of {n_channels} channels");
+    Err(Fault::new(&["limits", key], message))
+}
+
 /// The limits in a file.
 fn read(path: &Path, joints: &[String]) -> Result<JointLimits, String> {
     let yaml = TomlText::read(path).map_err(|error| error.to_string())?;
@@ -54,16 +97,23 @@ fn read(path: &Path, joints: &[String]) -> Result<JointLimits, String> {
 /// A key of the table.
 enum Key {
     File,
+    MaxInput,
+    MaxInputRate,
     Limit(Limit),
 }
 
 impl Key {
     fn of<E: Error>(key: String) -> Result<Self, E> {
-        if key == "file" {
-            return Ok(Self::File);
+        let limit = |key: String| -> Result<Self, E> {
+            let key: StringDeserializer<E> = key.into_deserializer();
+            Limit::deserialize(key).map(Self::Limit)
+        };
+        match key.as_str() {
+            "file" => Ok(Self::File),
+            MAX_INPUT => Ok(Self::MaxInput),
+            MAX_INPUT_RATE => Ok(Self::MaxInputRate),
+            _ => limit(key),
         }
-        let limit: StringDeserializer<E> = key.into_deserializer();
-        Limit::deserialize(limit).map(Self::Limit)
     }
 }
 
@@ -94,6 +144,8 @@ impl<'de> Visitor<'de> for Entries {
         while let Some(key) = map.next_key()? {
             match key {
                 Key::File => table.file = Some(map.next_value()?),
+                Key::MaxInput => table.max_input = Some(map.next_value()?),
+                Key::MaxInputRate => table.max_input_rate = Some(map.next_value()?),
                 Key::Limit(limit) => table.given.set(limit, map.next_value()?),
             }
         }
@@ -106,6 +158,9 @@ impl Serialize for LimitsTable {
         let mut map = serializer.serialize_map(None)?;
         if let Some(file) = &self.file {
             map.serialize_entry("file", file)?;
+        }
+        for (key, values) in self.of_signal() {
+            map.serialize_entry(key, values)?;
         }
         for (limit, values) in self.given.iter() {
             map.serialize_entry(&limit, values)?;
@@ -120,17 +175,27 @@ impl JsonSchema for LimitsTable {
     }
 
     fn json_schema(generator: &mut SchemaGenerator) -> Schema {
-        let mut file = generator.subschema_for::<Option<String>>();
-        let what = "A joint_limits.yaml of ros2_control or MoveIt, relative to the file that names it; \
-                    of it and the keys beside it the tighter one binds.";
-        file.insert("description".into(), what.into());
         let mut schema = Limits::json_schema(generator);
-        if let Some(keys) = schema
-            .get_mut("properties")
-            .and_then(|keys| keys.as_object_mut())
-        {
-            keys.insert("file".into(), file.into());
+        let mut own: Value = generator.subschema_for::<Own>().into();
+        let own = own["properties"].as_object_mut().map(std::mem::take);
+        let keys = schema.get_mut("properties").and_then(Value::as_object_mut);
+        if let Some(keys) = keys {
+            keys.extend(own.into_iter().flatten());
         }
         schema
     }
+}
+
+/// Keys that are no limits of a robot, for the schema.
+#[derive(JsonSchema)]
+#[schemars(inline)]
+#[expect(dead_code, reason = "read by nobody but the schema's derive")]
+struct Own {
+    /// A `joint_limits.yaml` of `ros2_control` or `MoveIt`, relative to the file that names it; of it and
+    /// the keys beside it the tighter one binds.
+    file: Option<String>,
+    /// Largest value of the signal in the unit of each channel; of `[channels]` only.
+    max_input: Option<Vec<f64>>,
+    /// Largest change of the signal from sample to sample in its unit per second, likewise.
+    max_input_rate: Option<Vec<f64>>,
 }

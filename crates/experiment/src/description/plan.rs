@@ -1,7 +1,7 @@
 //! Plan that a description asks for: excitation, phasing, averaging, all checked against each
 //! other.
 
-use frfid_signals::{Excitation, Injection, Phasing, Plan, SignalError, Target};
+use frfid_signals::{Excitation, Phasing, Plan, SignalError, Target};
 
 use crate::description::config::{Config, ConstantVelocityTable};
 use crate::description::estimate::{EstimateTable, GlideSubtraction};
@@ -26,19 +26,16 @@ pub(crate) fn design(config: &Config) -> Result<Plan, Fault> {
     // one draw shows whether amplitudes, phasing and inputs fit together; its numbers are thrown
     // away
     plan.period(0).map_err(located(name))?;
-    let checked = config.limits.given.check(plan.n_inputs);
-    checked.map_err(located("limits"))?;
+    config.limits.check(plan.n_inputs)?;
     Ok(plan)
 }
 
 /// What the excitation is made for.
 fn target(config: &Config) -> Target {
     Target {
-        injection: match config.controller {
-            Some(_) => Injection::Velocity,
-            None => Injection::Torque,
-        },
-        n_inputs: config.robot.n_axes(),
+        injection: config.injection(),
+        is_of_channels: config.channels.is_some(),
+        n_inputs: config.n_axes(),
         sample_time_s: config.sample_time_s,
         seed: config.seed,
     }

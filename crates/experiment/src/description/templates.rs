@@ -27,8 +27,11 @@ const SIX_AXIS: (&str, &str) = (
     include_str!("../../../../examples/robots/six_axis.toml"),
 );
 
+/// The channels stand in the template itself.
+const NO_ROBOT: (&str, &str) = ("", "");
+
 /// Every template.
-pub const TEMPLATES: [Template; 8] = [
+pub const TEMPLATES: [Template; 9] = [
     Template {
         kind: "multisine",
         purpose: "odd random multisine, best linear approximation",
@@ -52,6 +55,12 @@ pub const TEMPLATES: [Template; 8] = [
         purpose: "multisine on a constant velocity, clear of Coulomb friction",
         text: include_str!("../../../../examples/experiments/constant_velocity.toml"),
         robot: PAPER_JOINT,
+    },
+    Template {
+        kind: "drive-axis",
+        purpose: "a drive without a model: current injected on top of its velocity loop",
+        text: include_str!("../../../../examples/experiments/drive_axis.toml"),
+        robot: NO_ROBOT,
     },
     Template {
         kind: "r3-multisine",

@@ -46,7 +46,7 @@ impl PlannedRuns {
     /// As [`predict`].
     pub fn predict(&self, jobs: usize, progress: Progress) -> Result<Prediction, ExperimentError> {
         let experiment = &self.experiment;
-        let simulator = experiment.simulator(None);
+        let simulator = experiment.simulator(None)?;
         let plan = &experiment.plan;
         let baseline = Demand::of(&glide(plan)?, experiment, &simulator)?.load;
         let ids = first_repetitions(plan);

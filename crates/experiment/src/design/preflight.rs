@@ -1,7 +1,7 @@
 //! Checks of an experiment before it is simulated: limits that leave no amplitude, and what looks
 //! like a mistake.
 
-use frfid_plant::check_stability;
+use frfid_plant::{Robot, check_stability};
 use frfid_signals::{Excess, Limit, Peaks};
 
 use crate::description::text::ConfigError;
@@ -17,14 +17,18 @@ impl Experiment {
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = implausible(&self.config);
         warnings.extend(self.note.clone());
-        warnings.extend(self.robot.warnings());
-        if let Some(controller) = &self.controller {
-            let sample_time_s = self.config.sample_time_s;
-            let checked =
-                check_stability(&*self.robot, &**controller, sample_time_s, &self.sensors);
-            warnings.extend(checked.err().map(|error| error.to_string()));
+        if let Some(robot) = &self.robot {
+            warnings.extend(robot.warnings());
+            warnings.extend(self.instability(&**robot));
         }
         warnings
+    }
+
+    /// That the linear loop is not stable.
+    fn instability(&self, robot: &dyn Robot) -> Option<String> {
+        let (controller, sample_time_s) = (self.controller.as_ref()?, self.config.sample_time_s);
+        let checked = check_stability(robot, &**controller, sample_time_s, &self.sensors);
+        checked.err().map(|error| error.to_string())
     }
 
     /// Refuses a limit that friction, gravity and the constant velocity exceed without any
@@ -33,8 +37,11 @@ impl Experiment {
     /// # Errors
     /// [`ConfigError`] at the limit.
     pub(crate) fn check_feasible(&self) -> Result<(), ConfigError> {
+        let Some(robot) = &self.robot else {
+            return Ok(());
+        };
         let resting = self
-            .resting()
+            .resting(&**robot)
             .map_err(|error| self.text.error(&["robot"], error.to_string()))?;
         match self.limits.exceeded(&resting).first() {
             Some(excess) => Err(self.no_amplitude(excess)),
@@ -86,10 +93,10 @@ impl Experiment {
     }
 
     /// What the runs ask of the robot without their excitation, at both ends of their way.
-    fn resting(&self) -> Result<Peaks, ExperimentError> {
+    fn resting(&self, robot: &dyn Robot) -> Result<Peaks, ExperimentError> {
         let start = self.plan.start_rad()?;
         let travel = sizes(&start);
-        let holding_nm = self.holding_nm(&start)?;
+        let holding_nm = self.holding_nm(robot, &start)?;
         let at_rest = |limit: &Limit| match limit {
             Limit::Torque => Some(holding_nm.clone()),
             Limit::TorqueRate => Some(vec![0.0; start.len()]),
@@ -111,11 +118,15 @@ impl Experiment {
 
     /// Torque that friction and gravity ask for on the way from `start_rad` to its mirror image,
     /// the larger of both ends.
-    fn holding_nm(&self, start_rad: &[f64]) -> Result<Vec<f64>, ExperimentError> {
+    fn holding_nm(
+        &self,
+        robot: &dyn Robot,
+        start_rad: &[f64],
+    ) -> Result<Vec<f64>, ExperimentError> {
         let end_rad: Vec<f64> = start_rad.iter().map(|start| -start).collect();
         let velocity = &self.plan.velocity_rad_s;
-        let at_start = self.robot.start(start_rad, velocity)?.holding_nm();
-        let at_end = self.robot.start(&end_rad, velocity)?.holding_nm();
+        let at_start = robot.start(start_rad, velocity)?.holding_nm();
+        let at_end = robot.start(&end_rad, velocity)?.holding_nm();
         Ok(larger(&sizes(&at_start), &sizes(&at_end)))
     }
 }

@@ -64,7 +64,8 @@ impl ReadRecord<'_> {
             losses,
         };
         if self.losses.is_empty() {
-            digest.load = Some(Load::of(&self.record, &start, &experiment.pose_rad));
+            let load = || Load::of(&self.record, &start, &experiment.pose_rad);
+            digest.load = experiment.robot.as_ref().map(|_| load());
             digest.strength = experiment.strength_of(self.run, &self.record);
             digest.clipped = Some(clipped_shares(&self.record));
         }

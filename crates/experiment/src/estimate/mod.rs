@@ -13,6 +13,7 @@ pub(crate) mod glides {
 }
 pub(crate) mod loop_response;
 pub(crate) mod majority;
+pub(crate) mod names;
 pub(crate) mod others;
 pub(crate) mod our_logs;
 pub(crate) mod outcome;

@@ -10,7 +10,6 @@ use frfid_signals::{Frf, Limit};
 use crate::error::ExperimentError;
 use crate::estimate::estimator::estimated::Estimated;
 use crate::estimate::gather::Gathered;
-use crate::estimate::loop_response::Named;
 use crate::estimate::unsettled::MOST_UNSETTLED;
 use crate::estimate::verdicts::{Evidence, judge};
 use crate::estimate::way::way;
@@ -111,14 +110,6 @@ impl Experiment {
         }
     }
 
-    /// Names and units of the references.
-    fn reference_names(&self) -> Named {
-        let joints = self.joint_names.iter();
-        let names: Vec<String> = joints.map(|joint| format!("{joint} reference")).collect();
-        let units = vec![self.plan.injection.unit().to_string(); names.len()];
-        (names, units)
-    }
-
     /// Whether every run of the plan is there and whole.
     fn completeness(&self, estimated: &Estimated, inventory: &Inventory) -> Check {
         let &Inventory {
@@ -153,7 +144,7 @@ impl Experiment {
         ResultFile {
             torque_rms_nm: load.map(|load| load.torque_rms_nm.clone()),
             provenance,
-            ..ResultFile::torque_to_velocity(frf, &self.joint_names)
+            ..self.named(frf)
         }
     }
 }

@@ -72,6 +72,9 @@ pub fn run_to_folder(
 ) -> Result<RunSummary, ExperimentError> {
     let ids = chosen(planned, options.index)?;
     let experiment = &planned.experiment;
+    if testbed.is_none() {
+        experiment.model()?;
+    }
     let writer = Writer::new(planned, folder, options.overwrite);
     let (open, stopped_before) = writer.open(&ids);
     let model = experiment.testbed();

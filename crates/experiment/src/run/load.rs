@@ -61,7 +61,7 @@ impl Load {
 }
 
 /// Slope of every channel from sample to sample.
-fn slope(signal: &Array2<f64>, sample_time_s: f64) -> Array2<f64> {
+pub(crate) fn slope(signal: &Array2<f64>, sample_time_s: f64) -> Array2<f64> {
     let samples = signal.ncols().max(1);
     let (after, before) = (s![.., 1..samples], s![.., ..samples - 1]);
     (&signal.slice(after) - &signal.slice(before)) / sample_time_s

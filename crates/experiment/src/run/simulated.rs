@@ -5,9 +5,28 @@ use std::iter::zip;
 use std::sync::Arc;
 
 use frfid_plant::{Hold, SimulatedRobot, Watch};
-use frfid_signals::{Frf, Limit, SignalError, Testbed};
+use frfid_signals::{Frf, Limit, Record, Run, Testbed, TestbedError};
 
+use crate::error::ExperimentError;
 use crate::experiment::Experiment;
+
+/// In the place of a simulated robot where none is described.
+struct NoModel {
+    n_inputs: usize,
+}
+
+impl Testbed for NoModel {
+    fn n_inputs(&self) -> usize {
+        self.n_inputs
+    }
+
+    fn run(&self, run: &Run) -> Result<Record, TestbedError> {
+        Err(TestbedError::Foreign {
+            run: run.id,
+            source: Box::new(ExperimentError::NoModel),
+        })
+    }
+}
 
 /// Time in s in which a run that exceeds a limit is brought to rest.
 const RAMP_S: f64 = 0.2;
@@ -15,14 +34,23 @@ const RAMP_S: f64 = 0.2;
 impl Experiment {
     /// The simulated robot, in open loop or under its controller if one is described. Runs that
     /// exceed a limit of torque, velocity or travel are brought to rest, and end there.
+    /// Without a model every run fails, as [`Experiment::model`] says.
     #[must_use]
     pub fn testbed(&self) -> Box<dyn Testbed> {
-        Box::new(self.simulator(Some(self.watch())))
+        match self.simulator(Some(self.watch())) {
+            Ok(simulator) => Box::new(simulator),
+            Err(_) => Box::new(NoModel {
+                n_inputs: self.plan.n_inputs,
+            }),
+        }
     }
 
     /// The simulated robot, watched or not.
-    pub(crate) fn simulator(&self, watch: Option<Watch>) -> SimulatedRobot {
-        let robot = Arc::clone(&self.robot);
+    pub(crate) fn simulator(
+        &self,
+        watch: Option<Watch>,
+    ) -> Result<SimulatedRobot, ExperimentError> {
+        let robot = Arc::clone(self.model()?);
         let simulated = match &self.controller {
             None => SimulatedRobot::open_loop(robot),
             Some(controller) => SimulatedRobot::closed_loop(
@@ -31,12 +59,12 @@ impl Experiment {
                 self.config.sample_time_s,
             ),
         };
-        SimulatedRobot {
+        Ok(SimulatedRobot {
             sensors: self.sensors.clone(),
             seed: self.config.seed,
             watch,
             ..simulated
-        }
+        })
     }
 
     /// Exact FRF from motor torque to velocity at the pose of the robot without its nonlinearities;
@@ -44,15 +72,15 @@ impl Experiment {
     /// ([`frfid_plant::Robot::frf_through_sensors`]).
     ///
     /// # Errors
-    /// [`SignalError`] for frequencies out of range.
-    pub fn truth(&self, hz: &[f64], hold: Hold, sensor: bool) -> Result<Frf, SignalError> {
-        let sample_time_s = self.config.sample_time_s;
-        if sensor {
-            self.robot
-                .frf_through_sensors(hz, hold, sample_time_s, &self.sensors)
+    /// [`ExperimentError`] for frequencies out of range, and without a model.
+    pub fn truth(&self, hz: &[f64], hold: Hold, sensor: bool) -> Result<Frf, ExperimentError> {
+        let (robot, sample_time_s) = (self.model()?, self.config.sample_time_s);
+        let truth = if sensor {
+            robot.frf_through_sensors(hz, hold, sample_time_s, &self.sensors)
         } else {
-            self.robot.frf(hz, hold, sample_time_s)
-        }
+            robot.frf(hz, hold, sample_time_s)
+        };
+        Ok(truth?)
     }
 
     /// What stops a run: the limits, of which the watch knows those that it can read. A position

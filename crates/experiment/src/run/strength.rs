@@ -30,9 +30,10 @@ impl Experiment {
             .flatten()
     }
 
-    /// The strength of several runs as one; `None` of none.
+    /// The strength of several runs as one; `None` of none, and without a model: of an
+    /// input that is no torque nothing is known of friction.
     pub(crate) fn strength(&self, runs: &[Vec<AxisStrength>]) -> Option<Strength> {
-        let coulomb_nm = self.robot.coulomb_nm();
+        let coulomb_nm = self.robot.as_ref()?.coulomb_nm();
         let axes = pooled_strength(runs, Some(&coulomb_nm))?;
         let names = (1..=axes.len()).map(|axis| format!("axis {axis}"));
         let names: Vec<String> = names.collect();

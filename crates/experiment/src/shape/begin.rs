@@ -157,7 +157,7 @@ impl Experiment {
             margin: table.margin,
             max_stuck_share: table.max_stuck_share,
             still_rad_s: self.still_rad_s(),
-            coulomb_nm: Some(self.robot.coulomb_nm()),
+            coulomb_nm: self.robot.as_ref().map(|robot| robot.coulomb_nm()),
         }
     }
 

@@ -70,7 +70,7 @@ impl Variant {
     /// The exact FRF of this joint without its nonlinearities.
     pub(crate) fn truth(self, frequency_hz: &[f64]) -> Result<Frf, ExperimentError> {
         let experiment = self.experiment("chirp")?;
-        Ok(experiment.truth(frequency_hz, Hold::Zoh, false)?)
+        experiment.truth(frequency_hz, Hold::Zoh, false)
     }
 
     /// The FRF that the experiment of the template `kind` finds, beside the truth.

@@ -57,7 +57,7 @@ impl Section7 {
         let multisine = of_template("r3-multisine")?;
         Ok(Self {
             joint_names: multisine.joint_names().to_vec(),
-            coulomb_nm: multisine.robot().coulomb_nm(),
+            coulomb_nm: multisine.model()?.coulomb_nm(),
             truth: multisine.truth(&log_spaced(2.0, 60.0, 600)?, Hold::Zoh, true)?,
             multisine: MultisineCampaign::run(&multisine, jobs, &part(0))?,
             orthogonal: chirps(1, Phasing::Orthogonal)?,

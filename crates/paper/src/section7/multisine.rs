@@ -99,7 +99,7 @@ fn along_the_way(experiment: &Experiment, hz: &[f64]) -> Result<Vec<Frf>, Experi
         let share = 1.0 - 2.0 * number as f64 / (POSES - 1) as f64;
         let pose_rad = pose_at(experiment, share)?;
         let there = experiment.with(|config| config.robot.pose_rad = Some(pose_rad))?;
-        Ok(there.truth(hz, Hold::Zoh, true)?)
+        there.truth(hz, Hold::Zoh, true)
     };
     (0..POSES).map(truth).collect()
 }

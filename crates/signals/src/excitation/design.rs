@@ -35,6 +35,8 @@ pub trait Design {
 pub struct Target {
     /// What its values stand for.
     pub injection: Injection,
+    /// Whether they are in a unit of the channels' own.
+    pub is_of_channels: bool,
     /// Number of inputs.
     pub n_inputs: usize,
     /// Sample time in s.
@@ -44,31 +46,23 @@ pub struct Target {
 }
 
 impl Target {
-    /// Which of two keys has the values for the inputs, that in N m or that in rad/s, and the values
-    /// themselves: every one in the range of `check`.
+    /// The values for the inputs, of the key that the injection asks for among those in N m, in
+    /// rad/s and in the channels' own unit: every one in the range of `check`.
     ///
     /// # Errors
-    /// [`SignalError::Unfit`] for those of the other key, for none and for another number of them;
+    /// [`SignalError::Unfit`] for those of another key, for none and for another number of them;
     /// that of `check`.
     pub(crate) fn of_injection<T: Clone>(
         &self,
-        [(torque_key, of_torque), (velocity_key, of_velocity)]: [(&'static str, &Option<Vec<T>>);
-            2],
+        keys: [(&'static str, &Option<Vec<T>>); 3],
         check: impl Fn(&'static str, &T) -> Result<(), SignalError>,
     ) -> Result<Vec<T>, SignalError> {
-        let torque = (torque_key, of_torque);
-        let velocity = (velocity_key, of_velocity);
-        let ((key, values), (other_key, others), why) = match self.injection {
-            Injection::Torque => (torque, velocity, "in open loop the reference is a torque"),
-            Injection::Velocity => (
-                velocity,
-                torque,
-                "in closed loop the reference is a velocity",
-            ),
-        };
-        if others.is_some() {
-            let what = format!("{why}; give {key} instead of {other_key}");
-            return Err(SignalError::unfit(other_key, what));
+        let (asked, why) = self.asked();
+        let (key, values) = keys[asked];
+        let mut others = keys.iter().filter(|(other, _)| *other != key);
+        if let Some((other, _)) = others.find(|(_, values)| values.is_some()) {
+            let what = format!("{why}; give {key} instead of {other}");
+            return Err(SignalError::unfit(other, what));
         }
         let Some(values) = values else {
             let what = format!("{key} is missing ({why})");
@@ -79,19 +73,28 @@ impl Target {
         Ok(values.clone())
     }
 
-    /// The amplitudes over frequency, one for each input, of a table with `amplitude_nm` and
-    /// `amplitude_rad_s`.
+    /// Which key has the values, and why that one.
+    fn asked(&self) -> (usize, &'static str) {
+        match (self.is_of_channels, self.injection) {
+            (true, _) => (2, "the reference is in the unit of its channel"),
+            (false, Injection::Torque) => (0, "in open loop the reference is a torque"),
+            (false, Injection::Velocity) => (1, "in closed loop the reference is a velocity"),
+        }
+    }
+
+    /// The amplitudes over frequency, one for each input, of a table with `amplitude_nm`,
+    /// `amplitude_rad_s` and `amplitude`.
     ///
     /// # Errors
     /// As [`Target::of_injection`].
     pub(crate) fn profiles(
         &self,
-        amplitude_nm: &Option<Vec<Amplitude>>,
-        amplitude_rad_s: &Option<Vec<Amplitude>>,
+        [nm, rad_s, own]: [&Option<Vec<Amplitude>>; 3],
     ) -> Result<Vec<Profile>, SignalError> {
         let keys = [
-            ("amplitude_nm", amplitude_nm),
-            ("amplitude_rad_s", amplitude_rad_s),
+            ("amplitude_nm", nm),
+            ("amplitude_rad_s", rad_s),
+            ("amplitude", own),
         ];
         let amplitudes = self.of_injection(keys, Amplitude::check)?;
         Ok(amplitudes.iter().map(Amplitude::profile).collect())

@@ -10,6 +10,7 @@ mod profile;
 mod stepped_sine;
 mod waveform;
 
+use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 pub use chirp::{Chirp, ChirpDesign};
@@ -46,7 +47,7 @@ impl Excitation {
 }
 
 /// The quantity the reference stands for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Injection {
     /// Motor torque in N m: open loop.

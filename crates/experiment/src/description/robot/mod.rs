@@ -121,6 +121,16 @@ impl RobotTable {
         })
     }
 
+    /// Whether anything is said of a robot.
+    pub(crate) fn is_described(&self) -> bool {
+        *self != Self::default()
+    }
+
+    /// The opposite of [`RobotTable::is_described`].
+    pub(crate) fn is_left_out(&self) -> bool {
+        !self.is_described()
+    }
+
     /// Whether the robot is an arm: a single joint has no bodies.
     pub(crate) fn is_arm(&self) -> bool {
         !self.body.is_empty()

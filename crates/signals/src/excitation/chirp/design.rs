@@ -26,6 +26,9 @@ pub struct ChirpDesign {
     /// Amplitude of the reference velocity in rad/s, one for each input: a number, or points;
     /// closed loop.
     pub amplitude_rad_s: Option<Vec<Amplitude>>,
+    /// Amplitude in the unit of each channel, where `[channels]` stand in the place of a robot: a
+    /// number, or points.
+    pub amplitude: Option<Vec<Amplitude>>,
     /// Length of the fades at both ends in s.
     #[serde(default)]
     pub fade_s: f64,
@@ -47,7 +50,11 @@ impl Design for ChirpDesign {
             low_hz: self.low_hz,
             high_hz: self.high_hz,
             duration_s: self.duration_s,
-            amplitude: target.profiles(&self.amplitude_nm, &self.amplitude_rad_s)?,
+            amplitude: target.profiles([
+                &self.amplitude_nm,
+                &self.amplitude_rad_s,
+                &self.amplitude,
+            ])?,
             fade_s: self.fade_s,
             tail_s: self.tail_s,
         }))

@@ -32,6 +32,8 @@ pub struct MultisineDesign {
     pub peak_nm: Option<Vec<f64>>,
     /// Largest reference velocity in rad/s, one for each input; for experiments in closed loop.
     pub peak_rad_s: Option<Vec<f64>>,
+    /// Largest value in the unit of each channel, where `[channels]` stand in the place of a robot.
+    pub peak: Option<Vec<f64>>,
     /// Largest reference velocity as a share of the constant velocity beneath it, instead of
     /// `peak_rad_s`: below 1 the reference never changes its direction (SK15 takes 0.75).
     pub peak_of_velocity: Option<f64>,
@@ -95,12 +97,16 @@ impl Design for MultisineDesign {
 impl MultisineDesign {
     /// Largest value per channel; 1 where it is put in its place when the velocity is known.
     fn peak(&self, target: &Target) -> Result<Vec<f64>, SignalError> {
-        let keys = [("peak_nm", &self.peak_nm), ("peak_rad_s", &self.peak_rad_s)];
+        let keys = [
+            ("peak_nm", &self.peak_nm),
+            ("peak_rad_s", &self.peak_rad_s),
+            ("peak", &self.peak),
+        ];
         if self.peak_of_velocity.is_none() {
             return target.of_injection(keys, |key, &peak| positive(key, peak));
         }
-        let is_closed = target.injection == Injection::Velocity;
-        if is_closed && self.peak_nm.is_none() && self.peak_rad_s.is_none() {
+        let is_closed = target.injection == Injection::Velocity && !target.is_of_channels;
+        if is_closed && keys.iter().all(|(_, peak)| peak.is_none()) {
             return Ok(vec![1.0; target.n_inputs]);
         }
         let what = "a share of the velocity is for experiments in closed loop, and instead of another \

@@ -26,6 +26,9 @@ pub struct SteppedSineDesign {
     /// Amplitude of the reference velocity in rad/s, one for each input: a number, or points;
     /// closed loop.
     pub amplitude_rad_s: Option<Vec<Amplitude>>,
+    /// Amplitude in the unit of each channel, where `[channels]` stand in the place of a robot: a
+    /// number, or points.
+    pub amplitude: Option<Vec<Amplitude>>,
     /// Time in s in which frequency and amplitude glide to the next.
     #[serde(default = "default_ramp_s")]
     pub ramp_s: f64,
@@ -69,7 +72,11 @@ impl Design for SteppedSineDesign {
             low_hz: self.low_hz,
             high_hz: self.high_hz,
             n_frequencies: self.n_frequencies,
-            amplitude: target.profiles(&self.amplitude_nm, &self.amplitude_rad_s)?,
+            amplitude: target.profiles([
+                &self.amplitude_nm,
+                &self.amplitude_rad_s,
+                &self.amplitude,
+            ])?,
             ramp_s: self.ramp_s,
             settle_s: self.settle_s,
             periods: self.periods,
