@@ -100,8 +100,10 @@ pub enum ExperimentError {
         excess: Excess,
     },
     /// A description without a robot, where one is simulated.
+    #[error(
         "no robot model: [channels] describe what a machine is driven by, not how it answers; play the plan on the machine (frfid design writes it, \
          Plan.run(testbed) of Python does it), or describe a [robot]"
+    )]
     NoModel,
     /// Logs that do not belong together, or not to this plan.
     #[error("{what}: found {found}, needed {needed}; {advice}")]

@@ -161,6 +161,7 @@ pub(crate) fn write_reference(
         name: run.to_string(),
         joint_names: experiment.joint_names.clone(),
         plan_id,
+        pose_rad: experiment.pose_rad.clone(),
         playbacks: vec![playback.into()],
         form: frfid_files::TableForm::default(),
     };
