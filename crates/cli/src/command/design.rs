@@ -16,7 +16,7 @@ use crate::exit::{Exit, Failure};
 use crate::input::{Needed, check};
 use crate::options::Options;
 use crate::progress::watched;
-use crate::text::load::load_as_text;
+use crate::text::load::{excess_in_words, load_as_text};
 use crate::text::plan::{plan_as_json, plan_as_text};
 use crate::text::signal::{NO_MODEL, signal_as_text};
 
@@ -60,11 +60,11 @@ pub(crate) fn run(
     warn(&experiment, console);
     let output = arguments.output.as_ref().filter(|_| !arguments.dry_run);
     output.map_or(Ok(()), |path| check_name(path, options))?;
-    foretell(&experiment, arguments.jobs, options, console)?;
+    let exit = foretell(&experiment, arguments.jobs, options, console)?;
     if let Some(path) = output {
         write(&experiment, path, options, console)?;
     }
-    Ok(Exit::Done)
+    Ok(exit)
 }
 
 /// Tells what the design asks of the robot or, without a model, what its signal is, and refuses what
@@ -74,13 +74,18 @@ fn foretell(
     jobs: usize,
     options: &Options,
     console: &mut Console,
-) -> Result<(), Failure> {
+) -> Result<Exit, Failure> {
     if experiment.robot().is_none() {
         return foretell_signal(experiment, jobs, options, console);
     }
     let prediction = predicted(experiment, jobs, console)?;
     tell(experiment, &prediction, options, console)?;
-    outside(experiment, &prediction).map_or(Ok(()), |error| Err(error.into()))
+    if let Some(error) = outside(experiment, &prediction) {
+        return Err(error.into());
+    }
+    let doubts = doubts(experiment, &prediction);
+    console.warnings(&doubts);
+    Ok(Exit::flawed_unless(doubts.is_empty()))
 }
 
 /// The same without a model.
@@ -89,7 +94,7 @@ fn foretell_signal(
     jobs: usize,
     options: &Options,
     console: &mut Console,
-) -> Result<(), Failure> {
+) -> Result<Exit, Failure> {
     let planned = PlannedRuns::of(experiment.clone());
     let peaks = watched(console, "designing", "runs", |progress| {
         planned.signal_peaks(jobs, progress)
@@ -106,7 +111,8 @@ fn foretell_signal(
         );
         console.data(&format!("{plan}\n{signal}"))?;
     }
-    Ok(experiment.check_signal(&peaks)?)
+    experiment.check_signal(&peaks)?;
+    Ok(Exit::Done)
 }
 
 /// Refuses an output that exists, or whose name says something else than what is written.
@@ -200,6 +206,33 @@ fn outside(experiment: &Experiment, prediction: &Prediction) -> Option<ConfigErr
     let message =
         format!("axis {axis} would reach {found} {unit}, {owner} is {allowed} {unit}; {advice}");
     Some(experiment.error_at_limit(worst, message))
+}
+
+/// What the plan will fail by: a velocity that turns round, and friction with it; a reference that a machine
+/// cannot play from rest.
+fn doubts(experiment: &Experiment, prediction: &Prediction) -> Vec<String> {
+    let axes = prediction
+        .strength
+        .iter()
+        .flat_map(|strength| &strength.axes);
+    let turns = axes
+        .enumerate()
+        .filter(|(_, axis)| axis.crosses_zero == Some(true));
+    let turning = turns.map(|(axis, _)| {
+        format!(
+            "the velocity of axis {} changes its sign, and its friction with it: raise the constant velocity, \
+             or lower the excitation",
+            axis + 1
+        )
+    });
+    let played = prediction.played.iter().map(|excess| {
+        let owner = experiment.limit_owner(excess);
+        format!(
+            "{} from rest to rest, {owner}: no machine is sent such a run; shorten the way or raise the limit",
+            excess_in_words(excess)
+        )
+    });
+    turning.chain(played).collect()
 }
 
 /// What to do about the limit that binds most.

@@ -1,8 +1,9 @@
 //! Prediction of what the runs will ask of the robot, by doing them on its model, against the
 //! limits.
 
+use frfid_estimate::AxisStrength;
 use frfid_plant::SimulatedRobot;
-use frfid_signals::{Excess, Plan, Run, RunId};
+use frfid_signals::{Excess, Injection, Plan, Run, RunId};
 use serde::Serialize;
 
 use crate::error::ExperimentError;
@@ -10,6 +11,7 @@ use crate::experiment::Experiment;
 use crate::run::load::{Load, crest_factors, larger};
 use crate::run::parallel::{Progress, Steps, for_each};
 use crate::run::planned_runs::{PlannedRuns, first_repetitions};
+use crate::run::strength::Strength;
 
 /// What a design will ask of the robot.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -24,6 +26,10 @@ pub struct Prediction {
     pub crest_factor: Vec<f64>,
     /// Every limit that is exceeded; empty for a design inside the limits.
     pub excesses: Vec<Excess>,
+    /// How the axes will be driven and moved; `None` of none that is excited.
+    pub strength: Option<Strength>,
+    /// Limits that the reference of a closed loop exceeds where it is played from rest to rest.
+    pub played: Vec<Excess>,
 }
 
 /// Does every run of the design once on the robot's model, beyond its limits too, and compares the
@@ -59,13 +65,15 @@ impl PlannedRuns {
             Demand::of(&self.run(*id)?, experiment, &simulator)
         })?;
         let largest = demands.into_iter().reduce(Demand::larger);
-        let Demand { load, crest_factor } = largest.expect("a plan has runs");
-        let excesses = experiment.limits.exceeded(&load.peaks);
+        let largest = largest.expect("a plan has runs");
+        let excesses = experiment.limits.exceeded(&largest.load.peaks);
         Ok(Prediction {
-            load,
+            load: largest.load,
             baseline,
-            crest_factor,
+            crest_factor: largest.crest_factor,
             excesses,
+            strength: experiment.strength(&largest.strengths),
+            played: largest.played,
         })
     }
 }
@@ -84,6 +92,8 @@ struct Demand {
     load: Load,
     /// Crest factor of the torque of every axis.
     crest_factor: Vec<f64>,
+    strengths: Vec<Vec<AxisStrength>>,
+    played: Vec<Excess>,
 }
 
 impl Demand {
@@ -97,7 +107,12 @@ impl Demand {
         let load = Load::of(&record, &run.start_rad, &experiment.pose_rad);
         Ok(Self {
             load: load.with_motion(&truth),
+            played: played(run, experiment)?,
             crest_factor: crest_factors(&record),
+            strengths: experiment
+                .strength_of(run.id, &record)
+                .into_iter()
+                .collect(),
         })
     }
 
@@ -105,7 +120,23 @@ impl Demand {
         Self {
             load: self.load.larger(&other.load),
             crest_factor: larger(&self.crest_factor, &other.crest_factor),
+            strengths: [self.strengths, other.strengths].concat(),
+            played: if self.played.is_empty() {
+                other.played
+            } else {
+                self.played
+            },
         }
+    }
+}
+
+/// Limits that the reference of a closed loop exceeds for itself, from rest to rest: a machine cannot be at its
+/// velocity at once.
+fn played(run: &Run, experiment: &Experiment) -> Result<Vec<Excess>, ExperimentError> {
+    let player = experiment.player(None);
+    match experiment.plan.injection {
+        Injection::Torque => Ok(Vec::new()),
+        Injection::Velocity => Ok(experiment.plan.playback(run, &player)?.excesses(&player)),
     }
 }
 
