@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use frfid_experiment::{CommandTestbed, Experiment, PlannedRuns, PlayerCommand, TomlText};
+use frfid_files::LogMap;
 
 use crate::exit::Failure;
 
@@ -15,10 +16,10 @@ pub(crate) struct PlayerOptions {
     #[arg(long, value_name = "CMD", requires = "map")]
     player: Option<String>,
     /// Which signal of its recordings is which
-    #[arg(long, value_name = "MAP.toml", requires = "player")]
+    #[arg(long, value_name = "MAP.toml")]
     map: Option<PathBuf>,
     /// Samples a second of the references, where they are not the plan's
-    #[arg(long, value_name = "HZ", requires = "player")]
+    #[arg(long, value_name = "HZ", requires = "map")]
     rate: Option<f64>,
     /// Ending of its recordings
     #[arg(
@@ -34,6 +35,23 @@ pub(crate) struct PlayerOptions {
 }
 
 impl PlayerOptions {
+    /// Samples a second of the references, where they are not the plan's.
+    pub(crate) fn rate_hz(&self) -> Option<f64> {
+        self.rate
+    }
+
+    /// Which signal of the recordings is which, without a command that makes them: a machine that is reached by
+    /// files.
+    ///
+    /// # Errors
+    /// [`Failure`] for a map that cannot be read.
+    pub(crate) fn map_alone(&self) -> Result<Option<LogMap>, Failure> {
+        match (&self.player, &self.map) {
+            (None, Some(map)) => Ok(Some(TomlText::read(map)?.parse()?)),
+            _ => Ok(None),
+        }
+    }
+
     /// The player, if one is given.
     ///
     /// # Errors

@@ -33,6 +33,7 @@ mod experiment;
 mod inspect;
 /// Plays of runs on machines of others: out to their players, back from their recorders.
 mod play {
+    pub(crate) mod by_files;
     pub(crate) mod command;
     pub(crate) mod export;
     pub(crate) mod import;
@@ -90,6 +91,7 @@ pub use estimate::{EstimateOptions, estimate_logs};
 pub use experiment::Experiment;
 pub use inspect::guess::GuessedMap;
 pub use inspect::{GroupLook, Inspection, SignalLook, inspect_recording};
+pub use play::by_files::{Awaited, FilesTestbed};
 pub use play::command::{CommandTestbed, PlayerCommand};
 pub use play::export::PlayOptions;
 pub use play::import::{ImportOptions, ImportSummary, ImportedRun, import_recordings};

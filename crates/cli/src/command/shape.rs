@@ -6,8 +6,10 @@ use std::path::PathBuf;
 use clap::Args;
 use frfid_estimate::OctaveError;
 use frfid_experiment::{
-    Experiment, IterationReport, ShapeFolderOptions, ShapeReport, shape_to_folder,
+    Awaited, Experiment, ExperimentError, FilesTestbed, IterationReport, PlannedRuns,
+    ShapeFolderOptions, ShapeReport, shape_to_folder,
 };
+use frfid_files::LogMap;
 use frfid_signals::Testbed;
 use frfid_signals::format::significant;
 use serde_json::json;
@@ -29,6 +31,7 @@ use crate::text::table::{or_dash, row, side_by_side, table};
 Examples:
   frfid shape experiment.toml -o shaped          goes on where an interrupted one stopped
   frfid shape experiment.toml -o shaped --player ./play.sh --map map.toml    on a machine
+  frfid shape experiment.toml -o shaped --map map.toml    by files: writes what is to be played, goes on with the recordings
   frfid shape experiment.toml -o shaped --json
   frfid export shaped/frf.json --to csv -o frf.csv")]
 pub(crate) struct Arguments {
@@ -56,21 +59,97 @@ pub(crate) fn run(
     check(&arguments.experiment, Needed::Description)?;
     let experiment = with_seed(Experiment::load(&arguments.experiment)?, arguments.seed)?;
     warn(&experiment, console);
+    match arguments.player.map_alone()? {
+        Some(map) => by_files(arguments, &experiment, &map, options, console),
+        None => at_once(arguments, &experiment, options, console),
+    }
+}
+
+/// Shapes in simulation, or on a machine behind a command.
+fn at_once(
+    arguments: &Arguments,
+    experiment: &Experiment,
+    options: &Options,
+    console: &mut Console,
+) -> Result<Exit, Failure> {
     let player = arguments.player.command()?;
     let machine = player
         .as_ref()
-        .map(|player| machine(&experiment, player, &arguments.output));
+        .map(|player| machine(experiment, player, &arguments.output));
     let machine = machine.transpose()?;
     let testbed = machine.as_ref().map(|machine| machine as &dyn Testbed);
+    let report = shaped(arguments, experiment, testbed, options, console)?;
+    tell(arguments, &report, options, console)?;
+    Ok(Exit::flawed_unless(report.is_good()))
+}
+
+/// Shapes on a machine that is reached by files: goes as far as there are recordings.
+fn by_files(
+    arguments: &Arguments,
+    experiment: &Experiment,
+    map: &LogMap,
+    options: &Options,
+    console: &mut Console,
+) -> Result<Exit, Failure> {
+    let plan_id = PlannedRuns::of(experiment.clone()).plan_id()?;
+    let (folder, rate_hz) = (&arguments.output, arguments.player.rate_hz());
+    let machine = FilesTestbed::new(experiment, plan_id, map, rate_hz, folder)?;
+    match shaped(arguments, experiment, Some(&machine), options, console) {
+        Ok(report) => {
+            tell(arguments, &report, options, console)?;
+            Ok(Exit::flawed_unless(report.is_good()))
+        }
+        Err(error) => match Awaited::of(&error) {
+            Some(awaited) => {
+                await_recordings(awaited, options, console)?;
+                Ok(Exit::Done)
+            }
+            None => Err(error.into()),
+        },
+    }
+}
+
+/// Says what is to be played.
+fn await_recordings(
+    awaited: &Awaited,
+    options: &Options,
+    console: &mut Console,
+) -> Result<(), Failure> {
+    console.warnings(
+        awaited
+            .refused
+            .iter()
+            .map(|reason| format!("not used: {reason}")),
+    );
+    if options.json {
+        let Awaited {
+            references,
+            recordings,
+            ..
+        } = awaited;
+        return console.json(&json!({ "references": references, "recordings": recordings }));
+    }
+    let (references, recordings) = (awaited.references.display(), awaited.recordings.display());
+    console.data(&format!(
+        "to be played: the references in {references}\nrecordings of them: into {recordings}\n\
+         then the same command again\n"
+    ))
+}
+
+fn shaped(
+    arguments: &Arguments,
+    experiment: &Experiment,
+    testbed: Option<&dyn Testbed>,
+    options: &Options,
+    console: &mut Console,
+) -> Result<ShapeReport, ExperimentError> {
     let settings = ShapeFolderOptions {
         jobs: if testbed.is_some() { 1 } else { arguments.jobs },
         overwrite: options.overwrite(),
     };
-    let report = watched(console, "shaping", "runs", |progress| {
-        shape_to_folder(&experiment, testbed, &arguments.output, &settings, progress)
-    })?;
-    tell(arguments, &report, options, console)?;
-    Ok(Exit::flawed_unless(report.is_good()))
+    watched(console, "shaping", "runs", |progress| {
+        shape_to_folder(experiment, testbed, &arguments.output, &settings, progress)
+    })
 }
 
 fn tell(
