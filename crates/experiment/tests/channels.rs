@@ -136,7 +136,7 @@ fn channels_have_units_rates_and_limits_of_their_own() {
 fn what_needs_a_model_says_so() {
     let experiment = described(&[]).expect("sound");
     let is_refused = |error: ExperimentError| {
-        assert!(error.to_string().starts_with("no robot model"), "{error}")
+        assert!(error.to_string().starts_with("no robot model"), "{error}");
     };
     is_refused(predict(&experiment, 0, &silent).expect_err("no model"));
     let folder = tempfile::tempdir().expect("writable");
