@@ -62,6 +62,7 @@ fn every_command_prints_the_keys_of_the_page() {
         ("compare", "compare frf.json frf.json"),
         ("report", "report frf.json -o frf.html"),
         ("export", "export frf.json -o frf.uff"),
+        ("export PLAN", "export plan.mcap --to csv -o played"),
         ("recover", "recover logs/p000-m0-q0.mcap"),
     ] {
         let mut arguments: Vec<&str> = line.split(' ').collect();

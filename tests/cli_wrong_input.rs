@@ -49,7 +49,7 @@ const DESCRIPTION: &str = "needed the description of an experiment";
 const RESULT: &str = "needed a result";
 
 /// A command line, what is found, what is needed, what to do.
-const REFUSED: [(&str, &str, &str, &str); 29] = [
+const REFUSED: [(&str, &str, &str, &str); 31] = [
     (
         "check robot.urdf",
         "a robot in URDF",
@@ -172,6 +172,18 @@ const REFUSED: [(&str, &str, &str, &str); 29] = [
         "a text file",
         RESULT,
         "frfid estimate",
+    ),
+    (
+        "export plan.mcap --to npz -o y",
+        "a plan",
+        "whose formats are csv, mat",
+        "choose one of these",
+    ),
+    (
+        "export frf.json --to joint-trajectory -o y",
+        "a result",
+        "whose formats are csv, npz",
+        "choose one of these",
     ),
     (
         "export cut.json -o y.csv",

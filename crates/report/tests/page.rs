@@ -8,13 +8,13 @@ use std::process::{Child, Command};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use frfid_files::{Cause, Check, ResultFile, Verdict};
+use frfid_files::{Cause, Check, Exported, Rehearsal, ResultFile, Verdict};
 use frfid_report::{
     Band, Claim, Curve, Figure, Labels, Part, Report, ReportError, Responses, Style, Table, bode,
-    result_page,
+    plan_page, result_page,
 };
-use frfid_signals::{Frf, Uncertainty};
-use ndarray::Array3;
+use frfid_signals::{Frf, Limit, Limits, Motion, Playback, Played, Player, RunId, Uncertainty};
+use ndarray::{Array2, Array3};
 use num_complex::Complex64;
 
 const HOSTILE: [&str; 5] = [
@@ -289,6 +289,103 @@ fn nothing_leaves_the_page_at_any_width_and_keys_change_the_panel() {
         let alone = if panels == "2" { "all panels" } else { moved };
         assert!(tag.contains(&format!("data-shown=\"{alone}\"")), "{tag}");
     }
+}
+
+/// A plan of two joints with hostile names, the first with a limit of its velocity that is nearly used.
+fn exported() -> Exported {
+    let wave = |scale: f64| {
+        Array2::from_shape_fn((2, 500), |(row, k)| {
+            scale * (row as f64 + 0.1 * k as f64).sin()
+        })
+    };
+    let [
+        position_rad,
+        velocity_rad_s,
+        acceleration_rad_s2,
+        jerk_rad_s3,
+    ] = [0.01, 0.1, 1.0, 10.0].map(wave);
+    let motion = Motion {
+        position_rad,
+        velocity_rad_s,
+        acceleration_rad_s2,
+        jerk_rad_s3,
+    };
+    let shown = Playback {
+        id: RunId::excitation(0, 0, 0),
+        sample_time_s: 0.002,
+        first_sample: 100,
+        run_samples: 300,
+        played: Played::Motion(motion),
+    };
+    let limits: Limits = [(Limit::Velocity, vec![0.101, 0.5])].into_iter().collect();
+    let player = Player {
+        rate_hz: 500.0,
+        rest_s: 0.5,
+        pose_rad: vec![0.0, 0.0],
+        limits,
+    };
+    let run = Rehearsal {
+        id: shown.id,
+        n_repetitions: 3,
+        n_samples: 500,
+        first_sample: 100,
+        run_samples: 300,
+        duration_s: 1.0,
+        commanded: shown.peaks(&player.pose_rad),
+        predicted: None,
+    };
+    Exported {
+        joint_names: vec!["shoulder".into(), HOSTILE[0].into()],
+        player,
+        plan_id: 7,
+        runs: vec![
+            run.clone(),
+            Rehearsal {
+                id: RunId::excitation(1, 0, 0),
+                duration_s: 150.0,
+                ..run
+            },
+        ],
+        files: vec!["folder/a.csv".into(), HOSTILE[4].into()],
+        order: Some("folder/runs.csv".into()),
+        shown: shown.into(),
+    }
+}
+
+#[test]
+fn the_page_of_a_plan_says_what_moves_and_what_is_not_limited() {
+    let page = plan_page(&exported()).expect("sound");
+    for told in [
+        "6 runs, 7 min 33 s in all, at 500 samples a second",
+        "Closest to its limit: the velocity of shoulder, at 9",
+        "Not limited by the description, so not checked: acceleration, jerk, torque.",
+        "<td data-head=\"Begins after\">3 s</td>",
+        "rad/s\u{b2}",
+    ] {
+        assert!(page.contains(told), "{told}");
+    }
+    assert!(!page.contains("<img src=x") && !page.contains("<svg onload"));
+    assert_eq!(page.matches("<img ").count(), 1, "one picture");
+    let wide = "onload = () => document.querySelectorAll('iframe').forEach((frame) => { \
+         const root = frame.contentDocument.documentElement; \
+         frame.dataset.over = Math.max(0, root.scrollWidth - root.clientWidth); \
+         frame.dataset.title = frame.contentDocument.title; frame.removeAttribute('srcdoc'); });";
+    let escaped = page.replace('&', "&amp;").replace('"', "&quot;");
+    let frames = [390, 1300].map(|width| {
+        format!("<iframe width=\"{width}\" height=\"900\" srcdoc=\"{escaped}\"></iframe>")
+    });
+    let Some((dom, log)) = in_chromium(&format!(
+        "<!DOCTYPE html><body>{}<script>{wide}</script>",
+        frames.concat()
+    )) else {
+        return;
+    };
+    assert_eq!(
+        dom.matches("data-over=\"0\" data-title=\"Before plan 7 is played\"")
+            .count(),
+        2,
+        "{log}"
+    );
 }
 
 #[test]

@@ -12,6 +12,8 @@ mod named;
 pub(crate) mod order;
 #[cfg(test)]
 pub(crate) mod testing;
+#[cfg(test)]
+mod tests;
 
 use std::sync::Arc;
 
