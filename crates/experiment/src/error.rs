@@ -101,8 +101,8 @@ pub enum ExperimentError {
     },
     /// A description without a robot, where one is simulated.
     #[error(
-        "no robot model: [channels] describe what a machine is driven by, not how it answers; play the plan on the machine (frfid design writes it, \
-         Plan.run(testbed) of Python does it), or describe a [robot]"
+        "no robot model: [channels] describe what a machine is driven by, not how it answers; play the plan on the machine \
+         (frfid export, frfid run --player, Plan.run(testbed) of Python), or describe a [robot]"
     )]
     NoModel,
     /// Logs that do not belong together, or not to this plan.

@@ -60,7 +60,6 @@ pub(crate) fn run(
 ) -> Result<Exit, Failure> {
     check(&arguments.order, Needed::Runs)?;
     let planned = planned_runs(&arguments.order, arguments.seed)?;
-    planned.experiment.model()?;
     warn(&planned.experiment, console);
     check_index(arguments.index, planned.run_ids().len())?;
     let Some(folder) = arguments.output.as_ref().filter(|_| !arguments.dry_run) else {
@@ -69,6 +68,9 @@ pub(crate) fn run(
         return Ok(Exit::Done);
     };
     let player = arguments.player.command()?;
+    if player.is_none() {
+        planned.experiment.model()?;
+    }
     let settings = RunOptions {
         jobs: if player.is_some() { 1 } else { arguments.jobs },
         index: arguments.index,

@@ -1,10 +1,10 @@
 //! Judgement of a run that was found in a recording: sure, doubtful, or logged otherwise than the map says.
 
-use frfid_files::Log;
+use frfid_files::{Log, si_unit};
 use frfid_signals::format::significant;
-use frfid_signals::{Injection, Plan};
 
 use crate::error::ExperimentError;
+use crate::experiment::Experiment;
 use crate::play::import::sought::FoundRun;
 
 /// Likeness needed to what the player was told, and to what the machine made of it.
@@ -49,12 +49,18 @@ pub(super) fn doubt(found: &FoundRun, log: &Log) -> Option<String> {
 pub(super) fn check_gains(
     found: &FoundRun,
     log: &Log,
-    joint_names: &[String],
+    experiment: &Experiment,
 ) -> Result<(), ExperimentError> {
-    if log.record.r.is_none() {
+    let is_comparable = experiment.reference_units().iter().all(|unit| is_si(unit));
+    if log.record.r.is_none() || !is_comparable {
         return Ok(());
     }
-    let gains = found.occurrence.alignment.gains.iter().zip(joint_names);
+    let gains = found
+        .occurrence
+        .alignment
+        .gains
+        .iter()
+        .zip(&experiment.joint_names);
     let mut known = gains.filter_map(|(gain, joint)| Some(((*gain)?, joint)));
     let Some((gain, joint)) = known.find(|(gain, _)| !(GAIN[0]..=GAIN[1]).contains(gain)) else {
         return Ok(());
@@ -71,12 +77,17 @@ pub(super) fn check_gains(
     ))
 }
 
+/// Whether a unit is the one that recordings are converted to.
+fn is_si(unit: &str) -> bool {
+    si_unit(unit) == Some(unit)
+}
+
 /// Checks that a recording has the channels of a plan.
 ///
 /// # Errors
 /// [`ExperimentError::Logs`] for other numbers, or a reference in another quantity.
-pub(super) fn check_channels(log: &Log, plan: &Plan) -> Result<(), ExperimentError> {
-    let n = plan.n_inputs;
+pub(super) fn check_channels(log: &Log, experiment: &Experiment) -> Result<(), ExperimentError> {
+    let n = experiment.plan.n_inputs;
     let found = (log.record.u.nrows(), log.record.y.nrows());
     if found != (n, n) {
         return Err(ExperimentError::logs(
@@ -86,15 +97,13 @@ pub(super) fn check_channels(log: &Log, plan: &Plan) -> Result<(), ExperimentErr
             "name one u and one y for each joint, in the order of the plan's joints",
         ));
     }
-    let needed = match plan.injection {
-        Injection::Velocity => "rad/s",
-        Injection::Torque => "N m",
-    };
-    match log.reference_units.iter().find(|unit| *unit != needed) {
+    let needed = experiment.reference_units();
+    let mut pairs = log.reference_units.iter().zip(&needed);
+    match pairs.find(|(found, needed)| is_si(needed) && found != needed) {
         None => Ok(()),
-        Some(unit) => Err(ExperimentError::logs(
+        Some((found, needed)) => Err(ExperimentError::logs(
             "reference in the log map",
-            format!("in {unit}"),
+            format!("in {found}"),
             format!("in {needed} (or a unit of the same quantity), as the plan injects"),
             "name the reference that the player followed, or none",
         )),

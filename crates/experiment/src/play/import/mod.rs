@@ -128,7 +128,7 @@ pub(crate) fn imported_run(
     let plan = &experiment.plan;
     let sought = SoughtRuns::of_run(plan, run, &experiment.player(rate_hz))?;
     let log = read_log(recording, map)?;
-    check_channels(&log, plan)?;
+    check_channels(&log, experiment)?;
     let times_s = times_of(&log);
     let mut found = sought.find(&followed(&log, &times_s, plan));
     found.sort_by(|a, b| b.occurrence.likeness.total_cmp(&a.occurrence.likeness));
@@ -142,7 +142,7 @@ pub(crate) fn imported_run(
     if let Some(doubt) = doubt(best, &log) {
         return Err(not_recognised(&format!("{}: {doubt}", recording.display())));
     }
-    check_gains(best, &log, &experiment.joint_names)?;
+    check_gains(best, &log, experiment)?;
     Ok(on_plan_clock(&log, &times_s, best, plan))
 }
 
@@ -206,7 +206,7 @@ impl<'a> Import<'a> {
                 return Ok(());
             }
         };
-        check_channels(&log, &self.planned.experiment.plan)?;
+        check_channels(&log, &self.planned.experiment)?;
         let told = log
             .warnings
             .iter()
@@ -236,7 +236,7 @@ impl<'a> Import<'a> {
         times_s: &[f64],
     ) -> Result<(), ExperimentError> {
         let experiment = &self.planned.experiment;
-        check_gains(found, log, &experiment.joint_names)?;
+        check_gains(found, log, experiment)?;
         let Some(id) = self.next_of(found.id) else {
             let (id, name) = (found.id, recording.display());
             let start_s = found.occurrence.alignment.start_s;
