@@ -296,6 +296,16 @@ class Plan:
         overwrite: bool = False,
         progress: _Progress | None = None,
     ) -> dict[str, Any]: ...
+    def import_recordings(
+        self,
+        recordings: str | PathLike[str] | Sequence[str | PathLike[str]],
+        map: _LogMap,
+        folder: str | PathLike[str],
+        *,
+        rate_hz: float | None = None,
+        overwrite: bool = False,
+        progress: _Progress | None = None,
+    ) -> dict[str, Any]: ...
     def estimate(self, records: Sequence[Record | None]) -> Frf: ...
     def __getitem__(self, index: int, /) -> Run: ...
     def __len__(self) -> int: ...
@@ -512,6 +522,8 @@ def shape(
     still_rad_s: float = 0.0,
     coulomb_nm: _PerChannel | None = None,
     seed: int = 0,
+    folder: str | PathLike[str] | None = None,
+    overwrite: bool = False,
     progress: _Progress | None = None,
 ) -> Shaped: ...
 def compare(

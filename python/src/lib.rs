@@ -14,6 +14,7 @@ mod estimate {
 mod experiment {
     pub(crate) mod description;
     mod export;
+    mod import;
     pub(crate) mod plan;
     mod planned;
 }
@@ -29,7 +30,7 @@ mod frf {
 /// Logs: read, looked into, estimated from.
 mod logs {
     pub(crate) mod estimate;
-    mod map;
+    pub(crate) mod map;
     pub(crate) mod read;
 }
 /// `Plant` and its controller: robots in software.

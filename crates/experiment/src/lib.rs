@@ -46,6 +46,7 @@ mod run {
     pub(crate) mod folder;
     pub(crate) mod guard;
     pub(crate) mod kept;
+    pub(crate) mod kept_references;
     pub(crate) mod load;
     pub(crate) mod parallel;
     pub(crate) mod planned_runs;
@@ -98,6 +99,7 @@ pub use play::import::{ImportOptions, ImportSummary, ImportedRun, import_recordi
 pub use run::folder::{RunOptions, RunReport, RunSummary, run_to_folder};
 pub use run::guard::Guarded;
 pub use run::kept::KeptRuns;
+pub use run::kept_references::KeptReferences;
 pub use run::load::Load;
 pub use run::parallel::{Progress, Steps, for_each, silent};
 pub use run::planned_runs::PlannedRuns;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use frfid_experiment::PlannedRuns;
+use frfid_experiment::{Guarded, PlannedRuns};
 use frfid_signals::{RunId, Testbed};
 use numpy::PyArray2;
 use pyo3::exceptions::{PyIndexError, PyValueError};
@@ -211,7 +211,10 @@ impl Plan {
             .map(|object| self.python_testbed(object))
             .transpose()?;
         let machine = machine.as_ref().map(|machine| machine as &dyn Testbed);
-        let bed = machine.unwrap_or(&*model);
+        let guarded = machine.map(|machine| Guarded::of(self.description(), machine));
+        let bed = guarded
+            .as_ref()
+            .map_or(&*model, |guarded| guarded as &dyn Testbed);
         let kept = folder
             .as_deref()
             .map(|folder| self.kept(bed, folder, overwrite))

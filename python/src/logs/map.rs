@@ -10,7 +10,7 @@ use crate::choice::from_python;
 use crate::error;
 
 /// The map that is meant, checked as that of a file.
-pub(super) fn log_map(map: &Bound<'_, PyAny>) -> PyResult<LogMap> {
+pub(crate) fn log_map(map: &Bound<'_, PyAny>) -> PyResult<LogMap> {
     match map.extract::<PathBuf>() {
         Ok(path) => {
             let text = TomlText::read(&path).map_err(error::config)?;
@@ -21,7 +21,7 @@ pub(super) fn log_map(map: &Bound<'_, PyAny>) -> PyResult<LogMap> {
 }
 
 /// One path or several.
-pub(super) fn paths(paths: &Bound<'_, PyAny>) -> PyResult<Vec<PathBuf>> {
+pub(crate) fn paths(paths: &Bound<'_, PyAny>) -> PyResult<Vec<PathBuf>> {
     match paths.extract::<PathBuf>() {
         Ok(path) => Ok(vec![path]),
         Err(_) => paths.extract(),

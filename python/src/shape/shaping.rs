@@ -4,11 +4,14 @@ use frfid_estimate::{
     Driver, Iteration, ShapeError, ShapeOptions, Shaped as Shaping, Shaper, Step, Target,
     shape as shape_on,
 };
+use frfid_experiment::{Guarded, KeptReferences};
+use frfid_files::Overwrite;
 use frfid_signals::checks::positive;
 use frfid_signals::{Limit, Limits, Record, Testbed};
 use ndarray::{Array3, Ix3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use std::path::{Path, PathBuf};
 
 use crate::array::{Axes, real};
 use crate::error;
@@ -68,6 +71,11 @@ const SIGNALS: [Axes; 1] = [&["experiment", "channel", "sample"]];
 ///     Coulomb friction of each axis in N m, to be named beside an axis that sticks.
 /// seed : int, optional
 ///     Seed of the sensors' noise of a simulated plant.
+/// folder : str or path-like, optional
+///     Where every record is written as soon as it is measured, as ``iteration_NN/RUN.mcap``; a run whose very
+///     reference is there is read, not done again, so that the next call goes on where this one ended.
+/// overwrite : bool, optional
+///     Whether runs of another shaping in ``folder`` are replaced.
 /// progress : callable, optional
 ///     Called with (done, total) iterations, from (0, total) on; an exception from it stops the
 ///     work.
@@ -88,7 +96,8 @@ const SIGNALS: [Axes; 1] = [&["experiment", "channel", "sample"]];
 #[pyo3(signature = (testbed, *, desired, start, sample_time_s, low_hz = 2.0, high_hz = 60.0, target = "torque",
                     step = "damped", damping = 0.9, smoothing_bins = 30, n_iterations = 6, good_enough = 0.05,
                     largest_change = 3.0, max_torque_nm = None, max_velocity_rad_s = None, max_travel_rad = None,
-                    max_stuck_share = 0.15, still_rad_s = 0.0, coulomb_nm = None, seed = 0, progress = None))]
+                    max_stuck_share = 0.15, still_rad_s = 0.0, coulomb_nm = None, seed = 0, folder = None, overwrite = false,
+                    progress = None))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
 pub(crate) fn shape(
     testbed: &Bound<'_, PyAny>,
@@ -111,6 +120,8 @@ pub(crate) fn shape(
     still_rad_s: f64,
     coulomb_nm: Option<&Bound<'_, PyAny>>,
     seed: u64,
+    folder: Option<PathBuf>,
+    overwrite: bool,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Shaped> {
     let desired = real::<Ix3>("desired", desired, &SIGNALS)?
@@ -171,18 +182,34 @@ pub(crate) fn shape(
     let shaped = match testbed.extract::<(Bound<'_, Plant>, Bound<'_, PiController>)>() {
         Ok((plant, controller)) => {
             let testbed = closed_loop(plant.get(), controller.get(), seed);
-            simulated(py, &testbed, desired, start, options, progress)?
+            let kept = kept(&testbed, folder.as_deref(), overwrite)?;
+            let testbed = kept.as_ref().map_or(&testbed as &dyn Testbed, |kept| kept);
+            simulated(py, testbed, desired, start, options, progress)?
         }
-        Err(_) => measured(
-            py,
-            &PythonTestbed::new(testbed, n_axes, by_key(&options.limits), "rad/s")?,
-            desired,
-            start,
-            options,
-            progress,
-        )?,
+        Err(_) => {
+            let machine = PythonTestbed::new(testbed, n_axes, by_key(&options.limits), "rad/s")?;
+            let kept = kept(&machine, folder.as_deref(), overwrite)?;
+            let testbed = kept.as_ref().map_or(&machine as &dyn Testbed, |kept| kept);
+            let guarded = Guarded::new(testbed, &options.limits, &vec![0.0; n_axes]);
+            measured(py, &guarded, desired, start, options, progress)?
+        }
     };
     Shaped::of(py, shaped)
+}
+
+/// The same testbed with its records kept in a folder.
+fn kept<'a>(
+    testbed: &'a dyn Testbed,
+    folder: Option<&'a Path>,
+    replaces: bool,
+) -> PyResult<Option<KeptReferences<'a>>> {
+    let overwrite = if replaces {
+        Overwrite::Replace
+    } else {
+        Overwrite::Resume
+    };
+    let kept = folder.map(|folder| KeptReferences::new(testbed, folder, overwrite));
+    kept.transpose().map_err(error::experiment)
 }
 
 /// Shaping on a simulated machine while the interpreter goes on.
@@ -208,7 +235,7 @@ fn simulated(
 /// the middle of a run.
 fn measured(
     py: Python<'_>,
-    testbed: &PythonTestbed,
+    testbed: &dyn Testbed,
     desired: Array3<f64>,
     start: Array3<f64>,
     options: ShapeOptions,
@@ -229,7 +256,7 @@ fn measured(
 /// Runs done one after the other on the calling thread.
 struct Turns<'a, 'py> {
     py: Python<'py>,
-    testbed: &'a PythonTestbed,
+    testbed: &'a dyn Testbed,
     progress: Option<&'a Bound<'py, PyAny>>,
     total: usize,
 }

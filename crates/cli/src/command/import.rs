@@ -7,7 +7,7 @@ use frfid_experiment::{
     ImportOptions, ImportSummary, PlannedRuns, import_recordings, recordings_among,
 };
 use frfid_files::LogMap;
-use frfid_signals::format::{count, significant};
+use frfid_signals::format::count;
 use serde_json::json;
 
 use crate::console::Console;
@@ -86,7 +86,7 @@ fn tell(
     options: &Options,
     console: &mut Console,
 ) -> Result<(), Failure> {
-    warn(summary, console);
+    console.warnings(summary.told());
     if options.json {
         return console.json(&json!(summary));
     }
@@ -103,29 +103,6 @@ fn tell(
         "frfid estimate {folder} -o frf.json --report frf.html"
     ));
     Ok(())
-}
-
-/// Says what looks wrong, what was not used and what is missing.
-pub(crate) fn warn(summary: &ImportSummary, console: &mut Console) {
-    console.warnings(&summary.warnings);
-    console.warnings(
-        summary
-            .unused
-            .iter()
-            .map(|unused| format!("not used: {unused}")),
-    );
-    let stopped = summary
-        .imported
-        .iter()
-        .filter_map(|run| Some((run, run.stopped_s?)));
-    console.warnings(stopped.map(|(run, stopped_s)| {
-        let stopped_s = significant(stopped_s, 4);
-        format!("run {} was stopped after {stopped_s} s", run.run)
-    }));
-    if !summary.missing.is_empty() {
-        let missing = summary.missing.join(", ");
-        console.warnings([format!("in none of the recordings: {missing}")]);
-    }
 }
 
 /// A row for each run: where it was found, and how surely.

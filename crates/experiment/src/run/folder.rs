@@ -186,7 +186,7 @@ impl<'a> Writer<'a> {
         ids: &[RunId],
         testbed: &'a dyn Testbed,
     ) -> Result<Guarded<'a>, ExperimentError> {
-        let guarded = Guarded::new(&self.planned.experiment, testbed);
+        let guarded = Guarded::of(&self.planned.experiment, testbed);
         for &id in ids {
             if let Some(record) = self.record_of(id) {
                 guarded.see(&self.planned.run(id)?, &record);

@@ -9,27 +9,33 @@ use crate::experiment::Experiment;
 /// A testbed that is given no further run after one in which it exceeded a limit.
 pub struct Guarded<'a> {
     testbed: &'a dyn Testbed,
-    limits: &'a Limits,
-    pose_rad: &'a [f64],
+    limits: Limits,
+    pose_rad: Vec<f64>,
     /// What was exceeded.
     tripped: Mutex<Option<String>>,
 }
 
 impl<'a> Guarded<'a> {
-    /// The guard of a testbed, with the limits of a description.
+    /// The guard of a testbed, with limits about a pose in rad.
     #[must_use]
-    pub fn new(experiment: &'a Experiment, testbed: &'a dyn Testbed) -> Self {
+    pub fn new(testbed: &'a dyn Testbed, limits: &Limits, pose_rad: &[f64]) -> Self {
         Self {
             testbed,
-            limits: &experiment.limits,
-            pose_rad: &experiment.pose_rad,
+            limits: limits.clone(),
+            pose_rad: pose_rad.to_vec(),
             tripped: Mutex::new(None),
         }
     }
 
+    /// The same with the limits and the pose of a description.
+    #[must_use]
+    pub fn of(experiment: &Experiment, testbed: &'a dyn Testbed) -> Self {
+        Self::new(testbed, &experiment.limits, &experiment.pose_rad)
+    }
+
     /// Sees the record of a run, done now or before.
     pub(crate) fn see(&self, run: &Run, record: &Record) {
-        let peaks = Peaks::of_record(record, &run.start_rad, self.pose_rad);
+        let peaks = Peaks::of_record(record, &run.start_rad, &self.pose_rad);
         let exceeded = self.limits.exceeded(&peaks);
         // from sample to sample a measured torque changes by its noise
         let counts = |excess: &&Excess| {

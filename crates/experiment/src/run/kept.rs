@@ -33,7 +33,7 @@ impl<'a> KeptRuns<'a> {
     ) -> Result<Self, ExperimentError> {
         create_folder(folder)?;
         let writer = Writer::new(planned, folder, overwrite);
-        let testbed = Guarded::new(&planned.experiment, testbed);
+        let testbed = Guarded::of(&planned.experiment, testbed);
         Ok(Self { writer, testbed })
     }
 }

@@ -42,7 +42,7 @@ pub fn shape_to_folder(
 ) -> Result<ShapeReport, ExperimentError> {
     let (shaper, shape_options) = experiment.shaper()?;
     let model = experiment.testbed();
-    let guarded = testbed.map(|testbed| Guarded::new(experiment, testbed));
+    let guarded = testbed.map(|testbed| Guarded::of(experiment, testbed));
     let testbed = guarded
         .as_ref()
         .map_or(&*model, |guarded| guarded as &dyn Testbed);

@@ -14,14 +14,12 @@ use frfid_signals::{Frf, Record, Run, RunId, Testbed};
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::folder::run_file;
+use crate::run::kept_references::{REFERENCE, reference_sha256};
 use crate::run::parallel::{Progress, Steps, for_each};
 use crate::run::provenance::{CONFIG, DESIGN, Metadata};
 use crate::shape::earlier::{check_same, clear};
 use crate::shape::iteration_files::{BEST, IterationFiles, iteration_name};
 use crate::shape::report::{ANOTHER_FOLDER, FILE, IterationReport, ShapeReport};
-
-/// Key of the hash of the reference that was applied, in the metadata of a run.
-const REFERENCE: &str = "reference_sha256";
 
 /// The folder of a shaping.
 pub(crate) struct Trail<'a> {
@@ -235,11 +233,6 @@ impl<'a> Trail<'a> {
         let (path, text) = (self.folder.join(FILE), self.report.to_json());
         Ok(write_bytes(&path, Overwrite::Replace, text.as_bytes())?)
     }
-}
-
-fn reference_sha256(run: &Run) -> String {
-    let reference = run.reference.iter().flat_map(|r| r.to_le_bytes());
-    sha256_hex(&reference.collect::<Vec<u8>>())
 }
 
 /// An error of the runs of an iteration: an interruption is one of the shaping.

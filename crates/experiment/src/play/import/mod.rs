@@ -51,6 +51,25 @@ pub struct ImportSummary {
 }
 
 impl ImportSummary {
+    /// What looks wrong, what was not used, what was stopped and what is missing, in words.
+    #[must_use]
+    pub fn told(&self) -> Vec<String> {
+        let unused = self
+            .unused
+            .iter()
+            .map(|unused| format!("not used: {unused}"));
+        let stopped = self
+            .imported
+            .iter()
+            .filter_map(|run| Some((&run.run, run.stopped_s?)));
+        let stopped =
+            stopped.map(|(run, stopped_s)| format!("run {run} was stopped after {stopped_s:.3} s"));
+        let missing = (!self.missing.is_empty())
+            .then(|| format!("in none of the recordings: {}", self.missing.join(", ")));
+        let told = self.warnings.iter().cloned().chain(unused).chain(stopped);
+        told.chain(missing).collect()
+    }
+
     /// Whether every run of the plan is there, whole and inside the limits, and all that was recorded is
     /// used.
     #[must_use]
