@@ -38,18 +38,26 @@ impl PlannedRuns {
             before: 0,
             total: references.len(),
         };
-        for_each(&references, jobs, steps, |&(id, n_repetitions)| {
-            let (playback, predicted) = self.experiment.rehearsed(&self.run(id)?, player)?;
-            Ok(Rehearsal {
-                id,
-                n_repetitions,
-                n_samples: playback.n_samples(),
-                first_sample: playback.first_sample,
-                run_samples: playback.run_samples,
-                duration_s: playback.n_samples() as f64 * playback.sample_time_s,
-                commanded: playback.peaks(&player.pose_rad),
-                predicted: Some(predicted),
-            })
+        for_each(&references, jobs, steps, |&reference| {
+            self.rehearse_one(reference, player)
+        })
+    }
+
+    fn rehearse_one(
+        &self,
+        (id, n_repetitions): (RunId, usize),
+        player: &Player,
+    ) -> Result<Rehearsal, ExperimentError> {
+        let (playback, predicted) = self.experiment.rehearsed(&self.run(id)?, player)?;
+        Ok(Rehearsal {
+            id,
+            n_repetitions,
+            n_samples: playback.n_samples(),
+            first_sample: playback.first_sample,
+            run_samples: playback.run_samples,
+            duration_s: playback.n_samples() as f64 * playback.sample_time_s,
+            commanded: playback.peaks(&player.pose_rad),
+            predicted: Some(predicted),
         })
     }
 

@@ -66,13 +66,18 @@ impl TableForm {
     /// # Errors
     /// [`FileError::Shape`] with what does not fit.
     pub fn check(&self, n_joints: usize) -> Result<(), FileError> {
-        if self.separator == Separator::Comma && self.decimal == DecimalMark::Comma {
+        if (self.separator, self.decimal) == (Separator::Comma, DecimalMark::Comma) {
             let needed = "another separator beside a decimal comma: a semicolon or a tab";
             return Err(FileError::shape("separator", "a comma", needed));
         }
-        let is_ratio = |ratio: &f64| ratio.is_finite() && *ratio != 0.0;
+        self.check_ratios(n_joints)
+    }
+
+    fn check_ratios(&self, n_joints: usize) -> Result<(), FileError> {
         let ratios = &self.gear_ratio;
-        if ratios.is_empty() || ratios.len() == n_joints && ratios.iter().all(is_ratio) {
+        let mut all = ratios.iter();
+        let are_ratios = all.all(|ratio| ratio.is_finite() && *ratio != 0.0);
+        if are_ratios && [0, n_joints].contains(&ratios.len()) {
             return Ok(());
         }
         let needed = format!("one number for each of {n_joints} joints, of either sign, none 0");

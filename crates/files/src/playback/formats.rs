@@ -35,10 +35,13 @@ impl PlayFormat {
     /// [`FileError::Shape`] with the names that there are.
     pub fn named(name: &str) -> Result<&'static Self, FileError> {
         let format = PLAY_FORMATS.iter().find(|format| format.name == name);
-        format.ok_or_else(|| {
-            let names = PLAY_FORMATS.map(|format| format.name).join(", ");
-            FileError::shape("format", name, format!("one of {names}"))
-        })
+        format.ok_or_else(|| FileError::shape("format", name, format!("one of {}", Self::names())))
+    }
+
+    /// The names of all formats.
+    #[must_use]
+    pub fn names() -> String {
+        PLAY_FORMATS.map(|format| format.name).join(", ")
     }
 
     /// The first format whose files end as this one does, in capitals or not.

@@ -1,8 +1,10 @@
 //! JointTrajectory of playbacks: one message for a joint_trajectory_controller, in an MCAP.
 
+use std::io::Write;
 use std::path::Path;
 
 use frfid_signals::Playback;
+use mcap::McapResult;
 
 use crate::atomic_write::{Overwrite, write_file};
 use crate::error::FileError;
@@ -31,11 +33,8 @@ pub(crate) fn write_joint_trajectory(
     let (points, frame_id) = (file.points(), file.frame_id());
     write_file(path, overwrite, |to| {
         let mut writer = RosWriter::new(to)?;
-        let mut events = writer.text_topic(topics::EVENTS)?;
+        file.write_start(&mut writer)?;
         let mut topic = writer.topic(TOPIC, &JOINT_TRAJECTORY)?;
-        for run in file.named().iter().take(1) {
-            writer.text(&mut events, START_NS, &file.told(run))?;
-        }
         writer.encoded(&mut topic, START_NS, |cdr| {
             encode_trajectory(&frame_id, &file.joint_names, &points, cdr);
         })?;
@@ -44,6 +43,14 @@ pub(crate) fn write_joint_trajectory(
 }
 
 impl PlaybackFile {
+    /// The event of the first run.
+    fn write_start<W: Write>(&self, writer: &mut RosWriter<W>) -> McapResult<()> {
+        let mut events = writer.text_topic(topics::EVENTS)?;
+        let named = self.named();
+        let first = named.first().map(|run| self.told(run));
+        writer.text(&mut events, START_NS, &first.unwrap_or_default())
+    }
+
     /// Run and plan, in the only text of a trajectory that comes back.
     fn frame_id(&self) -> String {
         format!("frfid {} {}", self.name, self.plan_id)
@@ -57,26 +64,35 @@ impl PlaybackFile {
     }
 
     fn point(&self, k: usize, playback: &Playback, sample: usize) -> TrajectoryPoint {
-        let time_from_start_ns = ((k + 1) as f64 / self.rate_hz() * 1e9).round() as u64;
-        let mut signals = signals(playback).into_iter();
-        let mut values = || signals.next().map(|signal| signal.column(sample).to_vec());
-        let first = values().unwrap_or_default();
-        if self.is_torque() {
-            let positions = self.pose_rad.clone();
-            return TrajectoryPoint {
-                positions,
-                effort: first,
-                time_from_start_ns,
-                ..Default::default()
-            };
-        }
+        let signals = signals(playback).into_iter();
+        let values: Vec<_> = signals
+            .map(|signal| signal.column(sample).to_vec())
+            .collect();
+        self.timed(k, values)
+    }
+
+    /// A point of position, velocity and acceleration, or of the pose and an effort.
+    fn timed(&self, k: usize, values: Vec<Vec<f64>>) -> TrajectoryPoint {
+        let mut values = values.into_iter();
+        let mut next = || values.next().unwrap_or_default();
+        let effort = if self.is_torque() { next() } else { Vec::new() };
+        let positions = if self.is_torque() {
+            self.pose_rad.clone()
+        } else {
+            next()
+        };
         TrajectoryPoint {
-            positions: first,
-            velocities: values().unwrap_or_default(),
-            accelerations: values().unwrap_or_default(),
-            effort: Vec::new(),
-            time_from_start_ns,
+            positions,
+            velocities: next(),
+            accelerations: next(),
+            effort,
+            time_from_start_ns: self.reached_ns(k),
         }
+    }
+
+    /// When a sample is reached, after the start.
+    fn reached_ns(&self, k: usize) -> u64 {
+        ((k + 1) as f64 / self.rate_hz() * 1e9).round() as u64
     }
 
     /// The last sample of the rest that the file begins with.

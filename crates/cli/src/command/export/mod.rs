@@ -40,21 +40,30 @@ pub(crate) struct Arguments {
 
 /// The formats of both tables, with what they hold, for help and errors.
 fn formats() -> Vec<PossibleValue> {
-    let names = EXPORTS.iter().map(|export| export.name);
-    let others = PLAY_FORMATS.iter().map(|format| format.name);
-    let others = others.filter(|name| EXPORTS.iter().all(|export| export.name != *name));
+    let all = of_results().chain(of_plans());
+    let mut names: Vec<&str> = all.map(|(name, _)| name).collect();
+    names.sort_unstable();
+    names.dedup();
     let value = |name| PossibleValue::new(name).help(described(name));
-    names.chain(others).map(value).collect()
+    names.into_iter().map(value).collect()
+}
+
+fn of_results() -> impl Iterator<Item = (&'static str, String)> {
+    let formats = EXPORTS.iter();
+    formats.map(|format| (format.name, format!("Of a result: {}", format.describes)))
+}
+
+fn of_plans() -> impl Iterator<Item = (&'static str, String)> {
+    let formats = PLAY_FORMATS.iter();
+    formats.map(|format| (format.name, format!("Of a plan: {}", format.describes)))
 }
 
 /// What a format holds, of results and of plans.
 fn described(name: &str) -> String {
-    let of_results = EXPORTS.iter().filter(|export| export.name == name);
-    let of_results = of_results.map(|export| format!("Of a result: {}", export.describes));
-    let of_plans = PLAY_FORMATS.iter().filter(|format| format.name == name);
-    let of_plans = of_plans.map(|format| format!("Of a plan: {}", format.describes));
-    let all: Vec<_> = of_results.chain(of_plans).collect();
-    all.join(". ")
+    let all = of_results().chain(of_plans());
+    let ours = all.filter(|(other, _)| *other == name);
+    let texts: Vec<String> = ours.map(|(_, text)| text).collect();
+    texts.join(". ")
 }
 
 /// The ending of a file, in words.
@@ -66,8 +75,7 @@ fn ending(path: &Path) -> String {
 }
 
 /// A format that is not one of those for this kind of file.
-fn unfit(to: &str, found: &str, names: &[&str]) -> Failure {
-    let names = names.join(", ");
+fn unfit(to: &str, found: &str, names: &str) -> Failure {
     Failure::usage(format!(
         "--to {to}: found {found}, whose formats are {names}; choose one of these"
     ))

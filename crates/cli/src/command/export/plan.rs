@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::Args;
 use frfid_experiment::{ExperimentError, PlannedRuns, PlayOptions};
 use frfid_files::{
-    AngleUnit, DecimalMark, Exported, PLAY_FORMATS, PlayFormat, Separator, TableForm, write_bytes,
+    AngleUnit, DecimalMark, Exported, PlayFormat, Separator, TableForm, write_bytes,
 };
 use frfid_report::{PLAN_PAGE, plan_page};
 use frfid_signals::format::{count, significant};
@@ -89,8 +89,7 @@ impl PlanArguments {
 
 /// The format of this name.
 fn of_name(name: &str) -> Result<&'static PlayFormat, Failure> {
-    let names = PLAY_FORMATS.map(|format| format.name);
-    PlayFormat::named(name).map_err(|_| unfit(name, "a plan", &names))
+    PlayFormat::named(name).map_err(|_| unfit(name, "a plan", &PlayFormat::names()))
 }
 
 /// The format that is asked for, or that of the ending; both must not contradict each other.
@@ -106,8 +105,7 @@ fn format(to: Option<&str>, output: &Path) -> Result<&'static PlayFormat, Failur
 }
 
 fn without_format(output: &Path) -> Failure {
-    let names = PLAY_FORMATS.map(|format| format.name).join(", ");
-    let (path, found) = (output.display(), ending(output));
+    let (path, found, names) = (output.display(), ending(output), PlayFormat::names());
     Failure::usage(format!(
         "{path}: found {found}, needed the format of a plan's files; say --to, one of {names}"
     ))

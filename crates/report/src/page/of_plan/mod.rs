@@ -4,13 +4,13 @@ mod over_time;
 mod peaks;
 
 use frfid_files::Exported;
-use frfid_signals::Limit;
 use frfid_signals::format::{count, significant};
+use frfid_signals::{Limit, Peaks};
 
 use crate::error::ReportError;
 use crate::page::Report;
 use crate::page::of_plan::over_time::run_over_time;
-use crate::page::of_plan::peaks::{checks, closest, peaks, reached, unlimited};
+use crate::page::of_plan::peaks::{checks, closest, peaks, reached, unlimited, value};
 use crate::page::section::Part;
 use crate::page::table::Table;
 
@@ -35,20 +35,9 @@ pub fn plan_page(exported: &Exported) -> Result<String, ReportError> {
 
 /// What happens, in words, and where the joints go.
 fn before(exported: &Exported) -> Part<'_> {
-    let n_runs = exported.n_runs();
-    let (runs, rate) = (
-        count(n_runs, "run"),
-        significant(exported.player.rate_hz, 6),
-    );
-    let time = duration(exported.duration_s());
     let notes = [
-        format!(
-            "{runs}, {time} in all, at {rate} samples a second. Every run begins at rest at the pose, moves to its start, \
-             is ramped up and down, and returns: between two runs the robot stands still at the pose."
-        ),
-        "Move the robot to the pose first, slowly. Play the first run at a tenth of the amplitudes, with a hand on the \
-         stop; clear the space that the table says and what the joints carry through it."
-            .to_owned(),
+        course(exported),
+        CARE.into(),
         closest(exported),
         unlimited(exported),
     ];
@@ -58,6 +47,21 @@ fn before(exported: &Exported) -> Part<'_> {
         tables: vec![places(exported)],
         ..Part::default()
     }
+}
+
+/// What is to be done before.
+const CARE: &str = "Move the robot to the pose first, slowly. Play the first run at a tenth of the amplitudes, with a hand on the \
+                    stop; clear the space that the table says and what the joints carry through it.";
+
+/// How many runs in which time, and what each of them is.
+fn course(exported: &Exported) -> String {
+    let runs = count(exported.n_runs(), "run");
+    let rate = significant(exported.player.rate_hz, 6);
+    let time = duration(exported.duration_s());
+    format!(
+        "{runs}, {time} in all, at {rate} samples a second. Every run begins at rest at the pose, moves to its start, \
+         is ramped up and down, and returns: between two runs the robot stands still at the pose."
+    )
 }
 
 /// Pose, lowest and highest position of every joint.
@@ -70,53 +74,44 @@ fn places(exported: &Exported) -> Table {
         "Farthest from the pose",
     ];
     let peaks = reached(exported);
-    let row = |joint: usize| {
-        let of = |limit| {
-            peaks
-                .get(limit)
-                .and_then(|values| values.get(joint).copied())
-        };
-        let pose = exported.player.pose_rad.get(joint).copied();
-        let places = [
-            pose,
-            of(Limit::LowestPosition),
-            of(Limit::HighestPosition),
-            of(Limit::Travel),
-        ];
-        places.map(angle).to_vec()
-    };
-    table("Positions of the joints", &columns, by_joint(exported, row))
+    let names = exported.joint_names.iter().enumerate();
+    let rows = names.map(|(joint, name)| (name.clone(), place(exported, &peaks, joint)));
+    table("Positions of the joints", &columns, rows.collect())
+}
+
+fn place(exported: &Exported, peaks: &Peaks, joint: usize) -> Vec<String> {
+    let pose = exported.player.pose_rad.get(joint).copied();
+    let ways = [Limit::LowestPosition, Limit::HighestPosition, Limit::Travel];
+    let ways = ways.map(|limit| value(peaks, limit, joint));
+    [pose].into_iter().chain(ways).map(angle).collect()
 }
 
 /// The runs in the order in which they are played.
 fn order(exported: &Exported) -> Part<'_> {
     let columns = ["Run", "Begins after", "Times", "Each", "File"];
-    let mut begins_s = 0.0;
-    let rows = exported
-        .runs
-        .iter()
-        .zip(exported.files.iter().cycle())
-        .map(|(run, file)| {
-            let file = file.file_name().unwrap_or_default().to_string_lossy();
-            let times = run.n_repetitions.to_string();
-            let cells = vec![
-                duration(begins_s),
-                times,
-                duration(run.duration_s),
-                file.into_owned(),
-            ];
-            begins_s += run.n_repetitions as f64 * run.duration_s;
-            (run.id.to_string(), cells)
-        });
+    let title = "Without what you wait between the runs";
     Part {
         title: "Order of play".into(),
-        tables: vec![table(
-            "Without what you wait between the runs",
-            &columns,
-            rows.collect(),
-        )],
+        tables: vec![table(title, &columns, played(exported))],
         ..Part::default()
     }
+}
+
+/// A row for each reference.
+fn played(exported: &Exported) -> Vec<Row> {
+    let mut begins_s = 0.0;
+    let runs = exported.runs.iter().zip(exported.files.iter().cycle());
+    let rows = runs.map(|(run, file)| {
+        let file = file.file_name().unwrap_or_default().to_string_lossy();
+        let (begins, each) = (duration(begins_s), duration(run.duration_s));
+        begins_s += run.n_repetitions as f64 * run.duration_s;
+        let times = run.n_repetitions.to_string();
+        (
+            run.id.to_string(),
+            vec![begins, times, each, file.into_owned()],
+        )
+    });
+    rows.collect()
 }
 
 /// A row of a table: its name and its cells.
@@ -129,16 +124,6 @@ pub(super) fn table(title: &str, columns: &[&str], rows: Vec<Row>) -> Table {
         columns: columns.collect(),
         rows,
     }
-}
-
-fn by_joint(
-    exported: &Exported,
-    cells: impl Fn(usize) -> Vec<String>,
-) -> Vec<(String, Vec<String>)> {
-    let names = exported.joint_names.iter().enumerate();
-    names
-        .map(|(joint, name)| (name.clone(), cells(joint)))
-        .collect()
 }
 
 /// An angle in rad and degrees.

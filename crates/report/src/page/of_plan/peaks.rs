@@ -6,38 +6,45 @@ use frfid_signals::{Limit, Peaks};
 
 use crate::page::of_plan::{Row, table};
 use crate::page::section::Part;
+use crate::page::table::Table;
+
+/// What a machine should have limits of.
+const BOUNDED: [Limit; 4] = [
+    Limit::Velocity,
+    Limit::Acceleration,
+    Limit::Jerk,
+    Limit::Torque,
+];
 
 /// The limits that the description does not give.
 pub(super) fn unlimited(exported: &Exported) -> String {
-    let bounded = [
-        Limit::Velocity,
-        Limit::Acceleration,
-        Limit::Jerk,
-        Limit::Torque,
-    ];
     let limits = &exported.player.limits;
-    let missing = bounded.iter().filter(|limit| limits.get(**limit).is_none());
+    let missing = BOUNDED.iter().filter(|limit| limits.get(**limit).is_none());
     let missing: Vec<_> = missing.map(|limit| limit.quantity()).collect();
-    if missing.is_empty() {
-        return String::new();
+    match missing.join(", ").as_str() {
+        "" => String::new(),
+        missing => format!("Not limited by the description, so not checked: {missing}."),
     }
-    format!(
-        "Not limited by the description, so not checked: {}.",
-        missing.join(", ")
-    )
 }
 
-/// What is commanded and predicted at most, the farther of both.
+/// The farther of what is commanded and what is predicted, and what only one of them knows.
 pub(super) fn reached(exported: &Exported) -> Peaks {
-    let commanded = largest(exported, |run| Some(&run.commanded));
-    let predicted = largest(exported, |run| run.predicted.as_ref());
-    let mut reached = predicted.unwrap_or_default();
+    let [commanded, predicted] = both(exported);
+    let mut reached = commanded.farther(&predicted);
     for &limit in Limit::ALL {
-        if let Some(values) = commanded.as_ref().and_then(|peaks| peaks.get(limit)) {
+        let known = commanded.get(limit).or(predicted.get(limit));
+        if let (None, Some(values)) = (reached.get(limit), known) {
             reached.set(limit, values.to_vec());
         }
     }
     reached
+}
+
+/// The largest of all runs, commanded and predicted.
+fn both(exported: &Exported) -> [Peaks; 2] {
+    let commanded = largest(exported, |run| Some(&run.commanded));
+    let predicted = largest(exported, |run| run.predicted.as_ref());
+    [commanded, predicted].map(Option::unwrap_or_default)
 }
 
 /// The largest of all runs; `None` where a run does not know.
@@ -49,28 +56,24 @@ fn largest(exported: &Exported, of: fn(&Rehearsal) -> Option<&Peaks>) -> Option<
 
 /// Every peak beside its limit, a table for each joint.
 pub(super) fn peaks(exported: &Exported) -> Part<'_> {
-    let both = [
-        largest(exported, |run| Some(&run.commanded)).unwrap_or_default(),
-        largest(exported, |run| run.predicted.as_ref()).unwrap_or_default(),
-    ];
-    let tables = exported
-        .joint_names
-        .iter()
-        .enumerate()
-        .map(|(joint, name)| {
-            let rows = Limit::ALL
-                .iter()
-                .filter_map(|&limit| peak(exported, &both, limit, joint));
-            let columns = ["Largest", "Commanded", "Predicted", "Limit", "Used"];
-            table(name, &columns, rows.collect())
-        });
+    let both = both(exported);
+    let joints = 0..exported.joint_names.len();
     let note = "The largest of all runs from rest to rest: of the commands, and of the motion that the model predicts.";
     Part {
         title: "Peaks and limits".into(),
         notes: vec![note.into()],
-        tables: tables.collect(),
+        tables: joints
+            .map(|joint| of_joint(exported, &both, joint))
+            .collect(),
         ..Part::default()
     }
+}
+
+fn of_joint(exported: &Exported, both: &[Peaks; 2], joint: usize) -> Table {
+    let columns = ["Largest", "Commanded", "Predicted", "Limit", "Used"];
+    let limits = Limit::ALL.iter();
+    let rows = limits.filter_map(|&limit| peak(exported, both, limit, joint));
+    table(&exported.joint_names[joint], &columns, rows.collect())
 }
 
 /// A quantity of a joint: commanded, predicted, its limit, how much of it is used; `None` where it is not known, and for
@@ -92,7 +95,8 @@ fn peak(exported: &Exported, both: &[Peaks; 2], limit: Limit, joint: usize) -> O
     ))
 }
 
-fn value(peaks: &Peaks, limit: Limit, joint: usize) -> Option<f64> {
+/// A peak of a joint.
+pub(super) fn value(peaks: &Peaks, limit: Limit, joint: usize) -> Option<f64> {
     peaks.get(limit)?.get(joint).copied()
 }
 
