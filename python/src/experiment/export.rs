@@ -6,7 +6,7 @@ use frfid_experiment::PlayOptions;
 use frfid_files::{Exported, Overwrite, PlayFormat, TableForm, check_free, write_bytes};
 use frfid_report::{PLAN_PAGE, plan_page};
 use pyo3::prelude::*;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::choice::{choice, overwrite_if, to_python};
 use crate::error;
@@ -121,12 +121,15 @@ fn write_page(page: &Path, exported: &Exported, overwrite: Overwrite) -> PyResul
 }
 
 fn told<'py>(py: Python<'py>, exported: &Exported) -> PyResult<Bound<'py, PyAny>> {
-    let told = json!({
+    to_python(py, &as_json(exported))
+}
+
+fn as_json(exported: &Exported) -> Value {
+    json!({
         "files": exported.files,
         "plan_id": exported.plan_id,
         "rate_hz": exported.player.rate_hz,
         "n_runs": exported.n_runs(),
         "duration_s": exported.duration_s(),
-    });
-    to_python(py, &told)
+    })
 }

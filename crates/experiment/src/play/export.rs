@@ -33,16 +33,18 @@ impl PlayOptions {
     /// Refuses a form that does not fit the joints, and that of a table for a format that is none.
     fn check(&self, n_joints: usize) -> Result<(), FileError> {
         if !self.format.is_table && self.form != TableForm::default() {
-            return Err(FileError::Shape {
-                what: "form",
-                found: format!(
-                    "separator, decimal mark, unit or side of a table for {}",
-                    self.format.name
-                ),
-                needed: "none: messages of ROS are in rad and N m on the joint side".into(),
-            });
+            return Err(self.no_table());
         }
         self.form.check(n_joints)
+    }
+
+    fn no_table(&self) -> FileError {
+        let name = self.format.name;
+        FileError::Shape {
+            what: "form",
+            found: format!("separator, decimal mark, unit or side of a table for {name}"),
+            needed: "none: messages of ROS are in rad and N m on the joint side".into(),
+        }
     }
 }
 
@@ -83,10 +85,9 @@ impl PlannedRuns {
     /// # Errors
     /// Those of a plan with too many samples.
     pub fn plan_id(&self) -> Result<u32, ExperimentError> {
-        let hash = self.head()?.metadata.remove(DESIGN);
-        let hash = hash.unwrap_or_else(|| self.experiment.config_sha256());
-        let first = hash.get(..8).unwrap_or_default();
-        Ok(u32::from_str_radix(first, 16).unwrap_or_default())
+        let of_plan = self.head()?.metadata.remove(DESIGN);
+        let hash = of_plan.unwrap_or_else(|| self.experiment.config_sha256());
+        Ok(first_32_bits(&hash))
     }
 
     /// Writes every file of a layout.
@@ -137,6 +138,12 @@ impl PlannedRuns {
         };
         Ok((options.format.write)(path, options.overwrite, &file)?)
     }
+}
+
+/// Of a hash in hexadecimal.
+fn first_32_bits(hash: &str) -> u32 {
+    let first = hash.get(..8).unwrap_or_default();
+    u32::from_str_radix(first, 16).unwrap_or_default()
 }
 
 /// Which run is shown: the first that is no glide, if there is one.

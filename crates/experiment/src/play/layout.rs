@@ -65,9 +65,14 @@ impl Layout {
     }
 
     fn check_free(&self, overwrite: Overwrite) -> Result<(), FileError> {
-        let companion = self.companion.iter().map(|(path, _)| path);
-        let mut all = self.files.iter().chain(&self.order).chain(companion);
+        let mut all = self.all();
         all.try_for_each(|file| check_free(file, overwrite))
+    }
+
+    /// Every file.
+    fn all(&self) -> impl Iterator<Item = &PathBuf> {
+        let companion = self.companion.iter().map(|(path, _)| path);
+        self.files.iter().chain(&self.order).chain(companion)
     }
 
     /// Creates the folder, if it is one.
@@ -82,13 +87,14 @@ impl Layout {
         exported: &Exported,
         overwrite: Overwrite,
     ) -> Result<(), FileError> {
-        if let Some((path, text)) = &self.companion {
-            write_bytes(path, overwrite, text.as_bytes())?;
-        }
-        let Some(path) = &self.order else {
-            return Ok(());
-        };
-        write_order(path, overwrite, &self.entries(exported))
+        self.write_companion(overwrite)?;
+        let mut order = self.order.iter();
+        order.try_for_each(|path| write_order(path, overwrite, &self.entries(exported)))
+    }
+
+    fn write_companion(&self, overwrite: Overwrite) -> Result<(), FileError> {
+        let mut companion = self.companion.iter();
+        companion.try_for_each(|(path, text)| write_bytes(path, overwrite, text.as_bytes()))
     }
 
     /// The runs in the order of play.
@@ -127,15 +133,11 @@ fn check_one(path: &Path, n_references: usize, is_campaign: bool) -> Result<(), 
     if n_references == 1 || is_campaign {
         return Ok(());
     }
-    let found = format!(
-        "{}, one file, for {n_references} references",
-        path.display()
-    );
-    let needed = "a folder, or --campaign (in Python campaign=True) for all runs in one file";
+    let path = path.display();
     Err(FileError::Shape {
         what: "output",
-        found,
-        needed: needed.into(),
+        found: format!("{path}, one file, for {n_references} references"),
+        needed: "a folder, or --campaign (in Python campaign=True) for all runs in one file".into(),
     })
 }
 

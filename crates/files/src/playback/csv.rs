@@ -161,6 +161,9 @@ mod tests {
         let kinds = refused(|file| file.playbacks.push(torque(3)));
         assert!(kinds.contains("one kind"), "{kinds}");
         let names = refused(|file| file.joint_names = vec!["a".into()]);
-        assert!(names.contains("one for each of 1 joints"), "{names}");
+        assert!(
+            names.contains("one position for each of 1 joints"),
+            "{names}"
+        );
     }
 }

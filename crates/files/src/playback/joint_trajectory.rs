@@ -65,15 +65,11 @@ impl PlaybackFile {
 
     fn point(&self, k: usize, playback: &Playback, sample: usize) -> TrajectoryPoint {
         let signals = signals(playback).into_iter();
-        let values: Vec<_> = signals
-            .map(|signal| signal.column(sample).to_vec())
-            .collect();
-        self.timed(k, values)
+        self.timed(k, signals.map(|signal| signal.column(sample).to_vec()))
     }
 
     /// A point of position, velocity and acceleration, or of the pose and an effort.
-    fn timed(&self, k: usize, values: Vec<Vec<f64>>) -> TrajectoryPoint {
-        let mut values = values.into_iter();
+    fn timed(&self, k: usize, mut values: impl Iterator<Item = Vec<f64>>) -> TrajectoryPoint {
         let mut next = || values.next().unwrap_or_default();
         let effort = if self.is_torque() { next() } else { Vec::new() };
         let positions = if self.is_torque() {

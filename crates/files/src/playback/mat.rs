@@ -25,11 +25,8 @@ pub(crate) fn write_playback_mat(
 ) -> Result<(), FileError> {
     file.check()?;
     write_file(path, overwrite, |to| {
-        to.write_all(&header())?;
-        for element in file.elements()? {
-            to.write_all(&element)?;
-        }
-        Ok(())
+        let elements = file.elements()?;
+        Ok(to.write_all(&elements.concat())?)
     })
 }
 
@@ -38,6 +35,7 @@ impl PlaybackFile {
         let table = self.table();
         let time = table.column(0);
         let mut elements = vec![
+            header(),
             reals("from_file", table.t().into_dyn())?,
             reals("table", table.view().into_dyn())?,
             reals("time", time.into_dyn())?,

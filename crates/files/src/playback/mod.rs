@@ -90,39 +90,37 @@ impl PlaybackFile {
 
     fn check_pose(&self) -> Result<(), FileError> {
         let (found, needed) = (self.pose_rad.len(), self.joint_names.len());
-        if found == needed {
-            return Ok(());
-        }
-        let needed = format!("one for each of {needed} joints");
-        Err(FileError::shape(
-            "pose_rad",
-            format!("{found} positions"),
-            needed,
-        ))
+        let is_whole = found == needed;
+        let needed = format!("one position for each of {needed} joints");
+        fits(is_whole, "pose_rad", format!("{found} positions"), &needed)
     }
 
     /// Refuses more numbers than a recording of them could hold.
     fn check_size(&self) -> Result<(), FileError> {
         let n_samples = self.n_samples();
-        if n_samples.saturating_mul(3 * self.joint_names.len()) <= MOST_VALUES {
-            return Ok(());
-        }
+        let n_values = n_samples.saturating_mul(3 * self.joint_names.len());
         let found = format!("{n_samples} samples in one file");
         let needed = "at most 2^28 numbers: a file for each run, or a lower rate";
-        Err(FileError::shape("playbacks", found, needed))
+        fits(n_values <= MOST_VALUES, "playbacks", found, needed)
     }
 
     fn check_playback(&self, playback: &Playback, first: &Playback) -> Result<(), FileError> {
         let same_kind = signals(playback).len() == signals(first).len();
-        let found = signals(playback)[0].nrows();
-        let needed = self.joint_names.len();
-        if same_kind && found == needed && playback.sample_time_s == first.sample_time_s {
-            return Ok(());
-        }
-        let found = format!("{} of {found} channels at another clock", playback.id);
+        let same_clock = playback.sample_time_s == first.sample_time_s;
+        let (found, needed) = (signals(playback)[0].nrows(), self.joint_names.len());
+        let is_fit = same_kind && same_clock && found == needed;
+        let found = format!("{} of {found} channels", playback.id);
         let needed = format!("{needed} channels, all of one clock and one kind");
-        Err(FileError::shape("playbacks", found, needed))
+        fits(is_fit, "playbacks", found, &needed)
     }
+}
+
+/// Refuses a part that does not fit.
+fn fits(is_fit: bool, what: &'static str, found: String, needed: &str) -> Result<(), FileError> {
+    if is_fit {
+        return Ok(());
+    }
+    Err(FileError::shape(what, found, needed))
 }
 
 /// The signals that are played: position, velocity and acceleration, or the torque alone.

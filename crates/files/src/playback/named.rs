@@ -16,15 +16,9 @@ impl PlaybackFile {
     /// Every playback with its name.
     pub(crate) fn named(&self) -> Vec<NamedPlayback<'_>> {
         let mut all: Vec<NamedPlayback> = Vec::new();
-        let mut first_k = 0;
         for playback in &self.playbacks {
-            let id = id_after(all.last(), playback);
-            all.push(NamedPlayback {
-                id,
-                first_k,
-                playback,
-            });
-            first_k += playback.n_samples();
+            let after = NamedPlayback::after(all.last(), playback);
+            all.push(after);
         }
         all
     }
@@ -37,16 +31,26 @@ impl PlaybackFile {
     }
 }
 
-/// The name of a playback behind another: the next repetition, if it is the same again.
-fn id_after(before: Option<&NamedPlayback>, playback: &Playback) -> RunId {
-    match before {
-        Some(before) if before.playback.id == playback.id => {
-            let repetition = before.id.repetition + 1;
-            RunId {
-                repetition,
-                ..playback.id
-            }
+impl<'a> NamedPlayback<'a> {
+    /// A playback behind another, or the first one.
+    fn after(before: Option<&Self>, playback: &'a Playback) -> Self {
+        Self {
+            id: before.map_or(playback.id, |before| before.next_id(playback)),
+            first_k: before.map_or(0, |before| before.first_k + before.playback.n_samples()),
+            playback,
         }
-        _ => playback.id,
+    }
+
+    /// The next repetition, if it is the same again.
+    fn next_id(&self, playback: &Playback) -> RunId {
+        let repetition = if self.playback.id == playback.id {
+            self.id.repetition + 1
+        } else {
+            playback.id.repetition
+        };
+        RunId {
+            repetition,
+            ..playback.id
+        }
     }
 }

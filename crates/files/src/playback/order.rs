@@ -1,9 +1,8 @@
 //! Order of play: which file holds which run, how often and how long it is played.
 
-use std::io::Write;
 use std::path::Path;
 
-use crate::atomic_write::{Overwrite, write_file};
+use crate::atomic_write::{Overwrite, write_bytes};
 use crate::error::FileError;
 
 /// A run in the order of play.
@@ -29,6 +28,9 @@ pub struct OrderEntry {
     pub plan_id: u32,
 }
 
+const COLUMNS: &str =
+    "order,run,repetitions,file,first_k,samples,run_first_k,run_samples,duration_s,plan_id";
+
 /// Writes `runs.csv`: a row for each run, in the order in which they are played.
 ///
 /// # Errors
@@ -38,15 +40,10 @@ pub fn write_order(
     overwrite: Overwrite,
     order: &[OrderEntry],
 ) -> Result<(), FileError> {
-    write_file(path, overwrite, |to| {
-        let columns =
-            "order,run,repetitions,file,first_k,samples,run_first_k,run_samples,duration_s,plan_id";
-        writeln!(to, "{columns}")?;
-        for (place, entry) in order.iter().enumerate() {
-            writeln!(to, "{}", entry.row(place + 1))?;
-        }
-        Ok(())
-    })
+    let rows = order.iter().enumerate();
+    let rows: String = rows.map(|(place, entry)| entry.row(place + 1)).collect();
+    let text = format!("{COLUMNS}\n{rows}");
+    write_bytes(path, overwrite, text.as_bytes())
 }
 
 impl OrderEntry {
@@ -60,6 +57,6 @@ impl OrderEntry {
         ];
         let samples = samples.map(|number| number.to_string()).join(",");
         let (duration_s, plan_id) = (self.duration_s, self.plan_id);
-        format!("{place},{run},{n_repetitions},{file},{samples},{duration_s:?},{plan_id}")
+        format!("{place},{run},{n_repetitions},{file},{samples},{duration_s:?},{plan_id}\n")
     }
 }

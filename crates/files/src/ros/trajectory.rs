@@ -76,10 +76,14 @@ impl TrajectoryPoint {
         for values in arrays {
             cdr.f64s(values);
         }
-        // 2^31 s are 68 years
-        cdr.i32((self.time_from_start_ns / 1_000_000_000) as i32);
-        cdr.u32((self.time_from_start_ns % 1_000_000_000) as u32);
+        encode_duration(self.time_from_start_ns, cdr);
     }
+}
+
+/// Seconds, of which 2^31 are 68 years, and nanoseconds.
+fn encode_duration(time_ns: u64, cdr: &mut CdrWriter) {
+    cdr.i32((time_ns / 1_000_000_000) as i32);
+    cdr.u32((time_ns % 1_000_000_000) as u32);
 }
 
 /// A trajectory that starts when it arrives: its stamp is 0.

@@ -60,9 +60,12 @@ fn of_plans() -> impl Iterator<Item = (&'static str, String)> {
 
 /// What a format holds, of results and of plans.
 fn described(name: &str) -> String {
-    let all = of_results().chain(of_plans());
-    let ours = all.filter(|(other, _)| *other == name);
-    let texts: Vec<String> = ours.map(|(_, text)| text).collect();
+    let mut texts = Vec::new();
+    for (other, text) in of_results().chain(of_plans()) {
+        if other == name {
+            texts.push(text);
+        }
+    }
     texts.join(". ")
 }
 

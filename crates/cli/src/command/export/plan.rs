@@ -65,16 +65,19 @@ impl PlanArguments {
             .map(|(_, name)| *name)
     }
 
-    /// Refuses them beside a result.
+    /// Refuses all of them beside a result.
     pub(super) fn refuse_with_result(&self) -> Result<(), Failure> {
+        self.given().map_or(Ok(()), |option| {
+            Err(Failure::usage(format!(
+                "{option}: found a result, needed a plan; leave it out, or export the plan of the result"
+            )))
+        })
+    }
+
+    fn given(&self) -> Option<&'static str> {
         let rate = self.rate.map(|_| "--rate");
         let campaign = self.campaign.then_some("--campaign");
-        match rate.or(campaign).or(self.of_table()) {
-            None => Ok(()),
-            Some(option) => Err(Failure::usage(format!(
-                "{option}: found a result, needed a plan; leave it out, or export the plan of the result"
-            ))),
-        }
+        rate.or(campaign).or(self.of_table())
     }
 
     fn form(&self) -> TableForm {
@@ -185,8 +188,11 @@ fn tell(
 fn in_words(exported: &Exported) -> String {
     let files = count(exported.files.len(), "file");
     let runs = count(exported.n_runs(), "run");
-    let (time_s, plan_id) = (significant(exported.duration_s(), 4), exported.plan_id);
-    format!("{files}, {runs}, {time_s} s on the robot, plan_id {plan_id}")
+    let time_s = significant(exported.duration_s(), 4);
+    format!(
+        "{files}, {runs}, {time_s} s on the robot, plan_id {}",
+        exported.plan_id
+    )
 }
 
 fn as_json(exported: &Exported, output: &Path) -> Value {

@@ -36,14 +36,13 @@ fn endings() -> String {
 
 /// The format of this name.
 fn named(name: &str) -> Result<&'static Export, Failure> {
-    let export = EXPORTS.iter().find(|export| export.name == name);
-    export.ok_or_else(|| {
-        unfit(
-            name,
-            "a result",
-            &EXPORTS.map(|export| export.name).join(", "),
-        )
-    })
+    let mut formats = EXPORTS.iter();
+    let export = formats.find(|export| export.name == name);
+    export.ok_or_else(|| unfit(name, "a result", &names()))
+}
+
+fn names() -> String {
+    EXPORTS.map(|export| export.name).join(", ")
 }
 
 pub(super) fn run(

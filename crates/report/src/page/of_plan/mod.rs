@@ -89,10 +89,13 @@ fn place(exported: &Exported, peaks: &Peaks, joint: usize) -> Vec<String> {
 /// The runs in the order in which they are played.
 fn order(exported: &Exported) -> Part<'_> {
     let columns = ["Run", "Begins after", "Times", "Each", "File"];
-    let title = "Without what you wait between the runs";
     Part {
         title: "Order of play".into(),
-        tables: vec![table(title, &columns, played(exported))],
+        tables: vec![table(
+            "Without waiting between the runs",
+            &columns,
+            played(exported),
+        )],
         ..Part::default()
     }
 }
@@ -118,7 +121,7 @@ fn played(exported: &Exported) -> Vec<Row> {
 pub(super) type Row = (String, Vec<String>);
 
 pub(super) fn table(title: &str, columns: &[&str], rows: Vec<Row>) -> Table {
-    let columns = columns.iter().map(|column| (*column).to_owned());
+    let columns = columns.iter().map(ToString::to_string);
     Table {
         title: title.into(),
         columns: columns.collect(),

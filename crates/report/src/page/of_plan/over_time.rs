@@ -13,13 +13,16 @@ use crate::page::section::Part;
 /// A limit is drawn where the signals reach this share of it: beside a larger one they would be flat.
 const DRAWN: f64 = 0.3;
 
+/// What the other runs are.
+const OTHERS: &str = "The other runs differ in their phases, or in which joint is driven how.";
+
 /// A run as a picture.
 pub(super) fn run_over_time(exported: &Exported) -> Result<Part<'_>, ReportError> {
-    let note = "The other runs differ in their phases, or in which joint is driven how.";
+    let (caption, figure) = (caption(exported), figure(exported)?);
     Ok(Part {
         title: format!("Run {} over time", exported.shown.id),
-        notes: vec![note.into()],
-        figures: vec![(caption(exported), figure(exported)?)],
+        notes: vec![OTHERS.into()],
+        figures: vec![(caption, figure)],
         ..Part::default()
     })
 }

@@ -136,13 +136,12 @@ pub(super) fn checks(exported: &Exported) -> Vec<Check> {
 
 /// Which peak comes closest to its limit, in words.
 pub(super) fn closest(exported: &Exported) -> String {
-    let closest = shares(exported)
-        .into_iter()
-        .max_by(|a, b| a.0.total_cmp(&b.0));
-    closest.map_or(String::new(), |(share, quantity, joint)| {
-        let percent = significant(100.0 * share, 3);
-        format!("Closest to its limit: the {quantity} of {joint}, at {percent} %.")
-    })
+    let shares = shares(exported).into_iter();
+    let Some((share, quantity, joint)) = shares.max_by(|a, b| a.0.total_cmp(&b.0)) else {
+        return String::new();
+    };
+    let percent = significant(100.0 * share, 3);
+    format!("Closest to its limit: the {quantity} of {joint}, at {percent} %.")
 }
 
 /// Every size that has a limit: its share of it, what it is, the joint.
