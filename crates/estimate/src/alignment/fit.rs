@@ -54,11 +54,11 @@ pub(super) fn fit(
     let mut channels = channels(logged, template, start_s, length_s);
     let (mut start_s, mut ratio) = (start_s, known_ratio.unwrap_or(1.0));
     let mut step = None;
-    for _ in 0..STEPS {
+    for round in 0..STEPS {
         let solved = solve(&mut channels, start_s, ratio, known_ratio.is_none())?;
         start_s += solved.start_s;
         ratio += solved.ratio;
-        let is_done = solved.start_s.abs() < SMALL_S;
+        let is_done = round > 0 && solved.start_s.abs() < SMALL_S;
         step = Some(solved);
         if is_done {
             break;
@@ -98,7 +98,7 @@ fn channels(logged: &Logged, template: &Template, start_s: f64, length_s: f64) -
             samples,
             weight: 1.0 / power,
             place,
-            gain: 1.0,
+            gain: 0.0, // the first step finds gains and offsets, where the reference is taken to be
             offset: 0.0,
         })
     };

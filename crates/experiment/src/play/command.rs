@@ -11,9 +11,12 @@ use frfid_signals::{Playback, Record, Run, RunId, Testbed, TestbedError};
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::play::import::imported_run;
+use crate::play::import::judged::{check_measured, check_place};
 
 /// Time from one look at a player to the next.
 const LOOK: Duration = Duration::from_millis(20);
+/// Time that a player has to end once it is asked to: to stop its machine.
+const GRACE: Duration = Duration::from_secs(5);
 /// A player may take so many times as long as it plays, ..
 const SLOWER: f64 = 2.0;
 /// .. and so many seconds more: to start, to move, to write its recording.
@@ -59,7 +62,9 @@ impl<'a> CommandTestbed<'a> {
         folder: &Path,
     ) -> Result<Self, ExperimentError> {
         crate::play::import::check_map(experiment, &player.map)?;
-        create_folder(folder)?;
+        for kind in ["references", "recordings"] {
+            create_folder(&folder.join(kind))?;
+        }
         Ok(Self {
             experiment,
             player,
@@ -74,7 +79,10 @@ impl<'a> CommandTestbed<'a> {
         let timeout_s = self.player.timeout_s.unwrap_or_else(|| {
             SLOWER * playback.n_samples() as f64 * playback.sample_time_s + BESIDE_S
         });
-        let reference = self.folder.join(format!("{}.csv", run.id));
+        let reference = self
+            .folder
+            .join("references")
+            .join(format!("{}.csv", run.id));
         write_reference(&reference, self.experiment, self.plan_id, run.id, playback)?;
         let recording = self.recording_of(run.id);
         remove(&recording)?;
@@ -87,18 +95,16 @@ impl<'a> CommandTestbed<'a> {
                 "one at the path that it is given",
             ));
         }
-        imported_run(
-            self.experiment,
-            run,
-            &recording,
-            &self.player.map,
-            self.player.rate_hz,
-        )
+        let (map, rate_hz) = (&self.player.map, self.player.rate_hz);
+        let record = imported_run(self.experiment, run, &recording, map, rate_hz)?;
+        check_measured(&record, &self.experiment.joint_names)?;
+        check_place(&record, run, self.experiment)?;
+        Ok(record)
     }
 
     fn recording_of(&self, run: RunId) -> PathBuf {
-        self.folder
-            .join(format!("{run}.recording.{}", self.player.recording_suffix))
+        let name = format!("{run}.{}", self.player.recording_suffix);
+        self.folder.join("recordings").join(name)
     }
 
     /// Starts the player and waits for its end.
@@ -111,7 +117,7 @@ impl<'a> CommandTestbed<'a> {
         timeout_s: f64,
     ) -> Result<(), ExperimentError> {
         let command = format!("{} \"$@\"", self.player.command);
-        let child = Command::new("sh")
+        let child = apart(&mut Command::new("sh"))
             .args(["-c", &command, "player"])
             .args([reference, recording])
             .env("FRFID_REFERENCE", reference)
@@ -177,12 +183,42 @@ fn waited(child: &mut Child, timeout_s: f64) -> Result<ExitStatus, ExperimentErr
             return Ok(status);
         }
         if begin.elapsed().as_secs_f64() > timeout_s {
-            child.kill().map_err(lost)?;
-            child.wait().map_err(lost)?;
+            stop(child).map_err(lost)?;
             let found = format!("still at it after {timeout_s} s, stopped");
             return Err(failed("player", found, "an end before (--player-timeout)"));
         }
         std::thread::sleep(LOOK);
+    }
+}
+
+/// A player with a group of its own, so that all of it can be stopped, and an interruption of frfid lets it
+/// finish its run.
+fn apart(command: &mut Command) -> &mut Command {
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(command, 0);
+    command
+}
+
+/// Asks a player and all that it started to end, and ends them if they do not.
+fn stop(child: &mut Child) -> std::io::Result<()> {
+    signal(child, "TERM");
+    let begin = Instant::now();
+    while begin.elapsed() < GRACE && child.try_wait()?.is_none() {
+        std::thread::sleep(LOOK);
+    }
+    signal(child, "KILL");
+    child.kill()?;
+    child.wait().map(drop)
+}
+
+/// Sends a signal to the group of a player.
+fn signal(child: &Child, name: &str) {
+    if cfg!(unix) {
+        let group = format!("-{}", child.id());
+        // a group that is gone already needs no signal
+        let _ = Command::new("kill")
+            .args(["-s", name, "--", &group])
+            .status();
     }
 }
 

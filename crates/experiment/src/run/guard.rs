@@ -35,6 +35,12 @@ impl<'a> Guarded<'a> {
 
     /// Sees the record of a run, done now or before.
     pub(crate) fn see(&self, run: &Run, record: &Record) {
+        if let Some(stopped_s) = record.stopped_at_s() {
+            self.trip(format!(
+                "not sent to the machine: run {} was stopped at {stopped_s:.3} s; find out why, then do it again (--force)",
+                run.id
+            ));
+        }
         let peaks = Peaks::of_record(record, &run.start_rad, &self.pose_rad);
         let exceeded = self.limits.exceeded(&peaks);
         // from sample to sample a measured torque changes by its noise
@@ -42,12 +48,13 @@ impl<'a> Guarded<'a> {
             excess.limit != Limit::TorqueRate || record.input_kind == InputKind::Commanded
         };
         if let Some(excess) = exceeded.iter().find(counts) {
-            let told = in_words(run, excess);
-            self.tripped
-                .lock()
-                .expect("no thread panics with it")
-                .get_or_insert(told);
+            self.trip(in_words(run, excess));
         }
+    }
+
+    fn trip(&self, why: String) {
+        let mut tripped = self.tripped.lock().expect("no thread panics with it");
+        tripped.get_or_insert(why);
     }
 
     fn pass(&self, run: &Run) -> Result<(), TestbedError> {

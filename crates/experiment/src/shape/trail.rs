@@ -9,7 +9,7 @@ use frfid_files::{
     Overwrite, check_free, create_folder, read_run, sha256_file, sha256_hex, write_bytes,
     write_result, write_run,
 };
-use frfid_signals::{Frf, Record, Run, RunId, Testbed};
+use frfid_signals::{Frf, Record, Run, RunId, Testbed, TestbedError};
 
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
@@ -149,6 +149,11 @@ impl<'a> Trail<'a> {
         folder: &Path,
     ) -> Result<Record, ExperimentError> {
         let record = testbed.run(run)?;
+        let sound = record.check();
+        sound.map_err(|error| TestbedError::Foreign {
+            run: run.id,
+            source: Box::new(error),
+        })?;
         let file = run_file(self.experiment, run.id, record, self.metadata_of(run))?;
         write_run(&path_of(run.id, folder), Overwrite::Resume, &file)?;
         Ok(file.record)

@@ -3,6 +3,8 @@
 use frfid_files::{Log, si_unit};
 use frfid_signals::format::significant;
 
+use frfid_signals::{Record, Run};
+
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::play::import::sought::FoundRun;
@@ -10,6 +12,10 @@ use crate::play::import::sought::FoundRun;
 /// Likeness needed to what the player was told, and to what the machine made of it.
 const LIKE_REFERENCE: f64 = 0.85;
 const LIKE_MOTION: f64 = 0.6;
+/// Share of the samples of a signal that may be missing.
+const MOST_LOST: f64 = 0.1;
+/// Farthest that a run may begin from where the plan begins it, in rad.
+const OFF_PLACE_RAD: f64 = 0.05;
 /// How much more likely than the next reference.
 const AHEAD: f64 = 0.1;
 /// Logged over planned reference, beyond which unit or side is another one.
@@ -77,26 +83,73 @@ pub(super) fn check_gains(
     ))
 }
 
+/// Checks that the signals were measured but for a few samples.
+///
+/// # Errors
+/// [`ExperimentError::Logs`] naming the signal.
+pub(crate) fn check_measured(
+    record: &Record,
+    joint_names: &[String],
+) -> Result<(), ExperimentError> {
+    let n = record.n_samples();
+    for (name, signal) in [("u", &record.u), ("y", &record.y)] {
+        for (row, joint) in signal.rows().into_iter().zip(joint_names) {
+            let n_lost = row.iter().filter(|value| !value.is_finite()).count();
+            if n_lost as f64 > MOST_LOST * n as f64 {
+                return Err(ExperimentError::logs(
+                    "recording",
+                    format!("{n_lost} of {n} samples of {name} of {joint} without a value"),
+                    "at most a tenth",
+                    "see whether the sensor or the recorder failed",
+                ));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Checks that a run began where the plan begins it.
+///
+/// # Errors
+/// [`ExperimentError::Logs`] naming the joint that was elsewhere.
+pub(crate) fn check_place(
+    record: &Record,
+    run: &Run,
+    experiment: &Experiment,
+) -> Result<(), ExperimentError> {
+    let Some(position) = record.position_rad.as_ref().filter(|p| p.ncols() > 0) else {
+        return Ok(());
+    };
+    let starts = experiment.pose_rad.iter().zip(&run.start_rad);
+    for ((found, (pose, start)), joint) in position
+        .column(0)
+        .iter()
+        .zip(starts)
+        .zip(&experiment.joint_names)
+    {
+        let planned = pose + start;
+        if (found - planned).abs() > OFF_PLACE_RAD {
+            return Err(ExperimentError::logs(
+                "position of the recording",
+                format!("{joint} at {found:.4} rad where run {} begins", run.id),
+                format!("{planned:.4} rad, within {OFF_PLACE_RAD}"),
+                "see joint, sign, unit and zero of position in the map, and where the machine stood",
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// Whether a unit is the one that recordings are converted to.
 fn is_si(unit: &str) -> bool {
     si_unit(unit) == Some(unit)
 }
 
-/// Checks that a recording has the channels of a plan.
+/// Checks that the reference of a recording is the quantity that the plan injects.
 ///
 /// # Errors
-/// [`ExperimentError::Logs`] for other numbers, or a reference in another quantity.
-pub(super) fn check_channels(log: &Log, experiment: &Experiment) -> Result<(), ExperimentError> {
-    let n = experiment.plan.n_inputs;
-    let found = (log.record.u.nrows(), log.record.y.nrows());
-    if found != (n, n) {
-        return Err(ExperimentError::logs(
-            "log map",
-            format!("{} inputs and {} outputs", found.0, found.1),
-            format!("{n} of each, as the plan has"),
-            "name one u and one y for each joint, in the order of the plan's joints",
-        ));
-    }
+/// [`ExperimentError::Logs`] for another.
+pub(super) fn check_reference(log: &Log, experiment: &Experiment) -> Result<(), ExperimentError> {
     let needed = experiment.reference_units();
     let mut pairs = log.reference_units.iter().zip(&needed);
     match pairs.find(|(found, needed)| is_si(needed) && found != needed) {

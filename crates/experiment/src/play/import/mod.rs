@@ -1,7 +1,7 @@
 //! Import of recordings of a plan that somebody else played and recorded: its runs are recognised, put on
 //! the plan's clock and written as runs of our own.
 
-mod judged;
+pub(crate) mod judged;
 mod plan_clock;
 mod sought;
 
@@ -15,7 +15,9 @@ use serde::Serialize;
 use crate::description::estimate::GlideSubtraction;
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
-use crate::play::import::judged::{check_channels, check_gains, doubt};
+use crate::play::import::judged::{
+    check_gains, check_measured, check_place, check_reference, doubt,
+};
 use crate::play::import::plan_clock::{followed, on_plan_clock, times_of};
 use crate::play::import::sought::{FoundRun, SoughtRuns};
 use crate::run::folder::Writer;
@@ -147,7 +149,7 @@ pub(crate) fn imported_run(
     let plan = &experiment.plan;
     let sought = SoughtRuns::of_run(plan, run, &experiment.player(rate_hz))?;
     let log = read_log(recording, map)?;
-    check_channels(&log, experiment)?;
+    check_reference(&log, experiment)?;
     let times_s = times_of(&log);
     let mut found = sought.find(&followed(&log, &times_s, plan));
     found.sort_by(|a, b| b.occurrence.likeness.total_cmp(&a.occurrence.likeness));
@@ -167,6 +169,7 @@ pub(crate) fn imported_run(
 
 /// Checks that a map has what the description needs.
 pub(crate) fn check_map(experiment: &Experiment, map: &LogMap) -> Result<(), ExperimentError> {
+    check_number(experiment, map)?;
     let subtraction = experiment.config.estimate.glide_subtraction;
     if subtraction != GlideSubtraction::Position || !map.position.is_empty() {
         return Ok(());
@@ -176,6 +179,20 @@ pub(crate) fn check_map(experiment: &Experiment, map: &LogMap) -> Result<(), Exp
         "no position",
         "one for each joint: glide_subtraction = \"position\" takes the ripple off by it",
         "name position in the map, or set glide_subtraction = \"time\" in [estimate]",
+    ))
+}
+
+/// Checks that a map has as many inputs and outputs as the plan.
+fn check_number(experiment: &Experiment, map: &LogMap) -> Result<(), ExperimentError> {
+    let (n, found) = (experiment.plan.n_inputs, [map.u.len(), map.y.len()]);
+    if found == [n, n] {
+        return Ok(());
+    }
+    Err(ExperimentError::logs(
+        "log map",
+        format!("{} inputs and {} outputs", found[0], found[1]),
+        format!("{n} of each, as the plan has"),
+        "name one u and one y for each joint, in the order of the plan's joints",
     ))
 }
 
@@ -196,6 +213,8 @@ struct Import<'a> {
     counts: BTreeMap<RunId, usize>,
     summary: ImportSummary,
     first_error: Option<ExperimentError>,
+    /// Recordings that could be read.
+    n_read: usize,
 }
 
 impl<'a> Import<'a> {
@@ -206,6 +225,7 @@ impl<'a> Import<'a> {
             counts: BTreeMap::new(),
             summary: ImportSummary::default(),
             first_error: None,
+            n_read: 0,
         }
     }
 
@@ -218,14 +238,17 @@ impl<'a> Import<'a> {
     ) -> Result<(), ExperimentError> {
         let name = recording.display();
         let log = match read_log(recording, map) {
-            Ok(log) => log,
+            Ok(log) => {
+                self.n_read += 1;
+                log
+            }
             Err(error) => {
                 self.summary.unused.push(error.to_string());
                 self.first_error.get_or_insert(error.into());
                 return Ok(());
             }
         };
-        check_channels(&log, &self.planned.experiment)?;
+        check_reference(&log, &self.planned.experiment)?;
         let told = log
             .warnings
             .iter()
@@ -255,7 +278,14 @@ impl<'a> Import<'a> {
         times_s: &[f64],
     ) -> Result<(), ExperimentError> {
         let experiment = &self.planned.experiment;
-        check_gains(found, log, experiment)?;
+        if let Err(error) = check_gains(found, log, experiment) {
+            if found.id.kind == RunKind::Excitation {
+                return Err(error);
+            }
+            let name = recording.display();
+            self.summary.unused.push(format!("{name}: {error}"));
+            return Ok(());
+        }
         let Some(id) = self.next_of(found.id) else {
             let (id, name) = (found.id, recording.display());
             let start_s = found.occurrence.alignment.start_s;
@@ -269,6 +299,16 @@ impl<'a> Import<'a> {
         }
         let record = on_plan_clock(log, times_s, found, &experiment.plan);
         self.check_limits(id, &record)?;
+        let run = self.planned.run(id)?;
+        for error in [
+            check_measured(&record, &experiment.joint_names).err(),
+            check_place(&record, &run, experiment).err(),
+        ]
+        .into_iter()
+        .flatten()
+        {
+            self.summary.warnings.push(error.to_string());
+        }
         let told = imported(id, found, recording, &record);
         self.writer
             .write_with(id, record, provenance(&told, recording)?)?;
@@ -317,7 +357,8 @@ impl<'a> Import<'a> {
             Some(unused) => unused.clone(),
             None => "none".into(),
         };
-        Err(self.first_error.unwrap_or_else(|| not_recognised(&found)))
+        let unread = self.first_error.filter(|_| self.n_read == 0);
+        Err(unread.unwrap_or_else(|| not_recognised(&found)))
     }
 }
 

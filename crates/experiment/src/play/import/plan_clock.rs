@@ -7,7 +7,10 @@ use ndarray::{Array2, ArrayView1};
 
 use crate::play::import::sought::FoundRun;
 
+/// A recording that ends so soon after a run was last seen to move ended before the run did.
+const SOON_S: f64 = 0.6;
 /// Why a run ends before its end.
+const ENDED: &str = "the recording ends before the run does";
 const RESTED: &str = "the machine rests where the plan moves it";
 
 /// True times of the samples of a recording.
@@ -61,17 +64,25 @@ pub(super) fn on_plan_clock(log: &Log, times_s: &[f64], found: &FoundRun, plan: 
         r: record.r.as_ref().map(signal),
         position_rad: record.position_rad.as_ref().map(signal),
         input_kind: record.input_kind,
-        events: found.occurrence.stopped_s.map(stop).into_iter().collect(),
+        events: stops(found, times_s),
     }
 }
 
-fn stop(stopped_s: f64) -> Event {
+/// The stop of a run that does not reach its end, with the reason that can be told.
+fn stops(found: &FoundRun, times_s: &[f64]) -> Vec<Event> {
+    let Some(stopped_s) = found.occurrence.stopped_s else {
+        return Vec::new();
+    };
+    let alignment = &found.occurrence.alignment;
+    let at_s = alignment.start_s + alignment.clock_ratio * stopped_s;
+    let ends = times_s.last().is_none_or(|last| *last < at_s + SOON_S);
+    let reason = if ends { ENDED } else { RESTED }.to_owned();
     let kind = EventKind::Stopped {
-        reason: RESTED.into(),
+        reason,
         since_s: Some(stopped_s),
     };
-    Event {
+    vec![Event {
         time_s: stopped_s,
         kind,
-    }
+    }]
 }

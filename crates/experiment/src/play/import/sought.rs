@@ -80,10 +80,24 @@ impl SoughtRuns {
             .map(|run| run.occurrence.alignment.clock_ratio)
             .collect();
         let known = median(ratios);
-        let taken: Vec<Range<f64>> = excited.iter().map(FoundRun::span_s).collect();
-        let glides = found(&self.glides, logged, &taken, known);
+        let beside_s = self.glides.first().map_or(0.0, |glide| glide.run_s.start);
+        let taken = excited.iter().map(|run| widened(run.span_s(), beside_s));
+        let taken: Vec<Range<f64>> = taken.collect();
+        let mut glides = found(&self.glides, logged, &taken, known);
+        glides.retain(|glide| is_inside(&glide.span_s(), logged));
         excited.into_iter().chain(glides).collect()
     }
+}
+
+/// A place with the moves and ramps around it.
+fn widened(span_s: Range<f64>, beside_s: f64) -> Range<f64> {
+    span_s.start - beside_s..span_s.end + beside_s
+}
+
+/// Whether a place lies in the recording: of a glide every part looks like the next.
+fn is_inside(span_s: &Range<f64>, logged: &Logged) -> bool {
+    let ends = logged.times_s.first().zip(logged.times_s.last());
+    ends.is_some_and(|(first, last)| *first <= span_s.start && span_s.end <= *last)
 }
 
 fn found(
