@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::alignment::interpolation::Interpolation;
+use crate::alignment::curve::Curve;
 use crate::alignment::{Logged, Template};
 
 /// Gauss-Newton steps.
@@ -32,7 +32,7 @@ pub struct Alignment {
 
 /// One channel of a fit.
 struct Channel {
-    reference: Interpolation,
+    reference: Curve,
     /// Times and values of the samples that are there.
     samples: Vec<(f64, f64)>,
     /// Over the reference's power, so that all channels count alike.
@@ -87,14 +87,14 @@ fn channels(logged: &Logged, template: &Template, start_s: f64, length_s: f64) -
         .times_s
         .partition_point(|time| *time < start_s + length_s);
     let references = template.channels().into_iter().enumerate();
-    let channel = |(place, reference): (usize, Option<Interpolation>)| {
+    let channel = |(place, reference): (usize, Curve)| {
         let power = template.power(place);
         let row = logged.values.row(place);
         let samples = (from..to).map(|k| (logged.times_s[k], row[k]));
         let samples: Vec<_> = samples.filter(|(_, value)| value.is_finite()).collect();
         let is_moving = power > 0.0 && !samples.is_empty();
         is_moving.then_some(Channel {
-            reference: reference?,
+            reference,
             samples,
             weight: 1.0 / power,
             place,
@@ -166,7 +166,7 @@ impl Normal {
         let own = CLOCK + 2 * place;
         for &(time_s, value) in &channel.samples {
             let x = (time_s - start_s) / ratio;
-            let (wanted, slope) = channel.reference.value_and_slope(x);
+            let (wanted, slope) = channel.reference.at(x);
             let by_start = -channel.gain * slope / ratio;
             let by_ratio = if ratio_is_free { by_start * x } else { 0.0 };
             let rest = value - channel.gain * wanted - channel.offset;
@@ -208,7 +208,7 @@ fn scatter(channels: &[Channel], start_s: f64, ratio: f64) -> (f64, f64) {
     let (mut about, mut power) = (0.0, 0.0);
     for channel in channels {
         for &(time_s, value) in &channel.samples {
-            let wanted = channel.reference.at((time_s - start_s) / ratio);
+            let (wanted, _) = channel.reference.at((time_s - start_s) / ratio);
             about += channel.weight * (value - channel.gain * wanted - channel.offset).powi(2);
             power += channel.weight * (value - channel.offset).powi(2);
         }

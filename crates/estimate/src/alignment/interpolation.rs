@@ -34,11 +34,6 @@ impl Interpolation {
         (times_s.len() >= POINTS).then_some(Self { times_s, values })
     }
 
-    /// The value at a time in s, wherever it is.
-    pub(crate) fn at(&self, time_s: f64) -> f64 {
-        self.value(&self.weights(time_s))
-    }
-
     /// The value at a time in s; `None` where a sine of `high_hz` would be wrong by more than 1 %: in a
     /// hole, or outside.
     pub(crate) fn within(&self, time_s: f64, high_hz: f64) -> Option<f64> {
@@ -50,14 +45,6 @@ impl Interpolation {
         });
         let error = (sines.sum::<Complex64>() - 1.0).norm();
         (error <= TOLERANCE).then(|| self.value(&weights))
-    }
-
-    /// Value and slope at a time in s; the slope by a difference over a hundredth of a sample.
-    pub(crate) fn value_and_slope(&self, time_s: f64) -> (f64, f64) {
-        let n = self.times_s.len();
-        let reach_s = 0.01 * (self.times_s[n - 1] - self.times_s[0]) / (n - 1) as f64;
-        let [before, after] = [-reach_s, reach_s].map(|away_s| self.at(time_s + away_s));
-        (0.5 * (before + after), 0.5 * (after - before) / reach_s)
     }
 
     fn value(&self, Weights { first, weights }: &Weights) -> f64 {

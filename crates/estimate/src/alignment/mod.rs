@@ -2,6 +2,7 @@
 //! clock, and the signals on the plan's own.
 
 mod bins;
+mod curve;
 mod fit;
 mod interpolation;
 mod match_peaks;
@@ -14,6 +15,7 @@ use ndarray::{Array2, ArrayView1, ArrayView2};
 pub use fit::Alignment;
 pub use occurrences::{Occurrence, find_occurrences};
 
+use crate::alignment::curve::Curve;
 use crate::alignment::interpolation::Interpolation;
 
 /// A reference that may have been played.
@@ -70,13 +72,9 @@ impl Template<'_> {
     }
 
     /// The channels, each by itself.
-    fn channels(&self) -> Vec<Option<Interpolation>> {
-        let times_s: Vec<f64> = (0..self.n_samples())
-            .map(|k| k as f64 * self.sample_time_s)
-            .collect();
-        let rows = self.reference.rows();
-        rows.into_iter()
-            .map(|row| Interpolation::of(&times_s, row.iter().copied()))
+    fn channels(&self) -> Vec<Curve> {
+        let rows = self.reference.rows().into_iter();
+        rows.map(|row| Curve::through(row.to_vec(), self.sample_time_s))
             .collect()
     }
 }
