@@ -9,6 +9,7 @@ use frfid_files::{write_bytes, write_result};
 use frfid_report::result_page;
 use serde_json::{Value, json};
 
+use crate::command::import::{Import, imported};
 use crate::command::report::name;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
@@ -30,6 +31,7 @@ Examples:
   frfid estimate logs -o frf2.json --average spectra
   frfid estimate robot.mcap -o frf.json --u '/joint_states:effort[elbow]=N m' \\
       --y '/joint_states:velocity[elbow]=rad/s' --r '/joint_commands:effort[elbow]=N m'
+  frfid estimate campaign.mcap --plan plan.mcap --map map.toml -o frf.json    a plan that was played elsewhere
   frfid estimate bench.csv -o frf.json --u current=A --y speed=rad/s --time t=s")]
 pub(crate) struct Arguments {
     /// Logs, or folders of them; of foreign recordings one for each experiment, in their order
@@ -44,6 +46,10 @@ pub(crate) struct Arguments {
     /// Files to read at once; 0: one for each core
     #[arg(long, env = "FRFID_JOBS", default_value_t = 0)]
     jobs: usize,
+    /// The plan that was played: its runs are recognised in the recordings and kept beside the result, in
+    /// RESULT-logs, as frfid import does
+    #[arg(long, value_name = "X.toml|PLAN.mcap", value_parser = existing_path())]
+    plan: Option<PathBuf>,
     #[command(flatten)]
     estimator: EstimatorOptions,
     #[command(flatten)]
@@ -105,13 +111,25 @@ pub(crate) fn run(
     if let Some(report) = &arguments.report {
         options.check_free(report)?;
     }
-    let settings = EstimateOptions {
+    let mut settings = EstimateOptions {
         estimate: arguments.estimator.table(),
         map: arguments.map.log_map()?,
         jobs: arguments.jobs,
     };
+    let (mut logs, mut is_complete) = (arguments.logs.clone(), true);
+    if let Some(plan) = &arguments.plan {
+        let folder = arguments.output.with_extension("").display().to_string() + "-logs";
+        let import = Import {
+            plan,
+            folder: folder.as_ref(),
+            rate_hz: None,
+        };
+        is_complete =
+            imported(&arguments.logs, &import, &arguments.map, options, console)?.is_complete();
+        (logs, settings.map) = (vec![folder.into()], None);
+    }
     let estimate = watched(console, "reading", "logs", |progress| {
-        estimate_logs(&arguments.logs, &settings, progress)
+        estimate_logs(&logs, &settings, progress)
     })?;
     write_result(&arguments.output, options.overwrite(), &estimate.result)?;
     if let Some(path) = &arguments.report {
@@ -119,7 +137,9 @@ pub(crate) fn run(
     }
     tell(arguments, &estimate, options, console)?;
     let passed = estimate.result.checks.iter().all(|check| check.passed);
-    Ok(Exit::flawed_unless(passed && !estimate.is_lossy))
+    Ok(Exit::flawed_unless(
+        passed && !estimate.is_lossy && is_complete,
+    ))
 }
 
 /// Writes the report, under the name of the result.

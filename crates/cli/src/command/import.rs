@@ -1,6 +1,6 @@
 //! `frfid import`: recordings of a plan that was played elsewhere, as runs of our own.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 use frfid_experiment::{
@@ -47,34 +47,65 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
-    check(&arguments.plan, Needed::Runs)?;
-    check_all(&arguments.recordings, Needed::Logs)?;
-    let planned = PlannedRuns::load(&arguments.plan)?;
-    let map = needed_map(&arguments.map)?;
-    let recordings = recordings_among(&arguments.recordings)?;
-    let settings = ImportOptions {
+    let import = Import {
+        plan: &arguments.plan,
+        folder: &arguments.output,
         rate_hz: arguments.rate,
-        overwrite: options.overwrite(),
     };
-    let summary = watched(console, "importing", "recordings", |progress| {
-        import_recordings(
-            &planned,
-            &recordings,
-            &map,
-            &arguments.output,
-            &settings,
-            progress,
-        )
-    })?;
+    let summary = imported(
+        &arguments.recordings,
+        &import,
+        &arguments.map,
+        options,
+        console,
+    )?;
     tell(arguments, &summary, options, console)?;
     Ok(Exit::flawed_unless(summary.is_complete()))
+}
+
+/// Where to and of what.
+pub(crate) struct Import<'a> {
+    /// What was played.
+    pub(crate) plan: &'a Path,
+    /// Folder of the logs.
+    pub(crate) folder: &'a Path,
+    /// Samples a second of the player; the plan's without it.
+    pub(crate) rate_hz: Option<f64>,
+}
+
+/// Imports, and warns of what looks wrong.
+///
+/// # Errors
+/// [`Failure`] for input that does not fit, and those of importing.
+pub(crate) fn imported(
+    recordings: &[PathBuf],
+    import: &Import,
+    map: &MapOptions,
+    options: &Options,
+    console: &mut Console,
+) -> Result<ImportSummary, Failure> {
+    check(import.plan, Needed::Runs)?;
+    check_all(recordings, Needed::Logs)?;
+    let planned = PlannedRuns::load(import.plan)?;
+    let map = needed_map(map)?;
+    let recordings = recordings_among(recordings)?;
+    let settings = ImportOptions {
+        rate_hz: import.rate_hz,
+        overwrite: options.overwrite(),
+    };
+    let folder = import.folder;
+    let summary = watched(console, "importing", "recordings", |progress| {
+        import_recordings(&planned, &recordings, &map, folder, &settings, progress)
+    })?;
+    console.warnings(summary.told());
+    Ok(summary)
 }
 
 /// The log map, which recordings of others need.
 ///
 /// # Errors
 /// [`Failure`] where none is given.
-pub(crate) fn needed_map(options: &MapOptions) -> Result<LogMap, Failure> {
+fn needed_map(options: &MapOptions) -> Result<LogMap, Failure> {
     let advice = "which signal is which is not said; needed: a log map, --map or --u and --y; \
                   frfid init map RECORDING guesses one";
     options.log_map()?.ok_or_else(|| Failure::usage(advice))
@@ -86,7 +117,6 @@ fn tell(
     options: &Options,
     console: &mut Console,
 ) -> Result<(), Failure> {
-    console.warnings(summary.told());
     if options.json {
         return console.json(&json!(summary));
     }

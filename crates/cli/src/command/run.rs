@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use frfid_experiment::{
-    Experiment, Load, PlannedRuns, RunOptions, RunSummary, Strength, run_to_folder,
+    Experiment, Load, PlannedRuns, PlayerCommand, RunOptions, RunSummary, Strength, run_to_folder,
 };
 use frfid_signals::format::{count, significant};
 use frfid_signals::{Event, EventKind, Limits, Testbed};
@@ -76,6 +76,9 @@ pub(crate) fn run(
         index: arguments.index,
         overwrite: options.overwrite(),
     };
+    if let Some(player) = &player {
+        rehearse(&planned, player, arguments.jobs, console)?;
+    }
     let machine = player
         .as_ref()
         .map(|player| machine(&planned.experiment, player, folder));
@@ -90,6 +93,20 @@ pub(crate) fn run(
         run_to_folder(&planned, testbed, folder, &settings, progress)
     })?;
     report(&planned.experiment, &summary, folder, options, console)
+}
+
+/// Holds every reference against the limits before the first is sent.
+fn rehearse(
+    planned: &PlannedRuns,
+    player: &PlayerCommand,
+    jobs: usize,
+    console: &mut Console,
+) -> Result<(), Failure> {
+    let player = planned.experiment.player(player.rate_hz);
+    watched(console, "rehearsing", "references", |progress| {
+        planned.rehearse(&player, jobs, progress)
+    })?;
+    Ok(())
 }
 
 /// The runs, with another seed where one is given; the references of a plan are drawn already.

@@ -43,22 +43,19 @@ pub(super) fn binned(
 
 /// Makes means of sums, and lines over empty bins.
 fn bridge(sums: &mut [f64], counts: &[f64]) {
-    let mut last: Option<usize> = None;
-    for bin in 0..sums.len() {
-        if counts[bin] == 0.0 {
-            continue;
-        }
+    let full: Vec<usize> = (0..sums.len()).filter(|bin| counts[*bin] > 0.0).collect();
+    for &bin in &full {
         sums[bin] /= counts[bin];
-        let from = last.unwrap_or(bin);
-        let (low, high) = (sums[from], sums[bin]);
-        for between in last.map_or(0, |last| last + 1)..bin {
-            let share = (between as f64 - from as f64) / (bin - from).max(1) as f64;
-            sums[between] = low + (high - low) * share.clamp(0.0, 1.0);
-        }
-        last = Some(bin);
     }
-    if let Some(last) = last {
-        let end = sums[last];
+    for pair in full.windows(2) {
+        let (from, to) = (pair[0], pair[1]);
+        let (low, rise) = (sums[from], sums[to] - sums[from]);
+        let between = sums[from..to].iter_mut().enumerate();
+        between.for_each(|(k, sum)| *sum = low + rise * k as f64 / (to - from) as f64);
+    }
+    if let (Some(&first), Some(&last)) = (full.first(), full.last()) {
+        let (begin, end) = (sums[first], sums[last]);
+        sums[..first].fill(begin);
         sums[last..].fill(end);
     }
 }

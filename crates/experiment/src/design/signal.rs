@@ -4,7 +4,7 @@ use std::iter::zip;
 
 use frfid_signals::format::significant;
 use frfid_signals::power::{about_mean, crest_factor, rms, sample_peak};
-use frfid_signals::{Run, largest_by_axis};
+use frfid_signals::largest_by_axis;
 use ndarray::{Array2, Axis};
 use serde::Serialize;
 
@@ -31,11 +31,12 @@ pub struct SignalPeaks {
 }
 
 impl SignalPeaks {
-    fn of(run: &Run) -> Self {
+    /// Those of one signal.
+    pub(crate) fn of(signal: &Array2<f64>, sample_time_s: f64) -> Self {
         Self {
-            peak: largest_by_axis(&run.reference),
-            rate: largest_by_axis(&slope(&run.reference, run.sample_time_s)),
-            crest_factor: crest_factors(&run.reference),
+            peak: largest_by_axis(signal),
+            rate: largest_by_axis(&slope(signal, sample_time_s)),
+            crest_factor: crest_factors(signal),
         }
     }
 
@@ -81,7 +82,10 @@ impl PlannedRuns {
             before: 0,
             total: ids.len(),
         };
-        let peaks = for_each(&ids, jobs, steps, |id| Ok(SignalPeaks::of(&self.run(*id)?)))?;
+        let peaks = for_each(&ids, jobs, steps, |id| {
+            let run = self.run(*id)?;
+            Ok(SignalPeaks::of(&run.reference, run.sample_time_s))
+        })?;
         Ok(peaks
             .into_iter()
             .reduce(SignalPeaks::larger)

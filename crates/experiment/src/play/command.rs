@@ -146,6 +146,18 @@ impl Testbed for CommandTestbed<'_> {
         self.experiment.plan.n_inputs
     }
 
+    fn announce(&self, runs: &[&Run]) -> Result<(), TestbedError> {
+        let player = self.experiment.player(self.player.rate_hz);
+        let kept = |run: &&Run| {
+            let playback = self.experiment.playback(run, &player).map(drop);
+            playback.map_err(|error| TestbedError::Foreign {
+                run: run.id,
+                source: Box::new(error),
+            })
+        };
+        runs.iter().try_for_each(kept)
+    }
+
     fn run(&self, run: &Run) -> Result<Record, TestbedError> {
         let played = self.played(run);
         played.map_err(|error| TestbedError::Foreign {
@@ -167,6 +179,7 @@ pub(crate) fn write_reference(
         name: run.to_string(),
         joint_names: experiment.joint_names.clone(),
         plan_id,
+        signal_units: experiment.reference_units(),
         pose_rad: experiment.pose_rad.clone(),
         playbacks: vec![playback.into()],
         form: frfid_files::TableForm::default(),

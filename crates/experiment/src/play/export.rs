@@ -132,6 +132,7 @@ impl PlannedRuns {
             name: name.to_owned(),
             joint_names: exported.joint_names.clone(),
             plan_id: exported.plan_id,
+            signal_units: self.experiment.reference_units(),
             pose_rad: exported.player.pose_rad.clone(),
             playbacks,
             form: options.form.clone(),

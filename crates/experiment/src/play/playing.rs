@@ -1,8 +1,9 @@
 //! Playing of planned runs: each as a machine can play it, refused where it would exceed a limit from its
 //! first rest to its last.
 
-use frfid_signals::{Excess, Peaks, Playback, Played, Player, Run, RunId};
+use frfid_signals::{Excess, Injection, Peaks, Plan, Playback, Played, Player, Run, RunId};
 
+use crate::design::signal::SignalPeaks;
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::load::Load;
@@ -41,16 +42,36 @@ impl Experiment {
         run: &Run,
         player: &Player,
     ) -> Result<(Playback, Peaks), ExperimentError> {
-        let playback = self.plan.playback(run, player)?;
-        self.refuse(run.id, "reference", playback.excesses(player))?;
+        let playback = self.as_played(run, player)?;
         if self.robot.is_none() {
+            if let Played::Torque(signal) = &playback.played {
+                self.check_signal(&SignalPeaks::of(signal, playback.sample_time_s))?;
+            }
             let peaks = playback.peaks(&player.pose_rad);
             return Ok((playback, peaks));
         }
+        self.refuse(run.id, "reference", playback.excesses(player))?;
         let peaks = self.predicted_peaks(run, player)?;
         let excesses = player.limits.exceeded(&peaks);
         self.refuse(run.id, "motion that the model predicts", excesses)?;
         Ok((playback, peaks))
+    }
+
+    /// The run from rest to rest, not held against limits; of channels a signal with ramps, whatever it stands
+    /// for.
+    pub(crate) fn as_played(
+        &self,
+        run: &Run,
+        player: &Player,
+    ) -> Result<Playback, ExperimentError> {
+        if self.config.channels.is_none() {
+            return Ok(self.plan.playback(run, player)?);
+        }
+        let plan = Plan {
+            injection: Injection::Torque,
+            ..self.plan.clone()
+        };
+        Ok(plan.playback(run, player)?)
     }
 
     /// What the model reaches where it is given the whole playback, from rest to rest.

@@ -67,7 +67,7 @@ impl PlannedRuns {
         run: &Rehearsal,
         player: &Player,
     ) -> Result<Arc<Playback>, ExperimentError> {
-        let playback = self.experiment.plan.playback(&self.run(run.id)?, player)?;
+        let playback = self.experiment.as_played(&self.run(run.id)?, player)?;
         Ok(Arc::new(playback))
     }
 }

@@ -70,15 +70,8 @@ impl Driver for Player<'_> {
     type Error = ExperimentError;
 
     fn records(&mut self, shaper: &Shaper) -> Result<Vec<Record>, ExperimentError> {
-        let records = self.trail.records(shaper, self.testbed, self.progress)?;
-        // those of before as well
-        if let Some(guard) = self.guard {
-            let runs = shaper.runs();
-            runs.iter()
-                .zip(&records)
-                .for_each(|(run, record)| guard.see(run, record));
-        }
-        Ok(records)
+        self.trail
+            .records(shaper, self.testbed, self.guard, self.progress)
     }
 
     fn iterated(&mut self, iteration: &Iteration) -> Result<bool, ExperimentError> {

@@ -14,6 +14,7 @@ use frfid_signals::{Frf, Record, Run, RunId, Testbed, TestbedError};
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::folder::run_file;
+use crate::run::guard::Guarded;
 use crate::run::kept_references::{REFERENCE, reference_sha256};
 use crate::run::parallel::{Progress, Steps, for_each};
 use crate::run::provenance::{CONFIG, DESIGN, Metadata};
@@ -75,6 +76,7 @@ impl<'a> Trail<'a> {
         &self,
         shaper: &Shaper,
         testbed: &dyn Testbed,
+        guard: Option<&Guarded>,
         progress: Progress,
     ) -> Result<Vec<Record>, ExperimentError> {
         let (runs, iteration) = (shaper.runs(), shaper.number());
@@ -83,6 +85,12 @@ impl<'a> Trail<'a> {
         let mut records = self.records_in(&folder, &runs)?;
         let mut open: Vec<&Run> = runs.iter().collect();
         open.retain(|run| !records.contains_key(&run.id));
+        for (run, record) in runs
+            .iter()
+            .filter_map(|run| Some((run, records.get(&run.id)?)))
+        {
+            guard.inspect(|guard| guard.see(run, record));
+        }
         testbed.announce(&open)?;
         let steps = Steps {
             progress,

@@ -30,7 +30,7 @@ impl PlaybackFile {
     }
 
     fn columns_of(&self, joint: usize) -> Vec<Column> {
-        let quantities = self.quantities(self.form.ratio(joint));
+        let quantities = self.quantities(joint);
         let columns = quantities.into_iter().enumerate();
         let (name, side) = (&self.joint_names[joint], self.form.side());
         let column = |(signal, (quantity, unit, factor))| Column {
@@ -42,10 +42,14 @@ impl PlaybackFile {
         columns.map(column).collect()
     }
 
-    /// Name, unit and factor of every signal of a joint with this gear ratio: angles grow with it, torques shrink.
-    fn quantities(&self, ratio: f64) -> Vec<(&'static str, &'static str, f64)> {
+    /// Name, unit and factor of every signal of a joint: angles grow with its gear ratio, torques shrink.
+    fn quantities(&self, joint: usize) -> Vec<(&'static str, &str, f64)> {
+        let ratio = self.form.ratio(joint);
         if self.is_torque() {
-            return vec![("effort", "N m", 1.0 / ratio)];
+            return match self.signal_units[joint].as_str() {
+                "N m" => vec![("effort", "N m", 1.0 / ratio)],
+                unit => vec![("signal", unit, 1.0)],
+            };
         }
         let names = ["position", "velocity", "acceleration"];
         let units = self.form.angle.units();

@@ -33,6 +33,8 @@ pub struct PlaybackFile {
     pub joint_names: Vec<String>,
     /// What a recording brings back to tell which plan was played: the first 32 bits of its hash.
     pub plan_id: u32,
+    /// Unit of what is played where it is no motion, one for each joint: N m, or that of a channel.
+    pub signal_units: Vec<String>,
     /// Where the machine rests, in rad, one for each joint.
     pub pose_rad: Vec<f64>,
     /// Played without a pause, in this order: each begins and ends at rest at the same pose. A run that is

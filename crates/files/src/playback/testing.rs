@@ -13,6 +13,7 @@ pub(crate) fn file(playbacks: Vec<Arc<Playback>>) -> PlaybackFile {
         name: "p000-m0-q0".into(),
         joint_names: vec!["a".into(), "b,\"2\"".into()],
         plan_id: 0xdead_beef,
+        signal_units: vec!["N m".into(); 2],
         pose_rad: vec![0.25, -0.5],
         playbacks,
         form: Default::default(),

@@ -3,28 +3,26 @@
 
 pub(crate) mod judged;
 mod plan_clock;
+mod player_filter;
 mod sought;
+mod under_way;
 
-use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use frfid_files::{Log, LogMap, Overwrite, create_folder, read_log, sha256_file};
-use frfid_signals::{Excess, Limit, Record, Run, RunId, RunKind};
+use frfid_files::{LogMap, Overwrite, create_folder, read_log};
+use frfid_signals::{Excess, Record, Run};
 use serde::Serialize;
 
 use crate::description::estimate::GlideSubtraction;
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
-use crate::play::import::judged::{
-    check_gains, check_measured, check_place, check_reference, doubt,
-};
+use crate::play::import::judged::{check_gains, check_reference, doubt};
 use crate::play::import::plan_clock::{followed, on_plan_clock, times_of};
-use crate::play::import::sought::{FoundRun, SoughtRuns};
+use crate::play::import::sought::SoughtRuns;
+use crate::play::import::under_way::Import;
 use crate::run::folder::Writer;
-use crate::run::load::Load;
 use crate::run::parallel::Progress;
 use crate::run::planned_runs::PlannedRuns;
-use crate::run::provenance::Metadata;
 
 /// How recordings are imported.
 #[derive(Debug, Clone, Copy, Default)]
@@ -68,7 +66,14 @@ impl ImportSummary {
             stopped.map(|(run, stopped_s)| format!("run {run} was stopped after {stopped_s:.3} s"));
         let missing = (!self.missing.is_empty())
             .then(|| format!("in none of the recordings: {}", self.missing.join(", ")));
-        let told = self.warnings.iter().cloned().chain(unused).chain(stopped);
+        let flaws = self.imported.iter().flat_map(|run| {
+            let origin = format!("run {} in {}", run.run, run.recording.display());
+            run.flaws
+                .iter()
+                .map(move |flaw| format!("{origin}: {flaw}"))
+        });
+        let told = self.warnings.iter().cloned().chain(flaws).chain(unused);
+        let told = told.chain(stopped);
         told.chain(missing).collect()
     }
 
@@ -76,7 +81,7 @@ impl ImportSummary {
     /// used.
     #[must_use]
     pub fn is_complete(&self) -> bool {
-        let is_whole = |run: &ImportedRun| run.stopped_s.is_none();
+        let is_whole = |run: &ImportedRun| run.stopped_s.is_none() && run.flaws.is_empty();
         self.missing.is_empty()
             && self.unused.is_empty()
             && self.excesses.is_empty()
@@ -103,6 +108,8 @@ pub struct ImportedRun {
     pub n_lost: usize,
     /// Plan time in s at which it was stopped; `None` if it is whole.
     pub stopped_s: Option<f64>,
+    /// What is wrong with it.
+    pub flaws: Vec<String>,
 }
 
 /// Recognises the runs of a plan in recordings and writes `folder/RUN.mcap` for each.
@@ -202,217 +209,5 @@ fn not_recognised(found: &str) -> ExperimentError {
         found,
         "runs of this plan, played at full speed, the signals as the map says",
         "compare plan and recording: another plan, a speed slider below 100 %, a sign or the order of joints",
-    )
-}
-
-/// An import under way.
-struct Import<'a> {
-    planned: &'a PlannedRuns,
-    writer: Writer<'a>,
-    /// Runs of each reference that were found so far.
-    counts: BTreeMap<RunId, usize>,
-    summary: ImportSummary,
-    first_error: Option<ExperimentError>,
-    /// Recordings that could be read.
-    n_read: usize,
-}
-
-impl<'a> Import<'a> {
-    fn new(planned: &'a PlannedRuns, writer: Writer<'a>) -> Self {
-        Self {
-            planned,
-            writer,
-            counts: BTreeMap::new(),
-            summary: ImportSummary::default(),
-            first_error: None,
-            n_read: 0,
-        }
-    }
-
-    /// Takes the runs of one recording.
-    fn take(
-        &mut self,
-        recording: &Path,
-        map: &LogMap,
-        sought: &SoughtRuns,
-    ) -> Result<(), ExperimentError> {
-        let name = recording.display();
-        let log = match read_log(recording, map) {
-            Ok(log) => {
-                self.n_read += 1;
-                log
-            }
-            Err(error) => {
-                self.summary.unused.push(error.to_string());
-                self.first_error.get_or_insert(error.into());
-                return Ok(());
-            }
-        };
-        check_reference(&log, &self.planned.experiment)?;
-        let told = log
-            .warnings
-            .iter()
-            .map(|warning| format!("{name}: {warning}"));
-        self.summary.warnings.extend(told);
-        let times_s = times_of(&log);
-        let mut found = sought.find(&followed(&log, &times_s, &self.planned.experiment.plan));
-        found.sort_by(|a, b| {
-            let start_s = |run: &FoundRun| run.occurrence.alignment.start_s;
-            start_s(a).total_cmp(&start_s(b))
-        });
-        for run in found {
-            match doubt(&run, &log) {
-                Some(doubt) => self.summary.unused.push(format!("{name}: {doubt}")),
-                None => self.keep(&run, recording, &log, &times_s)?,
-            }
-        }
-        Ok(())
-    }
-
-    /// Names a run, puts it on the plan's clock and writes it.
-    fn keep(
-        &mut self,
-        found: &FoundRun,
-        recording: &Path,
-        log: &Log,
-        times_s: &[f64],
-    ) -> Result<(), ExperimentError> {
-        let experiment = &self.planned.experiment;
-        if let Err(error) = check_gains(found, log, experiment) {
-            if found.id.kind == RunKind::Excitation {
-                return Err(error);
-            }
-            let name = recording.display();
-            self.summary.unused.push(format!("{name}: {error}"));
-            return Ok(());
-        }
-        let Some(id) = self.next_of(found.id) else {
-            let (id, name) = (found.id, recording.display());
-            let start_s = found.occurrence.alignment.start_s;
-            let many = format!("{name}: at {start_s:.3} s {id} once more than the plan repeats it");
-            self.summary.unused.push(many);
-            return Ok(());
-        };
-        if self.writer.record_of(id).is_some() {
-            self.summary.n_skipped += 1;
-            return Ok(());
-        }
-        let record = on_plan_clock(log, times_s, found, &experiment.plan);
-        self.check_limits(id, &record)?;
-        let run = self.planned.run(id)?;
-        for error in [
-            check_measured(&record, &experiment.joint_names).err(),
-            check_place(&record, &run, experiment).err(),
-        ]
-        .into_iter()
-        .flatten()
-        {
-            self.summary.warnings.push(error.to_string());
-        }
-        let told = imported(id, found, recording, &record);
-        self.writer
-            .write_with(id, record, provenance(&told, recording)?)?;
-        self.summary.imported.push(told);
-        Ok(())
-    }
-
-    /// The next repetition of a reference; `None` if all were found.
-    fn next_of(&mut self, first: RunId) -> Option<RunId> {
-        let plan = &self.planned.experiment.plan;
-        let n_repetitions = match first.kind {
-            RunKind::Glide => plan.n_glides,
-            RunKind::Excitation => plan.n_repetitions,
-        };
-        let count = self.counts.entry(first).or_default();
-        let id = RunId {
-            repetition: *count,
-            ..first
-        };
-        *count += 1;
-        (id.repetition < n_repetitions).then_some(id)
-    }
-
-    fn check_limits(&mut self, id: RunId, record: &Record) -> Result<(), ExperimentError> {
-        let experiment = &self.planned.experiment;
-        let load = Load::of(record, &experiment.plan.start_rad()?, &experiment.pose_rad);
-        let exceeded = experiment.limits.exceeded(&load.peaks);
-        self.summary
-            .warnings
-            .extend(exceeded.iter().map(|excess| beyond(id, excess)));
-        self.summary.excesses.extend(exceeded);
-        Ok(())
-    }
-
-    fn finish(mut self) -> Result<ImportSummary, ExperimentError> {
-        let all = self.planned.run_ids();
-        let is_there = |id: &RunId| self.writer.record_of(*id).is_some();
-        let imported = &self.summary.imported;
-        let is_new = |id: &RunId| imported.iter().any(|run| run.run == id.to_string());
-        let missing = all.iter().filter(|id| !is_new(id) && !is_there(id));
-        self.summary.missing = missing.map(ToString::to_string).collect();
-        if self.summary.missing.len() < all.len() {
-            return Ok(self.summary);
-        }
-        let found = match self.summary.unused.first() {
-            Some(unused) => unused.clone(),
-            None => "none".into(),
-        };
-        let unread = self.first_error.filter(|_| self.n_read == 0);
-        Err(unread.unwrap_or_else(|| not_recognised(&found)))
-    }
-}
-
-/// What is told of a run.
-fn imported(id: RunId, found: &FoundRun, recording: &Path, record: &Record) -> ImportedRun {
-    let occurrence = &found.occurrence;
-    let is_lost = |k: &usize| {
-        let signals = [&record.u, &record.y];
-        signals
-            .iter()
-            .any(|signal| signal.column(*k).iter().any(|value| !value.is_finite()))
-    };
-    ImportedRun {
-        run: id.to_string(),
-        recording: recording.into(),
-        start_s: occurrence.alignment.start_s,
-        clock_ppm: (occurrence.alignment.clock_ratio - 1.0) * 1e6,
-        likeness: occurrence.likeness,
-        rival: occurrence.rival,
-        n_lost: (0..record.n_samples()).filter(is_lost).count(),
-        stopped_s: occurrence.stopped_s,
-    }
-}
-
-/// Where an imported run comes from.
-fn provenance(told: &ImportedRun, recording: &Path) -> Result<Metadata, ExperimentError> {
-    let name = recording
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned();
-    let mut entries = Metadata::from([
-        ("recording".to_owned(), name),
-        ("recording_start_s".to_owned(), told.start_s.to_string()),
-        ("recording_clock_ppm".to_owned(), told.clock_ppm.to_string()),
-        ("recording_likeness".to_owned(), told.likeness.to_string()),
-    ]);
-    if recording.is_file() {
-        entries.insert("recording_sha256".to_owned(), sha256_file(recording)?);
-    }
-    Ok(entries)
-}
-
-/// A limit that the machine exceeded.
-fn beyond(id: RunId, excess: &Excess) -> String {
-    let Excess {
-        axis,
-        limit,
-        allowed,
-        found,
-    } = *excess;
-    let (quantity, unit): (&str, &str) = (limit.quantity(), Limit::unit(limit));
-    let joint = axis + 1;
-    format!(
-        "run {id}: axis {joint} reached {quantity} {found:.5} {unit}, the limit is {allowed:.5}"
     )
 }
