@@ -45,6 +45,7 @@ mod plant {
 }
 /// `shape`: iterative shaping, and what comes of it.
 mod shape {
+    mod kept;
     pub(crate) mod shaped;
     pub(crate) mod shaping;
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use frfid_experiment::{CommandTestbed, Experiment, PlannedRuns, PlayerCommand, TomlText};
+use frfid_experiment::{CommandTestbed, Experiment, PlayerCommand, TomlText};
 use frfid_files::LogMap;
 
 use crate::exit::Failure;
@@ -79,10 +79,8 @@ pub(crate) fn machine<'a>(
     player: &'a PlayerCommand,
     folder: &Path,
 ) -> Result<CommandTestbed<'a>, Failure> {
-    let plan_id = PlannedRuns::of(experiment.clone()).plan_id()?;
     Ok(CommandTestbed::new(
         experiment,
-        plan_id,
         player,
         &folder.join("player"),
     )?)

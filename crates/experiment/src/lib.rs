@@ -46,7 +46,6 @@ mod run {
     pub(crate) mod folder;
     pub(crate) mod guard;
     pub(crate) mod kept;
-    pub(crate) mod kept_references;
     pub(crate) mod load;
     pub(crate) mod parallel;
     pub(crate) mod planned_runs;
@@ -62,6 +61,7 @@ mod shape {
     pub(crate) mod in_memory;
     pub(crate) mod in_words;
     pub(crate) mod iteration_files;
+    pub(crate) mod kept_references;
     pub(crate) mod report;
     pub(crate) mod trail;
 }
@@ -99,10 +99,10 @@ pub use play::import::{ImportOptions, ImportSummary, ImportedRun, import_recordi
 pub use run::folder::{RunOptions, RunReport, RunSummary, run_to_folder};
 pub use run::guard::Guarded;
 pub use run::kept::KeptRuns;
-pub use run::kept_references::KeptReferences;
 pub use run::load::Load;
 pub use run::parallel::{Progress, Steps, for_each, silent};
 pub use run::planned_runs::PlannedRuns;
 pub use run::strength::Strength;
 pub use shape::folder::{ShapeFolderOptions, shape_to_folder};
+pub use shape::kept_references::KeptReferences;
 pub use shape::report::{IterationReport, ShapeReport};

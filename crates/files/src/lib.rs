@@ -45,6 +45,7 @@ mod ros {
 mod run {
     pub(crate) mod header;
     pub(crate) mod read;
+    mod sample;
     pub(crate) mod samples;
     #[cfg(test)]
     pub(crate) mod tests;

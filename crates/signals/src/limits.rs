@@ -2,12 +2,14 @@
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
+use std::fmt;
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
 use crate::limit::Limit;
+use crate::number::format::significant;
 use crate::peaks::Peaks;
 
 /// Limits that no run may exceed: the table `[limits]`, one number for each axis; what is not given
@@ -27,6 +29,19 @@ pub struct Excess {
     pub allowed: f64,
     /// The value reached.
     pub found: f64,
+}
+
+/// For people: `axis 1 reached torque 12 N m, max_effort is 10`.
+impl fmt::Display for Excess {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (axis, key) = (self.axis + 1, self.limit.key());
+        let (quantity, unit) = (self.limit.quantity(), self.limit.unit());
+        let [found, allowed] = [self.found, self.allowed].map(|value| significant(value, 4));
+        write!(
+            f,
+            "axis {axis} reached {quantity} {found} {unit}, {key} is {allowed}"
+        )
+    }
 }
 
 impl Limits {

@@ -4,20 +4,20 @@ use frfid_estimate::{
     Driver, Iteration, ShapeError, ShapeOptions, Shaped as Shaping, Shaper, Step, Target,
     shape as shape_on,
 };
-use frfid_experiment::{Guarded, KeptReferences};
-use frfid_files::Overwrite;
+use frfid_experiment::Guarded;
 use frfid_signals::checks::positive;
 use frfid_signals::{Limit, Limits, Record, Testbed};
 use ndarray::{Array3, Ix3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use crate::array::{Axes, real};
 use crate::error;
 use crate::interrupt::interruptible;
 use crate::plant::controller::{PiController, closed_loop};
 use crate::plant::robot::Plant;
+use crate::shape::kept::kept;
 use crate::shape::shaped::Shaped;
 use crate::signals::profile::per_channel;
 use crate::signals::run::by_key;
@@ -195,21 +195,6 @@ pub(crate) fn shape(
         }
     };
     Shaped::of(py, shaped)
-}
-
-/// The same testbed with its records kept in a folder.
-fn kept<'a>(
-    testbed: &'a dyn Testbed,
-    folder: Option<&'a Path>,
-    replaces: bool,
-) -> PyResult<Option<KeptReferences<'a>>> {
-    let overwrite = if replaces {
-        Overwrite::Replace
-    } else {
-        Overwrite::Resume
-    };
-    let kept = folder.map(|folder| KeptReferences::new(testbed, folder, overwrite));
-    kept.transpose().map_err(error::experiment)
 }
 
 /// Shaping on a simulated machine while the interpreter goes on.

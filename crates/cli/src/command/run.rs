@@ -7,7 +7,7 @@ use frfid_experiment::{
     Experiment, Load, PlannedRuns, PlayerCommand, RunOptions, RunSummary, Strength, run_to_folder,
 };
 use frfid_signals::format::{count, significant};
-use frfid_signals::{Event, EventKind, Limits, Testbed};
+use frfid_signals::{Event, EventKind, Limits};
 use serde_json::json;
 
 use crate::command::design::{predicted, tell, warn, with_seed};
@@ -67,32 +67,38 @@ pub(crate) fn run(
         tell(&planned.experiment, &prediction, options, console)?;
         return Ok(Exit::Done);
     };
-    let player = arguments.player.command()?;
-    if player.is_none() {
-        planned.experiment.model()?;
-    }
+    let summary = done(arguments, &planned, folder, options, console)?;
+    report(&planned.experiment, &summary, folder, options, console)
+}
+
+/// Does the runs, on a machine behind a command or in simulation.
+fn done(
+    arguments: &Arguments,
+    planned: &PlannedRuns,
+    folder: &Path,
+    options: &Options,
+    console: &mut Console,
+) -> Result<RunSummary, Failure> {
     let settings = RunOptions {
-        jobs: if player.is_some() { 1 } else { arguments.jobs },
+        jobs: arguments.jobs,
         index: arguments.index,
         overwrite: options.overwrite(),
     };
-    if let Some(player) = &player {
-        rehearse(&planned, player, arguments.jobs, console)?;
-    }
-    let machine = player
-        .as_ref()
-        .map(|player| machine(&planned.experiment, player, folder));
-    let machine = machine.transpose()?;
-    let testbed = machine.as_ref().map(|machine| machine as &dyn Testbed);
-    let doing = if testbed.is_some() {
-        "playing"
-    } else {
-        "simulating"
+    let Some(player) = arguments.player.command()? else {
+        planned.experiment.model()?;
+        return Ok(watched(console, "simulating", "runs", |progress| {
+            run_to_folder(planned, None, folder, &settings, progress)
+        })?);
     };
-    let summary = watched(console, doing, "runs", |progress| {
-        run_to_folder(&planned, testbed, folder, &settings, progress)
-    })?;
-    report(&planned.experiment, &summary, folder, options, console)
+    rehearse(planned, &player, arguments.jobs, console)?;
+    let machine = machine(&planned.experiment, &player, folder)?;
+    let one_by_one = RunOptions {
+        jobs: 1,
+        ..settings
+    };
+    Ok(watched(console, "playing", "runs", |progress| {
+        run_to_folder(planned, Some(&machine), folder, &one_by_one, progress)
+    })?)
 }
 
 /// Holds every reference against the limits before the first is sent.

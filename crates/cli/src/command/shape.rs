@@ -6,8 +6,8 @@ use std::path::PathBuf;
 use clap::Args;
 use frfid_estimate::OctaveError;
 use frfid_experiment::{
-    Awaited, Experiment, ExperimentError, FilesTestbed, IterationReport, PlannedRuns,
-    ShapeFolderOptions, ShapeReport, shape_to_folder,
+    Awaited, Experiment, ExperimentError, FilesTestbed, IterationReport, ShapeFolderOptions,
+    ShapeReport, shape_to_folder,
 };
 use frfid_files::LogMap;
 use frfid_signals::Testbed;
@@ -91,9 +91,8 @@ fn by_files(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
-    let plan_id = PlannedRuns::of(experiment.clone()).plan_id()?;
     let (folder, rate_hz) = (&arguments.output, arguments.player.rate_hz());
-    let machine = FilesTestbed::new(experiment, plan_id, map, rate_hz, folder)?;
+    let machine = FilesTestbed::new(experiment, map, rate_hz, folder)?;
     match shaped(arguments, experiment, Some(&machine), options, console) {
         Ok(report) => {
             tell(arguments, &report, options, console)?;

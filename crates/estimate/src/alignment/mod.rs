@@ -59,6 +59,12 @@ impl Template<'_> {
         self.reference.ncols()
     }
 
+    /// Times of the samples in s.
+    fn times_s(&self) -> Vec<f64> {
+        let time_s = |k: usize| k as f64 * self.sample_time_s;
+        (0..self.n_samples()).map(time_s).collect()
+    }
+
     /// Length in s.
     fn length_s(&self) -> f64 {
         self.n_samples() as f64 * self.sample_time_s
@@ -66,9 +72,7 @@ impl Template<'_> {
 
     /// Power of a channel about its mean.
     fn power(&self, channel: usize) -> f64 {
-        let row = self.reference.row(channel);
-        let mean = row.mean().unwrap_or(0.0);
-        row.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / row.len().max(1) as f64
+        power_about_mean(self.reference.row(channel).iter())
     }
 
     /// The channels, each by itself.
@@ -77,6 +81,13 @@ impl Template<'_> {
         rows.map(|row| Curve::through(row.to_vec(), self.sample_time_s))
             .collect()
     }
+}
+
+/// Mean square about the mean; 0 of nothing.
+fn power_about_mean<'a>(values: impl Iterator<Item = &'a f64> + Clone) -> f64 {
+    let n = values.clone().count().max(1) as f64;
+    let mean = values.clone().sum::<f64>() / n;
+    values.map(|value| (value - mean).powi(2)).sum::<f64>() / n
 }
 
 /// A reference without its mean, channel by channel.

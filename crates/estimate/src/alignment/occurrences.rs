@@ -5,7 +5,7 @@ use std::ops::Range;
 use crate::alignment::bins::{bin_s, binned};
 use crate::alignment::fit::{Alignment, fit};
 use crate::alignment::match_peaks::{MatchPeak, match_peaks};
-use crate::alignment::{Logged, Template, about_mean};
+use crate::alignment::{Logged, Template, about_mean, power_about_mean};
 
 /// Two places are one where they share this part of a reference.
 const SAME: f64 = 0.5;
@@ -107,11 +107,9 @@ fn candidates(logged: &Logged, templates: &[Template]) -> Vec<Candidate> {
 
 /// A reference without its mean in bins.
 fn coarse(template: &Template, step_s: f64) -> ndarray::Array2<f64> {
-    let times_s: Vec<f64> = (0..template.n_samples())
-        .map(|k| k as f64 * template.sample_time_s)
-        .collect();
     let n_bins = (template.length_s() / step_s) as usize;
-    about_mean(binned(&times_s, template.reference, 0.0, step_s, n_bins).view())
+    let (times_s, reference) = (template.times_s(), template.reference);
+    about_mean(binned(&times_s, reference, 0.0, step_s, n_bins).view())
 }
 
 /// Whether a place is outside of all that is taken.
@@ -230,10 +228,4 @@ fn logged_power(logged: &Logged, begin_s: f64) -> Option<f64> {
         power_about_mean(present.collect::<Vec<_>>().into_iter())
     };
     (to > from + 2).then(|| rows.into_iter().map(power).sum())
-}
-
-fn power_about_mean<'a>(values: impl Iterator<Item = &'a f64> + Clone) -> f64 {
-    let n = values.clone().count().max(1) as f64;
-    let mean = values.clone().sum::<f64>() / n;
-    values.map(|value| (value - mean).powi(2)).sum::<f64>() / n
 }

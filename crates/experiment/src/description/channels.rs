@@ -65,6 +65,14 @@ impl Units {
     }
 }
 
+/// What a signal in this unit is.
+fn injection_in(unit: Option<&String>) -> Injection {
+    match unit {
+        Some(unit) if OF_VELOCITIES.contains(&unit.trim()) => Injection::Velocity,
+        _ => Injection::Torque,
+    }
+}
+
 impl ChannelsTable {
     /// Unit of what is injected into every channel.
     #[must_use]
@@ -93,11 +101,8 @@ impl ChannelsTable {
     #[must_use]
     pub fn injection(&self) -> Injection {
         let units = self.input_units();
-        let is_velocity = |unit: &String| OF_VELOCITIES.contains(&unit.trim());
-        self.injection.unwrap_or(match units.first() {
-            Some(unit) if is_velocity(unit) => Injection::Velocity,
-            _ => Injection::Torque,
-        })
+        let by_unit = || injection_in(units.first());
+        self.injection.unwrap_or_else(by_unit)
     }
 
     /// Refuses names that are none or stand twice, and units that do not fit.

@@ -81,10 +81,10 @@ impl<'a> Tables<'a> {
     fn among(documents: &'a [Yaml]) -> Result<Self, String> {
         let mut tables = Self(Vec::new());
         documents.iter().for_each(|node| tables.gather(node));
-        if tables.0.is_empty() {
-            return Err(NO_TABLE.to_owned());
+        match tables.0.is_empty() {
+            true => Err(NO_TABLE.into()),
+            false => Ok(tables),
         }
-        Ok(tables)
     }
 
     /// Adds the tables beneath a node.

@@ -3,8 +3,8 @@
 use std::iter::zip;
 
 use frfid_signals::format::significant;
-use frfid_signals::power::{about_mean, crest_factor, rms, sample_peak};
 use frfid_signals::largest_by_axis;
+use frfid_signals::power::{about_mean, crest_factor, rms, sample_peak};
 use ndarray::{Array2, Axis};
 use serde::Serialize;
 

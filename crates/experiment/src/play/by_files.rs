@@ -5,7 +5,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 
 use frfid_files::{LogMap, create_folder};
-use frfid_signals::{Record, Run, Testbed, TestbedError};
+use frfid_signals::{Record, Run, RunId, Testbed, TestbedError};
 
 use crate::error::ExperimentError;
 use crate::estimate::find_logs::recordings_among;
@@ -63,7 +63,6 @@ pub struct FilesTestbed<'a> {
     experiment: &'a Experiment,
     map: &'a LogMap,
     rate_hz: Option<f64>,
-    plan_id: u32,
     folder: &'a Path,
 }
 
@@ -75,7 +74,6 @@ impl<'a> FilesTestbed<'a> {
     /// [`ExperimentError::Logs`] for a map that does not fit.
     pub fn new(
         experiment: &'a Experiment,
-        plan_id: u32,
         map: &'a LogMap,
         rate_hz: Option<f64>,
         folder: &'a Path,
@@ -85,7 +83,6 @@ impl<'a> FilesTestbed<'a> {
             experiment,
             map,
             rate_hz,
-            plan_id,
             folder,
         })
     }
@@ -104,7 +101,15 @@ impl<'a> FilesTestbed<'a> {
         create_folder(&folder)?;
         create_folder(&self.folder_of("measured", run))?;
         let path = folder.join(format!("{}.csv", run.id));
-        write_reference(&path, self.experiment, self.plan_id, run.id, playback)
+        write_reference(&path, self.experiment, run.id, playback)
+    }
+
+    fn awaited(&self, run: &Run, refused: Vec<String>) -> Awaited {
+        Awaited {
+            references: self.folder_of("references", run),
+            recordings: self.folder_of("measured", run),
+            refused,
+        }
     }
 
     /// The record of a run from the recordings of its iteration, or why there is none.
@@ -127,24 +132,13 @@ impl Testbed for FilesTestbed<'_> {
     }
 
     fn announce(&self, runs: &[&Run]) -> Result<(), TestbedError> {
-        let written = |run: &&Run| {
-            let foreign = |error| TestbedError::Foreign {
-                run: run.id,
-                source: Box::new(error),
-            };
-            self.write(run).map_err(foreign)
-        };
-        runs.iter().try_for_each(written)
+        let foreign = |id: RunId| move |error| TestbedError::foreign(id, error);
+        runs.iter()
+            .try_for_each(|run| self.write(run).map_err(foreign(run.id)))
     }
 
     fn run(&self, run: &Run) -> Result<Record, TestbedError> {
-        self.found(run).map_err(|refused| TestbedError::Foreign {
-            run: run.id,
-            source: Box::new(Awaited {
-                references: self.folder_of("references", run),
-                recordings: self.folder_of("measured", run),
-                refused,
-            }),
-        })
+        let found = self.found(run);
+        found.map_err(|refused| TestbedError::foreign(run.id, self.awaited(run, refused)))
     }
 }

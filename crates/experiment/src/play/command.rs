@@ -46,7 +46,6 @@ pub struct PlayerCommand {
 pub struct CommandTestbed<'a> {
     experiment: &'a Experiment,
     player: &'a PlayerCommand,
-    plan_id: u32,
     folder: PathBuf,
 }
 
@@ -57,7 +56,6 @@ impl<'a> CommandTestbed<'a> {
     /// [`ExperimentError`] for a map that does not fit, or a folder that cannot be made.
     pub fn new(
         experiment: &'a Experiment,
-        plan_id: u32,
         player: &'a PlayerCommand,
         folder: &Path,
     ) -> Result<Self, ExperimentError> {
@@ -68,7 +66,6 @@ impl<'a> CommandTestbed<'a> {
         Ok(Self {
             experiment,
             player,
-            plan_id,
             folder: folder.into(),
         })
     }
@@ -83,7 +80,7 @@ impl<'a> CommandTestbed<'a> {
             .folder
             .join("references")
             .join(format!("{}.csv", run.id));
-        write_reference(&reference, self.experiment, self.plan_id, run.id, playback)?;
+        write_reference(&reference, self.experiment, run.id, playback)?;
         let recording = self.recording_of(run.id);
         remove(&recording)?;
         self.play(run.id, &reference, &recording, player.rate_hz, timeout_s)?;
@@ -150,20 +147,14 @@ impl Testbed for CommandTestbed<'_> {
         let player = self.experiment.player(self.player.rate_hz);
         let kept = |run: &&Run| {
             let playback = self.experiment.playback(run, &player).map(drop);
-            playback.map_err(|error| TestbedError::Foreign {
-                run: run.id,
-                source: Box::new(error),
-            })
+            playback.map_err(|error| TestbedError::foreign(run.id, error))
         };
         runs.iter().try_for_each(kept)
     }
 
     fn run(&self, run: &Run) -> Result<Record, TestbedError> {
         let played = self.played(run);
-        played.map_err(|error| TestbedError::Foreign {
-            run: run.id,
-            source: Box::new(error),
-        })
+        played.map_err(|error| TestbedError::foreign(run.id, error))
     }
 }
 
@@ -171,14 +162,13 @@ impl Testbed for CommandTestbed<'_> {
 pub(crate) fn write_reference(
     path: &Path,
     experiment: &Experiment,
-    plan_id: u32,
     run: RunId,
     playback: Playback,
 ) -> Result<(), ExperimentError> {
     let file = PlaybackFile {
         name: run.to_string(),
         joint_names: experiment.joint_names.clone(),
-        plan_id,
+        plan_id: experiment.plan_id(),
         signal_units: experiment.reference_units(),
         pose_rad: experiment.pose_rad.clone(),
         playbacks: vec![playback.into()],

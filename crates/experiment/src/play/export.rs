@@ -7,6 +7,7 @@ use frfid_files::{Exported, FileError, Overwrite, PlayFormat, PlaybackFile, Rehe
 use frfid_signals::{Playback, RunKind};
 
 use crate::error::ExperimentError;
+use crate::experiment::Experiment;
 use crate::play::layout::Layout;
 use crate::run::parallel::Progress;
 use crate::run::planned_runs::PlannedRuns;
@@ -45,6 +46,14 @@ impl PlayOptions {
             found: format!("separator, decimal mark, unit or side of a table for {name}"),
             needed: "none: messages of ROS are in rad and N m on the joint side".into(),
         }
+    }
+}
+
+impl Experiment {
+    /// The first 32 bits of the hash of its plan.
+    pub(crate) fn plan_id(&self) -> u32 {
+        let of_plan = self.provenance().remove(DESIGN);
+        first_32_bits(&of_plan.unwrap_or_default())
     }
 }
 

@@ -133,12 +133,16 @@ fn check_one(path: &Path, n_references: usize, is_campaign: bool) -> Result<(), 
     if n_references == 1 || is_campaign {
         return Ok(());
     }
+    Err(too_few_files(path, n_references))
+}
+
+fn too_few_files(path: &Path, n_references: usize) -> FileError {
     let path = path.display();
-    Err(FileError::Shape {
+    FileError::Shape {
         what: "output",
         found: format!("{path}, one file, for {n_references} references"),
         needed: "a folder, or --campaign (in Python campaign=True) for all runs in one file".into(),
-    })
+    }
 }
 
 fn file_names(references: &[(RunId, usize)], is_campaign: bool) -> Vec<String> {

@@ -64,14 +64,18 @@ impl Experiment {
         run: &Run,
         player: &Player,
     ) -> Result<Playback, ExperimentError> {
-        if self.config.channels.is_none() {
-            return Ok(self.plan.playback(run, player)?);
-        }
-        let plan = Plan {
+        let played = match &self.config.channels {
+            None => self.plan.playback(run, player),
+            Some(_) => self.plan_of_signals().playback(run, player),
+        };
+        Ok(played?)
+    }
+
+    fn plan_of_signals(&self) -> Plan {
+        Plan {
             injection: Injection::Torque,
             ..self.plan.clone()
-        };
-        Ok(plan.playback(run, player)?)
+        }
     }
 
     /// What the model reaches where it is given the whole playback, from rest to rest.

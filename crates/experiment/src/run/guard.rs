@@ -59,13 +59,8 @@ impl<'a> Guarded<'a> {
 
     fn pass(&self, run: &Run) -> Result<(), TestbedError> {
         let tripped = self.tripped.lock().expect("no thread panics with it");
-        match &*tripped {
-            None => Ok(()),
-            Some(reason) => Err(TestbedError::Foreign {
-                run: run.id,
-                source: reason.clone().into(),
-            }),
-        }
+        let why = tripped.clone();
+        why.map_or(Ok(()), |why| Err(TestbedError::foreign(run.id, why)))
     }
 }
 
@@ -87,16 +82,9 @@ impl Testbed for Guarded<'_> {
 }
 
 fn in_words(run: &Run, excess: &Excess) -> String {
-    let &Excess {
-        axis,
-        limit,
-        allowed,
-        found,
-    } = excess;
-    let (axis, id, quantity, unit) = (axis + 1, run.id, limit.quantity(), limit.unit());
     format!(
-        "not sent to the machine: in run {id} axis {axis} reached {quantity} {found:.5} {unit}, {} is {allowed:.5}; \
-         find out why, then lower the amplitudes or raise the limit, or do that run again (--force)",
-        limit.key()
+        "not sent to the machine: in run {} {excess}; find out why, then lower the amplitudes or raise the limit, \
+         or do that run again (--force)",
+        run.id
     )
 }

@@ -50,9 +50,6 @@ impl Testbed for KeptRuns<'_> {
         }
         let record = self.testbed.run(run)?;
         let kept = self.writer.write(run.id, record);
-        kept.map_err(|error| TestbedError::Foreign {
-            run: run.id,
-            source: Box::new(error),
-        })
+        kept.map_err(|error| TestbedError::foreign(run.id, error))
     }
 }

@@ -15,11 +15,11 @@ use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::folder::run_file;
 use crate::run::guard::Guarded;
-use crate::run::kept_references::{REFERENCE, reference_sha256};
 use crate::run::parallel::{Progress, Steps, for_each};
 use crate::run::provenance::{CONFIG, DESIGN, Metadata};
 use crate::shape::earlier::{check_same, clear};
 use crate::shape::iteration_files::{BEST, IterationFiles, iteration_name};
+use crate::shape::kept_references::{REFERENCE, reference_sha256};
 use crate::shape::report::{ANOTHER_FOLDER, FILE, IterationReport, ShapeReport};
 
 /// The folder of a shaping.
@@ -158,10 +158,7 @@ impl<'a> Trail<'a> {
     ) -> Result<Record, ExperimentError> {
         let record = testbed.run(run)?;
         let sound = record.check();
-        sound.map_err(|error| TestbedError::Foreign {
-            run: run.id,
-            source: Box::new(error),
-        })?;
+        sound.map_err(|error| TestbedError::foreign(run.id, error))?;
         let file = run_file(self.experiment, run.id, record, self.metadata_of(run))?;
         write_run(&path_of(run.id, folder), Overwrite::Resume, &file)?;
         Ok(file.record)

@@ -25,8 +25,7 @@ pub(crate) fn write_playback_mat(
 ) -> Result<(), FileError> {
     file.check()?;
     write_file(path, overwrite, |to| {
-        let elements = file.elements()?;
-        Ok(to.write_all(&elements.concat())?)
+        Ok(to.write_all(&file.elements()?.concat())?)
     })
 }
 

@@ -92,9 +92,9 @@ impl PlaybackFile {
 
     fn check_pose(&self) -> Result<(), FileError> {
         let (found, needed) = (self.pose_rad.len(), self.joint_names.len());
-        let is_whole = found == needed;
-        let needed = format!("one position for each of {needed} joints");
-        fits(is_whole, "pose_rad", format!("{found} positions"), &needed)
+        let told = format!("one position for each of {needed} joints");
+        let found_told = format!("{found} positions");
+        fits(found == needed, "pose_rad", found_told, &told)
     }
 
     /// Refuses more numbers than a recording of them could hold.

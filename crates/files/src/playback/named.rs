@@ -36,9 +36,14 @@ impl<'a> NamedPlayback<'a> {
     fn after(before: Option<&Self>, playback: &'a Playback) -> Self {
         Self {
             id: before.map_or(playback.id, |before| before.next_id(playback)),
-            first_k: before.map_or(0, |before| before.first_k + before.playback.n_samples()),
+            first_k: before.map_or(0, Self::end_k),
             playback,
         }
+    }
+
+    /// The sample after its last.
+    fn end_k(&self) -> usize {
+        self.first_k + self.playback.n_samples()
     }
 
     /// The next repetition, if it is the same again.

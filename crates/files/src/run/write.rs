@@ -23,8 +23,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::atomic_write::{Overwrite, write_file};
 use crate::error::FileError;
-use crate::mcap::write::{RosWriter, Topic, stamp_ns, time_ns};
-use crate::ros::joint_state::JointState;
+use crate::mcap::write::{RosWriter, Topic, time_ns};
+use crate::run::sample::Sample;
 use crate::run::{header, topics};
 
 /// One run with everything that belongs to it.
@@ -220,84 +220,4 @@ fn write_event<W: Write>(
     }
     let told = serde_json::json!(event).to_string();
     writer.text(topic, time_ns(event.time_s.max(0.0)), &told)
-}
-
-/// One sample of a run, and what each topic says of it.
-struct Sample<'r> {
-    run: &'r RunFile,
-    sample: usize,
-}
-
-impl Sample<'_> {
-    /// /joint_states: position, velocity and the measured input.
-    fn state(&self) -> JointState {
-        JointState {
-            stamp_ns: self.stamp_ns(),
-            position: self.values(self.run.record.position_rad.as_ref()),
-            velocity: self.values(Some(&self.run.record.y)),
-            effort: self.input(InputKind::Measured),
-        }
-    }
-
-    /// /joint_commands: the commanded input, and the reference of a closed loop.
-    fn command(&self) -> JointState {
-        JointState {
-            stamp_ns: self.stamp_ns(),
-            position: Vec::new(),
-            velocity: self.reference(Injection::Velocity),
-            effort: self.input(InputKind::Commanded),
-        }
-    }
-
-    /// /frfid/excitation: the reference, in the field it acts on.
-    fn injected(&self) -> JointState {
-        JointState {
-            stamp_ns: self.stamp_ns(),
-            position: Vec::new(),
-            velocity: self.reference(Injection::Velocity),
-            effort: self.reference(Injection::Torque),
-        }
-    }
-
-    /// Whether every value of this sample was measured: one that was not is left out, and found missing
-    /// by the reader.
-    fn is_known(&self, signals: [Option<&Array2<f64>>; 3]) -> bool {
-        let mut signals = signals.into_iter().flatten();
-        signals.all(|signal| {
-            signal
-                .column(self.sample)
-                .iter()
-                .all(|value| value.is_finite())
-        })
-    }
-
-    /// The input, if it is of this kind.
-    fn input_of(&self, kind: InputKind) -> Option<&Array2<f64>> {
-        let record = &self.run.record;
-        (record.input_kind == kind).then_some(&record.u)
-    }
-
-    fn input(&self, kind: InputKind) -> Vec<f64> {
-        self.values(self.input_of(kind))
-    }
-
-    /// The reference, if it acts in this way.
-    fn reference(&self, injection: Injection) -> Vec<f64> {
-        let reference = self.run.record.r.as_ref();
-        self.values(reference.filter(|_| self.run.injection == injection))
-    }
-
-    /// The values of a signal, NaN for joints without one; none of a signal that is not there.
-    fn values(&self, signal: Option<&Array2<f64>>) -> Vec<f64> {
-        let Some(signal) = signal else {
-            return Vec::new();
-        };
-        let mut values = signal.column(self.sample).to_vec();
-        values.resize(self.run.joint_names.len(), f64::NAN);
-        values
-    }
-
-    fn stamp_ns(&self) -> u64 {
-        stamp_ns(self.sample, self.run.record.sample_time_s)
-    }
 }

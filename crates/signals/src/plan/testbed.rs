@@ -66,6 +66,17 @@ pub enum TestbedError {
     },
 }
 
+impl TestbedError {
+    /// What the testbed's own code said of a run.
+    pub fn foreign(
+        run: RunId,
+        source: impl Into<Box<dyn std::error::Error + Send + Sync>>,
+    ) -> Self {
+        let source = source.into();
+        Self::Foreign { run, source }
+    }
+}
+
 /// What to do about a simulation that diverged.
 fn lower(gain_nms_per_rad: Option<f64>) -> String {
     match gain_nms_per_rad {

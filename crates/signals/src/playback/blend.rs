@@ -98,10 +98,12 @@ impl<'a> Blend<'a> {
     /// The whole torque.
     pub(super) fn torque(&self) -> Array2<f64> {
         let shape = (self.pose_rad.len(), self.n_samples());
-        Array2::from_shape_fn(shape, |(channel, k)| {
-            let k = k as isize - self.first_sample() as isize;
-            self.weight(k)[0] * self.oscillating(channel, k)[1]
-        })
+        Array2::from_shape_fn(shape, |(channel, k)| self.torque_at(channel, k))
+    }
+
+    fn torque_at(&self, channel: usize, sample: usize) -> f64 {
+        let k = sample as isize - self.first_sample() as isize;
+        self.weight(k)[0] * self.oscillating(channel, k)[1]
     }
 
     /// Position, velocity, acceleration and jerk `k` samples after the run's first.
@@ -132,21 +134,20 @@ impl<'a> Blend<'a> {
 
     /// The ramps before and after the run, each with the time since it began.
     fn ramps(&self, k: isize) -> [(Ramp, f64); 2] {
-        let ramp = Ramp {
-            duration_s: self.time_s(self.n_ramp as isize),
-        };
-        let begins = [-(self.n_ramp as isize), self.oscillation.n_run as isize];
-        begins.map(|begin| (ramp, self.time_s(k - begin)))
+        let duration_s = self.time_s(self.n_ramp as isize);
+        let begins = [-(self.n_ramp as isize), self.n_run()];
+        begins.map(|begin| (Ramp { duration_s }, self.time_s(k - begin)))
+    }
+
+    fn n_run(&self) -> isize {
+        self.oscillation.n_run as isize
     }
 
     /// The moves from the pose and back to it.
     fn moved(&self, channel: usize, k: isize) -> [f64; 4] {
         let duration_s = self.time_s(self.n_move as isize);
         let reach = (self.n_ramp + self.n_move) as isize;
-        let begins = [
-            -reach,
-            self.oscillation.n_run as isize + self.n_ramp as isize,
-        ];
+        let begins = [-reach, self.n_run() + self.n_ramp as isize];
         let [there, back] = begins.map(|begin| Ramp { duration_s }.at(self.time_s(k - begin)));
         let ways = self.ways_rad(channel);
         std::array::from_fn(|order| ways[0] * there[order] + ways[1] * back[order])
@@ -156,7 +157,7 @@ impl<'a> Blend<'a> {
     fn ways_rad(&self, channel: usize) -> [f64; 2] {
         let velocity = self.velocity_rad_s[channel];
         let ramp_s = self.time_s(self.n_ramp as isize);
-        let run_s = self.time_s(self.oscillation.n_run as isize);
+        let run_s = self.time_s(self.n_run());
         let there = self.start_rad[channel] - 0.5 * velocity * ramp_s;
         [there, -(there + velocity * (run_s + ramp_s))]
     }
@@ -179,7 +180,7 @@ impl<'a> Blend<'a> {
 
     /// Whether both ramps keep the limits of derivatives.
     fn ramps_keep(&self, plan: &Plan, player: &Player) -> bool {
-        let n_run = self.oscillation.n_run as isize;
+        let n_run = self.n_run();
         let n_ramp = self.n_ramp as isize;
         let bounds = match plan.injection {
             crate::Injection::Velocity => [Limit::Velocity, Limit::Acceleration, Limit::Jerk],
@@ -201,15 +202,13 @@ impl<'a> Blend<'a> {
 
     /// Largest position, velocity, acceleration and jerk of a part.
     fn largest(&self, channel: usize, samples: Range<isize>) -> [f64; 4] {
-        samples.fold([0.0; 4], |largest, k| {
-            let state = self.state(channel, k);
-            std::array::from_fn(|order| f64::max(largest[order], state[order].abs()))
-        })
+        let states = samples.map(|k| self.state(channel, k));
+        states.fold([0.0; 4], larger)
     }
 
     /// Duration of the moves in s: at half the limits, at most twice as fast as the run.
     fn move_s(&self, player: &Player) -> f64 {
-        let n_run = self.oscillation.n_run as isize;
+        let n_run = self.n_run();
         let durations = (0..self.pose_rad.len()).map(|channel| {
             let way = self
                 .ways_rad(channel)
@@ -229,4 +228,9 @@ impl<'a> Blend<'a> {
         });
         durations.fold(0.0, f64::max)
     }
+}
+
+/// The larger of each size and that of a state.
+fn larger(sizes: [f64; 4], state: [f64; 4]) -> [f64; 4] {
+    std::array::from_fn(|order| f64::max(sizes[order], state[order].abs()))
 }

@@ -17,6 +17,7 @@ use crate::limits::{Excess, Limits};
 use crate::number::checks::{
     LONGEST_SIGNAL, at_most, finite, not_negative, positive, require_shape,
 };
+use crate::number::format::significant;
 use crate::peaks::{Peaks, largest_by_axis, steepest_by_axis};
 use crate::plan::Plan;
 use crate::plan::run::{Run, RunId};
@@ -131,15 +132,11 @@ impl Plan {
 
     fn check_rate(&self, rate_hz: f64) -> Result<(), SignalError> {
         let high_hz = self.excitation.waveform().band_hz()[1];
-        if rate_hz >= 2.5 * high_hz {
+        let least_hz = 2.5 * high_hz;
+        if rate_hz >= least_hz {
             return Ok(());
         }
-        let what = format!(
-            "rate_hz is {rate_hz}, needed: at least {} for a band up to {high_hz} Hz; \
-             play faster or lower high_hz",
-            2.5 * high_hz
-        );
-        Err(SignalError::unfit("rate_hz", what))
+        Err(too_slow(rate_hz, least_hz, high_hz))
     }
 
     fn check_run(&self, run: &Run, player: &Player) -> Result<(), SignalError> {
@@ -165,6 +162,14 @@ impl Plan {
         }
         Ok(())
     }
+}
+
+fn too_slow(rate_hz: f64, least_hz: f64, high_hz: f64) -> SignalError {
+    let [least, high] = [least_hz, high_hz].map(|hz| significant(hz, 4));
+    let what = format!(
+        "rate_hz is {rate_hz}, needed: at least {least} for a band up to {high} Hz; play faster or lower high_hz"
+    );
+    SignalError::unfit("rate_hz", what)
 }
 
 impl Playback {

@@ -90,9 +90,11 @@ fn series(
 /// Samples of rest before and after what is done once: `least` or a few more, so that together with it they are a
 /// whole number of the player's samples, of which there are `ratio` in one of the plan's.
 fn rest_around(n_samples: usize, least: usize, ratio: f64) -> usize {
-    let is_whole = |rest: &usize| {
-        let samples = (n_samples + 2 * rest) as f64 * ratio;
-        (samples - samples.round()).abs() < 1e-9 * samples
-    };
-    (least..least + 1000).find(is_whole).unwrap_or(least)
+    let samples = |rest: usize| (n_samples + 2 * rest) as f64 * ratio;
+    let mut rests = least..least + 1000;
+    rests.find(|rest| is_whole(samples(*rest))).unwrap_or(least)
+}
+
+fn is_whole(samples: f64) -> bool {
+    (samples - samples.round()).abs() < 1e-9 * samples
 }

@@ -43,9 +43,13 @@ impl Ramp {
         if time_s >= t {
             return time_s - 0.5 * t;
         }
-        let x = time_s / t;
-        t * x.powi(5) * (7.0 + x * (-14.0 + x * (10.0 - 2.5 * x)))
+        t * area(time_s / t)
     }
+}
+
+/// Integral of the step from 0 to x.
+fn area(x: f64) -> f64 {
+    x.powi(5) * (7.0 + x * (-14.0 + x * (10.0 - 2.5 * x)))
 }
 
 #[cfg(test)]

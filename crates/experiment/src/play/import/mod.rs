@@ -82,10 +82,7 @@ impl ImportSummary {
     #[must_use]
     pub fn is_complete(&self) -> bool {
         let is_whole = |run: &ImportedRun| run.stopped_s.is_none() && run.flaws.is_empty();
-        self.missing.is_empty()
-            && self.unused.is_empty()
-            && self.excesses.is_empty()
-            && self.imported.iter().all(is_whole)
+        self.missing.is_empty() && self.unused.is_empty() && self.imported.iter().all(is_whole)
     }
 }
 
@@ -178,29 +175,38 @@ pub(crate) fn imported_run(
 pub(crate) fn check_map(experiment: &Experiment, map: &LogMap) -> Result<(), ExperimentError> {
     check_number(experiment, map)?;
     let subtraction = experiment.config.estimate.glide_subtraction;
-    if subtraction != GlideSubtraction::Position || !map.position.is_empty() {
-        return Ok(());
+    let is_needed = subtraction == GlideSubtraction::Position;
+    match is_needed && map.position.is_empty() {
+        true => Err(no_position()),
+        false => Ok(()),
     }
-    Err(ExperimentError::logs(
+}
+
+fn no_position() -> ExperimentError {
+    ExperimentError::logs(
         "log map",
         "no position",
         "one for each joint: glide_subtraction = \"position\" takes the ripple off by it",
         "name position in the map, or set glide_subtraction = \"time\" in [estimate]",
-    ))
+    )
 }
 
 /// Checks that a map has as many inputs and outputs as the plan.
 fn check_number(experiment: &Experiment, map: &LogMap) -> Result<(), ExperimentError> {
-    let (n, found) = (experiment.plan.n_inputs, [map.u.len(), map.y.len()]);
-    if found == [n, n] {
-        return Ok(());
+    let n = experiment.plan.n_inputs;
+    match [map.u.len(), map.y.len()] {
+        found if found == [n, n] => Ok(()),
+        found => Err(of_another_size(found, n)),
     }
-    Err(ExperimentError::logs(
+}
+
+fn of_another_size([inputs, outputs]: [usize; 2], n: usize) -> ExperimentError {
+    ExperimentError::logs(
         "log map",
-        format!("{} inputs and {} outputs", found[0], found[1]),
+        format!("{inputs} inputs and {outputs} outputs"),
         format!("{n} of each, as the plan has"),
         "name one u and one y for each joint, in the order of the plan's joints",
-    ))
+    )
 }
 
 fn not_recognised(found: &str) -> ExperimentError {

@@ -65,11 +65,14 @@ fn farthest(planned: &[f64], logged: &[f64], plan: &Plan) -> Option<(f64, f64)> 
 /// A bin of the DFT.
 fn at_bin(samples: &[f64], bin: usize) -> Complex64 {
     let turn = Complex64::cis(-TAU * bin as f64 / samples.len() as f64);
-    let mut phase = Complex64::ONE;
-    let term = |sample: &f64| {
-        let term = sample * phase;
-        phase *= turn;
-        term
-    };
-    samples.iter().map(term).sum()
+    samples
+        .iter()
+        .zip(turns(turn))
+        .map(|(sample, phase)| sample * phase)
+        .sum()
+}
+
+/// The powers of a turn, from its zeroth.
+fn turns(turn: Complex64) -> impl Iterator<Item = Complex64> {
+    std::iter::successors(Some(Complex64::ONE), move |phase| Some(phase * turn))
 }

@@ -50,9 +50,9 @@ pub(super) struct SoughtRuns {
 impl SoughtRuns {
     /// All references of a plan, as `player` plays them.
     pub(super) fn of(planned: &PlannedRuns, player: &Player) -> Result<Self, ExperimentError> {
-        let mut all = Self::default();
-        for id in first_repetitions(&planned.experiment.plan) {
-            all.add(&planned.experiment.plan, planned.run(id)?, player)?;
+        let (mut all, plan) = (Self::default(), &planned.experiment.plan);
+        for id in first_repetitions(plan) {
+            all.add(plan, planned.run(id)?, player)?;
         }
         Ok(all)
     }
@@ -138,10 +138,7 @@ impl Sought {
 /// An excited run above its constant velocity.
 fn excitation(plan: &Plan, run: Run) -> Sought {
     let length_s = run.reference.ncols() as f64 * run.sample_time_s;
-    let mut reference = run.reference;
-    for mut row in reference.rows_mut() {
-        row -= row.mean().unwrap_or(0.0);
-    }
+    let reference = without_mean(run.reference);
     Sought {
         id: run.id,
         reference,
@@ -149,6 +146,13 @@ fn excitation(plan: &Plan, run: Run) -> Sought {
         run_s: 0.0..length_s,
         high_hz: plan.excitation.waveform().band_hz()[1],
     }
+}
+
+fn without_mean(mut signal: Array2<f64>) -> Array2<f64> {
+    for mut row in signal.rows_mut() {
+        row -= row.mean().unwrap_or(0.0);
+    }
+    signal
 }
 
 /// A glide from rest to rest.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use frfid_files::{Log, LogMap, read_log, sha256_file};
-use frfid_signals::{Excess, Record, RunId, RunKind};
+use frfid_signals::{Record, RunId, RunKind};
 
 use crate::error::ExperimentError;
 use crate::play::import::judged::{
@@ -148,7 +148,7 @@ impl<'a> Import<'a> {
         let run = self.planned.run(id)?;
         let load = Load::of(record, &run.start_rad, &experiment.pose_rad);
         let exceeded = experiment.limits.exceeded(&load.peaks);
-        let mut flaws: Vec<String> = exceeded.iter().map(beyond).collect();
+        let mut flaws: Vec<String> = exceeded.iter().map(ToString::to_string).collect();
         self.summary.excesses.extend(exceeded);
         let measured = check_measured(record, &experiment.joint_names);
         let placed = check_place(record, &run, experiment);
@@ -220,16 +220,4 @@ fn provenance(told: &ImportedRun, recording: &Path) -> Result<Metadata, Experime
         entries.insert("recording_sha256".to_owned(), sha256_file(recording)?);
     }
     Ok(entries)
-}
-
-/// A limit that the machine exceeded.
-fn beyond(excess: &Excess) -> String {
-    let Excess {
-        axis,
-        limit,
-        allowed,
-        found,
-    } = *excess;
-    let (quantity, unit, axis) = (limit.quantity(), limit.unit(), axis + 1);
-    format!("axis {axis} reached {quantity} {found:.5} {unit}, the limit is {allowed:.5}")
 }

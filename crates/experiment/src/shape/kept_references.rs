@@ -47,8 +47,12 @@ impl<'a> KeptReferences<'a> {
     /// The record of a run of this very reference.
     fn kept(&self, run: &Run) -> Option<Record> {
         let (file, losses) = read_run(&self.path_of(run)).ok()?;
-        let is_same = file.metadata.get(REFERENCE) == Some(&reference_sha256(run));
-        (is_same && losses.is_empty()).then_some(file.record)
+        (losses.is_empty() && is_of(&file, run)).then_some(file.record)
+    }
+
+    fn done(&self, run: &Run) -> Result<Record, TestbedError> {
+        let kept = self.keep(run, self.testbed.run(run)?);
+        kept.map_err(|error| TestbedError::foreign(run.id, error))
     }
 
     fn keep(&self, run: &Run, record: Record) -> Result<Record, ExperimentError> {
@@ -74,16 +78,12 @@ impl Testbed for KeptReferences<'_> {
     }
 
     fn run(&self, run: &Run) -> Result<Record, TestbedError> {
-        if let Some(record) = self.kept(run) {
-            return Ok(record);
-        }
-        let record = self.testbed.run(run)?;
-        self.keep(run, record)
-            .map_err(|error| TestbedError::Foreign {
-                run: run.id,
-                source: Box::new(error),
-            })
+        self.kept(run).map_or_else(|| self.done(run), Ok)
     }
+}
+
+fn is_of(file: &RunFile, run: &Run) -> bool {
+    file.metadata.get(REFERENCE) == Some(&reference_sha256(run))
 }
 
 /// SHA-256 of the samples of a reference.
