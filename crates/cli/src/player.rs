@@ -52,6 +52,18 @@ impl PlayerOptions {
         }
     }
 
+    /// Refuses a map without a player, where nothing is done by files: a simulation would be taken for the machine.
+    ///
+    /// # Errors
+    /// [`Failure`] that says so.
+    pub(crate) fn check_alone(&self) -> Result<(), Failure> {
+        let told = "--map is for the recordings of a player; needed: --player CMD beside it, or no map to simulate";
+        match self.map {
+            Some(_) => Err(Failure::usage(told)),
+            None => Ok(()),
+        }
+    }
+
     /// The player, if one is given.
     ///
     /// # Errors

@@ -16,7 +16,7 @@ use crate::exit::{Exit, Failure};
 use crate::input::{Needed, check};
 use crate::options::Options;
 use crate::progress::watched;
-use crate::text::load::{excess_in_words, load_as_text};
+use crate::text::load::load_as_text;
 use crate::text::plan::{plan_as_json, plan_as_text};
 use crate::text::signal::{NO_MODEL, signal_as_text};
 
@@ -83,7 +83,7 @@ fn foretell(
     if let Some(error) = outside(experiment, &prediction) {
         return Err(error.into());
     }
-    let doubts = doubts(experiment, &prediction);
+    let doubts = doubts(&prediction);
     console.warnings(&doubts);
     Ok(Exit::flawed_unless(doubts.is_empty()))
 }
@@ -210,7 +210,7 @@ fn outside(experiment: &Experiment, prediction: &Prediction) -> Option<ConfigErr
 
 /// What the plan will fail by: a velocity that turns round, and friction with it; a reference that a machine
 /// cannot play from rest.
-fn doubts(experiment: &Experiment, prediction: &Prediction) -> Vec<String> {
+fn doubts(prediction: &Prediction) -> Vec<String> {
     let axes = prediction
         .strength
         .iter()
@@ -226,10 +226,8 @@ fn doubts(experiment: &Experiment, prediction: &Prediction) -> Vec<String> {
         )
     });
     let played = prediction.played.iter().map(|excess| {
-        let owner = experiment.limit_owner(excess);
         format!(
-            "{} from rest to rest, {owner}: no machine is sent such a run; shorten the way or raise the limit",
-            excess_in_words(excess)
+            "played from rest to rest, {excess}: no machine is sent such a run; shorten the way or raise the limit"
         )
     });
     turning.chain(played).collect()

@@ -85,6 +85,7 @@ fn done(
         overwrite: options.overwrite(),
     };
     let Some(player) = arguments.player.command()? else {
+        arguments.player.check_alone()?;
         planned.experiment.model()?;
         return Ok(watched(console, "simulating", "runs", |progress| {
             run_to_folder(planned, None, folder, &settings, progress)

@@ -154,7 +154,7 @@ impl<'a> Import<'a> {
         let placed = check_place(record, &run, experiment);
         let wrong = [measured.err(), placed.err()].into_iter().flatten();
         flaws.extend(wrong.map(|error| error.to_string()));
-        if !self.filter_is_told {
+        if flaws.is_empty() && !self.filter_is_told {
             let told = player_filter(record, &run, &experiment.plan);
             self.filter_is_told = told.is_some();
             self.summary.warnings.extend(told);
