@@ -38,7 +38,7 @@ def main():
     fault = options.fault if options.fault_run in (None, run) else None
     if fault == "dies":
         os.kill(os.getpid(), signal.SIGKILL)
-    time.sleep({"hangs": 600, "slow": 2}.get(fault, 0))
+    time.sleep({"hangs": 30, "slow": 2}.get(fault, 0))
     if fault != "nothing":
         write(options.log, *played(options.reference, fault), fault)
     return 7 if fault == "fails" else 0

@@ -1,0 +1,111 @@
+"""Players and recordings with a fault: exit code, what was found and needed and what to do, and that the next run is not sent."""
+
+import os
+import signal
+import subprocess
+import time
+
+import pytest
+from workshop import FRFID, MARKS, done, fill, player, refused
+
+pytestmark = MARKS
+FAULTY = "p000-m1-q0"
+NOT_SENT = "the next run is not sent; once the cause is removed, the same command goes on from here"
+RUN = "run multisine.toml -o logs --map map.toml --player"
+
+
+@pytest.fixture
+def folder(tmp_path):
+    return fill(tmp_path)
+
+
+def faulty(fault):
+    return player("--calls", "calls", "--fault-run", FAULTY, "--fault", fault)
+
+
+def sent(folder):
+    return (folder / "calls").read_text().split()
+
+
+@pytest.mark.parametrize(
+    "fault, told",
+    [
+        ("fails", ["player: found exit status: 7", "needed exit code 0"]),
+        ("dies", ["player: found exit status: 137", "needed exit code 0"]),
+        ("nothing", [f"recording of the player: found none at logs/player/{FAULTY}.recording.csv", "needed one at the path"]),
+        ("flips", [f"nothing like {FAULTY} in logs/player/{FAULTY}.recording.csv", "a sign"]),
+        ("degrees", ["found 57.3 times that of the plan on shoulder", "unit"]),
+        ("swaps", ["shoulder", "position"]),
+        ("nan", ["elbow", "samples"]),
+        ("half", ["recording ends"]),
+        ("stops", ["stopped", "2.5"]),
+    ],
+)
+def test_a_faulty_player_ends_the_campaign(folder, fault, told):
+    said = refused(folder, RUN, faulty(fault), code=1)
+    assert said.startswith(f"error: run {FAULTY}: ") or f"\nerror: run {FAULTY}: " in said, said
+    for part in [*told, NOT_SENT]:
+        assert part in said, f"{part} is not said in\n{said}"
+    assert sent(folder) == ["p000-m0-q0", FAULTY]
+
+
+def test_once_it_is_mended_the_same_command_goes_on(folder):
+    refused(folder, RUN, faulty("fails"), code=1)
+    told = done(folder, RUN, player("--calls", "calls"))
+    assert (len(told["written"]), told["n_skipped"]) == (3, 1)
+    assert sent(folder) == ["p000-m0-q0", FAULTY, FAULTY, "p001-m0-q0", "p001-m1-q0"]
+
+
+def alive(marker):
+    """Processes whose environment holds a marker."""
+    found = []
+    for process in os.listdir("/proc"):
+        try:
+            environment = open(f"/proc/{process}/environ", "rb").read() if process.isdigit() else b""
+        except OSError:
+            continue
+        found += [int(process)] if marker.encode() in environment else []
+    return found
+
+
+def test_a_player_that_hangs_is_stopped(folder, monkeypatch):
+    monkeypatch.setenv("MARKER", str(folder))
+    said = refused(folder, f"{RUN}", faulty("hangs"), "--player-timeout", "3", code=1)
+    for part in ("still at it after 3 s, stopped", "--player-timeout", NOT_SENT):
+        assert part in said, said
+    left = alive(f"MARKER={folder}")
+    for process in set(left) - {os.getpid()}:
+        os.kill(process, signal.SIGKILL)
+    assert set(left) <= {os.getpid()}, "it moves on"
+
+
+def test_ctrl_c_lets_the_run_end(folder):
+    slow = player("--calls", "calls", "--fault", "slow")
+    command = [FRFID, "run", "multisine.toml", "-o", "logs", "--map", "map.toml", "--player", slow]
+    playing = subprocess.Popen(command, cwd=folder, start_new_session=True, stderr=subprocess.PIPE, text=True)
+    while not (folder / "calls").exists():
+        time.sleep(0.05)
+    os.killpg(playing.pid, signal.SIGINT)  # as a terminal sends it, to all in the foreground
+    _, said = playing.communicate(timeout=60)
+    assert playing.returncode == 130, said
+    assert (folder / "logs" / "p000-m0-q0.mcap").exists() and len(sent(folder)) == 1, said
+
+
+def test_a_map_that_does_not_fit_is_told_before_anything_moves(folder):
+    text = (folder / "map.toml").read_text()
+    (folder / "one_joint.toml").write_text(text.replace('{ source = "shoulder.torque", unit = "N m" }, ', ""))
+    said = refused(folder, "run multisine.toml -o logs --map one_joint.toml --player", player("--calls", "calls"), code=2)
+    assert "found 1 input" in said and "needed 2" in said and "name one u and one y for each joint" in said, said
+    assert not (folder / "calls").exists()
+
+
+def test_position_is_needed_where_ripple_is_taken_off_by_it(folder):
+    text = (folder / "multisine.toml").read_text().replace("peak_rad_s = [0.1, 0.1]", "peak_of_velocity = 0.5")
+    text += '\n[constant_velocity]\ntravel_rad = [0.1, 0.1]\nglides = 1\n\n[estimate]\nglide_subtraction = "position"\n'
+    (folder / "ripple.toml").write_text(text.replace("periods = 3", "repetitions = 1"))
+    lines = (folder / "map.toml").read_text().splitlines()
+    (folder / "without.toml").write_text("\n".join(line for line in lines if not line.startswith("position")))
+    for line in ("run ripple.toml -o logs --map without.toml --player", "import map.toml --plan ripple.toml --map without.toml -o logs"):
+        said = refused(folder, line, *([player("--calls", "calls")] if "--player" in line else []), code=2)
+        assert "found no position, needed one for each joint" in said or line.startswith("import"), said
+    assert not (folder / "calls").exists()
