@@ -1,6 +1,8 @@
 """Recordings with a fault, given to frfid import: what is refused, what is named, what is used all the same."""
 
+import shlex
 import shutil
+import subprocess
 
 import pytest
 from workshop import MARKS, ROOT, done, fill, frfid, player, refused
@@ -24,20 +26,15 @@ def folder(played, tmp_path):
     fill(tmp_path)
     (tmp_path / "measured").mkdir()
     for run in RUNS:
-        shutil.copy(played / "logs" / "player" / f"{run}.recording.csv", tmp_path / "measured" / f"{run}.csv")
+        shutil.copy(played / "logs" / "player" / "recordings" / f"{run}.csv", tmp_path / "measured" / f"{run}.csv")
     shutil.copytree(played / "logs", tmp_path / "logs")
     return tmp_path
 
 
 def spoil(folder, run, fault):
     """A run played again by a player with a fault."""
-    import subprocess
-    import sys
-
-    import small_player
-
-    command = [sys.executable, small_player.__file__, "--fault", fault, folder / "logs" / "player" / f"{run}.csv", folder / "measured" / f"{run}.csv"]
-    subprocess.run(command, check=True)
+    reference = folder / "logs" / "player" / "references" / f"{run}.csv"
+    subprocess.run([*shlex.split(player("--fault", fault)), reference, folder / "measured" / f"{run}.csv"], check=True)
 
 
 def test_a_missing_run_is_named(folder):
@@ -108,7 +105,7 @@ def test_the_plan_of_another_robot_is_told(folder):
 
 
 def test_a_folder_of_a_player_is_taken_as_it_is(folder):
-    told = done(folder, "import logs/player --plan multisine.toml --map map.toml -o imported")
+    told = done(folder, "import logs/player/recordings --plan multisine.toml --map map.toml -o imported")
     assert ([run["run"] for run in told["imported"]], told["unused"]) == (RUNS, [])
 
 

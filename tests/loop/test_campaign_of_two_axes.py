@@ -28,7 +28,7 @@ def response(folder, name):
 
 
 def recordings(folder):
-    return sorted((folder / "logs" / "player").glob("*.recording.csv"))
+    return sorted((folder / "logs" / "player" / "recordings").glob("*.csv"))
 
 
 def test_it_meets_the_arm(campaign):
@@ -42,9 +42,9 @@ def test_it_meets_the_arm(campaign):
 
 
 def test_references_and_recordings_stay(campaign):
-    names = sorted(path.name for path in (campaign / "logs" / "player").iterdir())
-    runs = [f"p00{p}-m{m}-q0" for p in range(2) for m in range(2)]
-    assert names == sorted(f"{run}{ending}" for run in runs for ending in (".csv", ".recording.csv"))
+    runs = [f"p00{p}-m{m}-q0.csv" for p in range(2) for m in range(2)]
+    for kind in ("references", "recordings"):
+        assert sorted(path.name for path in (campaign / "logs" / "player" / kind).iterdir()) == runs
 
 
 def test_the_same_command_has_nothing_left_to_play(campaign, tmp_path):
@@ -68,7 +68,7 @@ def by_hand(campaign, tmp_path):
     """Recordings of the exported plan, as if somebody had played it file by file."""
     done(campaign, "export plan.mcap --to csv -o", tmp_path / "played")
     for path in sorted((tmp_path / "played").glob("p*-q0.csv")):
-        twin = campaign / "logs" / "player" / path.name
+        twin = campaign / "logs" / "player" / "references" / path.name
         assert np.array_equal(table(path), table(twin)), "a run of an export is the run that a player is given"
     return recordings(campaign)
 
