@@ -78,7 +78,7 @@ def frfid(folder, line, *more):
 def done(folder, line, *more, code=0):
     """What a command prints as JSON; it must end with this exit code."""
     output = frfid(folder, line, *more, "--json", "--quiet")
-    assert output.returncode == code, f"{line}: exit code {output.returncode}\n{output.stdout}{output.stderr}"
+    assert output.returncode == code, f"{line}: exit code {output.returncode}\n{output.stdout[-2000:]}{output.stderr}"
     return json.loads(output.stdout)
 
 
@@ -90,6 +90,6 @@ def player(*options):
 def refused(folder, line, *more, code):
     """What a command says that ends with an exit code other than 0."""
     output = frfid(folder, line, *more)
-    assert output.returncode == code, f"{line}: exit code {output.returncode}\n{output.stdout}{output.stderr}"
+    assert output.returncode == code, f"{line}: exit code {output.returncode}\n{output.stdout[-2000:]}{output.stderr}"
     assert "os error" not in output.stderr and "panicked" not in output.stderr
     return output.stderr

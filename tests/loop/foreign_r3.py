@@ -1,0 +1,49 @@
+"""The foreign r3: MuJoCo's arm behind a player that is no friend, and the truth about it."""
+
+import pathlib
+import shlex
+import sys
+
+import numpy as np
+
+ROOT = pathlib.Path(__file__).parents[2]
+PLAYERS = ROOT / "examples" / "players"
+sys.path.insert(0, str(PLAYERS))
+
+HOSTILE = "--rate-hz 800 --clock-ppm 137 --offset-s 5.2 --degrees --motor-side --flip joint_2 --low-pass-hz 100 --drop 0.01 --double 0.01"
+# joint over motor, with the axis that counts the other way round
+SCALE = np.array([-105.0, -210.0, 60.0])
+
+
+def player(*options, folder=None):
+    """The command of the player; with a folder it writes what its controller saw there, a file for each run."""
+    command = shlex.join([sys.executable, str(PLAYERS / "mujoco_player.py"), *shlex.split(HOSTILE), *options])
+    return f"{command} --ideal {shlex.quote(str(folder))}/$FRFID_RUN.npz" if folder else command
+
+
+def log_map():
+    """Which column is which, told as a user would: motor side, degrees, ms."""
+    roles = [("u", "ActTrq", "N m", SCALE), ("y", "ActVel", "deg/s", 1 / SCALE), ("r", "SetVel", "deg/s", 1 / SCALE), ("position", "ActPos", "deg", 1 / SCALE)]
+    entry = '{{ source = "A{}.{}", unit = "{}", scale = {} }}'
+    lines = [f"{role} = [{', '.join(entry.format(axis + 1, name, unit, scale[axis]) for axis in range(3))}]" for role, name, unit, scale in roles]
+    return "\n".join([*lines, 'time = { source = "t_ms", unit = "ms" }', ""])
+
+
+def robot(experiment, **options):
+    from mujoco_robot import Robot
+
+    return Robot.of_experiment(experiment, **options)
+
+
+def worst_db(response, truth):
+    """Of the diagonal entries, the largest deviation of the magnitude in dB."""
+    return np.abs(20 * np.log10(np.abs(response / truth)))[:, range(3), range(3)].max(axis=0)
+
+
+def changed(text, **values):
+    """A description with other values of keys that stand in it once."""
+    lines = text.splitlines()
+    for key, value in values.items():
+        [place] = [k for k, line in enumerate(lines) if line.startswith(f"{key} =")]
+        lines[place] = f"{key} = {value}"
+    return "\n".join(lines) + "\n"
