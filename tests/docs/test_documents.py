@@ -1,4 +1,4 @@
-"""README, tutorial, how-to and the page of measured records do what they say: their commands are run and what they print is compared."""
+"""README, tutorial, how-to and the pages of machines and of measured records do what they say: their commands are run and what they print is compared."""
 
 import os
 
@@ -29,6 +29,14 @@ def test_tutorial_and_how_to(tmp_path):
     reader = Reader(tmp_path / "work")
     reader.follow(ROOT / "docs" / "tutorial.md")
     reader.follow(ROOT / "docs" / "how-to.md")
+
+
+def test_machines(tmp_path):
+    needs_frfid()
+    pytest.importorskip("tomllib", reason="the arm in MuJoCo is read with Python 3.11's tomllib")
+    for module in ("mujoco", "scipy", "mcap", "rosbags"):
+        pytest.importorskip(module, reason="the arm in MuJoCo records bags: pip install mujoco scipy mcap rosbags")
+    Reader(tmp_path / "work").follow(ROOT / "docs" / "machines.md")
 
 
 def test_measured_records(tmp_path):
