@@ -84,12 +84,13 @@ def test_degrees_taken_for_radians_are_told(folder):
     assert "57.3 times that of the plan on shoulder" in said and "unit" in said, said
 
 
-@pytest.mark.parametrize("fault", ["swaps", "flips"])
-def test_joints_that_are_swapped_or_turned_are_told_by_their_positions(folder, fault):
+@pytest.mark.parametrize("fault, joint, found", [("swaps", "shoulder", "0.5999"), ("flips", "elbow", "-0.5995")])
+def test_joints_that_are_swapped_or_turned_are_told_by_their_positions(folder, fault, joint, found):
     for run in RUNS:
         spoil(folder, run, fault)
     output = frfid(folder, IMPORT)
-    assert output.returncode in (2, 3) and "position" in output.stderr and "elbow" in output.stderr, output.stderr
+    said = f"run p000-m0-q0 in measured/{'p000-m0-q0' if fault == 'swaps' else 'p000-m1-q0'}.csv: position of the recording: found {joint} at {found} rad"
+    assert output.returncode == 3 and said in output.stderr and "see joint, sign, unit and zero of position" in output.stderr, output.stderr
 
 
 def test_recordings_of_another_plan_are_told(folder):

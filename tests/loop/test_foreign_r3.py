@@ -4,7 +4,7 @@ import csv
 
 import numpy as np
 import pytest
-from foreign_r3 import changed, log_map, player, robot, worst_db
+from foreign import changed, log_map, player, robot, worst_db
 from workshop import MARKS, ROOT, done
 
 import frfid as library

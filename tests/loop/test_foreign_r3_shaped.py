@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from foreign_r3 import changed, log_map, player, robot
+from foreign import changed, log_map, player, robot
 from workshop import MARKS, ROOT, done
 
 import frfid as library

@@ -1,4 +1,4 @@
-"""The foreign r3: MuJoCo's arm behind a player that is no friend, and the truth about it."""
+"""Foreign arms: MuJoCo's r3 and six axes behind a player that is no friend, their log maps and the truth about them."""
 
 import pathlib
 import shlex
@@ -13,6 +13,7 @@ sys.path.insert(0, str(PLAYERS))
 HOSTILE = "--rate-hz 800 --clock-ppm 137 --offset-s 5.2 --degrees --motor-side --flip joint_2 --low-pass-hz 100 --drop 0.01 --double 0.01"
 # joint over motor, with the axis that counts the other way round
 SCALE = np.array([-105.0, -210.0, 60.0])
+SCALE_OF_SIX = np.array([-105.0, -210.0, 60.0, 100.0, 80.0, 100.0])
 
 
 def player(*options, folder=None):
@@ -21,11 +22,11 @@ def player(*options, folder=None):
     return f"{command} --ideal {shlex.quote(str(folder))}/$FRFID_RUN.npz" if folder else command
 
 
-def log_map():
+def log_map(scale=SCALE):
     """Which column is which, told as a user would: motor side, degrees, ms."""
-    roles = [("u", "ActTrq", "N m", SCALE), ("y", "ActVel", "deg/s", 1 / SCALE), ("r", "SetVel", "deg/s", 1 / SCALE), ("position", "ActPos", "deg", 1 / SCALE)]
+    roles = [("u", "ActTrq", "N m", scale), ("y", "ActVel", "deg/s", 1 / scale), ("r", "SetVel", "deg/s", 1 / scale), ("position", "ActPos", "deg", 1 / scale)]
     entry = '{{ source = "A{}.{}", unit = "{}", scale = {} }}'
-    lines = [f"{role} = [{', '.join(entry.format(axis + 1, name, unit, scale[axis]) for axis in range(3))}]" for role, name, unit, scale in roles]
+    lines = [f"{role} = [{', '.join(entry.format(axis + 1, name, unit, factors[axis]) for axis in range(scale.size))}]" for role, name, unit, factors in roles]
     return "\n".join([*lines, 'time = { source = "t_ms", unit = "ms" }', ""])
 
 
