@@ -57,6 +57,10 @@ fn every_command_prints_the_keys_of_the_page() {
         ("design", "design x.toml -o plan.mcap"),
         ("run --dry-run", "run x.toml --dry-run"),
         ("run", "run plan.mcap -o logs"),
+        (
+            "import",
+            "import logs --plan plan.mcap -o imported --u /joint_commands:effort[0]=Nm --y /joint_states:velocity[0]=rad/s",
+        ),
         ("estimate", "estimate logs -o frf.json"),
         ("inspect", "inspect logs"),
         ("compare", "compare frf.json frf.json"),

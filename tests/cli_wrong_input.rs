@@ -49,7 +49,7 @@ const DESCRIPTION: &str = "needed the description of an experiment";
 const RESULT: &str = "needed a result";
 
 /// A command line, what is found, what is needed, what to do.
-const REFUSED: [(&str, &str, &str, &str); 31] = [
+const REFUSED: [(&str, &str, &str, &str); 38] = [
     (
         "check robot.urdf",
         "a robot in URDF",
@@ -112,6 +112,48 @@ const REFUSED: [(&str, &str, &str, &str); 31] = [
         "a text file",
         "or a plan",
         "frfid init",
+    ),
+    (
+        "import frf.json --plan plan.mcap --map x.toml -o y",
+        "a result",
+        "needed logs",
+        "frfid compare",
+    ),
+    (
+        "import plan.mcap --plan plan.mcap --map x.toml -o y",
+        "a plan",
+        "needed logs",
+        "frfid run plan.mcap",
+    ),
+    (
+        "import x.toml --plan plan.mcap --map x.toml -o y",
+        "a text file",
+        "needed logs",
+        "frfid run",
+    ),
+    (
+        "import log.mcap --plan frf.json --map x.toml -o y",
+        "a result",
+        "or a plan",
+        "frfid report",
+    ),
+    (
+        "import log.mcap --plan log.mcap --map x.toml -o y",
+        "a log of frfid run",
+        "or a plan",
+        "frfid estimate log.mcap",
+    ),
+    (
+        "import log.mcap --plan plan.mcap --map logs -o y",
+        "a folder",
+        "needed a text",
+        "name a file",
+    ),
+    (
+        "run plan.mcap --player true --map bytes.toml -o y",
+        "a binary file",
+        "needed a text",
+        "another file",
     ),
     (
         "estimate frf.json -o y",
@@ -224,11 +266,13 @@ const REFUSED: [(&str, &str, &str, &str); 31] = [
 ];
 
 /// Command lines with a file that is not there.
-const MISSING: [&str; 12] = [
+const MISSING: [&str; 14] = [
     "check none.toml",
     "design none.toml -o y",
     "shape none.toml -o y",
     "run none.mcap -o y",
+    "import none.mcap --plan plan.mcap -o y",
+    "import log.mcap --plan none.mcap -o y",
     "estimate none.mcap -o y",
     "compare none.json frf.json",
     "export none.json -o y.csv",
