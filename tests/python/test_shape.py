@@ -51,6 +51,40 @@ def test_any_object_with_run_is_shaped_alike():
     assert foreign.reference.tobytes() == simulated.reference.tobytes()
 
 
+class Tripping(Machine):
+    """A machine that breaks down in its third run, once."""
+
+    is_broken = False
+
+    def run(self, run):
+        if self.runs == 2 and not self.is_broken:
+            self.is_broken = True
+            raise RuntimeError("the drive tripped")
+        return super().run(run)
+
+
+def test_what_was_measured_outlives_an_exception(tmp_path):
+    machine, folder = Tripping(), tmp_path / "shaped"
+    with pytest.raises(RuntimeError, match="the drive tripped"):
+        frfid.shape(machine, folder=folder, **OPTIONS)
+    assert sorted(path.parent.name for path in folder.glob("*/*.mcap")) == ["iteration_01", "iteration_02"]
+    resumed = frfid.shape(machine, folder=folder, **OPTIONS)
+    assert machine.runs == len(resumed.iterations), "no run is done twice"
+    whole = frfid.shape(Machine(), **OPTIONS)
+    np.testing.assert_array_equal(resumed.reference, whole.reference)
+    np.testing.assert_array_equal(resumed.r_to_u.response, whole.r_to_u.response)
+
+
+def test_another_shaping_in_the_way_is_refused_and_stays(tmp_path):
+    one = {**OPTIONS, "n_iterations": 1}
+    frfid.shape(Machine(), folder=tmp_path, **one)
+    before = (tmp_path / "iteration_01" / "p001-m0-q0.mcap").read_bytes()
+    with pytest.raises((OSError, ValueError), match="exists"):
+        frfid.shape(Machine(), folder=tmp_path, **{**one, "start": 2 * START})
+    assert (tmp_path / "iteration_01" / "p001-m0-q0.mcap").read_bytes() == before
+    frfid.shape(Machine(), folder=tmp_path, overwrite=True, **{**one, "start": 2 * START})
+
+
 def test_no_reference_exceeds_a_limit():
     class Watched(Machine):
         fastest = 0.0
