@@ -24,9 +24,16 @@ def player(*options, folder=None):
 
 def log_map(scale=SCALE):
     """Which column is which, told as a user would: motor side, degrees, ms."""
-    roles = [("u", "ActTrq", "N m", scale), ("y", "ActVel", "deg/s", 1 / scale), ("r", "SetVel", "deg/s", 1 / scale), ("position", "ActPos", "deg", 1 / scale)]
     entry = '{{ source = "A{}.{}", unit = "{}", scale = {} }}'
-    lines = [f"{role} = [{', '.join(entry.format(axis + 1, name, unit, factors[axis]) for axis in range(scale.size))}]" for role, name, unit, factors in roles]
+    lines = []
+    for role, name, unit, factors in [
+        ("u", "ActTrq", "N m", scale),
+        ("y", "ActVel", "deg/s", 1 / scale),
+        ("r", "SetVel", "deg/s", 1 / scale),
+        ("position", "ActPos", "deg", 1 / scale),
+    ]:
+        entries = (entry.format(axis, name, unit, factor) for axis, factor in enumerate(factors, 1))
+        lines.append(f"{role} = [{', '.join(entries)}]")
     return "\n".join([*lines, 'time = { source = "t_ms", unit = "ms" }', ""])
 
 
@@ -36,9 +43,10 @@ def robot(experiment, **options):
     return Robot.of_experiment(experiment, **options)
 
 
-def worst_db(response, truth):
-    """Of the diagonal entries, the largest deviation of the magnitude in dB."""
-    return np.abs(20 * np.log10(np.abs(response / truth)))[:, range(3), range(3)].max(axis=0)
+def off_db(response, truth):
+    """Deviation of the magnitude of the diagonal entries in dB, (frequency, axis)."""
+    axes = range(response.shape[1])
+    return np.abs(20 * np.log10(np.abs(response / truth)))[:, axes, axes]
 
 
 def changed(text, **values):

@@ -4,7 +4,7 @@ import csv
 
 import numpy as np
 import pytest
-from foreign import changed, log_map, player, robot, worst_db
+from foreign import changed, log_map, off_db, player, robot
 from workshop import MARKS, ROOT, done
 
 import frfid as library
@@ -39,20 +39,21 @@ def truth(r3):
 
 
 def test_the_diagonal_is_the_truth_to_one_and_a_half_decibels(r3, truth):
-    worst = worst_db(library.load(r3 / "frf.json").response, truth)
+    worst = off_db(library.load(r3 / "frf.json").response, truth).max(axis=0)
     print(f"worst line of each axis: {worst.round(2)} dB")
     assert worst.max() < 1.5
     assert "<html" in (r3 / "report.html").read_text()
 
 
 def test_the_stated_region_holds_the_truth(r3, truth):
+    """That at the pose, while the arm changes along its way: docs/theory.md says how much that takes from the 95 %."""
     frf = library.load(r3 / "frf.json")
     freedom = frf.total_degrees_of_freedom
     quantile = freedom * np.expm1(-np.log(0.05) / freedom)  # of F(2, 2 freedom)
     holds = np.abs(frf.response - truth) <= np.sqrt(quantile * frf.total_variance)
     shares = holds.mean(axis=0)
     print(f"lines at which the 95 % region holds the truth:\n{shares.round(2)}")
-    assert shares[DIAGONAL].min() >= 0.8 and shares[DIAGONAL].mean() >= 0.85
+    assert shares.min() >= 0.75 and shares.mean() >= 0.85 and shares[DIAGONAL].min() >= 0.8
 
 
 def first_samples(r3):

@@ -118,8 +118,8 @@ def test_by_files_it_says_what_to_play(tmp_path):
     folder = fill(tmp_path)
     output = frfid(folder, SHAPE)
     assert output.returncode == 0
-    for part in ("to be played: the references in shaped/references/iteration_01", "into shaped/measured/iteration_01", "then the same command again"):
-        assert part in output.stdout, output.stdout
+    assert "to be played: the references in shaped/references/iteration_01" in output.stdout
+    assert "into shaped/measured/iteration_01" in output.stdout and "then the same command again" in output.stdout
 
 
 def test_by_files_a_wrong_recording_is_not_used(peaceful, tmp_path):
