@@ -1,7 +1,10 @@
-//! Ctrl-C: the first one asks to stop after the work under way, the second one leaves at once.
+//! Ctrl-C: the first one asks to stop after the work under way, the second one leaves at once,
+//! and ends a player that is at work.
 
 use std::sync::Once;
 use std::sync::atomic::{AtomicUsize, Ordering};
+
+use frfid_experiment::end_player;
 
 use crate::exit::Exit;
 
@@ -17,6 +20,7 @@ pub(crate) fn listen() {
     LISTENING.call_once(|| {
         ctrlc::set_handler(|| {
             if PRESSED.fetch_add(1, Ordering::Relaxed) > 0 {
+                end_player();
                 std::process::exit(Exit::Interrupted as i32);
             }
         })

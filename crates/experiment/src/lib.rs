@@ -39,6 +39,7 @@ mod play {
     pub(crate) mod import;
     pub(crate) mod layout;
     pub(crate) mod playing;
+    pub(crate) mod process;
     pub(crate) mod rehearsal;
 }
 /// Runs: done on a testbed, several at once, and kept.
@@ -96,6 +97,7 @@ pub use play::by_files::{Awaited, FilesTestbed};
 pub use play::command::{CommandTestbed, PlayerCommand};
 pub use play::export::PlayOptions;
 pub use play::import::{ImportOptions, ImportSummary, ImportedRun, import_recordings};
+pub use play::process::end_player;
 pub use run::folder::{RunOptions, RunReport, RunSummary, run_to_folder};
 pub use run::guard::Guarded;
 pub use run::kept::KeptRuns;

@@ -115,13 +115,19 @@ fn n_signals(families: &[&Family]) -> usize {
     families.iter().map(|family| family.signals.len()).sum()
 }
 
-/// What was asked for: of the kind of the input, then of any kind but positions, then these.
+/// What was asked for: the reference of a velocity by that name, then of the kind of the input, then of any kind but
+/// positions, then these.
 fn reference<'f, 'l>(others: &[&'f Family<'l>], u: &Family) -> Option<&'f Family<'l>> {
     let asked = others
         .iter()
         .copied()
         .filter(|family| family.is_asked || family.is_named(REFERENCE));
-    asked.min_by_key(|family| (family.kind != u.kind, family.kind == Kind::Position))
+    asked.min_by_key(|family| {
+        let is_velocity = family.kind == Kind::Velocity && family.is_named(REFERENCE);
+        let is_like_input = family.kind == u.kind;
+        let is_position = family.kind == Kind::Position;
+        (!is_velocity, !is_like_input, is_position)
+    })
 }
 
 /// What drives the plant: measured rather than asked for, beside outputs of as many axes if there is such.

@@ -99,7 +99,7 @@ const OF_WORDS: [(Kind, &[&str]); 8] = [
 ];
 
 /// Words of what was asked for, not measured.
-const ASKED: [&str; 16] = [
+const ASKED: [&str; 17] = [
     "reference",
     "ref",
     "command",
@@ -116,6 +116,7 @@ const ASKED: [&str; 16] = [
     "goal",
     "d",
     "excitation",
+    "add",
 ];
 /// Words of what is derived from others, and of no use in an FRF.
 const DERIVED: [&str; 15] = [

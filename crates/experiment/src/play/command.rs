@@ -1,22 +1,19 @@
 //! Player as a command: each run's reference in a file, somebody else's program that plays it and records, its
 //! recording as the run's record.
 
+use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus, Stdio};
-use std::time::{Duration, Instant};
+use std::process::{Command, Stdio};
 
 use frfid_files::{LogMap, Overwrite, PlaybackFile, create_folder, write_playback_csv};
 use frfid_signals::{Playback, Record, Run, RunId, Testbed, TestbedError};
 
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
-use crate::play::import::imported_run;
 use crate::play::import::judged::{check_measured, check_place};
+use crate::play::import::{check_map, imported_run};
+use crate::play::process::played;
 
-/// Time from one look at a player to the next.
-const LOOK: Duration = Duration::from_millis(20);
-/// Time that a player has to end once it is asked to: to stop its machine.
-const GRACE: Duration = Duration::from_secs(5);
 /// A player may take so many times as long as it plays, ..
 const SLOWER: f64 = 2.0;
 /// .. and so many seconds more: to start, to move, to write its recording.
@@ -47,6 +44,8 @@ pub struct CommandTestbed<'a> {
     experiment: &'a Experiment,
     player: &'a PlayerCommand,
     folder: PathBuf,
+    /// Held by frfid and by its player: two at a time would both send runs to the machine.
+    lock: File,
 }
 
 impl<'a> CommandTestbed<'a> {
@@ -59,14 +58,15 @@ impl<'a> CommandTestbed<'a> {
         player: &'a PlayerCommand,
         folder: &Path,
     ) -> Result<Self, ExperimentError> {
-        crate::play::import::check_map(experiment, &player.map)?;
-        for kind in ["references", "recordings"] {
-            create_folder(&folder.join(kind))?;
-        }
+        check_map(experiment, &player.map)?;
+        let kinds = ["references", "recordings"];
+        let made = |kind| create_folder(&folder.join(kind));
+        kinds.into_iter().try_for_each(made)?;
         Ok(Self {
             experiment,
             player,
             folder: folder.into(),
+            lock: locked(folder)?,
         })
     }
 
@@ -76,27 +76,21 @@ impl<'a> CommandTestbed<'a> {
         let timeout_s = self.player.timeout_s.unwrap_or_else(|| {
             SLOWER * playback.n_samples() as f64 * playback.sample_time_s + BESIDE_S
         });
-        let reference = self
-            .folder
-            .join("references")
-            .join(format!("{}.csv", run.id));
+        let reference = self.reference_of(run.id);
         write_reference(&reference, self.experiment, run.id, playback)?;
         let recording = self.recording_of(run.id);
         remove(&recording)?;
         self.play(run.id, &reference, &recording, player.rate_hz, timeout_s)?;
-        if !recording.exists() {
-            let found = format!("none at {}", recording.display());
-            return Err(failed(
-                "recording of the player",
-                found,
-                "one at the path that it is given",
-            ));
-        }
+        check_written(&recording)?;
         let (map, rate_hz) = (&self.player.map, self.player.rate_hz);
         let record = imported_run(self.experiment, run, &recording, map, rate_hz)?;
         check_measured(&record, &self.experiment.joint_names)?;
         check_place(&record, run, self.experiment)?;
         Ok(record)
+    }
+
+    fn reference_of(&self, run: RunId) -> PathBuf {
+        self.folder.join("references").join(format!("{run}.csv"))
     }
 
     fn recording_of(&self, run: RunId) -> PathBuf {
@@ -114,19 +108,19 @@ impl<'a> CommandTestbed<'a> {
         timeout_s: f64,
     ) -> Result<(), ExperimentError> {
         let command = format!("{} \"$@\"", self.player.command);
-        let child = apart(&mut Command::new("sh"))
+        let lock = self.lock.try_clone();
+        let lock = lock.map_err(|error| failed("player", error.to_string(), "a file to lock"))?;
+        let mut shell = Command::new("sh");
+        shell
             .args(["-c", &command, "player"])
             .args([reference, recording])
             .env("FRFID_REFERENCE", reference)
             .env("FRFID_LOG", recording)
             .env("FRFID_RUN", run.to_string())
             .env("FRFID_RATE_HZ", rate_hz.to_string())
-            .stdin(Stdio::null())
-            .stdout(Stdio::from(std::io::stderr()))
-            .spawn();
-        let needed = "a program that a shell can start";
-        let mut child = child.map_err(|error| failed("player", error.to_string(), needed))?;
-        let status = waited(&mut child, timeout_s)?;
+            .stdin(Stdio::from(lock)) // empty, and held as long as the player lives
+            .stdout(Stdio::from(std::io::stderr()));
+        let status = played(&mut shell, timeout_s)?;
         if status.success() {
             return Ok(());
         }
@@ -177,51 +171,33 @@ pub(crate) fn write_reference(
     Ok(write_playback_csv(path, Overwrite::Replace, &file)?)
 }
 
-/// Waits for the end of a player, which is stopped if it takes too long.
-fn waited(child: &mut Child, timeout_s: f64) -> Result<ExitStatus, ExperimentError> {
-    let lost = |error: std::io::Error| failed("player", error.to_string(), "a program that ends");
-    let begin = Instant::now();
-    loop {
-        if let Some(status) = child.try_wait().map_err(lost)? {
-            return Ok(status);
+/// Checks that a player wrote its recording.
+fn check_written(recording: &Path) -> Result<(), ExperimentError> {
+    let needed = "one at the path that it is given";
+    match recording.exists() {
+        true => Ok(()),
+        false => {
+            let found = format!("none at {}", recording.display());
+            Err(failed("recording of the player", found, needed))
         }
-        if begin.elapsed().as_secs_f64() > timeout_s {
-            stop(child).map_err(lost)?;
-            let found = format!("still at it after {timeout_s} s, stopped");
-            return Err(failed("player", found, "an end before (--player-timeout)"));
-        }
-        std::thread::sleep(LOOK);
     }
 }
 
-/// A player with a group of its own, so that all of it can be stopped, and an interruption of frfid lets it
-/// finish its run.
-fn apart(command: &mut Command) -> &mut Command {
-    #[cfg(unix)]
-    std::os::unix::process::CommandExt::process_group(command, 0);
-    command
-}
-
-/// Asks a player and all that it started to end, and ends them if they do not.
-fn stop(child: &mut Child) -> std::io::Result<()> {
-    signal(child, "TERM");
-    let begin = Instant::now();
-    while begin.elapsed() < GRACE && child.try_wait()?.is_none() {
-        std::thread::sleep(LOOK);
-    }
-    signal(child, "KILL");
-    child.kill()?;
-    child.wait().map(drop)
-}
-
-/// Sends a signal to the group of a player.
-fn signal(child: &Child, name: &str) {
-    if cfg!(unix) {
-        let group = format!("-{}", child.id());
-        // a group that is gone already needs no signal
-        let _ = Command::new("kill")
-            .args(["-s", name, "--", &group])
-            .status();
+/// The lock of a folder of a player.
+fn locked(folder: &Path) -> Result<File, ExperimentError> {
+    let path = folder.join("lock");
+    let file = File::create(&path).map_err(|error| failed("lock", error.to_string(), "a file"))?;
+    match file.try_lock() {
+        Ok(()) => Ok(file),
+        Err(_) => Err(ExperimentError::logs(
+            "machine",
+            format!(
+                "{} held: another frfid, or its player, is at work",
+                path.display()
+            ),
+            "one at a time",
+            "wait for its end",
+        )),
     }
 }
 
@@ -236,7 +212,7 @@ fn remove(recording: &Path) -> Result<(), ExperimentError> {
     removed.map_err(|error| failed("recording of the player", error.to_string(), needed))
 }
 
-fn failed(what: &'static str, found: String, needed: &str) -> ExperimentError {
+pub(super) fn failed(what: &'static str, found: String, needed: &str) -> ExperimentError {
     let advice =
         "the next run is not sent; once the cause is removed, the same command goes on from here";
     ExperimentError::logs(what, found, needed, advice)
