@@ -10,7 +10,7 @@ import frfid as library
 
 pytestmark = MARKS
 WILD = "p000-m1-q0"
-SAID = "axis 1 reached torque 650.0"
+SAID = "axis 1 reached torque 650 N m"
 
 
 @pytest.fixture
