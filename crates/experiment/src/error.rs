@@ -105,6 +105,12 @@ pub enum ExperimentError {
          (frfid export, frfid run --player, Plan.run(testbed) of Python), or describe a [robot]"
     )]
     NoModel,
+    /// A machine that is busy.
+    #[error("{}: another frfid, or its player, is still at work; wait for its end", lock.display())]
+    AtWork {
+        /// The file that it holds.
+        lock: PathBuf,
+    },
     /// Logs that do not belong together, or not to this plan.
     #[error("{what}: found {found}, needed {needed}; {advice}")]
     Logs {

@@ -189,15 +189,7 @@ fn locked(folder: &Path) -> Result<File, ExperimentError> {
     let file = File::create(&path).map_err(|error| failed("lock", error.to_string(), "a file"))?;
     match file.try_lock() {
         Ok(()) => Ok(file),
-        Err(_) => Err(ExperimentError::logs(
-            "machine",
-            format!(
-                "{} held: another frfid, or its player, is at work",
-                path.display()
-            ),
-            "one at a time",
-            "wait for its end",
-        )),
+        Err(_) => Err(ExperimentError::AtWork { lock: path }),
     }
 }
 
