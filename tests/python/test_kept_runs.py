@@ -69,9 +69,10 @@ def test_a_stopped_run_is_done_again_only_if_asked(plan, tmp_path):
             stop = [{"time_s": half * 1e-3, "event": "stopped", "reason": "by hand"}]
             return frfid.Record(sample_time_s=1e-3, u=record.u[:, :half], y=record.y[:, :half], r=record.r[:, :half], events=stop)
 
-    plan.run(Stopping(), folder=tmp_path / "logs")
     machine = Machine()
-    assert all(record.n_samples < plan.reference(0).shape[1] for record in plan.run(machine, folder=tmp_path / "logs"))
-    assert machine.runs == 0
+    for testbed in (Stopping(), machine):
+        with pytest.raises(ValueError, match="run p000-m0-q0 was stopped at 4.608 s; find out why"):
+            plan.run(testbed, folder=tmp_path / "logs")
+    assert machine.runs == 0 and [path.name for path in (tmp_path / "logs").iterdir()] == ["p000-m0-q0.mcap"]
     again = plan.run(machine, folder=tmp_path / "logs", overwrite=True)
     assert machine.runs == 3 and again[0].n_samples == plan.reference(0).shape[1]
