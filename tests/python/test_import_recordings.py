@@ -72,6 +72,22 @@ def test_the_runs_come_back_by_their_names(plan, tmp_path):
     assert again["n_skipped"] == 3 and not again["imported"]
 
 
+def test_repetitions_may_come_one_by_one(tmp_path):
+    twice = PLAN.replace("realizations = 3", "realizations = 1").replace("repetitions = 1", "repetitions = 2")
+    (tmp_path / "plan.toml").write_text(twice)
+    plan = frfid.Experiment.load(tmp_path / "plan.toml").design()
+    for name, order in (("monday", [0]), ("tuesday", [1, 1])):
+        recording(plan, tmp_path / f"{name}.csv", order)
+    logs = tmp_path / "logs"
+    with pytest.warns(UserWarning, match="in none of the recordings: p000-m0-q1"):
+        plan.import_recordings(tmp_path / "monday.csv", MAP, logs)
+    with pytest.warns(UserWarning, match="once more than the plan repeats it"):
+        second = plan.import_recordings(tmp_path / "tuesday.csv", MAP, logs)
+    assert [run["run"] for run in second["imported"]] == ["p000-m0-q1"] and not second["missing"]
+    again = plan.import_recordings(tmp_path / "monday.csv", MAP, logs)
+    assert again["n_skipped"] == 1 and not again["imported"] and not again["missing"]
+
+
 def test_what_is_missing_or_too_many_is_said(plan, tmp_path):
     recording(plan, tmp_path / "some.csv", [1, 1])
     with pytest.warns(UserWarning) as said:

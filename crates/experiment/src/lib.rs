@@ -51,6 +51,7 @@ mod run {
     pub(crate) mod parallel;
     pub(crate) mod planned_runs;
     pub(crate) mod provenance;
+    pub(crate) mod run_file;
     pub(crate) mod simulated;
     pub(crate) mod strength;
 }

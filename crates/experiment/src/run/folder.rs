@@ -3,8 +3,8 @@
 use std::path::{Path, PathBuf};
 
 use frfid_estimate::{AxisStrength, standing_share};
-use frfid_files::{Overwrite, RunFile, create_folder, read_run, write_run};
-use frfid_signals::{Event, EventKind, Plan, Record, RunId, RunKind, Testbed};
+use frfid_files::{Overwrite, create_folder, read_run, read_run_label, write_run};
+use frfid_signals::{Event, EventKind, Record, RunId, Testbed};
 use serde::Serialize;
 
 use crate::error::ExperimentError;
@@ -14,6 +14,7 @@ use crate::run::load::Load;
 use crate::run::parallel::{Progress, Steps, for_each};
 use crate::run::planned_runs::PlannedRuns;
 use crate::run::provenance::{CONFIG, Metadata};
+use crate::run::run_file::run_file;
 use crate::run::strength::Strength;
 
 /// How runs are done.
@@ -163,7 +164,7 @@ impl<'a> Writer<'a> {
         let Ok((file, losses)) = read_run(&self.path_of(id)) else {
             return Found::Nothing;
         };
-        let is_ours = file.metadata.get(CONFIG) == self.metadata.get(CONFIG);
+        let is_ours = self.is_ours(&file.metadata);
         match file.record.stopped_at_s() {
             _ if !losses.is_empty() || file.run != id || !is_ours => Found::Nothing,
             Some(_) => Found::Stopped(file.record),
@@ -178,6 +179,18 @@ impl<'a> Writer<'a> {
             Found::Stopped(record) if self.overwrite != Overwrite::Replace => Some(record),
             Found::Stopped(_) | Found::Nothing => None,
         }
+    }
+
+    /// What the file of a run says of where it comes from; `None` where it is not there, not this experiment's, or
+    /// to be replaced.
+    pub(crate) fn metadata_of(&self, id: RunId) -> Option<Metadata> {
+        let there = read_run_label(&self.path_of(id)).ok()?.metadata;
+        let is_kept = self.overwrite != Overwrite::Replace;
+        (is_kept && self.is_ours(&there)).then_some(there)
+    }
+
+    fn is_ours(&self, metadata: &Metadata) -> bool {
+        metadata.get(CONFIG) == self.metadata.get(CONFIG)
     }
 
     /// A testbed with a guard that has seen the runs that are there already.
@@ -238,43 +251,6 @@ fn chosen(planned: &PlannedRuns, index: Option<usize>) -> Result<Vec<RunId>, Exp
             "the order has no more runs",
         )),
     }
-}
-
-/// A record with what belongs to it, ready to be written.
-pub(crate) fn run_file(
-    experiment: &Experiment,
-    run: RunId,
-    mut record: Record,
-    metadata: Metadata,
-) -> Result<RunFile, ExperimentError> {
-    let starts = period_starts(&experiment.plan, run, &record)?;
-    record.events.extend(starts);
-    record.events.sort_by(|a, b| a.time_s.total_cmp(&b.time_s));
-    Ok(RunFile {
-        joint_names: experiment.joint_names.clone(),
-        run,
-        injection: experiment.plan.injection,
-        record,
-        metadata,
-        experiment_toml: experiment.to_toml(),
-    })
-}
-
-/// The starts of the measured periods that the record reaches.
-fn period_starts(plan: &Plan, id: RunId, record: &Record) -> Result<Vec<Event>, ExperimentError> {
-    let period_samples = plan.period_samples()?;
-    let n_periods = match id.kind {
-        RunKind::Glide => 0,
-        RunKind::Excitation => plan.n_periods,
-    };
-    let starts =
-        (0..n_periods).map(|period| (period, plan.lead_in_samples + period * period_samples));
-    let reached = starts.filter(|(_, start)| *start < record.n_samples());
-    let event = |(period, start)| Event {
-        time_s: start as f64 * plan.sample_time_s,
-        kind: EventKind::PeriodStart { period },
-    };
-    Ok(reached.map(event).collect())
 }
 
 fn report(path: PathBuf, load: Load, record: &Record) -> RunReport {

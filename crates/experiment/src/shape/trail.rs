@@ -13,10 +13,10 @@ use frfid_signals::{Frf, Record, Run, RunId, Testbed, TestbedError};
 
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
-use crate::run::folder::run_file;
 use crate::run::guard::Guarded;
 use crate::run::parallel::{Progress, Steps, for_each};
 use crate::run::provenance::{CONFIG, DESIGN, Metadata};
+use crate::run::run_file::run_file;
 use crate::shape::earlier::{check_same, clear};
 use crate::shape::iteration_files::{BEST, IterationFiles, iteration_name};
 use crate::shape::kept_references::{REFERENCE, reference_sha256};

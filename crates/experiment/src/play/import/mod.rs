@@ -5,6 +5,7 @@ pub(crate) mod judged;
 mod plan_clock;
 mod player_filter;
 mod sought;
+mod source;
 mod under_way;
 
 use std::path::{Path, PathBuf};

@@ -3,8 +3,9 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use frfid_files::{Log, LogMap, read_log, sha256_file};
+use frfid_files::{Log, LogMap, read_log};
 use frfid_signals::{Record, RunId, RunKind};
+use ndarray::Array2;
 
 use crate::error::ExperimentError;
 use crate::play::import::judged::{
@@ -13,11 +14,11 @@ use crate::play::import::judged::{
 use crate::play::import::plan_clock::{followed, on_plan_clock, times_of};
 use crate::play::import::player_filter::player_filter;
 use crate::play::import::sought::{FoundRun, SoughtRuns};
+use crate::play::import::source::Source;
 use crate::play::import::{ImportSummary, ImportedRun, not_recognised};
 use crate::run::folder::Writer;
 use crate::run::load::Load;
 use crate::run::planned_runs::PlannedRuns;
-use crate::run::provenance::Metadata;
 
 /// An import under way.
 pub(super) struct Import<'a> {
@@ -31,6 +32,16 @@ pub(super) struct Import<'a> {
     n_read: usize,
     /// One filter is told once.
     filter_is_told: bool,
+}
+
+/// Where a run goes.
+enum Place {
+    /// To be written under this name.
+    Free(RunId),
+    /// It is there already.
+    There,
+    /// The plan has no more repetitions of it.
+    None,
 }
 
 impl<'a> Import<'a> {
@@ -71,16 +82,13 @@ impl<'a> Import<'a> {
             .iter()
             .map(|warning| format!("{name}: {warning}"));
         self.summary.warnings.extend(told);
-        let times_s = times_of(&log);
+        let (times_s, source) = (times_of(&log), Source::of(recording)?);
         let mut found = sought.find(&followed(&log, &times_s, &self.planned.experiment.plan));
-        found.sort_by(|a, b| {
-            let start_s = |run: &FoundRun| run.occurrence.alignment.start_s;
-            start_s(a).total_cmp(&start_s(b))
-        });
+        found.sort_by(|a, b| start_s(a).total_cmp(&start_s(b)));
         for run in found {
             match doubt(&run, &log) {
-                Some(doubt) => self.summary.unused.push(format!("{name}: {doubt}")),
-                None => self.keep(&run, recording, &log, &times_s)?,
+                Some(doubt) => self.pass_over(&source, &doubt),
+                None => self.keep(&run, &source, &log, &times_s)?,
             }
         }
         Ok(())
@@ -90,40 +98,65 @@ impl<'a> Import<'a> {
     fn keep(
         &mut self,
         found: &FoundRun,
-        recording: &Path,
+        source: &Source,
         log: &Log,
         times_s: &[f64],
     ) -> Result<(), ExperimentError> {
-        let experiment = &self.planned.experiment;
-        if let Err(error) = check_gains(found, log, experiment) {
-            if found.id.kind == RunKind::Excitation {
-                return Err(error);
+        match check_gains(found, log, &self.planned.experiment) {
+            Err(error) if found.id.kind == RunKind::Glide => {
+                self.pass_over(source, &error.to_string());
+                return Ok(());
             }
-            let name = recording.display();
-            self.summary.unused.push(format!("{name}: {error}"));
-            return Ok(());
+            checked => checked?,
         }
-        let Some(id) = self.next_of(found.id) else {
-            let (id, name) = (found.id, recording.display());
-            let start_s = found.occurrence.alignment.start_s;
-            let many = format!("{name}: at {start_s:.3} s {id} once more than the plan repeats it");
-            self.summary.unused.push(many);
-            return Ok(());
-        };
-        if self.writer.record_of(id).is_some() {
-            self.summary.n_skipped += 1;
-            return Ok(());
+        let start_s = found.occurrence.alignment.start_s;
+        match self.place_of(found.id, source, start_s) {
+            Place::Free(id) => return self.write(id, found, source, (log, times_s)),
+            Place::There => self.summary.n_skipped += 1,
+            Place::None => {
+                let many = format!("{} once more than the plan repeats it", found.id);
+                self.pass_over(source, &format!("at {start_s:.3} s {many}"));
+            }
         }
-        let record = on_plan_clock(log, times_s, found, &experiment.plan);
-        let flaws = self.look(id, &record)?;
+        Ok(())
+    }
+
+    /// Says what of a recording is not used.
+    fn pass_over(&mut self, source: &Source, why: &str) {
+        let name = source.path.display();
+        self.summary.unused.push(format!("{name}: {why}"));
+    }
+
+    /// Writes a run under its name, on the plan's clock.
+    fn write(
+        &mut self,
+        id: RunId,
+        found: &FoundRun,
+        source: &Source,
+        (log, times_s): (&Log, &[f64]),
+    ) -> Result<(), ExperimentError> {
+        let record = on_plan_clock(log, times_s, found, &self.planned.experiment.plan);
         let told = ImportedRun {
-            flaws,
-            ..imported(id, found, recording, &record)
+            flaws: self.look(id, &record)?,
+            ..imported(id, found, &source.path, &record)
         };
-        self.writer
-            .write_with(id, record, provenance(&told, recording)?)?;
+        let origin = source.provenance(&told);
+        self.writer.write_with(id, record, origin)?;
         self.summary.imported.push(told);
         Ok(())
+    }
+
+    /// The place of a run among the repetitions of its reference: those that are there came from elsewhere, or are
+    /// this very run.
+    fn place_of(&mut self, first: RunId, source: &Source, start_s: f64) -> Place {
+        while let Some(id) = self.next_of(first) {
+            match self.writer.metadata_of(id) {
+                None => return Place::Free(id),
+                Some(there) if source.is_origin_of(&there, start_s) => return Place::There,
+                Some(_) => {}
+            }
+        }
+        Place::None
     }
 
     /// The next repetition of a reference; `None` if all were found.
@@ -164,7 +197,7 @@ impl<'a> Import<'a> {
 
     pub(super) fn finish(mut self) -> Result<ImportSummary, ExperimentError> {
         let all = self.planned.run_ids();
-        let is_there = |id: &RunId| self.writer.record_of(*id).is_some();
+        let is_there = |id: &RunId| self.writer.metadata_of(*id).is_some();
         let imported = &self.summary.imported;
         let is_new = |id: &RunId| imported.iter().any(|run| run.run == id.to_string());
         let missing = all.iter().filter(|id| !is_new(id) && !is_there(id));
@@ -181,15 +214,19 @@ impl<'a> Import<'a> {
     }
 }
 
+fn is_lost(signal: &Array2<f64>, sample: usize) -> bool {
+    let mut values = signal.column(sample).into_iter();
+    values.any(|value| !value.is_finite())
+}
+
+fn start_s(run: &FoundRun) -> f64 {
+    run.occurrence.alignment.start_s
+}
+
 /// What is told of a run.
 fn imported(id: RunId, found: &FoundRun, recording: &Path, record: &Record) -> ImportedRun {
     let occurrence = &found.occurrence;
-    let is_lost = |k: &usize| {
-        let signals = [&record.u, &record.y];
-        signals
-            .iter()
-            .any(|signal| signal.column(*k).iter().any(|value| !value.is_finite()))
-    };
+    let is_lost = |k: &usize| is_lost(&record.u, *k) || is_lost(&record.y, *k);
     ImportedRun {
         run: id.to_string(),
         recording: recording.into(),
@@ -201,23 +238,4 @@ fn imported(id: RunId, found: &FoundRun, recording: &Path, record: &Record) -> I
         stopped_s: occurrence.stopped_s,
         flaws: Vec::new(),
     }
-}
-
-/// Where an imported run comes from.
-fn provenance(told: &ImportedRun, recording: &Path) -> Result<Metadata, ExperimentError> {
-    let name = recording
-        .file_name()
-        .unwrap_or_default()
-        .to_string_lossy()
-        .into_owned();
-    let mut entries = Metadata::from([
-        ("recording".to_owned(), name),
-        ("recording_start_s".to_owned(), told.start_s.to_string()),
-        ("recording_clock_ppm".to_owned(), told.clock_ppm.to_string()),
-        ("recording_likeness".to_owned(), told.likeness.to_string()),
-    ]);
-    if recording.is_file() {
-        entries.insert("recording_sha256".to_owned(), sha256_file(recording)?);
-    }
-    Ok(entries)
 }
