@@ -13,6 +13,15 @@ pub(crate) fn choice<T: DeserializeOwned>(argument: &str, name: &str) -> PyResul
     from_json(argument, name)
 }
 
+/// Whether what is in a folder is replaced, or goes on.
+pub(crate) fn resume_unless(replaces: bool) -> Overwrite {
+    if replaces {
+        Overwrite::Replace
+    } else {
+        Overwrite::Resume
+    }
+}
+
 /// A value as strings, numbers, lists and dicts.
 pub(crate) fn to_python<'py, T: Serialize>(
     py: Python<'py>,

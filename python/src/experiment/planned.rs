@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use frfid_experiment::{Experiment as Description, KeptRuns, PlannedRuns};
-use frfid_files::Overwrite;
 use frfid_signals::{RunId, Testbed};
 use pyo3::prelude::*;
 
+use crate::choice::resume_unless;
 use crate::error;
 use crate::experiment::plan::Plan;
 use crate::signals::run::{LimitsByKey, by_key};
@@ -36,11 +36,7 @@ impl Plan {
         folder: &'a Path,
         replaces: bool,
     ) -> PyResult<KeptRuns<'a>> {
-        let overwrite = if replaces {
-            Overwrite::Replace
-        } else {
-            Overwrite::Resume
-        };
+        let overwrite = resume_unless(replaces);
         KeptRuns::new(&self.planned, testbed, folder, overwrite).map_err(error::experiment)
     }
 

@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use frfid_experiment::KeptReferences;
-use frfid_files::Overwrite;
 use frfid_signals::Testbed;
 use pyo3::PyResult;
 
+use crate::choice::resume_unless;
 use crate::error;
 
 /// The same testbed with its records kept in a folder.
@@ -15,11 +15,7 @@ pub(super) fn kept<'a>(
     folder: Option<&'a Path>,
     replaces: bool,
 ) -> PyResult<Option<KeptReferences<'a>>> {
-    let overwrite = if replaces {
-        Overwrite::Replace
-    } else {
-        Overwrite::Resume
-    };
+    let overwrite = resume_unless(replaces);
     let kept = folder.map(|folder| KeptReferences::new(testbed, folder, overwrite));
     kept.transpose().map_err(error::experiment)
 }

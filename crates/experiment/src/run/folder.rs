@@ -77,11 +77,9 @@ pub fn run_to_folder(
         experiment.model()?;
     }
     let writer = Writer::new(planned, folder, options.overwrite);
-    let (open, stopped_before) = writer.open(&ids);
     let model = experiment.testbed();
-    let guarded = testbed
-        .map(|testbed| writer.guarded(&ids, testbed))
-        .transpose()?;
+    let guarded = testbed.map(|testbed| Guarded::of(experiment, testbed));
+    let (open, stopped_before) = writer.open(&ids, guarded.as_ref())?;
     let testbed = guarded
         .as_ref()
         .map_or(&*model, |guarded| guarded as &dyn Testbed);
@@ -145,19 +143,27 @@ impl<'a> Writer<'a> {
         self.folder.join(format!("{id}.mcap"))
     }
 
-    /// The runs that are to be done, and the files of those that were stopped before and stay.
-    fn open(&self, ids: &[RunId]) -> (Vec<RunId>, Vec<PathBuf>) {
+    /// The runs that are to be done, and the files of those that were stopped before and stay; `guard` sees what is
+    /// there.
+    fn open(
+        &self,
+        ids: &[RunId],
+        guard: Option<&Guarded>,
+    ) -> Result<(Vec<RunId>, Vec<PathBuf>), ExperimentError> {
         let (mut open, mut stopped_before) = (Vec::new(), Vec::new());
         for &id in ids {
-            match self.found(id) {
-                Found::Whole(_) => {}
-                Found::Stopped(_) if self.overwrite != Overwrite::Replace => {
-                    stopped_before.push(self.path_of(id));
-                }
-                Found::Stopped(_) | Found::Nothing => open.push(id),
+            let Some(record) = self.record_of(id) else {
+                open.push(id);
+                continue;
+            };
+            if record.stopped_at_s().is_some() {
+                stopped_before.push(self.path_of(id));
+            }
+            if let Some(guard) = guard {
+                guard.see(&self.planned.run(id)?, &record);
             }
         }
-        (open, stopped_before)
+        Ok((open, stopped_before))
     }
 
     fn found(&self, id: RunId) -> Found {
@@ -191,21 +197,6 @@ impl<'a> Writer<'a> {
 
     fn is_ours(&self, metadata: &Metadata) -> bool {
         metadata.get(CONFIG) == self.metadata.get(CONFIG)
-    }
-
-    /// A testbed with a guard that has seen the runs that are there already.
-    fn guarded(
-        &self,
-        ids: &[RunId],
-        testbed: &'a dyn Testbed,
-    ) -> Result<Guarded<'a>, ExperimentError> {
-        let guarded = Guarded::of(&self.planned.experiment, testbed);
-        for &id in ids {
-            if let Some(record) = self.record_of(id) {
-                guarded.see(&self.planned.run(id)?, &record);
-            }
-        }
-        Ok(guarded)
     }
 
     /// Writes the file of a run; the record comes back with the starts of its periods.

@@ -2,7 +2,6 @@
 
 use frfid_files::{Log, si_unit};
 use frfid_signals::format::significant;
-
 use frfid_signals::{Record, Run};
 
 use crate::error::ExperimentError;
@@ -87,7 +86,7 @@ pub(super) fn check_gains(
 ///
 /// # Errors
 /// [`ExperimentError::Logs`] naming the signal.
-pub(crate) fn check_measured(
+pub(super) fn check_measured(
     record: &Record,
     joint_names: &[String],
 ) -> Result<(), ExperimentError> {
@@ -112,7 +111,7 @@ pub(crate) fn check_measured(
 ///
 /// # Errors
 /// [`ExperimentError::Logs`] naming the joint that was elsewhere.
-pub(crate) fn check_place(
+pub(super) fn check_place(
     record: &Record,
     run: &Run,
     experiment: &Experiment,

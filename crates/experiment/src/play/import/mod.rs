@@ -1,7 +1,7 @@
 //! Import of recordings of a plan that somebody else played and recorded: its runs are recognised, put on
 //! the plan's clock and written as runs of our own.
 
-pub(crate) mod judged;
+mod judged;
 mod plan_clock;
 mod player_filter;
 mod sought;
@@ -17,7 +17,9 @@ use serde::Serialize;
 use crate::description::estimate::GlideSubtraction;
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
-use crate::play::import::judged::{check_gains, check_reference, doubt};
+use crate::play::import::judged::{
+    check_gains, check_measured, check_place, check_reference, doubt,
+};
 use crate::play::import::plan_clock::{followed, on_plan_clock, times_of};
 use crate::play::import::sought::SoughtRuns;
 use crate::play::import::under_way::Import;
@@ -169,7 +171,10 @@ pub(crate) fn imported_run(
         return Err(not_recognised(&format!("{}: {doubt}", recording.display())));
     }
     check_gains(best, &log, experiment)?;
-    Ok(on_plan_clock(&log, &times_s, best, plan))
+    let record = on_plan_clock(&log, &times_s, best, plan);
+    check_measured(&record, &experiment.joint_names)?;
+    check_place(&record, run, experiment)?;
+    Ok(record)
 }
 
 /// Checks that a map has what the description needs.

@@ -1,11 +1,10 @@
 //! Filter of a player: what stands between the planned reference and the one that was logged, by its gain over
 //! frequency.
 
-use std::f64::consts::TAU;
-
+use frfid_estimate::{LineDft, Transform};
 use frfid_signals::format::significant;
 use frfid_signals::{Plan, Record, Run, RunKind};
-use ndarray::ArrayView1;
+use ndarray::{Array2, ArrayView1, s};
 use num_complex::Complex64;
 
 /// Gain in dB beyond which a filter is told.
@@ -27,11 +26,16 @@ pub(super) fn player_filter(record: &Record, run: &Run, plan: &Plan) -> Option<S
     } else {
         0
     };
-    let pairs = run.reference.rows().into_iter().zip(logged.rows());
-    let strongest = pairs.filter_map(|(planned, logged)| {
-        let part = |row: ArrayView1<f64>| row.iter().skip(from).copied().collect::<Vec<f64>>();
-        farthest(&part(planned), &part(logged), plan)
-    });
+    let part = |signal: &Array2<f64>| signal.slice(s![.., from..]).to_owned();
+    let lines = lines_of(run.reference.ncols() - from, plan);
+    let dft = LineDft::new(run.reference.ncols() - from, &lines).ok()?;
+    let planned = dft
+        .transform("reference", part(&run.reference).view())
+        .ok()?;
+    let logged = dft.transform("r", part(logged).view()).ok()?;
+    let hz = dft.frequency_hz(plan.sample_time_s).ok()?;
+    let pairs = planned.rows().into_iter().zip(logged.rows());
+    let strongest = pairs.filter_map(|(planned, logged)| farthest(&hz, planned, logged));
     let (hz, gain_db) = strongest.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
     (gain_db.abs() > TOLD_DB).then(|| {
         let (gain_db, hz) = (significant(gain_db, 2), significant(hz, 3));
@@ -42,37 +46,26 @@ pub(super) fn player_filter(record: &Record, run: &Run, plan: &Plan) -> Option<S
     })
 }
 
-/// Frequency in Hz and gain in dB at which the logged reference is farthest from the planned one.
-fn farthest(planned: &[f64], logged: &[f64], plan: &Plan) -> Option<(f64, f64)> {
-    let n = planned.len();
+/// Bins of the band in a part of so many samples.
+fn lines_of(n_samples: usize, plan: &Plan) -> Vec<usize> {
     let [low_hz, high_hz] = plan.excitation.waveform().band_hz();
-    let step_hz = 1.0 / (n as f64 * plan.sample_time_s);
-    let bins = (low_hz / step_hz).ceil() as usize..=(high_hz / step_hz + 1e-6).floor() as usize;
-    let lines: Vec<(usize, Complex64)> = bins.map(|bin| (bin, at_bin(planned, bin))).collect();
-    let strongest = lines.iter().map(|(_, z)| z.norm()).fold(0.0, f64::max);
-    let strong: Vec<_> = lines
-        .into_iter()
-        .filter(|(_, z)| z.norm() > STRONG * strongest)
-        .collect();
+    let bin = |hz: f64| hz * n_samples as f64 * plan.sample_time_s;
+    (bin(low_hz).ceil() as usize..=(bin(high_hz) + 1e-6).floor() as usize).collect()
+}
+
+/// Frequency in Hz and gain in dB at which the logged reference is farthest from the planned one.
+fn farthest(
+    hz: &[f64],
+    planned: ArrayView1<Complex64>,
+    logged: ArrayView1<Complex64>,
+) -> Option<(f64, f64)> {
+    let strongest = planned.iter().map(|z| z.norm()).fold(0.0, f64::max);
+    let is_strong = |line: &usize| planned[*line].norm() > STRONG * strongest;
+    let strong: Vec<usize> = (0..hz.len()).filter(is_strong).collect();
     let stride = strong.len().div_ceil(N_FREQUENCIES).max(1);
-    let gains = strong.iter().rev().step_by(stride).map(|(bin, planned)| {
-        let gain = at_bin(logged, *bin).norm() / planned.norm();
-        (*bin as f64 * step_hz, 20.0 * gain.log10())
+    let gains = strong.iter().rev().step_by(stride).map(|&line| {
+        let gain = logged[line].norm() / planned[line].norm();
+        (hz[line], 20.0 * gain.log10())
     });
     gains.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
-}
-
-/// A bin of the DFT.
-fn at_bin(samples: &[f64], bin: usize) -> Complex64 {
-    let turn = Complex64::cis(-TAU * bin as f64 / samples.len() as f64);
-    samples
-        .iter()
-        .zip(turns(turn))
-        .map(|(sample, phase)| sample * phase)
-        .sum()
-}
-
-/// The powers of a turn, from its zeroth.
-fn turns(turn: Complex64) -> impl Iterator<Item = Complex64> {
-    std::iter::successors(Some(Complex64::ONE), move |phase| Some(phase * turn))
 }
