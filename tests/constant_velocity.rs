@@ -10,14 +10,19 @@ use frfid::paper::MultisineCampaign;
 use frfid::signals::Frf;
 use ndarray::{Array3, Axis, Zip};
 
-/// The campaign of `examples/experiments/r3_multisine.toml`; with challenge D off if the dynamics
-/// do not depend on position.
+/// The campaign of `examples/experiments/r3_multisine.toml` with the way and the strength of the paper's; with
+/// challenge D off if the dynamics do not depend on position.
 fn campaign(position_dependence: bool) -> MultisineCampaign {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/experiments/r3_multisine.toml");
     let experiment = Experiment::load(&path)
         .and_then(|experiment| {
             experiment.with(|config| {
                 config.robot.challenges.position_dependence = Some(position_dependence);
+                config.averaging.lead_in_s = Some(2.0);
+                let multisine = config.multisine.as_mut().expect("there");
+                multisine.peak_of_velocity = Some(0.75);
+                let velocity = config.constant_velocity.as_mut().expect("there");
+                velocity.travel_rad = Some(vec![0.136, 0.12, 0.128]);
             })
         })
         .expect("an example");

@@ -68,9 +68,7 @@ fn print(title: &str, errors: &[[f64; AXES]; AXES]) {
 #[test]
 fn the_multisine_campaign_finds_the_36_entries() {
     let fewer = [
-        ("resolution_hz = 0.1", "resolution_hz = 0.2"),
-        ("realizations = 10", "realizations = 2"),
-        ("repetitions = 5", "repetitions = 1"),
+        ("realizations = 10", "realizations = 4"),
         ("glides = 5", "glides = 2"),
     ];
     let experiment = experiment("six_axis_multisine.toml", &fewer);
@@ -151,8 +149,8 @@ fn the_chirps_are_shaped_on_all_axes_inside_all_limits() {
 
 /// Periods of 1 s instead of 12, for tests that do not look at the FRF.
 const SHORT: [(&str, &str); 4] = [
-    ("resolution_hz = 0.1", "resolution_hz = 1.0"),
-    ("lead_in_s = 2.0", "lead_in_s = 0.5"),
+    ("resolution_hz = 0.2", "resolution_hz = 1.0"),
+    ("lead_in_s = 3.0", "lead_in_s = 0.5"),
     ("repetitions = 5", "repetitions = 1"),
     ("glides = 5", "glides = 2"),
 ];
@@ -202,7 +200,7 @@ fn design_run_estimate_and_shape_through_the_binary() {
     assert!(
         told(
             &["design", "six_axis_multisine.toml", "-o", "plan.mcap"],
-            &[3] // from rest to rest the way of the paper is too long for a machine
+            &[3] // so short a period leads to a velocity that has no room for its ramps
         )
         .contains("2 realizations x 6 experiments")
     );

@@ -44,9 +44,7 @@ fn the_multisines_of_section_7_ride_on_a_velocity_whose_sign_they_never_change()
         .and_then(|table| table.travel_rad.clone())
         .expect("given");
     for ((velocity, peak), travel) in plan.velocity_rad_s.iter().zip(&signal.peak).zip(&travel) {
-        assert!(
-            (velocity * run_s - travel).abs() < 1e-12 && (peak - 0.75 * velocity).abs() < 1e-15
-        );
+        assert!((velocity * run_s - travel).abs() < 1e-12 && (peak - 0.4 * velocity).abs() < 1e-15);
     }
     let id = RunId {
         kind: RunKind::Excitation,
@@ -171,17 +169,17 @@ fn what_cannot_be_is_refused_with_its_place() {
         ),
         (
             multisine,
-            "peak_of_velocity = 0.75",
+            "peak_of_velocity = 0.4",
             "peak_of_velocity = 0.0",
             "leaves no peak",
             "0.0",
         ),
         (
             multisine,
-            "peak_of_velocity = 0.75",
-            "peak_of_velocity = 0.75\npeak_rad_s = [1, 1, 1]",
+            "peak_of_velocity = 0.4",
+            "peak_of_velocity = 0.4\npeak_rad_s = [1, 1, 1]",
             "instead of another",
-            "0.75",
+            "0.4",
         ),
         (
             multisine,

@@ -121,7 +121,7 @@ fn what_repeats_without_ripple_is_not_called_ripple() {
         axes.map(|axis| axis.parse().expect("a number"))
             .collect::<Vec<f64>>()
     });
-    for (axis, travel_rad) in [0.136, 0.12, 0.128].into_iter().enumerate() {
+    for (axis, travel_rad) in [0.128, 0.112, 0.12].into_iter().enumerate() {
         assert!(way[0][axis] < way[1][axis] && way[1][axis] < way[2][axis]);
         let share = (way[2][axis] - way[0][axis]) / travel_rad;
         assert!((0.95..1.2).contains(&share), "{share} of the planned way");

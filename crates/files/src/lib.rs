@@ -63,6 +63,7 @@ pub use log::csv::dialect::CsvTable;
 pub use log::formats::{FORMATS, Format};
 pub use log::listing::{ListedSignal, Listing, SignalGroup, list_recording};
 pub use log::map::{LogMap, Signal};
+pub use log::plan_clock::PlanClock;
 pub use log::units::si_unit;
 pub use log::{ClockFit, Log, read_log};
 pub use loss::Loss;

@@ -47,6 +47,11 @@ struct LogMap {
     /// Position, one for each output; none without it.
     #[schemars(default)]
     position: Vec<Signal>,
+    /// Clock of the player in a recording of a plan: its count of samples, unit `1`, or times that are added up.
+    #[schemars(default)]
+    plan_clock: Vec<Signal>,
+    /// Number of the plan that was played, unit `1`.
+    plan_id: Option<Signal>,
     /// Whether `u` was commanded or measured; measured without it.
     input_kind: Option<InputKind>,
     /// Column or array of the sample times of a CSV, MAT or NPZ, unit `s`, `ms`, `us` or `ns`.

@@ -70,13 +70,13 @@ pub const TEMPLATES: [Template; 9] = [
     },
     Template {
         kind: "r3-chirp",
-        purpose: "three axes in closed loop, a chirp to be shaped",
+        purpose: "three axes in closed loop, a chirp to be shaped; a lesson about friction",
         text: include_str!("../../../../examples/experiments/r3_chirp.toml"),
         robot: MANUTEC_R3,
     },
     Template {
         kind: "six-axis-multisine",
-        purpose: "six axes in closed loop, multisines on a constant velocity",
+        purpose: "six axes in closed loop, multisines on a constant velocity; a lesson about orthogonality",
         text: include_str!("../../../../examples/experiments/six_axis_multisine.toml"),
         robot: SIX_AXIS,
     },

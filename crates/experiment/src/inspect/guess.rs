@@ -52,7 +52,22 @@ impl GuessedMap {
             guess.map.input_kind = InputKind::Commanded;
         }
         guess.add_time(group);
+        guess.add_plan(group);
         Some(guess)
+    }
+
+    /// What frfid's own exports call the player's count and the number of the plan.
+    fn add_plan(&mut self, group: &SignalGroup) {
+        let named = |name: &str| {
+            let is_there = group.signals.iter().any(|signal| signal.source == name);
+            is_there.then(|| Signal::of(name, "1"))
+        };
+        self.map.plan_id = named("plan_id");
+        if self.map.plan_id.is_some() {
+            self.map.plan_clock.extend(named("k"));
+            let counts = ["k", "plan_id"].map(|name| (name.to_owned(), "a count".to_owned()));
+            self.units_from.extend(counts);
+        }
     }
 
     /// The sample times of a table or of arrays; bags have stamps.

@@ -23,11 +23,15 @@ impl GuessedMap {
         if let Some(time) = &self.map.time {
             text += &self.role("time = ", std::slice::from_ref(time), "");
         }
+        if let Some(plan_id) = &self.map.plan_id {
+            text += &self.role("plan_id = ", std::slice::from_ref(plan_id), "");
+        }
         for (name, signals) in [
             ("u", &self.map.u),
             ("y", &self.map.y),
             ("r", &self.map.r),
             ("position", &self.map.position),
+            ("plan_clock", &self.map.plan_clock),
         ] {
             if !signals.is_empty() {
                 let _ = writeln!(text, "{name} = [");

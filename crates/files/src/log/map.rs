@@ -57,7 +57,7 @@ impl Signal {
     }
 }
 
-/// All signals of a map, role by role: u, y, r, position.
+/// All signals of a map, role by role: u, y, r, position, plan_clock, plan_id.
 pub(crate) type Signals<'s> = [&'s Signal];
 
 fn one() -> f64 {
@@ -78,6 +78,13 @@ pub struct LogMap {
     /// Position; empty where there is none.
     #[serde(default)]
     pub position: Vec<Signal>,
+    /// The player's own clock, brought back by the recording: a counter of its samples (unit `1`), or the time
+    /// since it began a file, whose parts (s and ns) are added up.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub plan_clock: Vec<Signal>,
+    /// The number of the plan that was played, unit `1`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub plan_id: Option<Signal>,
     /// Whether `u` was commanded or measured.
     #[serde(default = "measured")]
     pub input_kind: InputKind,
@@ -127,6 +134,8 @@ impl LogMap {
             y,
             r: Vec::new(),
             position: Vec::new(),
+            plan_clock: Vec::new(),
+            plan_id: None,
             input_kind: measured(),
             time: None,
             sample_time_s: None,
@@ -139,22 +148,30 @@ impl LogMap {
         }
     }
 
-    /// Every signal, role by role: u, y, r, position.
-    pub(crate) fn roles(&self) -> [&[Signal]; 4] {
-        [&self.u, &self.y, &self.r, &self.position]
+    /// Every signal, role by role: u, y, r, position, plan_clock, plan_id.
+    pub(crate) fn roles(&self) -> [&[Signal]; 6] {
+        let plan_id = self.plan_id.as_slice();
+        [
+            &self.u,
+            &self.y,
+            &self.r,
+            &self.position,
+            &self.plan_clock,
+            plan_id,
+        ]
     }
 
     /// The roles of signals, by their place among all signals, for people: `u, y`.
     pub(crate) fn roles_of(&self, signals: &[usize]) -> String {
         let played = self.places().map(|places| has_any(&places, signals));
-        let mut names = ["u", "y", "r", "position"].to_vec();
+        let mut names = ["u", "y", "r", "position", "plan_clock", "plan_id"].to_vec();
         let mut played = played.into_iter();
         names.retain(|_| played.next() == Some(true));
         names.join(", ")
     }
 
     /// The places of each role's signals among all signals.
-    pub(crate) fn places(&self) -> [Range<usize>; 4] {
+    pub(crate) fn places(&self) -> [Range<usize>; 6] {
         let mut first = 0;
         self.roles().map(|role| {
             let places = first..first + role.len();

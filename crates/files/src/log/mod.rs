@@ -11,6 +11,7 @@ pub(crate) mod listing;
 pub(crate) mod map;
 pub(crate) mod mat;
 pub(crate) mod packed;
+pub(crate) mod plan_clock;
 pub(crate) mod recording;
 mod roles;
 pub(crate) mod sample_times;
@@ -32,6 +33,7 @@ use crate::log::bag::folder::{self, is_bag_folder};
 use crate::log::clock::{Clock, Flaw};
 use crate::log::formats::Format;
 use crate::log::map::{LogMap, Signal};
+use crate::log::plan_clock::PlanClock;
 use crate::log::recording::{Recording, Series, of_damaged};
 use crate::log::roles::sort_into_roles;
 use crate::log::units::names::name_says_otherwise;
@@ -66,6 +68,10 @@ pub struct Log {
     pub times_s: Option<Vec<f64>>,
     /// That inputs and outputs are on two clocks, in a sentence: the phase cannot be trusted.
     pub two_clocks: Option<String>,
+    /// The player's own clock, where the map names it.
+    pub plan_clock: Option<PlanClock>,
+    /// The number of the plan, sample by sample, where the map names it.
+    pub plan_id: Option<Vec<f64>>,
     /// The sample clock.
     pub clock: ClockFit,
     /// Length of the recording in s: samples times sample time.
@@ -110,7 +116,8 @@ fn check(map: &LogMap) -> Result<(), FileError> {
     map.sample_time_s
         .map_or(Ok(()), header::check_sample_time)?;
     check_size("r", &map.r, map.u.len())?;
-    check_size("position", &map.position, map.y.len())
+    check_size("position", &map.position, map.y.len())?;
+    PlanClock::check(&map.plan_clock)
 }
 
 fn check_plant(n_inputs: usize, n_outputs: usize) -> Result<(), FileError> {

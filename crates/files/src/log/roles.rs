@@ -4,6 +4,7 @@ use frfid_signals::Record;
 use ndarray::Array2;
 
 use crate::log::map::{LogMap, Signal};
+use crate::log::plan_clock::PlanClock;
 use crate::log::units::signal_to_si;
 use crate::log::{ClockFit, Log};
 
@@ -21,6 +22,8 @@ pub(super) fn sort_into_roles(map: &LogMap, values: &Array2<f64>, clock: ClockFi
         warnings: Vec::new(),
         times_s: None,
         two_clocks: None,
+        plan_clock: PlanClock::of(map, values),
+        plan_id: map.plan_id.as_ref().map(|_| plan_id(map, values)),
         duration_s: values.ncols() as f64 * clock.sample_time_s,
         clock,
     }
@@ -28,7 +31,7 @@ pub(super) fn sort_into_roles(map: &LogMap, values: &Array2<f64>, clock: ClockFi
 
 fn record(map: &LogMap, values: &Array2<f64>, sample_time_s: f64) -> Record {
     let signals = |places| values.slice(ndarray::s![places, ..]).to_owned();
-    let [u, y, r, position] = map.places().map(signals);
+    let [u, y, r, position, ..] = map.places().map(signals);
     Record {
         sample_time_s,
         u,
@@ -38,6 +41,11 @@ fn record(map: &LogMap, values: &Array2<f64>, sample_time_s: f64) -> Record {
         input_kind: map.input_kind,
         events: Vec::new(),
     }
+}
+
+fn plan_id(map: &LogMap, values: &Array2<f64>) -> Vec<f64> {
+    let [.., places] = map.places();
+    values.row(places.start).to_vec()
 }
 
 /// Signals of a role that may have none.

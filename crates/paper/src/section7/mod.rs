@@ -54,7 +54,7 @@ impl Section7 {
         let chirps = |number: usize, phasing: Phasing| {
             ShapedChirps::run(&with_phasing(&chirp, phasing)?, jobs, &part(number))
         };
-        let multisine = of_template("r3-multisine")?;
+        let multisine = papers_multisine()?;
         Ok(Self {
             joint_names: multisine.joint_names().to_vec(),
             coulomb_nm: multisine.model()?.coulomb_nm(),
@@ -78,6 +78,22 @@ fn progress_of_part(number: usize, whole: Progress) -> impl Fn(usize, usize) -> 
 fn of_template(kind: &str) -> Result<Experiment, ExperimentError> {
     let template = Template::named(kind).expect("the templates of section 7 are built in");
     Ok(Experiment::of_template(template)?)
+}
+
+/// The multisines of section 7.1: a wider way and a stronger excitation than the template's, which a machine can
+/// play from rest to rest.
+fn papers_multisine() -> Result<Experiment, ExperimentError> {
+    let template = of_template("r3-multisine")?;
+    let papers = template.with(|config| {
+        config.averaging.lead_in_s = Some(2.0);
+        if let Some(multisine) = &mut config.multisine {
+            multisine.peak_of_velocity = Some(0.75);
+        }
+        if let Some(velocity) = &mut config.constant_velocity {
+            velocity.travel_rad = Some(vec![0.136, 0.12, 0.128]);
+        }
+    });
+    Ok(papers?)
 }
 
 /// The same chirps with other phases between channels and experiments.

@@ -15,6 +15,8 @@ const LIKE_MOTION: f64 = 0.6;
 const MOST_LOST: f64 = 0.1;
 /// Farthest that a run may begin from where the plan begins it, in rad.
 const OFF_PLACE_RAD: f64 = 0.05;
+/// Farthest that a run may be from its place by the player's clock, in s.
+const FAR_S: f64 = 0.1;
 /// How much more likely than the next reference.
 const AHEAD: f64 = 0.1;
 /// Logged over planned reference, beyond which unit or side is another one.
@@ -37,6 +39,12 @@ pub(super) fn doubt(found: &FoundRun, log: &Log) -> Option<String> {
         let id = found.id;
         return Some(format!(
             "at {at_s} s like {id} by {likeness}, needed {needed}"
+        ));
+    }
+    if let Some(delay_s) = found.delay_s.filter(|delay_s| delay_s.abs() > FAR_S) {
+        return Some(format!(
+            "at {at_s} s like {} by {likeness}, {delay_s:.3} s after the player's clock has it",
+            found.id
         ));
     }
     (occurrence.likeness - occurrence.rival < AHEAD).then(|| {

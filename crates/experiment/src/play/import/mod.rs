@@ -2,8 +2,11 @@
 //! the plan's clock and written as runs of our own.
 
 mod judged;
+mod places;
 mod plan_clock;
 mod player_filter;
+mod plays;
+mod recognised;
 mod sought;
 mod source;
 mod under_way;
@@ -20,7 +23,8 @@ use crate::experiment::Experiment;
 use crate::play::import::judged::{
     check_gains, check_measured, check_place, check_reference, doubt,
 };
-use crate::play::import::plan_clock::{followed, on_plan_clock, times_of};
+use crate::play::import::plan_clock::{on_plan_clock, times_of};
+use crate::play::import::recognised::{Recognised, check_plan_id};
 use crate::play::import::sought::SoughtRuns;
 use crate::play::import::under_way::Import;
 use crate::run::folder::Writer;
@@ -100,6 +104,8 @@ pub struct ImportedRun {
     pub start_s: f64,
     /// How much faster the recorder's clock is than the player's, in ppm.
     pub clock_ppm: f64,
+    /// How long after its place by the player's clock it begins, in s; `None` where that clock was not recorded.
+    pub delay_s: Option<f64>,
     /// Correlation coefficient with the plan.
     pub likeness: f64,
     /// The same of the reference that comes next.
@@ -127,7 +133,7 @@ pub fn import_recordings(
 ) -> Result<ImportSummary, ExperimentError> {
     check_map(&planned.experiment, map)?;
     let player = planned.experiment.player(options.rate_hz);
-    let sought = SoughtRuns::of(planned, &player)?;
+    let sought = SoughtRuns::of(planned, &player, map)?;
     create_folder(folder)?;
     let mut import = Import::new(planned, Writer::new(planned, folder, options.overwrite));
     for (done, recording) in recordings.iter().enumerate() {
@@ -154,18 +160,17 @@ pub(crate) fn imported_run(
     rate_hz: Option<f64>,
 ) -> Result<Record, ExperimentError> {
     let plan = &experiment.plan;
-    let sought = SoughtRuns::of_run(plan, run, &experiment.player(rate_hz))?;
+    let sought = SoughtRuns::of_run(plan, run, &experiment.player(rate_hz), map)?;
     let log = read_log(recording, map)?;
     check_reference(&log, experiment)?;
+    check_plan_id(&log, experiment.plan_id())?;
     let times_s = times_of(&log);
-    let mut found = sought.find(&followed(&log, &times_s, plan));
+    let Recognised { runs, unused, .. } = Recognised::of(&log, &times_s, plan, &sought);
+    let mut found = runs;
     found.sort_by(|a, b| b.occurrence.likeness.total_cmp(&a.occurrence.likeness));
     let Some(best) = found.first() else {
-        return Err(not_recognised(&format!(
-            "nothing like {} in {}",
-            run.id,
-            recording.display()
-        )));
+        let nothing = format!("nothing like {} in {}", run.id, recording.display());
+        return Err(not_recognised(unused.first().unwrap_or(&nothing)));
     };
     if let Some(doubt) = doubt(best, &log) {
         return Err(not_recognised(&format!("{}: {doubt}", recording.display())));

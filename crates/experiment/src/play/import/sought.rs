@@ -1,12 +1,18 @@
 //! Sought references: what may have been played of a plan, each reference once.
 
 use frfid_estimate::{Logged, Occurrence, Template, find_occurrences};
+use frfid_files::LogMap;
 use frfid_signals::{Plan, Played, Player, Run, RunId, RunKind, median};
-use ndarray::Array2;
+use ndarray::{Array2, s};
 use std::ops::Range;
 
 use crate::error::ExperimentError;
+use crate::play::import::places::Places;
+use crate::play::import::plays::Play;
 use crate::run::planned_runs::{PlannedRuns, first_repetitions};
+
+/// How much of a recording before and after a play is looked at, in s: a machine comes after its player.
+const BESIDE_S: f64 = 0.2;
 
 /// A reference of a plan.
 pub(super) struct Sought {
@@ -29,6 +35,8 @@ pub(super) struct FoundRun {
     pub(super) occurrence: Occurrence,
     /// Length of the run in s of the plan.
     pub(super) length_s: f64,
+    /// How long after its place by the clock of the player it begins, in s; `None` where that was not logged.
+    pub(super) delay_s: Option<f64>,
 }
 
 impl FoundRun {
@@ -45,12 +53,21 @@ impl FoundRun {
 pub(super) struct SoughtRuns {
     excited: Vec<Sought>,
     glides: Vec<Sought>,
+    /// Where they are by the player's clock, if recordings bring it back.
+    pub(super) places: Option<Places>,
 }
 
 impl SoughtRuns {
-    /// All references of a plan, as `player` plays them.
-    pub(super) fn of(planned: &PlannedRuns, player: &Player) -> Result<Self, ExperimentError> {
+    /// All references of a plan, as `player` plays them and a recording with this map has them.
+    pub(super) fn of(
+        planned: &PlannedRuns,
+        player: &Player,
+        map: &LogMap,
+    ) -> Result<Self, ExperimentError> {
         let (mut all, plan) = (Self::default(), &planned.experiment.plan);
+        if !map.plan_clock.is_empty() {
+            all.places = Some(Places::of(planned, player)?);
+        }
         for id in first_repetitions(plan) {
             all.add(plan, planned.run(id)?, player)?;
         }
@@ -58,8 +75,16 @@ impl SoughtRuns {
     }
 
     /// The reference of one run.
-    pub(super) fn of_run(plan: &Plan, run: &Run, player: &Player) -> Result<Self, ExperimentError> {
+    pub(super) fn of_run(
+        plan: &Plan,
+        run: &Run,
+        player: &Player,
+        map: &LogMap,
+    ) -> Result<Self, ExperimentError> {
         let mut one = Self::default();
+        if !map.plan_clock.is_empty() {
+            one.places = Some(Places::of_run(plan, run, player)?);
+        }
         one.add(plan, run.clone(), player)?;
         Ok(one)
     }
@@ -72,20 +97,51 @@ impl SoughtRuns {
         Ok(())
     }
 
-    /// The runs in a recording, excited ones first: a glide has no more than its ramps to be told by.
-    pub(super) fn find(&self, logged: &Logged) -> Vec<FoundRun> {
+    /// The runs in each play of a recording, by the clock of its player.
+    pub(super) fn find_in(
+        &self,
+        plays: &[Play],
+        places: &Places,
+        logged: &Logged,
+    ) -> Vec<FoundRun> {
+        let in_play = |play: &Play| {
+            let mut runs = self.find(&played(play, logged), Some(play.ratio));
+            for run in &mut runs {
+                let begin_s = play.player_s(run.occurrence.alignment.start_s);
+                run.delay_s = places.delay_s(run.id, begin_s);
+            }
+            runs
+        };
+        plays.iter().flat_map(in_play).collect()
+    }
+
+    /// The runs in a recording, excited ones first: a glide has no more than its ramps to be told by, and its clock
+    /// is that of the others, or the one that is known.
+    pub(super) fn find(&self, logged: &Logged, known_ratio: Option<f64>) -> Vec<FoundRun> {
         let excited = found(&self.excited, logged, &[], None);
         let ratios: Vec<f64> = excited
             .iter()
             .map(|run| run.occurrence.alignment.clock_ratio)
             .collect();
-        let known = median(ratios);
+        let known = median(ratios).or(known_ratio);
         let beside_s = self.glides.first().map_or(0.0, |glide| glide.run_s.start);
         let taken = excited.iter().map(|run| widened(run.span_s(), beside_s));
         let taken: Vec<Range<f64>> = taken.collect();
         let mut glides = found(&self.glides, logged, &taken, known);
         glides.retain(|glide| is_inside(&glide.span_s(), logged));
         excited.into_iter().chain(glides).collect()
+    }
+}
+
+/// What was logged during a play and shortly before and after it.
+fn played<'l>(play: &Play, logged: &'l Logged) -> Logged<'l> {
+    let times_s = logged.times_s;
+    let [first, last] = [play.samples.start, play.samples.end - 1].map(|sample| times_s[sample]);
+    let begin = times_s.partition_point(|time_s| *time_s < first - BESIDE_S);
+    let end = times_s.partition_point(|time_s| *time_s <= last + BESIDE_S);
+    Logged {
+        times_s: &times_s[begin..end],
+        values: logged.values.slice_move(s![.., begin..end]),
     }
 }
 
@@ -120,6 +176,7 @@ fn found(
             id: sought.id,
             occurrence,
             length_s,
+            delay_s: None,
         }
     };
     occurrences.into_iter().map(of_run).collect()

@@ -11,8 +11,9 @@ use crate::error::ExperimentError;
 use crate::play::import::judged::{
     check_gains, check_measured, check_place, check_reference, doubt,
 };
-use crate::play::import::plan_clock::{followed, on_plan_clock, times_of};
+use crate::play::import::plan_clock::{on_plan_clock, times_of};
 use crate::play::import::player_filter::player_filter;
+use crate::play::import::recognised::{Recognised, check_plan_id};
 use crate::play::import::sought::{FoundRun, SoughtRuns};
 use crate::play::import::source::Source;
 use crate::play::import::{ImportSummary, ImportedRun, not_recognised};
@@ -65,14 +66,14 @@ impl<'a> Import<'a> {
         sought: &SoughtRuns,
     ) -> Result<(), ExperimentError> {
         let name = recording.display();
-        let log = match read_log(recording, map) {
+        let log = match self.read(recording, map) {
             Ok(log) => {
                 self.n_read += 1;
                 log
             }
             Err(error) => {
                 self.summary.unused.push(error.to_string());
-                self.first_error.get_or_insert(error.into());
+                self.first_error.get_or_insert(error);
                 return Ok(());
             }
         };
@@ -83,7 +84,10 @@ impl<'a> Import<'a> {
             .map(|warning| format!("{name}: {warning}"));
         self.summary.warnings.extend(told);
         let (times_s, source) = (times_of(&log), Source::of(recording)?);
-        let mut found = sought.find(&followed(&log, &times_s, &self.planned.experiment.plan));
+        let plan = &self.planned.experiment.plan;
+        let recognised = Recognised::of(&log, &times_s, plan, sought);
+        self.tell(&source, &recognised);
+        let mut found = recognised.runs;
         found.sort_by(|a, b| start_s(a).total_cmp(&start_s(b)));
         for run in found {
             match doubt(&run, &log) {
@@ -92,6 +96,13 @@ impl<'a> Import<'a> {
             }
         }
         Ok(())
+    }
+
+    /// A recording of this plan.
+    fn read(&self, recording: &Path, map: &LogMap) -> Result<Log, ExperimentError> {
+        let log = read_log(recording, map)?;
+        check_plan_id(&log, self.planned.plan_id()?)?;
+        Ok(log)
     }
 
     /// Names a run, puts it on the plan's clock and writes it.
@@ -119,6 +130,17 @@ impl<'a> Import<'a> {
             }
         }
         Ok(())
+    }
+
+    /// Says what looks wrong with a recording and what of it is not used.
+    fn tell(&mut self, source: &Source, recognised: &Recognised) {
+        let name = source.path.display();
+        let warnings = recognised.warnings.iter();
+        let told = warnings.map(|warning| format!("{name}: {warning}"));
+        self.summary.warnings.extend(told);
+        for unused in &recognised.unused {
+            self.pass_over(source, unused);
+        }
     }
 
     /// Says what of a recording is not used.
@@ -232,6 +254,7 @@ fn imported(id: RunId, found: &FoundRun, recording: &Path, record: &Record) -> I
         recording: recording.into(),
         start_s: occurrence.alignment.start_s,
         clock_ppm: (occurrence.alignment.clock_ratio - 1.0) * 1e6,
+        delay_s: found.delay_s,
         likeness: occurrence.likeness,
         rival: occurrence.rival,
         n_lost: (0..record.n_samples()).filter(is_lost).count(),
