@@ -27,6 +27,7 @@ __all__ = [
     "estimate",
     "estimate_bla",
     "estimate_chirp",
+    "estimate_local",
     "estimate_logs",
     "estimate_loop",
     "inspect",
@@ -594,6 +595,15 @@ def estimate_chirp(
     r: ArrayLike | None = None,
     start_s: float = 0.0,
     max_condition: float | None = None,
+) -> Frf: ...
+def estimate_local(
+    u: ArrayLike,
+    y: ArrayLike,
+    *,
+    sample_time_s: float,
+    frequencies_hz: ArrayLike,
+    r: ArrayLike | None = None,
+    half_width: int | None = None,
 ) -> Frf: ...
 def run_closed_loop(
     plant: Plant,

@@ -7,6 +7,7 @@ mod estimate {
     pub(crate) mod compare;
     pub(crate) mod excerpt;
     pub(crate) mod glide;
+    pub(crate) mod local;
     pub(crate) mod periods;
     pub(crate) mod spectrogram;
 }
@@ -88,6 +89,8 @@ mod _core {
     use crate::estimate::excerpt::estimate_chirp;
     #[pymodule_export]
     use crate::estimate::glide::subtract_glide;
+    #[pymodule_export]
+    use crate::estimate::local::estimate_local;
     #[pymodule_export]
     use crate::estimate::periods::{estimate, estimate_bla};
     #[pymodule_export]

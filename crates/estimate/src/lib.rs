@@ -76,6 +76,7 @@ pub use frf::direct_difference::DirectDifference;
 pub use frf::estimate::FrfEstimate;
 pub use frf::excerpts::whole_record::WholeRecord;
 pub use frf::excerpts::{estimate_chirp, estimate_repeats};
+pub use frf::local::{LocalEstimate, LocalOptions, Piece, estimate_local};
 pub use frf::noise_bias::NoiseBias;
 pub use frf::roughness::{Roughness, roughness};
 pub use frf::singular::{condition_number, scaled_condition_number, singular_values};

@@ -9,17 +9,24 @@ pub(crate) fn f_quantile(probability: f64, denominator: f64) -> f64 {
     0.5 * denominator * (-2.0 / denominator * (-probability).ln_1p()).exp_m1()
 }
 
+/// Factor from a variance with so many complex degrees of freedom to the squared radius of the 95 % region of
+/// an entry, `F_95(2, 2 dof)`; infinite without any.
+#[must_use]
+pub fn confidence_factor_95(degrees_of_freedom: f64) -> f64 {
+    if degrees_of_freedom > 0.0 {
+        f_quantile(0.95, 2.0 * degrees_of_freedom)
+    } else {
+        f64::INFINITY
+    }
+}
+
 impl Uncertainty {
     /// Factor from a variance to the squared radius of the 95 % region of an entry,
     /// `|dG|^2 <= variance F_95(2, 2 dof)`; infinite without degrees of freedom. They are complex,
     /// hence two real ones each.
     #[must_use]
     pub fn confidence_factor_95(&self) -> f64 {
-        if self.degrees_of_freedom > 0.0 {
-            f_quantile(0.95, 2.0 * self.degrees_of_freedom)
-        } else {
-            f64::INFINITY
-        }
+        confidence_factor_95(self.degrees_of_freedom)
     }
 }
 

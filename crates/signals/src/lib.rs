@@ -20,6 +20,7 @@ mod plan;
 mod playback;
 mod record;
 
+pub use confidence::confidence_factor_95;
 pub use error::SignalError;
 pub use excitation::*;
 pub use frf::{Frf, Uncertainty};

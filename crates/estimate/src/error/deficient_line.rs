@@ -39,6 +39,8 @@ pub enum Deficiency {
         /// is left of it.
         snr_db: f64,
     },
+    /// Inputs that are alike on all lines around the frequency, or hardly moved by the reference.
+    InputsAlike,
     /// The two most similar experiments; correlation 1 means they differ by a factor only.
     ExperimentsAlike {
         /// The two experiments.
@@ -51,7 +53,7 @@ pub enum Deficiency {
 impl fmt::Display for DeficientLine {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{} Hz: ", self.frequency_hz)?;
-        if let Deficiency::ExperimentsAlike { .. } = self.cause {
+        if let Deficiency::ExperimentsAlike { .. } | Deficiency::InputsAlike = self.cause {
             let Self {
                 condition, limit, ..
             } = self;
@@ -77,6 +79,9 @@ impl fmt::Display for Deficiency {
                 f,
                 "input {input} cannot be told from its noise there (signal to noise {snr_db:.0} dB): it does \
                  not repeat from period to period; excite the line more strongly or record more periods"
+            ),
+            Self::InputsAlike => f.write_str(
+                "the inputs are alike on all lines around it, or the reference hardly moves them; excite them independently, or in as many experiments as inputs",
             ),
             Self::ExperimentsAlike {
                 pair: (m, n),

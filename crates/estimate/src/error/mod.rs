@@ -52,6 +52,25 @@ pub enum EstimateError {
     /// A run was given twice.
     #[error("realization {}, experiment {}, period {} was given twice", .0.realization, .0.experiment, .0.period)]
     Duplicate(PeriodIndex),
+    /// A width of a local model that leaves no freedom.
+    #[error(
+        "{half_width} lines to either side hold too few equations for a local model; {}",
+        .needed.map_or("the record is too short for any".into(), |needed| format!("at least {needed} are needed"))
+    )]
+    NarrowWindow {
+        /// Lines to either side.
+        half_width: usize,
+        /// Lines needed; `None` if the record is too short for any.
+        needed: Option<usize>,
+    },
+    /// A record too short for a local model.
+    #[error(
+        "{n_lines} lines are too few for a local model of so many inputs; record longer, or more often"
+    )]
+    ShortRecord {
+        /// Lines of the longest piece.
+        n_lines: usize,
+    },
     /// A list without entries.
     #[error("{0}: none was given, at least one is needed")]
     EmptyList(

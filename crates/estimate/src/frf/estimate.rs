@@ -45,6 +45,19 @@ pub struct FrfEstimate {
 }
 
 impl FrfEstimate {
+    /// An FRF and what was left out of it, nothing else being known.
+    pub(crate) fn of(frf: Frf, left_out: Vec<DeficientLine>) -> Self {
+        Self {
+            frf,
+            left_out,
+            input_snr_db: None,
+            noise_bias: None,
+            direct_difference: None,
+            equal_draws: Vec::new(),
+            evenness: None,
+        }
+    }
+
     /// What was left out, counted otherwise than given or hides in one draw of phases, in words;
     /// empty if nothing does.
     #[must_use]

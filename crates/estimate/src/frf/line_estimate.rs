@@ -52,7 +52,9 @@ impl LineEstimate {
     /// The same, with the condition number where that is what is wrong.
     fn because_of(&self, line: &DeficientLine) -> Self {
         let condition = match line.cause {
-            Deficiency::InputSilent { .. } | Deficiency::ExperimentsAlike { .. } => line.condition,
+            Deficiency::InputSilent { .. }
+            | Deficiency::ExperimentsAlike { .. }
+            | Deficiency::InputsAlike => line.condition,
             Deficiency::InputWeak { .. } | Deficiency::InputNoisy { .. } => f64::NAN,
         };
         Self {

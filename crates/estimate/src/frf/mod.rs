@@ -9,6 +9,7 @@ pub(crate) mod f_distribution;
 mod freedom;
 mod glide_noise;
 mod line_estimate;
+pub(crate) mod local;
 pub(crate) mod matrices;
 mod methods;
 pub(crate) mod noise_bias;

@@ -6,7 +6,6 @@
 //! and 1.8 dB, 14 deg at worst, 33 dB at a damping of 0.1 %. With repeats the bias is part of the
 //! covariance ([`crate::frf::excerpts::whole_record`]).
 
-mod local_rational;
 #[cfg(test)]
 mod tests;
 pub(crate) mod whole_record;

@@ -3,7 +3,7 @@
 //! An excerpt holds what rings on from the frequencies passed before, the less of it the more the
 //! plant is damped: the same in every repeat, so that no spread over repeats shows it. The spectra of
 //! the whole record know of no excerpts. From them the FRF follows by the local rational method
-//! ([`crate::frf::excerpts::local_rational`]), G_w with covariance C_w, and
+//! ([`crate::frf::local`]), G_w with covariance C_w, and
 //!
 //! ```text
 //! b = vec(G - G_w),   covariance = noise covariance + b b^H + C_w
@@ -12,16 +12,17 @@
 //! so that the 95 % region about G, whose radius is at least 1.73 times its standard deviation,
 //! reaches beyond G_w. Harmonics, which excerpts leave out and the whole record does not, widen it.
 
-use std::iter::zip;
+use std::ops::Range;
 
 use frfid_signals::checks::positive;
 use frfid_signals::{Chirp, Frf, Uncertainty};
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use ndarray::{Array2, ArrayView2, ArrayViewMut2, Axis};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
-use crate::frf::excerpts::local_rational::{LocalFit, WholeLine};
+use crate::frf::local::fitted::Fitted;
+use crate::frf::local::window::{Signal, Window};
 use crate::frf::matrices::{Matrix, matrix};
 use crate::spectra::Transform;
 use crate::spectra::campaign::{Block, Campaign};
@@ -31,6 +32,8 @@ use crate::spectra::line_dft::LineDft;
 /// unknowns to average noise, more hold several modes: of 21, 31 and 41 the region of 21 held the truth
 /// most often on 2x2 and 3x3 plants and the shortest sweep; 15 was compared on single joints alone.
 const N_LINES: usize = 21;
+/// Least number of equations for each unknown.
+const EQUATIONS_PER_UNKNOWN: usize = 2;
 
 /// The lines of whole recordings of a chirp around the frequencies of its excerpts.
 #[derive(Clone)]
@@ -100,9 +103,9 @@ impl WholeRecord {
         }
         let means = Means::of(&whole.realizations()?);
         for (k, &start) in self.starts.iter().enumerate() {
-            let lines = self.around(frf.frequency_hz[k], start, &means);
+            let window = self.around(frf.frequency_hz[k], start, &means);
             let response = matrix(frf.response.index_axis(Axis(0), k));
-            let bias = LocalFit::of(&lines).map(|fit| uncertain(&response, &fit));
+            let bias = fit(&window).map(|fit| uncertain(&response, fit));
             for known in [&mut frf.noise, &mut frf.total].into_iter().flatten() {
                 add_to(known, k, bias.as_ref());
             }
@@ -110,16 +113,38 @@ impl WholeRecord {
         Ok(())
     }
 
-    /// The lines around a frequency.
-    fn around(&self, hz: f64, start: usize, means: &Means) -> Vec<WholeLine> {
-        let places = start..(start + N_LINES).min(self.line_hz.len());
-        let distances = self.line_hz[places.clone()].iter().map(|line| line - hz);
+    /// The lines around a frequency, of one experiment after the other.
+    fn around(&self, hz: f64, start: usize, means: &Means) -> Window {
+        let lines = start..(start + N_LINES).min(self.line_hz.len());
+        let distances = self.line_hz[lines.clone()].iter().map(|line| line - hz);
         let half = distances.clone().map(f64::abs).fold(0.0, f64::max);
-        let lines = zip(places, distances);
-        lines
-            .map(|(line, distance)| means.line(line, distance / half))
-            .collect()
+        let (n_lines, n_experiments) = (lines.len(), means.u.len());
+        let places: Vec<f64> = distances.map(|distance| distance / half).collect();
+        let piece = |experiment: usize| experiment * n_lines..(experiment + 1) * n_lines;
+        Window::of(
+            places.repeat(n_experiments),
+            (0..n_experiments).map(piece).collect(),
+            on_lines(&means.u, lines.clone()),
+            on_lines(&means.y, lines),
+        )
     }
+}
+
+/// The fit to a window with enough lines.
+fn fit(window: &Window) -> Option<Fitted> {
+    let is_enough = window.places.len() >= EQUATIONS_PER_UNKNOWN * window.n_unknowns();
+    is_enough.then(|| Fitted::of(window))?
+}
+
+/// Channel by channel, what experiments have on lines, one after the other.
+fn on_lines(experiments: &[Array2<Complex64>], lines: Range<usize>) -> Vec<Signal> {
+    let n_channels = experiments.first().map_or(0, Array2::nrows);
+    let of = |channel: usize| {
+        let rows = experiments.iter().map(|experiment| experiment.row(channel));
+        let values = rows.flat_map(|row| lines.clone().map(|line| row[line]).collect::<Vec<_>>());
+        values.collect()
+    };
+    (0..n_channels).map(of).collect()
 }
 
 impl Transform for WholeRecord {
@@ -151,20 +176,6 @@ impl Means {
         }
         Self { u, y }
     }
-
-    fn line(&self, line: usize, place: f64) -> WholeLine {
-        let of = |means: &[Array2<Complex64>]| {
-            let n_channels = means.first().map_or(0, Array2::nrows);
-            DMatrix::from_fn(n_channels, means.len(), |channel, m| {
-                means[m][[channel, line]]
-            })
-        };
-        WholeLine {
-            place,
-            u: of(&self.u),
-            y: of(&self.y),
-        }
-    }
 }
 
 /// Mean of spectra of one shape.
@@ -177,16 +188,9 @@ fn mean_of<'a>(
 }
 
 /// `b b^H + C_w` of the formula at the head of this file.
-fn uncertain(response: &Matrix, fit: &LocalFit) -> Matrix {
+fn uncertain(response: &Matrix, fit: Fitted) -> Matrix {
     let bias = DVector::from_column_slice((response - &fit.response).as_slice());
-    let mut sum = &bias * bias.adjoint();
-    let n_outputs = response.nrows();
-    for (output, covariance) in fit.covariances.iter().enumerate() {
-        for ((i, j), value) in indexed(covariance) {
-            sum[(i * n_outputs + output, j * n_outputs + output)] += value;
-        }
-    }
-    sum
+    &bias * bias.adjoint() + fit.covariance
 }
 
 /// The entries of a matrix with their places.

@@ -1,0 +1,170 @@
+//! Local fit of an FRF at one frequency with the covariance of its entries.
+//!
+//! With S = 1 and c_i = e_i in open loop, S = Z_u^-1 and c_i = (e_i, -G_i) through a reference, an error of
+//! the rows z of the fit is one of the FRF by
+//!
+//! ```text
+//! dG_ij = sum_z c_iz sum_l S_lj dZ_zl,   dZ_zl = sum_k F_zl,k V_z,k
+//! Cov(dG_ij, dG_pq) = sum_zw c_iz conj(c_pw) sigma_zw (S^T F_z F_w^H conj(S))_jq
+//! ```
+//!
+//! F from [`RowFit`], sigma the covariance of the noise V, from the residuals.
+
+use std::iter::zip;
+
+use num_complex::Complex64;
+
+use crate::frf::local::row_fit::{RowFit, common_columns};
+use crate::frf::local::window::{Signal, Window};
+use crate::frf::matrices::Matrix;
+use crate::frf::singular::condition_of_finite;
+
+/// An FRF at one frequency.
+#[derive(Debug, Clone)]
+pub(crate) struct Fitted {
+    /// `(output, input)`.
+    pub(crate) response: Matrix,
+    /// Of vec(G).
+    pub(crate) covariance: Matrix,
+    pub(super) degrees_of_freedom: f64,
+    /// Noise of the answers, the geometric mean of their variances; as it is, and before it passed through the
+    /// poles of the fit.
+    pub(super) noise: [f64; 2],
+    /// How many answers.
+    pub(super) n_rows: usize,
+}
+
+impl Fitted {
+    /// The fit to a window; `None` where it does not determine the FRF.
+    pub(crate) fn of(window: &Window) -> Option<Self> {
+        let common = common_columns(window);
+        let rows = window.answers.iter();
+        let rows: Vec<RowFit> = rows
+            .map(|answer| RowFit::of(window, &common, answer))
+            .collect();
+        let n_free = window.n_free() as f64;
+        let sigma = noise_covariance(&rows, n_free);
+        let through = Through::of(&rows, window.n_outputs)?;
+        Some(Self {
+            covariance: through.covariance(&rows, &sigma),
+            response: through.response,
+            degrees_of_freedom: n_free,
+            noise: [
+                level(&rows, |row| &row.noise, n_free),
+                level(&rows, |row| &row.equation_error, n_free),
+            ],
+            n_rows: rows.len(),
+        })
+    }
+
+    /// How far another fit is off, in variances of this one, mean of the entries.
+    pub(super) fn distance(&self, other: &Self) -> f64 {
+        let differences = zip(&self.response, &other.response).map(|(a, b)| (a - b).norm_sqr());
+        let variances = self.covariance.diagonal();
+        let ratios =
+            zip(differences, &variances).map(|(square, variance)| ratio(square, variance.re));
+        ratios.sum::<f64>() / self.response.len() as f64
+    }
+}
+
+/// Geometric mean of the variances of signals.
+fn level(rows: &[RowFit], of: fn(&RowFit) -> &Signal, n_free: f64) -> f64 {
+    let power = |row: &RowFit| of(row).iter().map(Complex64::norm_sqr).sum::<f64>() / n_free;
+    let logs = rows
+        .iter()
+        .map(|row| power(row).max(f64::MIN_POSITIVE).ln());
+    (logs.sum::<f64>() / rows.len() as f64).exp()
+}
+
+/// A square over a variance; nothing is never off.
+fn ratio(square: f64, variance: f64) -> f64 {
+    if square == 0.0 {
+        0.0
+    } else {
+        square / variance
+    }
+}
+
+/// Condition number of signals, channels scaled to one size; infinite where one is silent.
+pub(super) fn condition(inputs: &Matrix) -> f64 {
+    let mut scaled = inputs.clone();
+    for mut row in scaled.row_iter_mut() {
+        let size = row.norm();
+        if size > 0.0 {
+            row.unscale_mut(size);
+        }
+    }
+    condition_of_finite(&scaled)
+}
+
+/// Covariance of the noise of the answers.
+fn noise_covariance(rows: &[RowFit], n_free: f64) -> Matrix {
+    let product =
+        |a: &Signal, b: &Signal| -> Complex64 { zip(a, b).map(|(a, b)| a * b.conj()).sum() };
+    Matrix::from_fn(rows.len(), rows.len(), |z, w| {
+        product(&rows[z].noise, &rows[w].noise) / n_free
+    })
+}
+
+/// The way from the rows of a fit to the FRF.
+struct Through {
+    response: Matrix,
+    /// S.
+    inverse: Matrix,
+    /// c, `(output, row)`.
+    shares: Matrix,
+}
+
+impl Through {
+    /// Of rows of which the first are outputs; the others, if there are any, inputs. `None` where the drives do
+    /// not move the inputs apart.
+    fn of(rows: &[RowFit], n_outputs: usize) -> Option<Self> {
+        let n_drives = rows.first()?.response.len();
+        let all = Matrix::from_fn(rows.len(), n_drives, |row, drive| rows[row].response[drive]);
+        let outputs = all.rows(0, n_outputs).into_owned();
+        if rows.len() == n_outputs {
+            return Some(Self {
+                response: outputs,
+                inverse: Matrix::identity(n_drives, n_drives),
+                shares: Matrix::identity(n_outputs, n_outputs),
+            });
+        }
+        let inverse = all.rows(n_outputs, n_drives).into_owned().try_inverse()?;
+        let response = outputs * &inverse;
+        let mut shares = Matrix::identity(n_outputs, rows.len());
+        shares
+            .columns_mut(n_outputs, n_drives)
+            .copy_from(&-&response);
+        Some(Self {
+            response,
+            inverse,
+            shares,
+        })
+    }
+
+    /// Covariance of vec(G).
+    fn covariance(&self, rows: &[RowFit], sigma: &Matrix) -> Matrix {
+        let factors: Vec<Matrix> = rows
+            .iter()
+            .map(|row| self.inverse.transpose() * factors(row))
+            .collect();
+        let (n_outputs, n_inputs) = self.response.shape();
+        let mut covariance = Matrix::zeros(n_outputs * n_inputs, n_outputs * n_inputs);
+        for (z, of_z) in factors.iter().enumerate() {
+            for (w, of_w) in factors.iter().enumerate() {
+                let common = of_z * of_w.adjoint() * sigma[(z, w)];
+                let shares = self.shares.column(z) * self.shares.column(w).adjoint();
+                covariance += common.kronecker(&shares);
+            }
+        }
+        covariance
+    }
+}
+
+/// F of a row, `(drive, line)`.
+fn factors(row: &RowFit) -> Matrix {
+    let n_lines = row.noise.len();
+    Matrix::from_fn(row.factors.len(), n_lines, |drive, line| {
+        row.factors[drive][line]
+    })
+}
