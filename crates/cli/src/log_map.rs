@@ -44,6 +44,9 @@ pub(crate) struct MapOptions {
     /// Excited lines as multiples of 1/period, in place of those found: numbers, FIRST:LAST, FIRST:LAST:STEP
     #[arg(long, value_name = "LINES", value_delimiter = ',', value_parser = lines)]
     lines: Vec<Lines>,
+    /// Nothing repeats in the recordings: estimate them as whole records; found out without it
+    #[arg(long)]
+    aperiodic: bool,
     /// Realization of each recording (or run in one) in their order, in place of the measured one
     #[arg(long, value_name = "N,N,..", value_delimiter = ',')]
     realization_of: Vec<usize>,
@@ -64,7 +67,7 @@ impl MapOptions {
         };
         if map.is_none() && self.says_more() {
             return Err(Failure::usage(
-                "--start, --end, --period, --lines and --realization-of are for recordings that frfid \
+                "--start, --end, --period, --lines, --aperiodic and --realization-of are for recordings that frfid \
                  did not make; needed: a log map, --map or --u and --y",
             ));
         }
@@ -85,7 +88,7 @@ impl MapOptions {
     fn says_more(&self) -> bool {
         let numbers = [self.start, self.end, self.period];
         let is_list = !self.lines.is_empty() || !self.realization_of.is_empty();
-        is_list || numbers.iter().any(Option::is_some)
+        is_list || self.aperiodic || numbers.iter().any(Option::is_some)
     }
 
     /// The map with what is known of the excitation; options outweigh the keys of a file.
@@ -97,6 +100,7 @@ impl MapOptions {
             end_s: self.end.or(map.end_s),
             period_s: self.period.or(map.period_s),
             lines: there(lines).or(map.lines),
+            aperiodic: self.aperiodic || map.aperiodic,
             realization_of: there(self.realization_of.clone()).or(map.realization_of),
             ..map
         }

@@ -75,7 +75,7 @@ struct EstimatorOptions {
     /// Where the reference enters the loop
     #[arg(long = "loop", value_parser = named::<Entry>())]
     entry: Option<Entry>,
-    /// Number of frequencies at which a chirp is evaluated
+    /// Number of frequencies at which a chirp, or a recording in which nothing repeats, is evaluated
     #[arg(long, value_name = "N")]
     n_frequencies: Option<usize>,
 }

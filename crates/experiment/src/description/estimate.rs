@@ -60,6 +60,13 @@ impl EstimateTable {
         })
     }
 
+    /// Whether what is asked for takes periods: an average, a method other than through the reference, another
+    /// response than the plant.
+    pub(crate) fn is_of_periods(&self) -> bool {
+        let is_local = matches!(self.method(), Method::Auto | Method::JointInputOutput);
+        !is_local || self.response_but_plant().is_some()
+    }
+
     /// The response that is asked for, if it is not the plant.
     pub(crate) fn response_but_plant(&self) -> Option<Response> {
         self.response

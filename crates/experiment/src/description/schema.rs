@@ -68,6 +68,9 @@ struct LogMap {
     period_s: Option<f64>,
     /// Excited lines, as multiples of one over the period, rising; found without it.
     lines: Option<Vec<usize>>,
+    /// Whether nothing repeats in the recordings; looked for without it.
+    #[schemars(default)]
+    aperiodic: bool,
     /// Realization of each run, in their order; by their order and their phases without it.
     realization_of: Option<Vec<usize>>,
 }

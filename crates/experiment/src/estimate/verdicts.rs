@@ -69,7 +69,8 @@ impl<'a> Judged<'a> {
         };
         Self {
             evidence,
-            noise: of_outputs(frf.noise_variance()),
+            // where noise alone is not known, both: they spoil a curve alike
+            noise: of_outputs(frf.noise_variance().or_else(|| frf.total_variance())),
             distortion: of_outputs(distortion),
             rippled: result
                 .flagged

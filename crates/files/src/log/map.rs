@@ -111,6 +111,9 @@ pub struct LogMap {
     /// Excited lines, as multiples of one over the period, rising; found without it.
     #[serde(default)]
     pub lines: Option<Vec<usize>>,
+    /// Whether nothing repeats in the recordings: they are then estimated as whole records. Looked for without it.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub aperiodic: bool,
     /// Which realization each recording (or run in a recording) is, in their order; by their order
     /// and their phases without it.
     #[serde(default)]
@@ -144,6 +147,7 @@ impl LogMap {
             end_s: None,
             period_s: None,
             lines: None,
+            aperiodic: false,
             realization_of: None,
         }
     }

@@ -14,6 +14,7 @@ use std::iter::zip;
 
 use num_complex::Complex64;
 
+use crate::frf::local::least_squares::dot;
 use crate::frf::local::row_fit::{RowFit, common_columns};
 use crate::frf::local::window::{Signal, Window};
 use crate::frf::matrices::Matrix;
@@ -99,10 +100,8 @@ pub(super) fn condition(inputs: &Matrix) -> f64 {
 
 /// Covariance of the noise of the answers.
 fn noise_covariance(rows: &[RowFit], n_free: f64) -> Matrix {
-    let product =
-        |a: &Signal, b: &Signal| -> Complex64 { zip(a, b).map(|(a, b)| a * b.conj()).sum() };
     Matrix::from_fn(rows.len(), rows.len(), |z, w| {
-        product(&rows[z].noise, &rows[w].noise) / n_free
+        dot(&rows[w].noise, &rows[z].noise) / n_free
     })
 }
 

@@ -109,11 +109,14 @@ fn normalized(column: &mut [Complex64]) -> f64 {
     length
 }
 
+/// `a^H b`.
+pub(super) fn dot(a: &[Complex64], b: &[Complex64]) -> Complex64 {
+    zip(a, b).map(|(a, b)| a.conj() * b).sum()
+}
+
 /// Takes off what another column has of a direction; returns how much it was.
 fn taken_off(direction: &[Complex64], other: &mut [Complex64]) -> Complex64 {
-    let share: Complex64 = zip(direction, other.iter())
-        .map(|(q, value)| q.conj() * value)
-        .sum();
+    let share = dot(direction, other);
     zip(other, direction).for_each(|(value, q)| *value -= share * q);
     share
 }

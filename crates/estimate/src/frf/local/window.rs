@@ -47,13 +47,8 @@ impl Window {
         let lines: Vec<_> = lines
             .filter(|(_, lines)| lines.len() > N_TERMS + 1)
             .collect();
-        let place = |(piece, lines): &(&PieceSpectra, Range<usize>)| {
-            let spacing_hz = piece.spacing_hz;
-            let places = lines
-                .clone()
-                .map(move |k| ((k + 1) as f64 * spacing_hz - hz) / half_hz);
-            places.collect::<Vec<_>>()
-        };
+        let place =
+            |(piece, lines): &(&PieceSpectra, Range<usize>)| piece.places(lines, hz, half_hz);
         let of = |signal: fn(&PieceSpectra) -> Option<&Array2<Complex64>>| {
             let parts = lines
                 .iter()
@@ -116,6 +111,13 @@ impl Window {
 }
 
 impl PieceSpectra {
+    /// Distances of lines from a frequency over the half width.
+    fn places(&self, lines: &Range<usize>, hz: f64, half_hz: f64) -> Vec<f64> {
+        let line_hz = |line: usize| (line + 1) as f64 * self.spacing_hz;
+        let places = lines.clone().map(|line| (line_hz(line) - hz) / half_hz);
+        places.collect()
+    }
+
     /// The places of the lines within `half_hz` of a frequency; at the ends of the band as many that are nearest.
     fn lines(&self, hz: f64, half_hz: f64) -> Range<usize> {
         let half = (half_hz / self.spacing_hz * (1.0 + 1e-9)) as usize;

@@ -4,16 +4,14 @@ use frfid_files::Check;
 use frfid_signals::Frf;
 use frfid_signals::format::{count, significant};
 
-use crate::estimate::others::found::Found;
-use crate::estimate::others::recording::{Odd, Recording};
+use crate::estimate::others::recording::{Odd, Recording, Unused};
 use crate::estimate::others::run::measured::Measured;
 
 /// Whether every recording is used; `None` of a single one.
-pub(super) fn all_used(found: &Found) -> Option<Check> {
-    let (n_used, n_given) = (found.n_recordings_used(), found.n_given);
+pub(super) fn all_used(n_used: usize, n_given: usize, unused: &[Unused]) -> Option<Check> {
     (n_given > 1).then(|| Check {
         name: "recordings".into(),
-        passed: found.unused.is_empty(),
+        passed: unused.is_empty(),
         found: format!("{n_used} of {n_given} used"),
         needed: "all of them".into(),
         advice: "see the warnings for why, and estimate what does not belong here by itself".into(),

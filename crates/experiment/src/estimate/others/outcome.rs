@@ -70,16 +70,17 @@ impl Found {
         let frf = &estimated.estimate.frf;
         let n_left_out = estimated.estimate.left_out.len() + self.not_common.len();
         let of_signals = checks::signals(&self.recordings).into_iter();
-        let all = (checks::all_used(self).into_iter())
-            .chain(of_signals)
-            .chain(checks::one_clock(&self.recordings))
-            .chain([
-                checks::periods(&estimated.runs, frf),
-                checks::settled(&estimated.runs),
-            ])
-            .chain(left_out_check(n_left_out))
-            .chain(noise_bias_check(estimated.estimate.noise_bias))
-            .chain([condition_check(frf, &[])]);
+        let all = (checks::all_used(self.n_recordings_used(), self.n_given, &self.unused)
+            .into_iter())
+        .chain(of_signals)
+        .chain(checks::one_clock(&self.recordings))
+        .chain([
+            checks::periods(&estimated.runs, frf),
+            checks::settled(&estimated.runs),
+        ])
+        .chain(left_out_check(n_left_out))
+        .chain(noise_bias_check(estimated.estimate.noise_bias))
+        .chain([condition_check(frf, &[])]);
         all.collect()
     }
 
@@ -181,7 +182,7 @@ fn same_draw(draws: &EqualDraws, estimated: &Estimated) -> String {
 
 impl Recording {
     /// What is odd without failing a check, and what the reader of the file had to say.
-    fn remarks(&self) -> Vec<String> {
+    pub(super) fn remarks(&self) -> Vec<String> {
         let told = |odd: &&Odd| matches!(odd.consequence(), Consequence::Told | Consequence::Cured);
         let odd = self.odd.iter().filter(told).map(|odd| {
             let cured = if odd.is_cured { "; mended" } else { "" };
