@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from local_coverage import main as coverage
 
 import frfid
 
@@ -84,3 +85,9 @@ def test_three_experiments_from_rest_need_no_settled_period(common):
     off, size = (np.linalg.norm(matrix, axis=(1, 2)) for matrix in (frf.response - data["truth"], data["truth"]))
     print(f"three experiments: {quantiles(100 * off / size)} %")
     assert np.median(off / size) < 0.0045  # the classical estimate of settled periods
+
+
+def test_regions_hold_over_random_machines():
+    shares = coverage(60, 1)
+    assert all(0.90 < share < 0.98 for kind, share in shares.items() if kind != "chirp"), shares
+    assert 0.93 < shares["all"] < 0.97

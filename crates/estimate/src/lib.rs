@@ -65,7 +65,6 @@ pub use compare::verdict::{Judgement, Peak, Verdict};
 pub use compare::{CompareOptions, Comparison, compare};
 pub use error::EstimateError;
 pub use error::aperiodic::Aperiodic;
-pub use error::aperiodic::Sweep;
 pub use error::deficient_line::{Deficiency, DeficientLine};
 pub use error::unlined::Unlined;
 pub use excitation_strength::pooling::pooled_strength;

@@ -8,10 +8,7 @@ pub enum Aperiodic {
     /// No channel moves.
     Silent,
     /// The frequency of the signal rises, or falls, once from beginning to end.
-    SingleSweep(
-        /// Which way it goes.
-        Sweep,
-    ),
+    SingleSweep,
     /// Some of it repeats, but most of what moves does not.
     Partly {
         /// First sample of the longest run that repeats.
@@ -34,14 +31,10 @@ impl fmt::Display for Aperiodic {
                 f,
                 "no channel moves; record the excitation itself, or name the channel that holds it"
             ),
-            Self::SingleSweep(Sweep::Up) => write!(
+            Self::SingleSweep => write!(
                 f,
-                "it looks like one sweep, for which the Python package has `estimate_chirp`"
-            ),
-            Self::SingleSweep(Sweep::Down) => write!(
-                f,
-                "it looks like one sweep that falls; let it rise, for which the Python package has `estimate_chirp`, \
-                 or repeat it back to back"
+                "it looks like one sweep, which is estimated as a whole record where nothing is asked for that takes \
+                 periods"
             ),
             Self::Partly {
                 first,
@@ -58,18 +51,9 @@ impl fmt::Display for Aperiodic {
             ),
             Self::Nothing => write!(
                 f,
-                "no stretch is followed by its repetition; repeat the excitation back to back, \
-                 or give --period if the recording holds one period"
+                "no stretch is followed by its repetition; repeat the excitation back to back, give --period if the \
+                 recording holds one period, or ask for nothing that takes periods: it is then estimated as a whole record"
             ),
         }
     }
-}
-
-/// Which way the frequency of a sweep goes.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Sweep {
-    /// It rises.
-    Up,
-    /// It falls.
-    Down,
 }

@@ -8,7 +8,7 @@ use crate::correlation::long_lags::Pairs;
 use crate::error::EstimateError;
 use crate::error::aperiodic::Aperiodic;
 use crate::repetition::runs::{LIMIT, Runs};
-use crate::repetition::single_sweep::single_sweep;
+use crate::repetition::single_sweep::is_single_sweep;
 
 /// A repetition that covers less than this share of what moves is chance.
 const CHANCE: f64 = 0.2;
@@ -45,12 +45,11 @@ fn cause(channels: &[Channel], given: Option<f64>, periods: &[usize]) -> Aperiod
     if given.is_some() {
         return Aperiodic::OtherPeriod;
     }
-    let mut sweeps = channels
-        .iter()
-        .map(Channel::values)
-        .filter_map(single_sweep);
-    let sweep = sweeps.next().map(Aperiodic::SingleSweep);
-    sweep.unwrap_or_else(|| most_partly(channels, periods))
+    let mut signals = channels.iter().map(Channel::values);
+    match signals.any(is_single_sweep) {
+        true => Aperiodic::SingleSweep,
+        false => most_partly(channels, periods),
+    }
 }
 
 /// The most that repeats with any of the periods.

@@ -1,7 +1,6 @@
 //! Sweep that is there once: its frequency rises, or falls, from part to part of the signal.
 
 use crate::correlation::channel::present;
-use crate::error::aperiodic::Sweep;
 
 /// Parts that are compared.
 const PARTS: usize = 8;
@@ -10,15 +9,13 @@ const RISE: f64 = 2.0;
 /// A crossing counts when the signal goes as far beyond its mean, in rms: noise crosses more often.
 const BEYOND: f64 = 0.5;
 
-/// The way of a signal that crosses its mean more and more often, or less and less, from each eighth
-/// of it to the next.
-pub(super) fn single_sweep(values: &[f64]) -> Option<Sweep> {
+/// Whether a signal crosses its mean more and more often, or less and less, from each eighth of it to the
+/// next.
+pub(super) fn is_single_sweep(values: &[f64]) -> bool {
     let mut counts = crossings_of_parts(values);
-    if rises(&counts) {
-        return Some(Sweep::Up);
-    }
+    let is_up = rises(&counts);
     counts.reverse();
-    rises(&counts).then_some(Sweep::Down)
+    is_up || rises(&counts)
 }
 
 fn crossings_of_parts(values: &[f64]) -> Vec<usize> {

@@ -15,7 +15,7 @@ use std::iter::zip;
 use num_complex::Complex64;
 
 use crate::frf::local::least_squares::dot;
-use crate::frf::local::row_fit::{RowFit, common_columns};
+use crate::frf::local::row_fit::{RowFit, fit_rows};
 use crate::frf::local::window::{Signal, Window};
 use crate::frf::matrices::Matrix;
 use crate::frf::singular::condition_of_finite;
@@ -38,11 +38,7 @@ pub(crate) struct Fitted {
 impl Fitted {
     /// The fit to a window; `None` where it does not determine the FRF.
     pub(crate) fn of(window: &Window) -> Option<Self> {
-        let common = common_columns(window);
-        let rows = window.answers.iter();
-        let rows: Vec<RowFit> = rows
-            .map(|answer| RowFit::of(window, &common, answer))
-            .collect();
+        let rows = fit_rows(window);
         let n_free = window.n_free() as f64;
         let sigma = noise_covariance(&rows, n_free);
         let through = Through::of(&rows, window.n_outputs)?;

@@ -1,86 +1,131 @@
 //! Least squares by orthogonal columns (modified Gram and Schmidt): unknowns, what they are made of, residual.
+//! What many systems have in common is made orthogonal once.
 
 use std::iter::zip;
 
 use num_complex::Complex64;
 
+use crate::frf::local::window::Signal;
+
 /// What is left of a column of length 1 once those before it are taken off, below which it says nothing new.
 const NOTHING: f64 = 1e-13;
 
-/// Columns made orthogonal: `X = Q R` with the lengths of X's columns kept apart.
-pub(super) struct Orthogonal {
-    q: Vec<Vec<Complex64>>,
-    /// Row by row, from the diagonal on; a column that says nothing new has 0 on the diagonal.
-    r: Vec<Vec<Complex64>>,
+/// Columns made orthogonal, `X = Q R` with the lengths of X's columns kept apart.
+#[derive(Default)]
+pub(super) struct Basis {
+    q: Vec<Signal>,
+    /// Column by column, down to the diagonal, which is 0 for a column that says nothing new.
+    r: Vec<Signal>,
     lengths: Vec<f64>,
-    /// `Q^H y`.
-    turned: Vec<Complex64>,
-    /// What no column explains.
-    pub(super) residual: Vec<Complex64>,
 }
 
-impl Orthogonal {
-    /// The columns of X and the right side y.
-    pub(super) fn of(mut columns: Vec<Vec<Complex64>>, right: Vec<Complex64>) -> Self {
-        let lengths: Vec<f64> = columns
-            .iter_mut()
-            .map(|column| normalized(column))
-            .collect();
-        let (n, mut residual) = (columns.len(), right);
-        let (mut r, mut turned) = (Vec::with_capacity(n), Vec::with_capacity(n));
-        for place in 0..n {
-            let (before, after) = columns.split_at_mut(place + 1);
-            let column = &mut before[place];
-            let length = norm(column);
-            let is_new = length > NOTHING;
-            let scale = if is_new { length.recip() } else { 0.0 };
+/// A system of equations whose first columns are a basis.
+pub(super) struct System<'b> {
+    common: &'b Basis,
+    own: Basis,
+    /// `Q^H y`.
+    turned: Signal,
+    /// What no column explains.
+    pub(super) residual: Signal,
+}
+
+impl Basis {
+    /// The basis of some columns.
+    pub(super) fn of(columns: impl IntoIterator<Item = Signal>) -> Self {
+        Self::default().extended(&Self::default(), columns)
+    }
+
+    /// With more columns, behind those that are common.
+    fn extended(mut self, common: &Self, columns: impl IntoIterator<Item = Signal>) -> Self {
+        for mut column in columns {
+            self.lengths.push(normalized(&mut column));
+            let shares = common
+                .q
+                .iter()
+                .chain(&self.q)
+                .map(|q| taken_off(q, &mut column));
+            let mut shares: Signal = shares.collect();
+            let left = norm(&column);
+            let (diagonal, scale) = if left > NOTHING {
+                (left, left.recip())
+            } else {
+                (0.0, 0.0)
+            };
             column.iter_mut().for_each(|value| *value *= scale);
-            let mut row = vec![Complex64::from(if is_new { length } else { 0.0 })];
-            row.extend(after.iter_mut().map(|other| taken_off(column, other)));
-            r.push(row);
-            turned.push(taken_off(column, &mut residual));
+            shares.push(diagonal.into());
+            self.r.push(shares);
+            self.q.push(column);
         }
+        self
+    }
+}
+
+impl<'b> System<'b> {
+    /// The system of these columns behind the common ones, and its right side.
+    pub(super) fn of(
+        common: &'b Basis,
+        columns: impl IntoIterator<Item = Signal>,
+        right: Signal,
+    ) -> Self {
+        let (own, mut residual) = (Basis::default().extended(common, columns), right);
+        let all = common.q.iter().chain(&own.q);
+        let turned = all.map(|q| taken_off(q, &mut residual)).collect();
         Self {
-            q: columns,
-            r,
-            lengths,
+            common,
+            own,
             turned,
             residual,
         }
     }
 
-    /// The unknowns.
-    pub(super) fn unknowns(&self) -> Vec<Complex64> {
-        let n = self.r.len();
-        let mut unknowns = vec![Complex64::ZERO; n];
-        for place in (0..n).rev() {
-            let row = &self.r[place];
-            let known: Complex64 = zip(&row[1..], &unknowns[place + 1..])
-                .map(|(r, x)| r * x)
-                .sum();
-            unknowns[place] = over(self.turned[place] - known, row[0]);
+    fn n_columns(&self) -> usize {
+        self.turned.len()
+    }
+
+    /// A column of R, down to the diagonal.
+    fn r(&self, column: usize) -> &Signal {
+        let n_common = self.common.r.len();
+        match column.checked_sub(n_common) {
+            None => &self.common.r[column],
+            Some(own) => &self.own.r[own],
         }
-        zip(&mut unknowns, &self.lengths).for_each(|(unknown, length)| *unknown /= *length);
+    }
+
+    fn q(&self) -> impl Iterator<Item = &Signal> {
+        self.common.q.iter().chain(&self.own.q)
+    }
+
+    fn lengths(&self) -> impl Iterator<Item = &f64> {
+        self.common.lengths.iter().chain(&self.own.lengths)
+    }
+
+    /// The unknowns.
+    pub(super) fn unknowns(&self) -> Signal {
+        let mut unknowns = self.turned.clone();
+        for column in (0..self.n_columns()).rev() {
+            let r = self.r(column);
+            let unknown = over(unknowns[column], r[column]);
+            zip(&mut unknowns, r).for_each(|(rest, r)| *rest -= unknown * r);
+            unknowns[column] = unknown;
+        }
+        zip(&mut unknowns, self.lengths()).for_each(|(unknown, length)| *unknown /= *length);
         unknowns
     }
 
     /// The factors of the right side's values of which an unknown is the sum.
-    pub(super) fn functional(&self, unknown: usize) -> Vec<Complex64> {
-        let n = self.r.len();
+    pub(super) fn functional(&self, unknown: usize) -> Signal {
+        let mut row: Signal = Vec::with_capacity(self.n_columns()); // of R^-1
+        for column in 0..self.n_columns() {
+            let r = self.r(column);
+            let start = f64::from(u8::from(column == unknown));
+            let known: Complex64 = zip(&row, r).map(|(row, r)| row * r).sum();
+            row.push(over(start - known, r[column]));
+        }
+        let length = self.lengths().nth(unknown).copied().unwrap_or(1.0);
         let mut factors = vec![Complex64::ZERO; self.residual.len()];
-        let mut row = vec![Complex64::ZERO; n]; // of R^-1
-        for place in unknown..n {
-            let start = if place == unknown {
-                Complex64::ONE
-            } else {
-                Complex64::ZERO
-            };
-            let known: Complex64 = (unknown..place)
-                .map(|k| row[k] * self.r[k][place - k])
-                .sum();
-            row[place] = over(start - known, self.r[place][0]);
-            let scaled = row[place] / self.lengths[unknown];
-            zip(&mut factors, &self.q[place]).for_each(|(factor, q)| *factor += scaled * q.conj());
+        for (share, q) in zip(row, self.q()).skip(unknown) {
+            let share = share / length;
+            zip(&mut factors, q).for_each(|(factor, q)| *factor += share * q.conj());
         }
         factors
     }
@@ -114,9 +159,9 @@ pub(super) fn dot(a: &[Complex64], b: &[Complex64]) -> Complex64 {
     zip(a, b).map(|(a, b)| a.conj() * b).sum()
 }
 
-/// Takes off what another column has of a direction; returns how much it was.
-fn taken_off(direction: &[Complex64], other: &mut [Complex64]) -> Complex64 {
-    let share = dot(direction, other);
-    zip(other, direction).for_each(|(value, q)| *value -= share * q);
+/// Takes off what a column has of a direction; returns how much it was.
+fn taken_off(direction: &[Complex64], column: &mut [Complex64]) -> Complex64 {
+    let share = dot(direction, column);
+    zip(column, direction).for_each(|(value, q)| *value -= share * q);
     share
 }

@@ -87,7 +87,7 @@ fn repeats_nothing(error: &ExperimentError) -> bool {
     let EstimateError::NotPeriodic { cause, .. } = source else {
         return false;
     };
-    matches!(cause, Aperiodic::Nothing | Aperiodic::SingleSweep(_))
+    matches!(cause, Aperiodic::Nothing | Aperiodic::SingleSweep)
 }
 
 fn of_runs(
