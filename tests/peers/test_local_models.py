@@ -88,6 +88,6 @@ def test_three_experiments_from_rest_need_no_settled_period(common):
 
 
 def test_regions_hold_over_random_machines():
-    shares = coverage(60, 1)
-    assert all(0.90 < share < 0.98 for kind, share in shares.items() if kind != "chirp"), shares
+    shares = coverage(40, 1)
+    assert all(0.88 < share < 0.99 for kind, share in shares.items() if kind != "chirp"), shares
     assert 0.93 < shares["all"] < 0.97
