@@ -34,6 +34,11 @@ impl Case {
             config.robot.challenges.torque_ripple = Some(self.has_ripple);
             let velocity = config.constant_velocity.as_mut().expect("there");
             velocity.glides = self.n_glides;
+            // the way and the strength of the paper's campaign
+            velocity.travel_rad = Some(vec![0.136, 0.12, 0.128]);
+            config.averaging.lead_in_s = Some(2.0);
+            let multisine = config.multisine.as_mut().expect("there");
+            multisine.peak_of_velocity = Some(0.75);
             if !self.is_whole {
                 let multisine = config.multisine.as_mut().expect("there");
                 multisine.resolution_hz = 0.5;
@@ -121,7 +126,7 @@ fn what_repeats_without_ripple_is_not_called_ripple() {
         axes.map(|axis| axis.parse().expect("a number"))
             .collect::<Vec<f64>>()
     });
-    for (axis, travel_rad) in [0.128, 0.112, 0.12].into_iter().enumerate() {
+    for (axis, travel_rad) in [0.136, 0.12, 0.128].into_iter().enumerate() {
         assert!(way[0][axis] < way[1][axis] && way[1][axis] < way[2][axis]);
         let share = (way[2][axis] - way[0][axis]) / travel_rad;
         assert!((0.95..1.2).contains(&share), "{share} of the planned way");
