@@ -40,6 +40,12 @@ pub fn condition_number(matrix: &DMatrix<Complex64>) -> Result<f64, EstimateErro
 /// # Errors
 /// As [`condition_number`].
 pub fn scaled_condition_number(matrix: &DMatrix<Complex64>) -> Result<f64, EstimateError> {
+    check_finite_entries(matrix)?;
+    Ok(scaled_condition_of_finite(matrix))
+}
+
+/// [`scaled_condition_number`] of a matrix whose entries are known to be finite.
+pub(crate) fn scaled_condition_of_finite(matrix: &DMatrix<Complex64>) -> f64 {
     let mut scaled = matrix.clone();
     for mut row in scaled.row_iter_mut() {
         let size = row.norm();
@@ -47,7 +53,7 @@ pub fn scaled_condition_number(matrix: &DMatrix<Complex64>) -> Result<f64, Estim
             row.unscale_mut(size);
         }
     }
-    condition_number(&scaled)
+    condition_of_finite(&scaled)
 }
 
 /// [`condition_number`] of a matrix whose entries are known to be finite.

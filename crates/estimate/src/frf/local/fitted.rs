@@ -18,7 +18,6 @@ use crate::frf::local::least_squares::dot;
 use crate::frf::local::row_fit::{RowFit, fit_rows};
 use crate::frf::local::window::{Signal, Window};
 use crate::frf::matrices::Matrix;
-use crate::frf::singular::condition_of_finite;
 
 /// An FRF at one frequency.
 #[derive(Debug, Clone)]
@@ -80,18 +79,6 @@ fn ratio(square: f64, variance: f64) -> f64 {
     } else {
         square / variance
     }
-}
-
-/// Condition number of signals, channels scaled to one size; infinite where one is silent.
-pub(super) fn condition(inputs: &Matrix) -> f64 {
-    let mut scaled = inputs.clone();
-    for mut row in scaled.row_iter_mut() {
-        let size = row.norm();
-        if size > 0.0 {
-            row.unscale_mut(size);
-        }
-    }
-    condition_of_finite(&scaled)
 }
 
 /// Covariance of the noise of the answers.

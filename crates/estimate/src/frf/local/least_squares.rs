@@ -131,8 +131,8 @@ impl<'b> System<'b> {
     }
 }
 
-/// A quotient; 0 where a column says nothing new.
-fn over(value: Complex64, diagonal: Complex64) -> Complex64 {
+/// A quotient; 0 over nothing: a column that says nothing new, a denominator that vanishes.
+pub(super) fn over(value: Complex64, diagonal: Complex64) -> Complex64 {
     if diagonal == Complex64::ZERO {
         Complex64::ZERO
     } else {

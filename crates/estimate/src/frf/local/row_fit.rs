@@ -9,7 +9,7 @@ use std::iter::zip;
 
 use num_complex::Complex64;
 
-use crate::frf::local::least_squares::{Basis, System};
+use crate::frf::local::least_squares::{Basis, System, over};
 use crate::frf::local::window::{N_TERMS, ORDER, Signal, Window, times_power};
 
 /// A weight is at most this times the smallest.
@@ -133,13 +133,4 @@ fn times(signal: &[Complex64], weights: &[f64]) -> Signal {
     zip(signal, weights)
         .map(|(value, weight)| value * weight)
         .collect()
-}
-
-/// A quotient; 0 over nothing.
-fn over(value: Complex64, divisor: Complex64) -> Complex64 {
-    if divisor == Complex64::ZERO {
-        Complex64::ZERO
-    } else {
-        value / divisor
-    }
 }

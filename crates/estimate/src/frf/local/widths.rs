@@ -19,10 +19,11 @@ use rayon::prelude::*;
 use crate::error::EstimateError;
 use crate::error::deficient_line::{Deficiency, DeficientLine};
 use crate::frf::f_distribution::f_tail;
-use crate::frf::local::fitted::{Fitted, condition};
+use crate::frf::local::fitted::Fitted;
 use crate::frf::local::pieces::{PieceSpectra, Pieces};
 use crate::frf::local::window::Window;
 use crate::frf::matrices::Matrix;
+use crate::frf::singular::scaled_condition_of_finite;
 
 /// One width over the one before it.
 const STEP: f64 = 1.35;
@@ -105,7 +106,8 @@ pub(super) fn chosen(
 
 /// The fit to a window in which the inputs can be told apart.
 fn fit(window: &Window) -> Option<Fitted> {
-    let is_sound = window.is_determined() && condition(&window.inputs) <= MAX_CONDITION;
+    let is_sound =
+        window.is_determined() && scaled_condition_of_finite(&window.inputs) <= MAX_CONDITION;
     is_sound.then(|| Fitted::of(window))?
 }
 
@@ -234,7 +236,7 @@ fn deficiency(pieces: &Pieces, hz: f64, half_width: usize) -> DeficientLine {
     let window = Window::around(pieces, hz, half_width);
     DeficientLine {
         frequency_hz: hz,
-        condition: condition(&window.inputs),
+        condition: scaled_condition_of_finite(&window.inputs),
         limit: MAX_CONDITION,
         cause: cause(&window.inputs),
     }
