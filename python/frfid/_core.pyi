@@ -553,7 +553,8 @@ def estimate(
     sample_time_s: float,
     harmonics: ArrayLike,
     method: Literal[
-        "auto", "mean-of-frfs", "mean-of-spectra", "logarithmic-mean", "least-squares", "joint-input-output", "h1", "h2"
+        "auto", "mean-of-frfs", "mean-of-spectra", "logarithmic-mean", "least-squares", "joint-input-output", "h1", "h2",
+        "local-rational", "local-polynomial",
     ]
     | None = None,
     r: ArrayLike | None = None,
@@ -591,7 +592,7 @@ def estimate_chirp(
     chirp: Chirp,
     sample_time_s: float,
     frequencies_hz: ArrayLike,
-    method: Literal["excerpt"] = "excerpt",
+    method: Literal["excerpt", "local-rational", "local-polynomial"] = "excerpt",
     r: ArrayLike | None = None,
     start_s: float = 0.0,
     max_condition: float | None = None,
@@ -602,6 +603,7 @@ def estimate_local(
     *,
     sample_time_s: float,
     frequencies_hz: ArrayLike,
+    method: Literal["local-rational", "local-polynomial"] = "local-rational",
     r: ArrayLike | None = None,
     half_width: int | None = None,
 ) -> Frf: ...

@@ -72,4 +72,4 @@ def test_a_chunk_without_which_nothing_repeats_is_named(tmp_path):
     content[chunks(content)[1] + CRC] ^= 0xFF
     path.write_bytes(content)
     outcome = estimate(tmp_path, ["a.mcap"], *ELBOW)
-    assert outcome.code == 1 and outcome.said("periodic", "chunk"), outcome.text
+    assert outcome.code == 3 and outcome.said("nothing repeats", "chunk"), outcome.text

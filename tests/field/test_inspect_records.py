@@ -28,7 +28,7 @@ SAID = {
     "emps/data_emps.npz": ["1000 Hz", "qm", "vir", "--u SIGNAL=UNIT"],
     "f16/F16Data_FullMSine_Level1.npz": ['source = "force", unit = "N"', 'unit = "m/s^2"', "sample_time_s", "would refuse"],
     "silverbox/snls80mv.npz": ['source = "u"', "unknown: state it"],
-    "slfr_swept/step.npz": ["500 Hz", "theta[2]", "takes 2 values only", "not periodic"],
+    "slfr_swept/step.npz": ["500 Hz", "theta[2]", "takes 2 values only", "inputs are alike"],
     "daisy_robot_arm/robot_arm.dat": ["separator tab; no header", "1024"],
 }
 

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 
 use crate::array::{Axes, real};
 use crate::error;
+use crate::estimate::local::local_method;
 use crate::estimate::periods::{checked, frf_options};
 use crate::frf::matrix::Frf;
 use crate::signals::chirp::Chirp;
@@ -29,8 +30,9 @@ const RECORDINGS: [Axes; 2] = [
 ///     Sample time in s.
 /// frequencies_hz : sequence of float
 ///     Where to estimate, rising, in Hz.
-/// method : {"excerpt"}, optional
-///     Excerpts of four periods.
+/// method : {"excerpt", "local-rational", "local-polynomial"}, optional
+///     Excerpts of four periods, which leave the harmonics of friction out; or local models of the whole records,
+///     which resonances do not bias, as `frfid.estimate_local`.
 /// r : array_like, shape as u, optional
 ///     Reference; with it the estimate is the indirect one.
 /// start_s : float, optional
@@ -68,12 +70,11 @@ pub(crate) fn estimate_chirp(
     start_s: f64,
     max_condition: Option<f64>,
 ) -> PyResult<Frf> {
-    if method != "excerpt" {
-        return Err(PyValueError::new_err(format!(
-            "method: unknown variant `{method}`, expected `excerpt`"
-        )));
-    }
-    let options = frf_options(Method::Auto, max_condition);
+    let method = match method {
+        "excerpt" => Method::Auto,
+        local => local_method(local, "`excerpt`, ")?,
+    };
+    let options = frf_options(method, max_condition);
     let u = real::<IxDyn>("u", u, &RECORDINGS)?;
     let y = real::<IxDyn>("y", y, &RECORDINGS)?;
     let r = r.map(|r| real::<IxDyn>("r", r, &RECORDINGS)).transpose()?;

@@ -1,6 +1,6 @@
 //! `frfid.estimate_local`.
 
-use frfid_estimate::{LocalOptions, Piece, estimate_local as estimate};
+use frfid_estimate::{LocalOptions, Method, Piece, estimate_local as estimate};
 use ndarray::{ArrayView, ArrayView2, Axis, Ix2, IxDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -29,6 +29,9 @@ const RECORDS: [Axes; 2] = [&["channel", "sample"], &["record", "channel", "samp
 ///     Where to estimate, rising, in Hz; any number, also between the lines of the record.
 /// r : array_like, shape as u, optional
 ///     Reference.
+/// method : str, optional
+///     ``"local-rational"``, or ``"local-polynomial"`` (LPM): fewer unknowns, right where the FRF is smooth from line
+///     to line.
 /// half_width : int, optional
 ///     Lines of the record to either side of a frequency. Without it, at each frequency the most that agree with
 ///     all fewer: what the choice leaves of bias is then part of the variance.
@@ -46,13 +49,15 @@ const RECORDS: [Axes; 2] = [&["channel", "sample"], &["record", "channel", "samp
 /// NumericalError
 ///     If the inputs can be told apart at no frequency.
 #[pyfunction]
-#[pyo3(signature = (u, y, *, sample_time_s, frequencies_hz, r = None, half_width = None))]
+#[pyo3(signature = (u, y, *, sample_time_s, frequencies_hz, method = "local-rational", r = None, half_width = None))]
+#[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
 pub(crate) fn estimate_local(
     py: Python<'_>,
     u: &Bound<'_, PyAny>,
     y: &Bound<'_, PyAny>,
     sample_time_s: f64,
     frequencies_hz: Vec<f64>,
+    method: &str,
     r: Option<&Bound<'_, PyAny>>,
     half_width: Option<usize>,
 ) -> PyResult<Frf> {
@@ -68,11 +73,26 @@ pub(crate) fn estimate_local(
         r: r.as_ref().map(|r| r[k]),
     };
     let pieces: Vec<Piece> = (0..u.len()).map(piece).collect();
-    let options = LocalOptions { half_width };
+    let options = LocalOptions {
+        model: local_method(method, "")?.local_model().unwrap_or_default(),
+        half_width,
+        ..LocalOptions::default()
+    };
     let estimate = || estimate(&pieces, sample_time_s, &frequencies_hz, &options);
     Ok(checked(
         py.detach(estimate).map_err(error::estimate)?.estimate,
     ))
+}
+
+/// A method that fits local models, by its name; what else would do is named beside them.
+pub(super) fn local_method(name: &str, others: &str) -> PyResult<Method> {
+    match name {
+        "local-rational" => Ok(Method::LocalRational),
+        "local-polynomial" => Ok(Method::LocalPolynomial),
+        _ => Err(PyValueError::new_err(format!(
+            "method: unknown variant `{name}`, expected {others}`local-rational` or `local-polynomial`"
+        ))),
+    }
 }
 
 /// The records one by one; a single one may stand without its axis.

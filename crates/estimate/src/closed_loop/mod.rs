@@ -30,7 +30,8 @@ use crate::closed_loop::propagation::{Equation, propagated};
 use crate::error::EstimateError;
 use crate::frf::matrices::Matrix;
 use crate::frf::{FrfOptions, Method};
-use crate::spectra::campaign::{Campaign, RunSpectra};
+use crate::spectra::campaign::Campaign;
+use crate::spectra::run_spectra::RunSpectra;
 
 /// Where the reference enters the loop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]

@@ -25,8 +25,10 @@ use serde::{Deserialize, Serialize};
 use crate::error::EstimateError;
 use crate::frf::direct_difference::{DirectDifference, direct_difference};
 use crate::frf::estimate::FrfEstimate;
+use crate::frf::local::LocalModel;
 use crate::frf::methods::instruments::{H1, H2, JointInputOutput, Through};
 use crate::frf::methods::least_squares::LeastSquares;
+use crate::frf::methods::local_models::LocalModels;
 use crate::frf::methods::logarithmic_mean::LogarithmicMean;
 use crate::frf::methods::mean_of_frfs::MeanOfFrfs;
 use crate::frf::methods::mean_of_spectra::MeanOfSpectra;
@@ -58,12 +60,22 @@ pub enum Method {
     /// `(sum Y Y^H) (sum U Y^H)^-1`: noise on the input alone does not bias it, noise on the output
     /// biases it away from 0.
     H2,
+    /// A rational function over the lines around each frequency, with what whole records leave at their ends: one
+    /// experiment for all inputs, whole sweeps in place of excerpts, through the reference where there is one.
+    LocalRational,
+    /// The same with a polynomial (LPM).
+    LocalPolynomial,
 }
 
 /// From the spectra of a campaign to its FRF.
 pub(crate) trait FrfMethod {
     /// Whether the runs must hold the reference.
     fn needs_reference(&self) -> bool;
+
+    /// Whether it goes through the reference where the runs hold it.
+    fn takes_reference(&self) -> bool {
+        self.needs_reference()
+    }
 
     /// The FRF with its variances.
     ///
@@ -117,13 +129,25 @@ impl Method {
             Self::JointInputOutput => &Through(JointInputOutput),
             Self::H1 => &Through(H1),
             Self::H2 => &Through(H2),
+            Self::LocalRational => &LocalModels(LocalModel::Rational),
+            Self::LocalPolynomial => &LocalModels(LocalModel::Polynomial),
         }
     }
 
     /// Whether it takes the reference where there is one.
     #[must_use]
     pub fn takes_reference(self) -> bool {
-        self.with_reference(true).needs_reference()
+        self.with_reference(true).estimator().takes_reference()
+    }
+
+    /// The model that it fits to the lines around each frequency, if it does.
+    #[must_use]
+    pub fn local_model(self) -> Option<LocalModel> {
+        match self {
+            Self::LocalRational => Some(LocalModel::Rational),
+            Self::LocalPolynomial => Some(LocalModel::Polynomial),
+            _ => None,
+        }
     }
 
     /// Whether it needs the reference.

@@ -19,7 +19,8 @@ use num_complex::Complex64;
 use crate::error::EstimateError;
 use crate::frf::blocks::{mean, squares_about};
 use crate::frf::matrices::{Matrix, matrices, matrix, stacked};
-use crate::spectra::campaign::{Block, Campaign, RunSpectra};
+use crate::spectra::campaign::{Block, Campaign};
+use crate::spectra::run_spectra::RunSpectra;
 
 /// Covariances of the spectra, line by line, in squared units of the DFT.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,7 +7,7 @@ use frfid_signals::Frf;
 use ndarray::Array2;
 use num_complex::Complex64;
 
-use crate::spectra::campaign::RunSpectra;
+use crate::spectra::run_spectra::RunSpectra;
 
 /// `Y_q - G (U_q - U)` of the periods q of a run, U the mean of its `U_q`, each `(output, line)`; on
 /// lines where the FRF is not known the mean of `Y_q`. Empty where the FRF does not fit the spectra.

@@ -5,69 +5,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::iter::zip;
 
 use frfid_signals::checks::{all_finite, one_per_axis, require};
-use ndarray::{Array2, ArrayView2};
-use num_complex::Complex64;
 
 use crate::error::EstimateError;
 use crate::period_index::PeriodIndex;
-use crate::spectra::Transform;
 use crate::spectra::line_dft::check_rising;
-
-/// Spectra of one run (one period of one experiment), `(channel, line)`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct RunSpectra {
-    /// Plant input.
-    pub u: Array2<Complex64>,
-    /// Plant output.
-    pub y: Array2<Complex64>,
-    /// Reference, as many channels as `u`, for methods that estimate through it; in all runs of a
-    /// campaign or in none.
-    pub r: Option<Array2<Complex64>>,
-}
-
-impl RunSpectra {
-    /// Transforms one run of `u`, `y` and, if there is one, `r`, each `(channel, sample)`.
-    ///
-    /// # Errors
-    /// As [`Transform::transform`], naming the signal.
-    pub fn of(
-        transform: &dyn Transform,
-        u: ArrayView2<f64>,
-        y: ArrayView2<f64>,
-        r: Option<ArrayView2<f64>>,
-    ) -> Result<Self, EstimateError> {
-        let r = r.map(|r| transform.transform("r", r)).transpose()?;
-        Ok(Self {
-            u: transform.transform("u", u)?,
-            y: transform.transform("y", y)?,
-            r,
-        })
-    }
-
-    /// The signals by name.
-    fn signals(&self) -> [(&'static str, Option<&Array2<Complex64>>); 3] {
-        [
-            ("u", Some(&self.u)),
-            ("y", Some(&self.y)),
-            ("r", self.r.as_ref()),
-        ]
-    }
-
-    /// Shapes of u, y and r.
-    fn shapes(&self) -> Shapes {
-        self.signals().map(|(_, signal)| signal.map(Array2::dim))
-    }
-
-    /// Shapes that its signals must have on so many lines: channels, and as many of r as of u.
-    fn needed_shapes(&self, n_lines: usize) -> Shapes {
-        let shape = |channels: usize| Some((channels.max(1), n_lines));
-        let r = self.r.as_ref().and_then(|_| shape(self.u.nrows()));
-        [shape(self.u.nrows()), shape(self.y.nrows()), r]
-    }
-}
-
-/// Shapes of u, y and r, `(channel, line)`, where there is one.
-type Shapes = [Option<(usize, usize)>; 3];
+use crate::spectra::run_spectra::{RunSpectra, Shapes, check_shape};
 
 /// The spectra of a campaign, indexed by realization, period and experiment: the estimate does not
 /// depend on the order in which runs were inserted. Memory is `lines x channels` complex numbers
@@ -75,6 +17,8 @@ type Shapes = [Option<(usize, usize)>; 3];
 #[derive(Debug, Clone, PartialEq)]
 pub struct Campaign {
     pub(super) frequency_hz: Vec<f64>,
+    /// Frequencies at which local models are evaluated; those of the lines without.
+    at_hz: Option<Vec<f64>>,
     pub(super) runs: BTreeMap<PeriodIndex, RunSpectra>,
     /// Glides whose mean is not in the runs any more.
     pub(crate) glides: Vec<RunSpectra>,
@@ -94,6 +38,7 @@ impl Campaign {
         check_rising("frequency_hz", frequency_hz.iter().copied())?;
         Ok(Self {
             frequency_hz,
+            at_hz: None,
             runs: BTreeMap::new(),
             glides: Vec::new(),
             glide_coherence: Vec::new(),
@@ -104,6 +49,24 @@ impl Campaign {
     #[must_use]
     pub fn frequency_hz(&self) -> &[f64] {
         &self.frequency_hz
+    }
+
+    /// The same, evaluated at other frequencies than its lines, which must rise: by methods that look at many lines
+    /// together.
+    ///
+    /// # Errors
+    /// As [`Campaign::new`].
+    pub fn evaluated_at(self, at_hz: Vec<f64>) -> Result<Self, EstimateError> {
+        check_rising("frequency_hz", at_hz.iter().copied())?;
+        Ok(Self {
+            at_hz: Some(at_hz),
+            ..self
+        })
+    }
+
+    /// Frequencies in Hz at which local models are evaluated.
+    pub(crate) fn at_hz(&self) -> &[f64] {
+        self.at_hz.as_ref().unwrap_or(&self.frequency_hz)
     }
 
     /// Whether the runs hold the reference.
@@ -229,6 +192,16 @@ impl Campaign {
             .collect()
     }
 
+    /// The periods of every experiment of every realization.
+    pub(crate) fn by_experiment(&self) -> Vec<Vec<&RunSpectra>> {
+        let mut experiments: BTreeMap<(usize, usize), Vec<&RunSpectra>> = BTreeMap::new();
+        for (place, run) in &self.runs {
+            let of = (place.realization, place.experiment);
+            experiments.entry(of).or_default().push(run);
+        }
+        experiments.into_values().collect()
+    }
+
     /// Refuses a run of another shape than those before it, or with values that are not finite.
     fn check(&self, run: &RunSpectra) -> Result<(), EstimateError> {
         for ((name, found), needed) in zip(run.signals(), self.needed_shapes(run)) {
@@ -261,26 +234,10 @@ pub(super) fn places_of(
     })
 }
 
-/// Refuses spectra of another shape than needed.
-fn check_shape(
-    name: &'static str,
-    found: Option<&Array2<Complex64>>,
-    needed: Option<(usize, usize)>,
-) -> Result<(), EstimateError> {
-    if found.map(Array2::dim) == needed {
-        return Ok(());
-    }
-    let shape = found.map_or(&[][..], |found| found.shape());
-    let needed = match needed {
-        Some(needed) => format!("{needed:?} (channel, line)"),
-        None => "no r, as in the runs before".into(),
-    };
-    Err(EstimateError::shape(name, shape, needed))
-}
-
 #[cfg(test)]
 mod tests {
     use frfid_signals::SignalError;
+    use ndarray::Array2;
 
     use super::*;
     use crate::testing::refusal;

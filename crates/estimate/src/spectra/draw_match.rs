@@ -13,8 +13,8 @@ use std::iter::zip;
 use ndarray::{Array2, ArrayView1};
 use num_complex::Complex64;
 
-use crate::spectra::campaign::RunSpectra;
 use crate::spectra::delay::{DelaySearch, PhaseDifference, Shift};
+use crate::spectra::run_spectra::RunSpectra;
 use crate::spectra::spread::{add_squares, mean};
 
 /// Phases that agree this well are the same draw: their distortion agrees as well, and a device that

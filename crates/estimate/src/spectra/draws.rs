@@ -10,10 +10,11 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::period_index::PeriodIndex;
-use crate::spectra::campaign::{Campaign, RunSpectra, places_of};
+use crate::spectra::campaign::{Campaign, places_of};
 use crate::spectra::delay::{DelaySearch, Shift};
 use crate::spectra::draw_match::{Drawn, Repeat};
 use crate::spectra::equal_draws::EqualDraws;
+use crate::spectra::run_spectra::RunSpectra;
 
 /// What the experiments of a realization excite.
 struct Realization {

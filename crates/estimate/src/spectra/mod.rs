@@ -8,11 +8,11 @@ mod dwells;
 pub(crate) mod equal_draws;
 pub(crate) mod excerpt;
 pub(crate) mod harmonic_fit;
-mod harmonic_gram;
-mod harmonic_sums;
 pub(crate) mod line_dft;
+pub(crate) mod run_spectra;
 pub(crate) mod spread;
 pub(crate) mod time_series;
+pub(crate) mod whole_record;
 
 use std::iter::zip;
 
@@ -22,9 +22,14 @@ use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
+use crate::spectra::campaign::Campaign;
 use crate::spectra::dwells::Dwells;
 use crate::spectra::excerpt::{ExcerptOptions, Excerpts};
 use crate::spectra::line_dft::LineDft;
+use crate::spectra::whole_record::WholeRecord;
+
+/// Lines of a whole chirp are taken so far beyond its band: what is excited there says something, too.
+const BEYOND: f64 = 1.2;
 
 /// What turns time series into spectra.
 pub trait Transform: Send + Sync {
@@ -72,8 +77,10 @@ fn mean(samples: &[f64]) -> f64 {
 
 /// Where in frequency the periods of a plan are evaluated, and how.
 pub struct Evaluation {
-    /// Frequencies in Hz, rising.
+    /// Frequencies of the spectra in Hz, rising.
     pub frequency_hz: Vec<f64>,
+    /// Frequencies of the FRF, where they are others.
+    at_hz: Option<Vec<f64>>,
     /// From a period to spectra at these frequencies.
     pub transform: Box<dyn Transform>,
     /// Relative distance below which resonances cannot be told apart, where that is a property of
@@ -82,8 +89,8 @@ pub struct Evaluation {
 }
 
 impl Evaluation {
-    /// The DFT of a multisine on its excited lines; excerpts of a chirp at `n_frequencies`,
-    /// logarithmically spaced over its band; the DFT of each dwell of a stepped sine.
+    /// The DFT of a multisine on its excited lines; a chirp at `n_frequencies`, logarithmically spaced over its band,
+    /// from excerpts; the DFT of each dwell of a stepped sine.
     ///
     /// # Errors
     /// [`EstimateError`] for an excitation that cannot be evaluated.
@@ -120,12 +127,62 @@ impl Evaluation {
         })
     }
 
+    /// The same for local models, which look at all lines around a frequency: a chirp by its whole record.
+    ///
+    /// # Errors
+    /// As [`Evaluation::of`], and of a stepped sine.
+    pub fn of_whole_records(plan: &Plan, n_frequencies: usize) -> Result<Self, EstimateError> {
+        match &plan.excitation {
+            Excitation::Multisine(_) => Self::of(plan, n_frequencies),
+            Excitation::SteppedSine(_) => Err(no_lines_between()),
+            Excitation::Chirp(chirp) => {
+                let hz = log_spaced(chirp.low_hz, chirp.high_hz, n_frequencies)?;
+                let n_samples = plan.period_samples()?;
+                Self::by_whole_record(chirp, hz, plan.sample_time_s, n_samples)
+            }
+        }
+    }
+
+    /// Whole records of a chirp.
+    pub(crate) fn by_whole_record(
+        chirp: &Chirp,
+        hz: Vec<f64>,
+        sample_time_s: f64,
+        n_samples: usize,
+    ) -> Result<Self, EstimateError> {
+        let band_hz = [chirp.low_hz / BEYOND, chirp.high_hz * BEYOND];
+        let whole = WholeRecord::new(band_hz, sample_time_s, n_samples)?;
+        Ok(Self {
+            at_hz: Some(hz),
+            ..Self::on_frequencies(whole.frequency_hz().to_vec(), whole)
+        })
+    }
+
+    /// An empty campaign for the spectra.
+    ///
+    /// # Errors
+    /// None of an evaluation that was planned.
+    pub fn campaign(&self) -> Result<Campaign, EstimateError> {
+        let campaign = Campaign::new(self.frequency_hz.clone())?;
+        match &self.at_hz {
+            Some(hz) => campaign.evaluated_at(hz.clone()),
+            None => Ok(campaign),
+        }
+    }
+
     /// Evaluation that resolves whatever the frequencies do.
     fn on_frequencies(frequency_hz: Vec<f64>, transform: impl Transform + 'static) -> Self {
         Self {
             frequency_hz,
+            at_hz: None,
             transform: Box::new(transform),
             relative_resolution: None,
         }
     }
+}
+
+/// Why a stepped sine has no local models.
+fn no_lines_between() -> EstimateError {
+    let what = "a stepped sine has no lines between its frequencies, local models need them: choose another method";
+    SignalError::unfit("method", what).into()
 }

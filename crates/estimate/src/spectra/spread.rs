@@ -3,7 +3,8 @@
 use ndarray::{Array2, Zip};
 use num_complex::Complex64;
 
-use crate::spectra::campaign::{Block, RunSpectra};
+use crate::spectra::campaign::Block;
+use crate::spectra::run_spectra::RunSpectra;
 
 /// A signal of a campaign, means and noise apart.
 pub(crate) struct Spread {

@@ -9,7 +9,8 @@ use rayon::prelude::*;
 use crate::error::EstimateError;
 use crate::period_index::PeriodIndex;
 use crate::spectra::Transform;
-use crate::spectra::campaign::{Campaign, RunSpectra};
+use crate::spectra::campaign::Campaign;
+use crate::spectra::run_spectra::RunSpectra;
 
 /// Plant input, plant output and, for methods that estimate through it, reference:
 /// `(realization, experiment, period, channel, sample)` of any strides.

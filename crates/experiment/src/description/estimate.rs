@@ -63,7 +63,9 @@ impl EstimateTable {
     /// Whether what is asked for takes periods: an average, a method other than through the reference, another
     /// response than the plant.
     pub(crate) fn is_of_periods(&self) -> bool {
-        let is_local = matches!(self.method(), Method::Auto | Method::JointInputOutput);
+        let method = self.method();
+        let is_local = method.local_model().is_some()
+            || matches!(method, Method::Auto | Method::JointInputOutput);
         !is_local || self.response_but_plant().is_some()
     }
 
@@ -85,6 +87,10 @@ impl EstimateTable {
             let message = "the method is given twice: keep `method`, and leave `average` and \
                            `indirect` out";
             return Err(Fault::new(&["method"], message));
+        }
+        if self.method().local_model().is_some() && self.response_but_plant().is_some() {
+            let message = "local models give the plant alone: leave `response` out, or the method";
+            return Err(Fault::new(&["response"], message));
         }
         Ok(())
     }

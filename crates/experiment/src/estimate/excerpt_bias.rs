@@ -1,7 +1,7 @@
 //! Bias of a chirp's excerpts in a campaign: spectra of the whole chirps beside those of the
 //! excerpts.
 
-use frfid_estimate::{Campaign, PeriodIndex, RunSpectra, WholeRecord};
+use frfid_estimate::{Campaign, Method, PeriodIndex, RunSpectra, WholeRecord, add_excerpt_bias};
 use frfid_signals::{Excitation, Frf, Plan, Record};
 use ndarray::s;
 
@@ -18,22 +18,19 @@ pub(crate) struct ExcerptBias {
 pub(crate) type WholeSpectra = Vec<(PeriodIndex, RunSpectra)>;
 
 impl ExcerptBias {
-    /// For chirps that are repeated: without repeats there is no region that must hold the bias.
+    /// For excerpts of chirps that are repeated: without repeats there is no region that must hold the bias.
     ///
     /// # Errors
     /// [`ExperimentError::Estimate`] for lines that do not fit the period.
-    pub(crate) fn of_plan(
-        plan: &Plan,
-        frequency_hz: &[f64],
-    ) -> Result<Option<Self>, ExperimentError> {
+    pub(crate) fn of_plan(plan: &Plan, method: Method) -> Result<Option<Self>, ExperimentError> {
         let Excitation::Chirp(chirp) = &plan.excitation else {
             return Ok(None);
         };
-        if plan.n_repetitions * plan.n_periods < 2 {
+        if method.local_model().is_some() || plan.n_repetitions * plan.n_periods < 2 {
             return Ok(None);
         }
         let period_samples = plan.period_samples()?;
-        let whole = WholeRecord::new(chirp, frequency_hz, plan.sample_time_s, period_samples)?;
+        let whole = WholeRecord::of_band(chirp, plan.sample_time_s, period_samples)?;
         Ok(Some(Self {
             whole,
             lead_in_samples: plan.lead_in_samples,
@@ -70,6 +67,6 @@ impl ExcerptBias {
             campaign.insert(place, run)?;
         }
         campaign.drop_incomplete();
-        Ok(self.whole.add_bias(frf, &campaign)?)
+        Ok(add_excerpt_bias(frf, &campaign)?)
     }
 }

@@ -6,9 +6,9 @@
 //! and 1.8 dB, 14 deg at worst, 33 dB at a damping of 0.1 %. With repeats the bias is part of the
 //! covariance ([`crate::frf::excerpts::whole_record`]).
 
+pub(crate) mod bias;
 #[cfg(test)]
 mod tests;
-pub(crate) mod whole_record;
 
 use frfid_signals::{Chirp, Frf};
 use ndarray::{ArrayView4, ArrayView5, Axis};
@@ -16,12 +16,14 @@ use ndarray::{ArrayView4, ArrayView5, Axis};
 use crate::error::EstimateError;
 use crate::frf::FrfOptions;
 use crate::frf::estimate::FrfEstimate;
-use crate::frf::excerpts::whole_record::WholeRecord;
+use crate::frf::excerpts::bias::add_excerpt_bias;
+use crate::spectra::Evaluation;
 use crate::spectra::campaign::Campaign;
 use crate::spectra::excerpt::{ExcerptOptions, Excerpts};
 use crate::spectra::time_series::{TimeSeries, check_same_shape};
+use crate::spectra::whole_record::WholeRecord;
 
-/// FRF at `frequencies_hz` (rising) from recordings `(repeat, experiment, channel, sample)` of the
+/// FRF at `frequencies_hz` (rising) by excerpts, or by local models of the whole records, from recordings `(repeat, experiment, channel, sample)` of the
 /// same chirp, which starts `start_s` after the first sample.
 ///
 /// Repeats give the noise covariance, to which the bias of the excerpts is added, as far as the
@@ -73,31 +75,45 @@ pub fn estimate_repeats(
     options.method.check_reference(r.is_some())?;
     check_same_shape(&u, &y, r.as_ref())?;
     let cut = ExcerptOptions::default();
-    let mut campaign = Campaign::new(frequencies_hz.to_vec())?;
     let n_samples = u.len_of(Axis(3));
-    let excerpts = Excerpts::new(
-        chirp,
-        frequencies_hz,
-        sample_time_s,
-        start_s,
-        n_samples,
-        &cut,
-    )?;
+    let hz = frequencies_hz;
+    let excerpts = Excerpts::new(chirp, hz, sample_time_s, start_s, n_samples, &cut)?;
     let series = TimeSeries {
         u: as_one_realization(u),
         y: as_one_realization(y),
         r: r.map(as_one_realization),
     };
+    if options.method.local_model().is_some() {
+        let evaluation = Evaluation::by_whole_record(chirp, hz.to_vec(), sample_time_s, n_samples)?;
+        return of_whole_records(&series, &evaluation, options);
+    }
+    let mut campaign = Campaign::new(hz.to_vec())?;
     series.transform_into(&mut campaign, &excerpts)?;
     let mut estimate = campaign.estimate_lines(options)?;
     estimate.frf.relative_resolution = Some(cut.relative_resolution(chirp));
     if estimate.frf.noise.is_some() {
-        let whole = WholeRecord::new(chirp, frequencies_hz, sample_time_s, n_samples)?;
-        let mut spectra = whole.campaign()?;
-        series.transform_into(&mut spectra, &whole)?;
-        whole.add_bias(&mut estimate.frf, &spectra)?;
+        let whole = WholeRecord::of_band(chirp, sample_time_s, n_samples)?;
+        with_bias(&mut estimate.frf, &series, &whole)?;
     }
     Ok(estimate)
+}
+
+/// The estimate by local models.
+fn of_whole_records(
+    series: &TimeSeries,
+    evaluation: &Evaluation,
+    options: &FrfOptions,
+) -> Result<FrfEstimate, EstimateError> {
+    let mut campaign = evaluation.campaign()?;
+    series.transform_into(&mut campaign, &*evaluation.transform)?;
+    campaign.estimate_lines(options)
+}
+
+/// Adds the bias of the excerpts.
+fn with_bias(frf: &mut Frf, series: &TimeSeries, whole: &WholeRecord) -> Result<(), EstimateError> {
+    let mut campaign = whole.campaign()?;
+    series.transform_into(&mut campaign, whole)?;
+    add_excerpt_bias(frf, &campaign)
 }
 
 /// `(repeat, experiment, ..)` as `(realization, experiment, period, ..)`.

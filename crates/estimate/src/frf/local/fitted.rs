@@ -15,6 +15,7 @@ use std::iter::zip;
 use num_complex::Complex64;
 
 use crate::frf::local::least_squares::dot;
+use crate::frf::local::repeats::Scatter;
 use crate::frf::local::row_fit::{RowFit, fit_rows};
 use crate::frf::local::window::{Signal, Window};
 use crate::frf::matrices::Matrix;
@@ -24,9 +25,13 @@ use crate::frf::matrices::Matrix;
 pub(crate) struct Fitted {
     /// `(output, input)`.
     pub(crate) response: Matrix,
-    /// Of vec(G).
+    /// Of vec(G), from what the fit leaves: noise and distortion.
     pub(crate) covariance: Matrix,
     pub(super) degrees_of_freedom: f64,
+    /// Of vec(G), from what repeats differ by: noise alone; `None` without repeats.
+    pub(super) of_noise: Option<Scatter>,
+    /// Condition number of the inputs in the window.
+    pub(super) condition: f64,
     /// Noise of the answers, the geometric mean of their variances; as it is, and before it passed through the
     /// poles of the fit.
     pub(super) noise: [f64; 2],
@@ -41,8 +46,14 @@ impl Fitted {
         let n_free = window.n_free() as f64;
         let sigma = noise_covariance(&rows, n_free);
         let through = Through::of(&rows, window.n_outputs)?;
+        let of_noise = |scatter: &Scatter| Scatter {
+            covariance: through.covariance(&rows, &through.of_answers(&scatter.covariance)),
+            degrees_of_freedom: scatter.degrees_of_freedom,
+        };
         Some(Self {
             covariance: through.covariance(&rows, &sigma),
+            of_noise: window.scatter.as_ref().map(of_noise),
+            condition: window.condition(),
             response: through.response,
             degrees_of_freedom: n_free,
             noise: [
@@ -122,6 +133,19 @@ impl Through {
             inverse,
             shares,
         })
+    }
+
+    /// Covariance of the noise of the answers, of that of outputs and inputs: in open loop that of Y - G U.
+    fn of_answers(&self, signals: &Matrix) -> Matrix {
+        let (n_outputs, n_answers) = self.shares.shape();
+        if n_answers == signals.nrows() {
+            return signals.clone();
+        }
+        let mut left = Matrix::identity(n_outputs, signals.nrows());
+        let n_inputs = self.response.ncols();
+        left.columns_mut(n_outputs, n_inputs)
+            .copy_from(&-&self.response);
+        &left * signals * left.adjoint()
     }
 
     /// Covariance of vec(G).

@@ -21,6 +21,7 @@
 pub(crate) mod fitted;
 mod least_squares;
 mod pieces;
+mod repeats;
 mod row_fit;
 #[cfg(test)]
 mod tests;
@@ -37,6 +38,9 @@ use crate::frf::estimate::FrfEstimate;
 use crate::frf::local::fitted::Fitted;
 use crate::frf::local::pieces::Pieces;
 use crate::frf::local::widths::{Choice, chosen};
+use crate::frf::local::window::Window;
+use crate::frf::matrices::Matrix;
+use crate::spectra::campaign::Campaign;
 
 /// A piece of a record without holes, as it was measured.
 #[derive(Debug, Clone, Copy)]
@@ -49,11 +53,45 @@ pub struct Piece<'a> {
     pub r: Option<ArrayView2<'a, f64>>,
 }
 
+/// What an FRF is over a narrow band.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum LocalModel {
+    /// A rational function: sharp resonances, too.
+    #[default]
+    Rational,
+    /// A polynomial (LPM): fewer unknowns, right where the FRF is smooth from line to line.
+    Polynomial,
+}
+
+impl LocalModel {
+    /// Order of the denominator: one mode needs two.
+    fn n_poles(self) -> usize {
+        match self {
+            Self::Rational => 2,
+            Self::Polynomial => 0,
+        }
+    }
+}
+
 /// How local models are fitted.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocalOptions {
+    /// What the FRF is over a narrow band.
+    pub model: LocalModel,
     /// Lines of the longest piece to either side of a frequency; chosen frequency by frequency without.
     pub half_width: Option<usize>,
+    /// Largest condition number of the inputs in a window, rows scaled to equal size.
+    pub max_condition: f64,
+}
+
+impl Default for LocalOptions {
+    fn default() -> Self {
+        Self {
+            model: LocalModel::Rational,
+            half_width: None,
+            max_condition: 1e6,
+        }
+    }
 }
 
 /// An FRF by local models.
@@ -78,15 +116,49 @@ pub fn estimate_local(
     options: &LocalOptions,
 ) -> Result<LocalEstimate, EstimateError> {
     let pieces = Pieces::of(pieces, sample_time_s, frequency_hz)?;
-    let choices = chosen(&pieces, frequency_hz, options.half_width)?;
-    let most = choices
-        .iter()
-        .map(Choice::degrees_of_freedom)
-        .fold(0.0, f64::max);
-    let mut frf = empty(&pieces, frequency_hz, most)?;
+    of_pieces(&pieces, frequency_hz, options)
+}
+
+/// FRF of a campaign at `frequency_hz`, rising: a piece of every realization and experiment, the mean of its
+/// periods, whose differences are its noise.
+///
+/// # Errors
+/// As [`estimate_local`].
+pub(crate) fn estimate_campaign(
+    campaign: &Campaign,
+    frequency_hz: &[f64],
+    options: &LocalOptions,
+) -> Result<LocalEstimate, EstimateError> {
+    of_pieces(&Pieces::of_campaign(campaign)?, frequency_hz, options)
+}
+
+/// The fits of one width to a campaign, frequency by frequency; `None` where its lines are too few.
+///
+/// # Errors
+/// [`EstimateError::EmptyList`] without runs.
+pub(crate) fn fits_of_width(
+    campaign: &Campaign,
+    frequency_hz: &[f64],
+    half_width: usize,
+) -> Result<Vec<Option<Fitted>>, EstimateError> {
+    let pieces = Pieces::of_campaign(campaign)?;
+    let fit = |hz: &f64| {
+        let window = Window::around(&pieces, *hz, half_width, LocalModel::default());
+        window.is_determined().then(|| Fitted::of(&window))?
+    };
+    Ok(frequency_hz.iter().map(fit).collect())
+}
+
+fn of_pieces(
+    pieces: &Pieces,
+    frequency_hz: &[f64],
+    options: &LocalOptions,
+) -> Result<LocalEstimate, EstimateError> {
+    let choices = chosen(pieces, frequency_hz, options)?;
+    let mut frf = empty(pieces, frequency_hz, &choices)?;
     for (line, choice) in choices.iter().enumerate() {
         if let Some(fitted) = choice.fitted() {
-            put(&mut frf, line, fitted, most);
+            put(&mut frf, line, fitted);
         }
     }
     let left_out: Vec<DeficientLine> = choices.iter().filter_map(Choice::deficiency).collect();
@@ -99,32 +171,50 @@ pub fn estimate_local(
     })
 }
 
-/// An FRF of which nothing is known yet.
-fn empty(pieces: &Pieces, frequency_hz: &[f64], freedom: f64) -> Result<Frf, EstimateError> {
+/// An FRF of which nothing is known yet, with the largest degrees of freedom of all fits.
+fn empty(pieces: &Pieces, frequency_hz: &[f64], choices: &[Choice]) -> Result<Frf, EstimateError> {
     let unknown = Complex64::new(f64::NAN, f64::NAN);
     let (lines, [outputs, inputs]) = (frequency_hz.len(), pieces.size());
     let entries = outputs * inputs;
     let response = Array3::from_elem((lines, outputs, inputs), unknown);
-    let mut frf = Frf::new(frequency_hz.to_vec(), response)?;
-    frf.total = Some(Uncertainty {
+    let uncertainty = |degrees_of_freedom: f64| Uncertainty {
         covariance: Array3::from_elem((lines, entries, entries), unknown),
-        degrees_of_freedom: freedom,
-    });
+        degrees_of_freedom,
+    };
+    let fits = || choices.iter().filter_map(Choice::fitted);
+    let of_noise = fits().filter_map(|fitted| fitted.of_noise.as_ref());
+    let of_noise = of_noise.map(|noise| noise.degrees_of_freedom);
+    let total = fits().map(|fitted| fitted.degrees_of_freedom);
+    let mut frf = Frf::new(frequency_hz.to_vec(), response)?;
+    frf.noise = of_noise.reduce(f64::max).map(uncertainty);
+    frf.total = Some(uncertainty(total.fold(0.0, f64::max)));
+    frf.condition = Some(vec![f64::NAN; lines]);
     Ok(frf)
 }
 
-/// Puts what was fitted at a line; its covariance such that the region is right with the degrees of freedom
-/// of all.
-fn put(frf: &mut Frf, line: usize, fitted: &Fitted, freedom: f64) {
+/// Puts what was fitted at a line.
+fn put(frf: &mut Frf, line: usize, fitted: &Fitted) {
     let n_outputs = fitted.response.nrows();
-    let wider = confidence_factor_95(fitted.degrees_of_freedom) / confidence_factor_95(freedom);
     for (k, value) in fitted.response.iter().enumerate() {
         frf.response[[line, k % n_outputs, k / n_outputs]] = *value;
     }
-    let n = fitted.covariance.nrows();
-    for total in frf.total.iter_mut() {
-        for (k, value) in fitted.covariance.iter().enumerate() {
-            total.covariance[[line, k % n, k / n]] = value * wider;
-        }
+    if let Some(total) = &mut frf.total {
+        let own = (&fitted.covariance, fitted.degrees_of_freedom);
+        put_covariance(total, line, own);
+    }
+    if let Some((noise, own)) = frf.noise.as_mut().zip(fitted.of_noise.as_ref()) {
+        put_covariance(noise, line, (&own.covariance, own.degrees_of_freedom));
+    }
+    for condition in frf.condition.iter_mut() {
+        condition[line] = fitted.condition;
+    }
+}
+
+/// Puts a covariance with its degrees of freedom such that the region is right with those of all.
+fn put_covariance(all: &mut Uncertainty, line: usize, (covariance, freedom): (&Matrix, f64)) {
+    let wider = confidence_factor_95(freedom) / confidence_factor_95(all.degrees_of_freedom);
+    let n = covariance.nrows();
+    for (k, value) in covariance.iter().enumerate() {
+        all.covariance[[line, k % n, k / n]] = value * wider;
     }
 }

@@ -1,4 +1,4 @@
-//! Pieces of records as spectra, each on the lines of its own length.
+//! Pieces of records as spectra, each on lines of its own.
 
 use frfid_signals::{SignalError, checks::positive};
 use ndarray::{Array2, ArrayView2};
@@ -6,8 +6,11 @@ use num_complex::Complex64;
 
 use crate::error::EstimateError;
 use crate::frf::local::Piece;
+use crate::frf::local::repeats::{Repeats, mean_of};
 use crate::spectra::Transform;
+use crate::spectra::campaign::Campaign;
 use crate::spectra::line_dft::{LineDft, check_rising};
+use crate::spectra::run_spectra::RunSpectra;
 
 /// All pieces, of the same channels.
 pub(super) struct Pieces {
@@ -15,14 +18,13 @@ pub(super) struct Pieces {
     size: [usize; 2],
 }
 
-/// The spectra of one piece, `(channel, line)` with line 1 in front, over the root of its length: noise is alike
-/// in pieces of any length.
+/// The spectra of one piece, `(channel, line)`.
 pub(super) struct PieceSpectra {
-    /// Distance of its lines in Hz.
-    pub(super) spacing_hz: f64,
-    pub(super) u: Array2<Complex64>,
-    pub(super) y: Array2<Complex64>,
-    pub(super) r: Option<Array2<Complex64>>,
+    /// Its lines, rising.
+    pub(super) line_hz: Vec<f64>,
+    pub(super) mean: RunSpectra,
+    /// How the records differ of which it is the mean; `None` of one record.
+    pub(super) repeats: Option<Repeats>,
 }
 
 impl Pieces {
@@ -46,6 +48,22 @@ impl Pieces {
         })
     }
 
+    /// A piece for every realization and experiment of a campaign, the mean of its periods.
+    pub(super) fn of_campaign(campaign: &Campaign) -> Result<Self, EstimateError> {
+        let experiments = campaign.by_experiment();
+        let first = experiments.first().and_then(|periods| periods.first());
+        let first = first.ok_or(EstimateError::EmptyList("runs"))?;
+        let piece = |periods: &Vec<&RunSpectra>| PieceSpectra {
+            line_hz: campaign.frequency_hz().to_vec(),
+            mean: mean_of(periods),
+            repeats: Repeats::of(periods),
+        };
+        Ok(Self {
+            size: [first.y.nrows(), first.u.nrows()],
+            all: experiments.iter().map(piece).collect(),
+        })
+    }
+
     /// Numbers of outputs and inputs.
     pub(super) fn size(&self) -> [usize; 2] {
         self.size
@@ -53,7 +71,7 @@ impl Pieces {
 
     /// Distance of the lines of the longest piece in Hz.
     pub(super) fn finest_hz(&self) -> f64 {
-        let spacings = self.all.iter().map(|piece| piece.spacing_hz);
+        let spacings = self.all.iter().map(PieceSpectra::spacing_hz);
         spacings.fold(f64::INFINITY, f64::min)
     }
 }
@@ -109,23 +127,37 @@ fn check_frequencies(frequency_hz: &[f64], sample_time_s: f64) -> Result<(), Est
 }
 
 impl PieceSpectra {
+    /// The spectra on all lines over the root of the length: noise is alike in pieces of any length.
     fn of(piece: &Piece, sample_time_s: f64) -> Result<Self, EstimateError> {
         let n_samples = piece.u.ncols();
         let last = n_samples.saturating_sub(1) / 2;
         let lines: Vec<usize> = (1..=last.max(1)).collect();
         let dft = LineDft::new(n_samples, &lines)?;
         let scale = Complex64::from((n_samples as f64).sqrt().recip());
-        let spectra = |name, signal| Ok::<_, EstimateError>(dft.transform(name, signal)? * scale);
+        let spectra = |name, signal| -> Result<Array2<Complex64>, EstimateError> {
+            Ok(dft.transform(name, signal)? * scale)
+        };
         Ok(Self {
-            spacing_hz: 1.0 / (n_samples as f64 * sample_time_s),
-            u: spectra("u", piece.u)?,
-            y: spectra("y", piece.y)?,
-            r: piece.r.map(|r| spectra("r", r)).transpose()?,
+            line_hz: dft.frequency_hz(sample_time_s)?,
+            mean: RunSpectra {
+                u: spectra("u", piece.u)?,
+                y: spectra("y", piece.y)?,
+                r: piece.r.map(|r| spectra("r", r)).transpose()?,
+            },
+            repeats: None,
         })
     }
 
     /// Number of lines.
     pub(super) fn n_lines(&self) -> usize {
-        self.u.ncols()
+        self.line_hz.len()
+    }
+
+    /// Distance of its lines in Hz, their mean.
+    pub(super) fn spacing_hz(&self) -> f64 {
+        let (first, last) = (self.line_hz[0], self.line_hz[self.n_lines() - 1]);
+        let gaps = self.n_lines().saturating_sub(1).max(1);
+        let whole = if gaps == 1 { last } else { last - first };
+        whole / gaps as f64
     }
 }

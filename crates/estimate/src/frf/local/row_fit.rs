@@ -10,7 +10,7 @@ use std::iter::zip;
 use num_complex::Complex64;
 
 use crate::frf::local::least_squares::{Basis, System, over};
-use crate::frf::local::window::{N_TERMS, ORDER, Signal, Window, times_power};
+use crate::frf::local::window::{N_TERMS, Signal, Window, times_power};
 
 /// A weight is at most this times the smallest.
 const MOST_WEIGHT: f64 = 1e6;
@@ -33,10 +33,7 @@ pub(super) fn fit_rows(window: &Window) -> Vec<RowFit> {
     let unweighted = Basis::of(common.iter().cloned());
     let denominator_of = |answer: &Signal| {
         let own = denominator_columns(window, answer);
-        denominator(
-            &System::of(&unweighted, own, answer.clone()),
-            &window.places,
-        )
+        denominator(&System::of(&unweighted, own, answer.clone()), window)
     };
     let denominators: Vec<Signal> = window.answers.iter().map(denominator_of).collect();
     let weights = weights(&denominators);
@@ -63,7 +60,7 @@ fn common_columns(window: &Window) -> Vec<Signal> {
 
 /// Columns of the denominator's unknowns.
 fn denominator_columns(window: &Window, answer: &Signal) -> Vec<Signal> {
-    let columns = (1..=ORDER).map(|power| times_power(answer, &window.places, power));
+    let columns = (1..=window.n_poles).map(|power| times_power(answer, &window.places, power));
     columns.map(negative).collect()
 }
 
@@ -73,7 +70,7 @@ impl RowFit {
         let own = denominator_columns(window, answer).into_iter();
         let own = own.map(|column| times(&column, weights));
         let fit = System::of(common, own, times(answer, weights));
-        let a = denominator(&fit, &window.places);
+        let a = denominator(&fit, window);
         let factors = |drive: usize| {
             let factors = fit.functional(N_TERMS * drive);
             let of_noise = zip(factors, zip(weights, &a));
@@ -100,14 +97,14 @@ impl RowFit {
 }
 
 /// The denominator on every line, from the last unknowns.
-fn denominator(fit: &System, places: &[f64]) -> Signal {
+fn denominator(fit: &System, window: &Window) -> Signal {
     let unknowns = fit.unknowns();
-    let last = &unknowns[unknowns.len() - ORDER..];
+    let last = &unknowns[unknowns.len() - window.n_poles..];
     let at = |x: &f64| {
         let powers = last.iter().rev();
         Complex64::ONE + powers.fold(Complex64::ZERO, |sum, a| (sum + a) * x)
     };
-    places.iter().map(at).collect()
+    window.places.iter().map(at).collect()
 }
 
 /// One over what the sizes of the denominators are in the mean, geometrically; even where that is not finite.

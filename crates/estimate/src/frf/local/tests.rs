@@ -7,7 +7,7 @@ use num_complex::Complex64;
 use crate::error::EstimateError;
 use crate::frf::local::fitted::Fitted;
 use crate::frf::local::window::{Signal, Window};
-use crate::frf::local::{LocalOptions, Piece, estimate_local};
+use crate::frf::local::{LocalModel, LocalOptions, Piece, estimate_local};
 use crate::frf::matrices::Matrix;
 
 /// A mode of half width `damping` in a 2x2 plant, and transients with the same poles: 21 lines of three
@@ -35,7 +35,13 @@ fn window(damping: f64, noise: f64, seed: u64) -> (Window, Matrix) {
         (0..2).for_each(|channel| outputs[channel].push(y[channel]));
     }
     (
-        Window::of(all, vec![0..21, 21..42, 42..63], inputs, outputs),
+        Window::of(
+            all,
+            vec![0..21, 21..42, 42..63],
+            inputs,
+            outputs,
+            LocalModel::Rational,
+        ),
         response(0.0),
     )
 }
@@ -146,6 +152,7 @@ fn what_cannot_be_known_is_said() {
     };
     let narrow = LocalOptions {
         half_width: Some(3),
+        ..LocalOptions::default()
     };
     assert!(
         said(estimated(&u, &y, &[0.05], &narrow))

@@ -19,11 +19,11 @@ use rayon::prelude::*;
 use crate::error::EstimateError;
 use crate::error::deficient_line::{Deficiency, DeficientLine};
 use crate::frf::f_distribution::f_tail;
+use crate::frf::local::LocalOptions;
 use crate::frf::local::fitted::Fitted;
 use crate::frf::local::pieces::{PieceSpectra, Pieces};
 use crate::frf::local::window::Window;
 use crate::frf::matrices::Matrix;
-use crate::frf::singular::scaled_condition_of_finite;
 
 /// One width over the one before it.
 const STEP: f64 = 1.35;
@@ -41,9 +41,6 @@ const MOST_GROWTH: f64 = 2.5;
 const LEAST_GROWTH: f64 = 2.0;
 /// What a difference of two fits typically is, squared, over its variance.
 const TYPICAL: f64 = 0.5;
-/// Largest condition number of the inputs in a window.
-const MAX_CONDITION: f64 = 1e6;
-
 /// What was chosen at one frequency.
 pub(super) struct Choice {
     pub(super) half_width: usize,
@@ -60,11 +57,6 @@ impl Choice {
     pub(super) fn deficiency(&self) -> Option<DeficientLine> {
         self.fitted.as_ref().err().cloned()
     }
-
-    pub(super) fn degrees_of_freedom(&self) -> f64 {
-        self.fitted()
-            .map_or(0.0, |fitted| fitted.degrees_of_freedom)
-    }
 }
 
 /// The fits at one frequency, by width.
@@ -77,16 +69,15 @@ type Fits = Vec<Option<Fitted>>;
 pub(super) fn chosen(
     pieces: &Pieces,
     frequency_hz: &[f64],
-    given: Option<usize>,
+    options: &LocalOptions,
 ) -> Result<Vec<Choice>, EstimateError> {
     let middle_hz = frequency_hz[frequency_hz.len() / 2];
-    let half_widths = half_widths(pieces, middle_hz, given)?;
+    let half_widths = half_widths(pieces, middle_hz, options)?;
     let fits_at = |hz: &f64| -> Fits {
-        let half_hz = |half_width: usize| half_width as f64 * pieces.finest_hz();
-        let is_local =
-            |half_width: usize| half_hz(half_width) <= WIDEST * hz || half_width == half_widths[0];
-        let at = |&half_width: &usize| {
-            is_local(half_width).then(|| fit(&Window::around(pieces, *hz, half_width)))?
+        let at = |half_width: &usize| {
+            let window = Window::around(pieces, *hz, *half_width, options.model);
+            let is_local = window.half_hz <= WIDEST * hz || *half_width == half_widths[0];
+            is_local.then(|| fit(&window, options.max_condition))?
         };
         half_widths.iter().map(at).collect()
     };
@@ -95,27 +86,30 @@ pub(super) fn chosen(
     let choice = |(line, most): (usize, &usize)| {
         let is_there = |width: &usize| fits[line][*width].is_some();
         let width = (0..=*most).rev().find(is_there).unwrap_or(0);
+        let hz = frequency_hz[line];
+        let deficiency = || {
+            let window = Window::around(pieces, hz, half_widths[0], options.model);
+            deficiency(&window, hz, options.max_condition)
+        };
         Choice {
             half_width: half_widths[width],
-            fitted: with_bias(&fits[line], width)
-                .ok_or_else(|| deficiency(pieces, frequency_hz[line], half_widths[0])),
+            fitted: with_bias(&fits[line], width).ok_or_else(deficiency),
         }
     };
     Ok(widths.iter().enumerate().map(choice).collect())
 }
 
 /// The fit to a window in which the inputs can be told apart.
-fn fit(window: &Window) -> Option<Fitted> {
-    let is_sound =
-        window.is_determined() && scaled_condition_of_finite(&window.inputs) <= MAX_CONDITION;
-    is_sound.then(|| Fitted::of(window))?
+fn fit(window: &Window, max_condition: f64) -> Option<Fitted> {
+    let fitted = window.is_determined().then(|| Fitted::of(window))??;
+    (fitted.condition <= max_condition).then_some(fitted)
 }
 
 /// The half widths that are tried: from the narrowest that determines a model to where the pieces end.
 fn half_widths(
     pieces: &Pieces,
     hz: f64,
-    given: Option<usize>,
+    options: &LocalOptions,
 ) -> Result<Vec<usize>, EstimateError> {
     let longest = pieces
         .all
@@ -123,8 +117,9 @@ fn half_widths(
         .map(PieceSpectra::n_lines)
         .max()
         .unwrap_or(0);
-    let is_enough = |half_width: &usize| Window::around(pieces, hz, *half_width).is_determined();
-    if let Some(half_width) = given {
+    let window = |half_width: usize| Window::around(pieces, hz, half_width, options.model);
+    let is_enough = |half_width: &usize| window(*half_width).is_determined();
+    if let Some(half_width) = options.half_width {
         return match half_width > 0 && is_enough(&half_width) {
             true => Ok(vec![half_width]),
             false => Err(EstimateError::NarrowWindow {
@@ -232,12 +227,11 @@ fn trace(fitted: &Fitted) -> f64 {
 }
 
 /// Why nothing is known at a frequency.
-fn deficiency(pieces: &Pieces, hz: f64, half_width: usize) -> DeficientLine {
-    let window = Window::around(pieces, hz, half_width);
+fn deficiency(window: &Window, frequency_hz: f64, limit: f64) -> DeficientLine {
     DeficientLine {
-        frequency_hz: hz,
-        condition: scaled_condition_of_finite(&window.inputs),
-        limit: MAX_CONDITION,
+        frequency_hz,
+        condition: window.condition(),
+        limit,
         cause: cause(&window.inputs),
     }
 }

@@ -6,11 +6,14 @@ use std::ops::Range;
 use ndarray::Array2;
 use num_complex::Complex64;
 
+use crate::frf::local::LocalModel;
 use crate::frf::local::pieces::{PieceSpectra, Pieces};
+use crate::frf::local::repeats::{Repeats, Scatter};
 use crate::frf::matrices::Matrix;
+use crate::frf::singular::condition_of_finite;
 
-/// Order of all polynomials: one mode needs a denominator of order two.
-pub(super) const ORDER: usize = 2;
+/// Order of numerators and transients.
+const ORDER: usize = 2;
 /// Coefficients of numerators and transients.
 pub(super) const N_TERMS: usize = ORDER + 1;
 /// Equations for each unknown of a row, at least: with fewer the residual says little of the errors.
@@ -33,39 +36,40 @@ pub(crate) struct Window {
     pub(super) n_outputs: usize,
     /// The inputs, `(channel, line)`.
     pub(super) inputs: Matrix,
+    /// Order of the denominator.
+    pub(super) n_poles: usize,
+    /// Largest distance of a line from the frequency.
+    pub(super) half_hz: f64,
+    /// Noise as repeats show it.
+    pub(super) scatter: Option<Scatter>,
 }
 
 impl Window {
-    /// The lines around a frequency, `half_width` of the longest piece to either side; pieces with hardly more
-    /// lines there than their transient has unknowns are left out.
-    pub(super) fn around(pieces: &Pieces, hz: f64, half_width: usize) -> Self {
+    /// The lines around a frequency, `half_width` of the piece with the finest to either side; pieces with hardly
+    /// more lines there than their transient has unknowns are left out.
+    pub(super) fn around(pieces: &Pieces, hz: f64, half_width: usize, model: LocalModel) -> Self {
         let half_hz = half_width as f64 * pieces.finest_hz();
-        let lines = pieces
-            .all
-            .iter()
-            .map(|piece| (piece, piece.lines(hz, half_hz)));
-        let lines: Vec<_> = lines
-            .filter(|(_, lines)| lines.len() > N_TERMS + 1)
+        let parts = pieces.all.iter().map(|piece| Part::of(piece, hz, half_hz));
+        let parts: Vec<Part> = parts
+            .filter(|part| part.lines.len() > N_TERMS + 1)
             .collect();
-        let place =
-            |(piece, lines): &(&PieceSpectra, Range<usize>)| piece.places(lines, hz, half_hz);
-        let of = |signal: fn(&PieceSpectra) -> Option<&Array2<Complex64>>| {
-            let parts = lines
-                .iter()
-                .filter_map(|(piece, lines)| Some((signal(piece)?, lines.clone())));
-            joined(&parts.collect::<Vec<_>>())
+        let distances = parts.iter().flat_map(Part::line_hz).map(|line| line - hz);
+        let distances: Vec<f64> = distances.collect();
+        let scale = distances.iter().copied().map(f64::abs).fold(0.0, f64::max);
+        let inputs = Self {
+            scatter: Repeats::scatter(parts.iter().map(Part::repeats)),
+            half_hz: scale,
+            ..Self::of(
+                distances.iter().map(|distance| distance / scale).collect(),
+                ranges(parts.iter().map(|part| part.lines.len())),
+                joined(&parts, |piece| Some(&piece.mean.u)),
+                joined(&parts, |piece| Some(&piece.mean.y)),
+                model,
+            )
         };
-        let (u, y, r) = (
-            of(|piece| Some(&piece.u)),
-            of(|piece| Some(&piece.y)),
-            of(|piece| piece.r.as_ref()),
-        );
-        let places = lines.iter().flat_map(place).collect();
-        let pieces = ranges(lines.iter().map(|(_, lines)| lines.len()));
-        let inputs = Self::of(places, pieces, u, y);
-        match r.is_empty() {
-            true => inputs,
-            false => inputs.through(r),
+        match joined(&parts, |piece| piece.mean.r.as_ref()) {
+            r if r.is_empty() => inputs,
+            r => inputs.through(r),
         }
     }
 
@@ -82,8 +86,12 @@ impl Window {
         pieces: Vec<Range<usize>>,
         inputs: Vec<Signal>,
         outputs: Vec<Signal>,
+        model: LocalModel,
     ) -> Self {
         Self {
+            half_hz: 1.0,
+            n_poles: model.n_poles(),
+            scatter: None,
             places,
             pieces,
             n_outputs: outputs.len(),
@@ -95,12 +103,24 @@ impl Window {
 
     /// Unknowns of a row.
     pub(crate) fn n_unknowns(&self) -> usize {
-        ORDER + N_TERMS * (self.drives.len() + self.pieces.len())
+        self.n_poles + N_TERMS * (self.drives.len() + self.pieces.len())
     }
 
     /// Equations beyond the unknowns: complex degrees of freedom.
     pub(super) fn n_free(&self) -> usize {
         self.places.len().saturating_sub(self.n_unknowns())
+    }
+
+    /// Condition number of the inputs, each scaled to the same size, from their Gram matrix.
+    pub(super) fn condition(&self) -> f64 {
+        let mut inputs = self.inputs.clone();
+        for mut input in inputs.row_iter_mut() {
+            let size = input.norm();
+            if size > 0.0 {
+                input.unscale_mut(size);
+            }
+        }
+        condition_of_finite(&(&inputs * inputs.adjoint())).sqrt()
     }
 
     /// Whether it has enough equations.
@@ -110,29 +130,49 @@ impl Window {
     }
 }
 
-impl PieceSpectra {
-    /// Distances of lines from a frequency over the half width.
-    fn places(&self, lines: &Range<usize>, hz: f64, half_hz: f64) -> Vec<f64> {
-        let line_hz = |line: usize| (line + 1) as f64 * self.spacing_hz;
-        let places = lines.clone().map(|line| (line_hz(line) - hz) / half_hz);
-        places.collect()
+/// The lines of one piece in a window.
+struct Part<'p> {
+    piece: &'p PieceSpectra,
+    lines: Range<usize>,
+}
+
+impl<'p> Part<'p> {
+    /// As many lines as fit within `half_hz` to either side of a frequency, those that are nearest.
+    fn of(piece: &'p PieceSpectra, hz: f64, half_hz: f64) -> Self {
+        let half = (half_hz / piece.spacing_hz() * (1.0 + 1e-9)) as usize;
+        let above = piece.line_hz.partition_point(|line| *line < hz);
+        let is_nearer_below = above > 0
+            && (above == piece.n_lines()
+                || hz - piece.line_hz[above - 1] < piece.line_hz[above] - hz);
+        let nearest = above - usize::from(is_nearer_below);
+        let most = piece.n_lines().saturating_sub(2 * half + 1);
+        let first = nearest.saturating_sub(half).min(most);
+        let lines = first..(first + 2 * half + 1).min(piece.n_lines());
+        Self { piece, lines }
     }
 
-    /// The places of the lines within `half_hz` of a frequency; at the ends of the band as many that are nearest.
-    fn lines(&self, hz: f64, half_hz: f64) -> Range<usize> {
-        let half = (half_hz / self.spacing_hz * (1.0 + 1e-9)) as usize;
-        let nearest = (hz / self.spacing_hz).round() as usize;
-        let most = self.n_lines().saturating_sub(2 * half + 1);
-        let first = nearest.saturating_sub(half + 1).min(most);
-        first..(first + 2 * half + 1).min(self.n_lines())
+    fn line_hz(&self) -> impl Iterator<Item = f64> {
+        self.piece.line_hz[self.lines.clone()].iter().copied()
+    }
+
+    fn repeats(&self) -> (Option<&'p Repeats>, Range<usize>) {
+        (self.piece.repeats.as_ref(), self.lines.clone())
     }
 }
 
-/// Channel by channel, what the pieces have on their lines, one after the other.
-fn joined(parts: &[(&Array2<Complex64>, Range<usize>)]) -> Vec<Signal> {
-    let n_channels = parts.first().map_or(0, |(signal, _)| signal.nrows());
+/// Channel by channel, what a signal of the pieces is on their lines, one after the other; empty where they have
+/// none.
+fn joined(
+    parts: &[Part],
+    signal: impl Fn(&PieceSpectra) -> Option<&Array2<Complex64>>,
+) -> Vec<Signal> {
+    let signals = parts
+        .iter()
+        .filter_map(|part| Some((signal(part.piece)?, part.lines.clone())));
+    let signals: Vec<_> = signals.collect();
+    let n_channels = signals.first().map_or(0, |(signal, _)| signal.nrows());
     let channel = |channel: usize| {
-        let parts = parts.iter().flat_map(|(signal, lines)| {
+        let parts = signals.iter().flat_map(|(signal, lines)| {
             let row = signal.row(channel);
             lines.clone().map(move |line| row[line]).collect::<Vec<_>>()
         });

@@ -3,6 +3,7 @@
 pub(crate) mod instruments;
 pub(crate) mod least_squares;
 mod leverage;
+pub(crate) mod local_models;
 pub(crate) mod logarithmic_mean;
 pub(crate) mod mean_of_frfs;
 pub(crate) mod mean_of_spectra;

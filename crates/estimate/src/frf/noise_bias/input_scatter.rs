@@ -4,7 +4,8 @@ use frfid_signals::Frf;
 use ndarray::{Array2, Zip};
 
 use crate::settling::input_changes::without_input_changes;
-use crate::spectra::campaign::{Block, RunSpectra};
+use crate::spectra::campaign::Block;
+use crate::spectra::run_spectra::RunSpectra;
 use crate::spectra::spread::{add_squares, mean};
 
 /// Share of the scatter of U over the periods of a run that can be noise, line by line, 1 at most.

@@ -6,9 +6,7 @@ mod spectra;
 
 use std::iter::zip;
 
-use frfid_estimate::{
-    Campaign, Evaluation, FrfEstimate, PeriodIndex, RunSpectra, has_ripple_lines,
-};
+use frfid_estimate::{Evaluation, FrfEstimate, PeriodIndex, RunSpectra, has_ripple_lines};
 use frfid_signals::{Frf, Plan, Record, RunId, RunKind};
 use ndarray::s;
 
@@ -45,12 +43,16 @@ impl Estimator {
     pub fn new(plan: &Plan, options: &EstimateTable) -> Result<Self, ExperimentError> {
         plan.check()?;
         let period_samples = plan.period_samples()?;
-        let evaluation = Evaluation::of(plan, options.n_frequencies)?;
+        let n_frequencies = options.n_frequencies;
+        let evaluation = match options.method().local_model() {
+            Some(_) => Evaluation::of_whole_records(plan, n_frequencies)?,
+            None => Evaluation::of(plan, n_frequencies)?,
+        };
         Ok(Self {
             plan: plan.clone(),
             period_samples,
             options: options.in_plan(plan),
-            bias: ExcerptBias::of_plan(plan, &evaluation.frequency_hz)?,
+            bias: ExcerptBias::of_plan(plan, options.method())?,
             evaluation,
             baseline: Baseline::None,
             glides: GlideSpectra::default(),
@@ -210,7 +212,7 @@ impl Estimator {
     /// # Errors
     /// [`ExperimentError`] if nothing remains, or U cannot be inverted.
     pub fn estimate(&self, spectra: Spectra) -> Result<Estimated, ExperimentError> {
-        let mut campaign = Campaign::new(self.evaluation.frequency_hz.clone())?;
+        let mut campaign = self.evaluation.campaign()?;
         for (place, run) in &spectra.periods {
             campaign.insert(*place, run.clone())?;
         }

@@ -89,12 +89,11 @@ impl Looked {
         let frequency_hz = frequencies(&pieces, sample_time_s, options.n_frequencies);
         let frequency_hz = frequency_hz.map_err(&complaint)?;
         let parts: Vec<Piece> = pieces.iter().map(WholePiece::view).collect();
-        let found = estimate_local(
-            &parts,
-            sample_time_s,
-            &frequency_hz,
-            &LocalOptions::default(),
-        );
+        let fit = LocalOptions {
+            model: options.method().local_model().unwrap_or_default(),
+            ..LocalOptions::default()
+        };
+        let found = estimate_local(&parts, sample_time_s, &frequency_hz, &fit);
         let n_used: usize = pieces.iter().map(WholePiece::n_samples).sum();
         Ok(Local {
             estimate: found.map_err(complaint)?,

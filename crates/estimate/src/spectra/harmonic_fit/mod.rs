@@ -8,6 +8,9 @@
 //! the DFT. Lines that are in the signal and not in the list leak in where samples are missing: list
 //! them too, and take the excited ones.
 
+pub(super) mod gram;
+pub(super) mod sums;
+
 use std::iter::{self, zip};
 
 use frfid_signals::checks::{finite, positive};
@@ -16,8 +19,8 @@ use num_complex::Complex64;
 
 use crate::error::EstimateError;
 
-use crate::spectra::harmonic_gram::Gram;
-use crate::spectra::harmonic_sums::harmonic_sums;
+use crate::spectra::harmonic_fit::gram::Gram;
+use crate::spectra::harmonic_fit::sums::harmonic_sums;
 use crate::spectra::line_dft::{check_on_grid, check_rising};
 use crate::spectra::{check_length, mean};
 

@@ -1,0 +1,146 @@
+"""Local models of our own plans and of arrays: whole chirps in place of excerpts, one experiment for all inputs."""
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import frfid
+import numpy as np
+import pytest
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+FRFID = shutil.which("frfid")
+
+
+def chirp(method, duration_s=20.0, repetitions=1, extra="", damping=40.0, noise=""):
+    """The paper's joint without friction, less damped; its chirp."""
+    return f"""
+seed = 1
+sample_time_s = 0.001
+[robot.single_joint]
+motor_inertia_kg_m2 = 35.0
+link_inertia_kg_m2 = 150.0
+damping_nms_per_rad = {damping}
+stiffness_nm_per_rad = 1.5e5
+coulomb_nm = 0.0
+{noise}
+[chirp]
+low_hz = 1.0
+high_hz = 60.0
+duration_s = {duration_s}
+amplitude_nm = [150.0]
+tail_s = 2.0
+[averaging]
+repetitions = {repetitions}
+[estimate]
+n_frequencies = 150
+{method}
+{extra}
+"""
+
+
+def estimated(tmp_path, text):
+    path = tmp_path / "x.toml"
+    path.write_text(text)
+    plan = frfid.Experiment.load(path).design()
+    return plan.estimate(plan.run())
+
+
+def decibels(frf, damping=40.0):
+    """Errors from 1.3 to 55 Hz."""
+    hz = np.asarray(frf.frequency_hz)
+    joint = {"motor_inertia_kg_m2": 35.0, "link_inertia_kg_m2": 150.0, "stiffness_nm_per_rad": 1.5e5}
+    plant = frfid.Plant.single_joint(**joint, damping_nms_per_rad=damping, coulomb_nm=0.0)
+    truth = np.asarray(plant.frf(hz, sample_time_s=0.001).response)[:, 0, 0]
+    inside = (hz > 1.3) & (hz < 55)
+    return np.abs(20 * np.log10(np.abs(np.asarray(frf.response)[:, 0, 0] / truth)))[inside]
+
+
+@pytest.mark.parametrize(("duration_s", "damping"), [(20.0, 400.0), (5.0, 400.0), (20.0, 40.0)])
+def test_a_chirp_knows_a_sharp_resonance(tmp_path, duration_s, damping):
+    text = lambda method: chirp(method, duration_s, damping=damping)
+    excerpts = decibels(estimated(tmp_path, text("")), damping)
+    local = decibels(estimated(tmp_path, text('method = "local-rational"')), damping)
+    print(f"{duration_s:g} s: excerpts {excerpts.max():.2f} dB at worst, local models {local.max():.1e} dB")
+    assert local.max() < 1e-3 < 1 < excerpts.max()
+
+
+def test_repeats_give_the_noise(tmp_path):
+    """What repeats differ by is the variance of the FRF over many campaigns; the total variance holds it."""
+    path = tmp_path / "x.toml"
+    path.write_text(chirp('method = "local-rational"', repetitions=8))
+    plan = frfid.Experiment.load(path).design()
+    records, rng = plan.run(), np.random.default_rng(1)
+    frfs = []
+    for _ in range(30):
+        noisy = [
+            frfid.Record(sample_time_s=0.001, u=record.u, y=record.y + 1e-3 * rng.standard_normal(record.y.shape))
+            for record in records
+        ]
+        frfs.append(plan.estimate(noisy))
+    spread = np.var([np.asarray(frf.response)[:, 0, 0] for frf in frfs], axis=0, ddof=1)
+    noise, total = (
+        np.mean([np.asarray(variance)[:, 0, 0].real for variance in variances], axis=0)
+        for variances in ([frf.noise_variance for frf in frfs], [frf.total_variance for frf in frfs])
+    )
+    print(f"noise variance {np.median(noise / spread):.2f} of the spread, total {np.median(total / spread):.2f}")
+    assert 0.85 < np.median(noise / spread) < 1.15 and np.median(total / noise) > 0.95
+    assert plan.estimate(noisy[:1] + [None] * 7).noise_variance is None
+
+
+def experiment(n_samples, n_inputs, rng):
+    """One period of a 3x2 plant with a mode each, every input with phases of its own on all odd lines, from rest to
+    rest: spectra (input, line), (output, line), harmonics and the truth."""
+    harmonics = np.arange(1, n_samples // 4, 2)
+    z = np.exp(2j * np.pi * harmonics / n_samples)
+    modes = rng.standard_normal((2, 3, n_inputs))
+    poles = [0.99 * np.exp(0.1j), 0.995 * np.exp(0.4j)]
+    truth = sum(
+        mode[..., None] * 0.01 / ((z - pole) * (z - np.conj(pole))) * z for mode, pole in zip(modes, poles, strict=True)
+    )
+    spectrum = np.exp(2j * np.pi * rng.uniform(size=(n_inputs, len(harmonics))))
+    full = np.zeros((n_inputs, n_samples // 2 + 1), complex)
+    full[:, harmonics] = spectrum
+    answer = np.zeros((3, n_samples // 2 + 1), complex)
+    answer[:, harmonics] = np.einsum("ijf,jf->if", truth, spectrum)
+    return np.fft.irfft(full, axis=1), np.fft.irfft(answer, axis=1), harmonics, np.moveaxis(truth, 2, 0)
+
+
+@pytest.mark.parametrize("method", ["local-rational", "local-polynomial"])
+def test_one_experiment_for_all_inputs(method):
+    u, y, harmonics, truth = experiment(8192, 2, np.random.default_rng(2))
+    arrays = [signal[None, None, None] for signal in (u, y)]  # realization, experiment, period
+    given = {"sample_time_s": 0.001, "harmonics": harmonics}
+    frf = frfid.estimate(*arrays, **given, method=method)
+    error = np.abs(np.asarray(frf.response) - truth).max(axis=(1, 2)) / np.abs(truth).max(axis=(1, 2))
+    print(f"{method}: {np.median(error):.1e} in the median, {error.max():.1e} at worst")
+    assert np.median(error) < 1e-4
+    assert method == "local-polynomial" or error.max() < 1e-3
+    with pytest.raises(ValueError, match="experiment"):
+        frfid.estimate(*arrays, **given, method="mean-of-spectra")
+
+
+def refused(tmp_path, text):
+    path = tmp_path / "x.toml"
+    path.write_text(text)
+    done = subprocess.run([FRFID, "design", path, "-o", tmp_path / "plan.mcap"], capture_output=True, text=True)
+    run = subprocess.run([FRFID, "run", tmp_path / "plan.mcap", "-o", tmp_path / "logs"], capture_output=True, text=True)
+    asked = [FRFID, "estimate", tmp_path / "logs", "-o", tmp_path / "frf.json", "--method", "local-rational"]
+    asked = subprocess.run(asked, capture_output=True, text=True)
+    said = (done.stderr + run.stderr + asked.stderr).splitlines()
+    return [line for line in said if not line.startswith(("wrote ", "next: "))]
+
+
+def test_what_local_models_cannot_do_is_said(tmp_path):
+    stepped = (EXAMPLES / "experiments/stepped_sine.toml").read_text().replace("../robots", f"{EXAMPLES}/robots")
+    assert "a stepped sine has no lines between its frequencies" in str(refused(tmp_path, stepped))
+    both = chirp('method = "local-rational"\nresponse = "sensitivity"')
+    assert "local models give the plant alone" in str(refused(tmp_path, both))
+
+
+def test_the_command_takes_them(tmp_path):
+    text = chirp("").replace("duration_s = 20.0", "duration_s = 10.0")
+    assert refused(tmp_path, text) == []
+    result = json.loads((tmp_path / "frf.json").read_text())
+    assert max(result["condition"]["data"]) == 1.0
