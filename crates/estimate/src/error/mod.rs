@@ -35,7 +35,7 @@ pub enum EstimateError {
     },
     /// Fewer experiments than inputs: U has no right inverse.
     #[error(
-        "{found} experiments for {needed} inputs; at least as many experiments as inputs are needed to tell the inputs apart"
+        "{found} experiments for {needed} inputs; at least as many experiments as inputs are needed to tell the inputs apart line by line; from the lines around each frequency by the method local-rational"
     )]
     TooFewExperiments {
         /// Experiments given.

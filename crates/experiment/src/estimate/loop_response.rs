@@ -1,7 +1,7 @@
 //! Response of the closed loop that is asked for in place of the plant, with names for where it begins and
 //! ends.
 
-use frfid_estimate::{Campaign, Entry, EstimateError, FrfOptions, Port};
+use frfid_estimate::{Campaign, Entry, EstimateError, FrfOptions, Method, Port};
 use frfid_files::ResultFile;
 use frfid_signals::{Frf, Injection, Plan};
 
@@ -39,14 +39,19 @@ impl EstimateTable {
         }))
     }
 
-    /// The same table, knowing where the references of a plan enter.
+    /// The same table, knowing where the references of a plan enter, and that one experiment for all inputs takes
+    /// local models.
     pub(crate) fn in_plan(&self, plan: &Plan) -> Self {
         let known = match plan.injection {
             Injection::Velocity => Entry::SetPoint,
             Injection::Torque => Entry::Input,
         };
+        let is_open = matches!(self.method(), Method::Auto | Method::JointInputOutput);
+        let needs_local = plan.n_experiments() < plan.n_inputs && is_open;
+        let method = needs_local.then_some(Method::LocalRational);
         Self {
             entry: self.entry.or(Some(known)),
+            method: method.or(self.method),
             ..self.clone()
         }
     }

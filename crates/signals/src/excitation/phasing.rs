@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
 
-/// Phases between channels and experiments; every choice has as many experiments as inputs.
+/// Phases between channels and experiments; every choice but [`Phasing::AllAtOnce`] has as many experiments as inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Phasing {
@@ -22,6 +22,10 @@ pub enum Phasing {
     /// the channels' common nonlinear distortion averages out too (Dobrowiecki, Schoukens,
     /// Automatica 43 (2007) 1593). Multisines only.
     Independent,
+    /// One experiment for all inputs, random phases drawn for each channel by itself: a third of the robot time of
+    /// three inputs. Estimated from the lines around each frequency, which is why there should be many: local
+    /// models. Multisines only.
+    AllAtOnce,
     /// Experiment k excites channel k alone: condition number 1, but the other axes stand.
     OneAtATime,
 }
@@ -33,13 +37,27 @@ impl Phasing {
         excitation: &str,
         choices: &str,
     ) -> Result<(), SignalError> {
-        if self != Self::Independent {
+        if !self.draws_each_channel() {
             return Ok(());
         }
         let what = format!(
             "independent phases need many lines, a multisine; for {excitation} take {choices}"
         );
         Err(SignalError::unfit("mimo", what))
+    }
+
+    /// Whether every channel has random phases of its own.
+    pub(crate) fn draws_each_channel(self) -> bool {
+        matches!(self, Self::Independent | Self::AllAtOnce)
+    }
+
+    /// Experiments of a realization.
+    #[must_use]
+    pub fn n_experiments(self, n_inputs: usize) -> usize {
+        match self {
+            Self::AllAtOnce => 1,
+            _ => n_inputs,
+        }
     }
 
     /// Phase in rad of `channel` in `experiment`, both from 0, with `n_inputs` channels.
@@ -51,7 +69,7 @@ impl Phasing {
                 TAU * ((channel * experiment) % n_inputs) as f64 / n_inputs as f64
             }
             Self::SignFlip if channel == experiment && channel > 0 => PI,
-            Self::SignFlip | Self::OneAtATime => 0.0,
+            Self::SignFlip | Self::OneAtATime | Self::AllAtOnce => 0.0,
         }
     }
 
@@ -81,6 +99,7 @@ mod tests {
         for n in 1..=6 {
             assert!((condition(Phasing::Orthogonal, n) - 1.0).abs() < 1e-12);
         }
+        assert_eq!(Phasing::AllAtOnce.n_experiments(3), 1);
         for (n, expected) in [(2, 1.0), (3, 2.0), (4, 3.732), (6, 9.899)] {
             assert!((condition(Phasing::SignFlip, n) - expected).abs() < 1e-3);
         }

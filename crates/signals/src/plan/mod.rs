@@ -74,8 +74,9 @@ impl Plan {
         for (key, count) in counts {
             positive(key, count as f64)?;
         }
-        let runs = self.n_realizations as f64 * self.n_inputs as f64 * self.n_repetitions as f64
-            + self.n_glides as f64;
+        let runs =
+            self.n_realizations as f64 * self.n_experiments() as f64 * self.n_repetitions as f64
+                + self.n_glides as f64;
         at_most(
             "realizations",
             "number of runs",
@@ -122,10 +123,10 @@ impl Plan {
         )
     }
 
-    /// Experiments per realization: the columns of U, as many as inputs.
+    /// Experiments per realization: the columns of U, as many as inputs, or one for all.
     #[must_use]
     pub fn n_experiments(&self) -> usize {
-        self.n_inputs
+        self.phasing.n_experiments(self.n_inputs)
     }
 
     /// Samples of one period, as [`Waveform::period_samples`](crate::Waveform::period_samples) says.

@@ -42,6 +42,7 @@ impl Estimator {
     /// [`ExperimentError`] if the plan or the options do not hold together.
     pub fn new(plan: &Plan, options: &EstimateTable) -> Result<Self, ExperimentError> {
         plan.check()?;
+        let options = options.in_plan(plan);
         let period_samples = plan.period_samples()?;
         let n_frequencies = options.n_frequencies;
         let evaluation = match options.method().local_model() {
@@ -51,12 +52,12 @@ impl Estimator {
         Ok(Self {
             plan: plan.clone(),
             period_samples,
-            options: options.in_plan(plan),
             bias: ExcerptBias::of_plan(plan, options.method())?,
             evaluation,
             baseline: Baseline::None,
             glides: GlideSpectra::default(),
-            residual: RippleResidual::of_plan(plan, options)?,
+            residual: RippleResidual::of_plan(plan, &options)?,
+            options,
         })
     }
 

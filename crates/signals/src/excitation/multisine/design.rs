@@ -43,8 +43,8 @@ pub struct MultisineDesign {
     /// Random phases, or low-crest ones where no averaging over realizations is wanted.
     #[serde(default)]
     pub phases: Phases,
-    /// Phases between channels and experiments: orthogonal, sign-flip, independent or
-    /// one-at-a-time.
+    /// Phases between channels and experiments: orthogonal, sign-flip, independent,
+    /// one-at-a-time or all-at-once.
     #[serde(default)]
     pub mimo: Phasing,
 }

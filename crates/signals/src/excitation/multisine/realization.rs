@@ -72,11 +72,11 @@ impl Multisine {
     /// once for all channels, or for each by itself.
     fn line_amplitudes(&self, draw: &Draw) -> Result<Vec<Vec<Complex64>>, SignalError> {
         self.check_for(self.peak.len())?;
+        self.check_phasing(draw.phasing)?;
         let magnitudes = self.line_magnitudes()?;
-        let draws = if draw.phasing == Phasing::Independent {
-            self.peak.len()
-        } else {
-            1
+        let draws = match draw.phasing.draws_each_channel() {
+            true => self.peak.len(),
+            false => 1,
         };
         let of_channel = |channel: u64| {
             let phases = self.line_phases(&magnitudes, draw, channel);
@@ -86,6 +86,17 @@ impl Multisine {
                 .collect()
         };
         Ok((0..draws as u64).map(of_channel).collect())
+    }
+
+    /// Refuses equal phases in all channels of one experiment: then the inputs are alike.
+    fn check_phasing(&self, phasing: Phasing) -> Result<(), SignalError> {
+        let is_one_draw = self.phases == Phases::LowCrest && self.peak.len() > 1;
+        if phasing == Phasing::AllAtOnce && is_one_draw {
+            let what = "low-crest phases are the same in every channel, so that inputs excited all at once are alike: take \
+                        `phases = \"random\"`, or `mimo = \"orthogonal\"`";
+            return Err(SignalError::unfit("mimo", what));
+        }
+        Ok(())
     }
 
     /// Amplitude of every excited line, by the shape.
@@ -110,11 +121,9 @@ impl Multisine {
             return low_crest_phases(&self.grid.excited, magnitudes);
         }
         let realization = draw.realization as u64;
-        let mut rng = match draw.phasing {
-            Phasing::Independent => random::stream(draw.seed, "phases", &[realization, channel]),
-            Phasing::Orthogonal | Phasing::SignFlip | Phasing::OneAtATime => {
-                random::stream(draw.seed, "phases", &[realization])
-            }
+        let mut rng = match draw.phasing.draws_each_channel() {
+            true => random::stream(draw.seed, "phases", &[realization, channel]),
+            false => random::stream(draw.seed, "phases", &[realization]),
         };
         magnitudes.iter().map(|_| random::phase(&mut rng)).collect()
     }
@@ -134,8 +143,9 @@ impl Multisine {
     /// the peak of each channel.
     fn scaled(&self, drawn: &[TurnedSum], phasing: Phasing, factor: f64) -> Array3<f64> {
         let n_inputs = self.peak.len();
-        let mut signal = Array3::zeros((n_inputs, n_inputs, self.grid.n_samples));
-        for ((experiment, channel), row) in indices((n_inputs, n_inputs))
+        let n_experiments = phasing.n_experiments(n_inputs);
+        let mut signal = Array3::zeros((n_experiments, n_inputs, self.grid.n_samples));
+        for ((experiment, channel), row) in indices((n_experiments, n_inputs))
             .into_iter()
             .zip(signal.rows_mut())
         {
@@ -165,7 +175,7 @@ fn true_peaks(drawn: &[TurnedSum], phasing: Phasing, n_inputs: usize) -> Vec<Vec
     };
     (0..n_inputs)
         .map(|channel| {
-            (0..n_inputs)
+            (0..phasing.n_experiments(n_inputs))
                 .map(|experiment| peak(channel, experiment))
                 .collect()
         })
