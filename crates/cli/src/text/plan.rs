@@ -2,7 +2,7 @@
 
 use frfid_experiment::Cost;
 use frfid_signals::format::{count, significant};
-use frfid_signals::{Plan, SignalError};
+use frfid_signals::{Excitation, Phasing, Plan, SignalError};
 use serde_json::{Value, json};
 
 use crate::text::table::{bytes, duration, list};
@@ -16,9 +16,23 @@ pub(crate) fn plan_as_text(plan: &Plan) -> Result<String, SignalError> {
     entries.push(("each run", format!("lead-in {lead_in_s} s, {periods}")));
     entries.push(("runs", format!("{}: {}", cost.n_runs, runs(plan))));
     entries.push(("time on the robot", duration(cost.robot_time_s)));
+    entries.extend(all_at_once(plan)?.map(|time_s| ("  all axes at once", duration(time_s))));
     entries.push(("memory for each job", bytes(cost.memory_bytes)));
     entries.push(("disk space at most", bytes(cost.disk_bytes)));
     Ok(list(&entries))
+}
+
+/// Time on the robot in s with one experiment for all inputs, where the excitation can be that.
+fn all_at_once(plan: &Plan) -> Result<Option<f64>, SignalError> {
+    let is_multisine = matches!(plan.excitation, Excitation::Multisine(_));
+    if !is_multisine || plan.n_experiments() == 1 {
+        return Ok(None);
+    }
+    let plan = Plan {
+        phasing: Phasing::AllAtOnce,
+        ..plan.clone()
+    };
+    plan.robot_time_s().map(Some)
 }
 
 /// The same as [`plan_as_text`] for machines.
@@ -43,6 +57,7 @@ pub(crate) fn plan_as_json(plan: &Plan) -> Result<Value, SignalError> {
         "n_runs": cost.n_runs,
         "run_samples": cost.run_samples,
         "robot_time_s": cost.robot_time_s,
+        "robot_time_all_at_once_s": all_at_once(plan)?,
         "memory_bytes": cost.memory_bytes,
         "disk_bytes": cost.disk_bytes,
     });
