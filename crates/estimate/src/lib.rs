@@ -19,6 +19,7 @@ mod correlation {
 mod error;
 mod excitation_strength;
 mod frf;
+mod friction;
 /// Subtraction of glides: what a constant velocity alone leaves in a record is taken off.
 mod glide {
     pub(crate) mod apparent_inertia;
@@ -81,6 +82,7 @@ pub use frf::roughness::{Roughness, roughness};
 pub use frf::singular::{condition_number, scaled_condition_number, singular_values};
 pub use frf::time_series::{campaign_of_periods, estimate_bla, estimate_periods};
 pub use frf::{FrfOptions, Method};
+pub use friction::{Friction, find_friction};
 pub use glide::by_position::RippleTorque;
 pub use glide::in_time::subtract_glide;
 pub use glide::residual_level::ResidualLevel;

@@ -75,6 +75,9 @@ struct EstimatorOptions {
     /// Where the reference enters the loop
     #[arg(long = "loop", value_parser = named::<Entry>())]
     entry: Option<Entry>,
+    /// Take Coulomb friction, found in every run, off its torque: one axis, without a constant velocity
+    #[arg(long)]
+    subtract_friction: bool,
     /// Number of frequencies at which a chirp, or a recording in which nothing repeats, is evaluated
     #[arg(long, value_name = "N")]
     n_frequencies: Option<usize>,
@@ -87,6 +90,7 @@ impl EstimatorOptions {
             || self.indirect
             || self.response.is_some()
             || self.entry.is_some()
+            || self.subtract_friction
             || self.n_frequencies.is_some();
         let default = EstimateTable::default();
         given.then(|| EstimateTable {
@@ -95,6 +99,7 @@ impl EstimatorOptions {
             indirect: self.indirect,
             response: self.response,
             entry: self.entry,
+            subtract_friction: self.subtract_friction,
             n_frequencies: self.n_frequencies.unwrap_or(default.n_frequencies),
             ..default
         })

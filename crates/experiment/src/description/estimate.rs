@@ -29,6 +29,9 @@ pub struct EstimateTable {
     /// Where the reference enters the loop: it decides what the sensitivities and the open loop are.
     #[serde(rename = "loop", skip_serializing_if = "Option::is_none")]
     pub entry: Option<Entry>,
+    /// Whether Coulomb friction, found in every run, is taken off its torque: one axis, without a constant velocity.
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    pub subtract_friction: bool,
     /// Frequencies at which a chirp is evaluated: their number, logarithmically spaced over the
     /// band.
     pub n_frequencies: usize,
@@ -43,6 +46,7 @@ impl Default for EstimateTable {
             indirect: false,
             response: None,
             entry: None,
+            subtract_friction: false,
             n_frequencies: 200,
         }
     }
@@ -75,10 +79,12 @@ impl EstimateTable {
             .filter(|&response| response != Response::Plant)
     }
 
-    /// The reference of a record, where the method or the response takes it.
+    /// The reference of a record, where the method or the response takes it. From it to a torque without friction
+    /// nothing is linear.
     pub(crate) fn reference_of<'r>(&self, record: &'r Record) -> Option<&'r Array2<f64>> {
         let is_taken = self.method().takes_reference() || self.response_but_plant().is_some();
-        record.r.as_ref().filter(|_| is_taken)
+        let is_linear = !self.subtract_friction;
+        record.r.as_ref().filter(|_| is_taken && is_linear)
     }
 
     /// Refuses two answers to one question.

@@ -56,7 +56,7 @@ impl Pieces {
         let piece = |periods: &Vec<&RunSpectra>| PieceSpectra {
             line_hz: campaign.frequency_hz().to_vec(),
             mean: mean_of(periods),
-            repeats: Repeats::of(periods),
+            repeats: Repeats::of_runs(periods, &campaign.glides),
         };
         Ok(Self {
             size: [first.y.nrows(), first.u.nrows()],
@@ -155,9 +155,10 @@ impl PieceSpectra {
 
     /// Distance of its lines in Hz, their mean.
     pub(super) fn spacing_hz(&self) -> f64 {
-        let (first, last) = (self.line_hz[0], self.line_hz[self.n_lines() - 1]);
-        let gaps = self.n_lines().saturating_sub(1).max(1);
-        let whole = if gaps == 1 { last } else { last - first };
-        whole / gaps as f64
+        match self.line_hz[..] {
+            [first, .., last] => (last - first) / (self.n_lines() - 1) as f64,
+            [only] => only,
+            [] => f64::NAN,
+        }
     }
 }

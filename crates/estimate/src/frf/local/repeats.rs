@@ -25,8 +25,18 @@ pub(super) struct Scatter {
 }
 
 impl Repeats {
+    /// How the repeats of a run differ, from all of which the mean of the same glides was subtracted: its noise is in
+    /// every one of them, so that they do not differ by it. `None` of one repeat, or one glide.
+    pub(super) fn of_runs(repeats: &[&RunSpectra], glides: &[RunSpectra]) -> Option<Self> {
+        let mut own = Self::of(repeats)?;
+        if !glides.is_empty() {
+            own.covariance += &Self::of(&glides.iter().collect::<Vec<_>>())?.covariance;
+        }
+        Some(own)
+    }
+
     /// How repeats differ from their mean; `None` of one.
-    pub(super) fn of(repeats: &[&RunSpectra]) -> Option<Self> {
+    fn of(repeats: &[&RunSpectra]) -> Option<Self> {
         let (n, mean) = (repeats.len(), mean_of(repeats));
         let n_free = n.checked_sub(1).filter(|n_free| *n_free > 0)?;
         let (n_signals, n_lines) = (mean.y.nrows() + mean.u.nrows(), mean.y.ncols());

@@ -2,6 +2,7 @@
 //! campaign is too long for the memory.
 
 pub(crate) mod estimated;
+mod friction;
 mod spectra;
 
 use std::iter::zip;
@@ -13,6 +14,7 @@ use ndarray::s;
 use crate::description::estimate::{EstimateTable, GlideSubtraction};
 use crate::error::ExperimentError;
 use crate::estimate::estimator::estimated::Estimated;
+use crate::estimate::estimator::friction::{FrictionOfRuns, remark, without_friction};
 pub use crate::estimate::estimator::spectra::Spectra;
 use crate::estimate::excerpt_bias::ExcerptBias;
 use crate::estimate::glides::glide_baseline::Baseline;
@@ -32,6 +34,7 @@ pub struct Estimator {
     glides: GlideSpectra,
     residual: Option<RippleResidual>,
     bias: Option<ExcerptBias>,
+    friction: Option<FrictionOfRuns>,
 }
 
 impl Estimator {
@@ -57,6 +60,7 @@ impl Estimator {
             baseline: Baseline::None,
             glides: GlideSpectra::default(),
             residual: RippleResidual::of_plan(plan, &options)?,
+            friction: FrictionOfRuns::of_plan(plan, &options)?,
             options,
         })
     }
@@ -129,13 +133,17 @@ impl Estimator {
         record: &Record,
         lost: &dyn Fn(usize) -> bool,
     ) -> Result<Spectra, ExperimentError> {
-        if id.kind == RunKind::Glide {
-            return Ok(Spectra::default());
+        let is_flawed = (0..self.plan.n_periods).any(lost);
+        if id.kind == RunKind::Glide || self.friction.is_some() && is_flawed {
+            return Ok(Spectra::default()); // what is lost of a run says what friction was before it
         }
         let rest = self.baseline.subtract_from(record)?;
         let wander_s2 = self.baseline.wander_s2(record)?;
         let record = rest.as_ref().unwrap_or(record);
+        let (record, subtracted) = without_friction(self.friction.as_ref(), record)?;
+        let record = &*record;
         let mut spectra = Spectra {
+            friction: Vec::from_iter(subtracted),
             wander_s2: vec![wander_s2],
             ..Spectra::default()
         };
@@ -235,6 +243,7 @@ impl Estimator {
         let noise_bias = estimate.noise_bias;
         let frf = estimate.frf;
         remarks.extend(self.glides.remark(&frf));
+        remarks.extend(remark(&spectra.friction));
         let repeats = match &self.residual {
             Some(residual) => residual.exceeds_noise(spectra.free, &self.glides.free, &frf)?,
             None => None,

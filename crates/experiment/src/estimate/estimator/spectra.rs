@@ -2,6 +2,7 @@
 
 use frfid_estimate::{PeriodIndex, RunSpectra};
 
+use crate::estimate::estimator::friction::Subtracted;
 use crate::estimate::excerpt_bias::WholeSpectra;
 use crate::estimate::glides::ripple_residual::FreeSpectra;
 
@@ -14,6 +15,8 @@ pub struct Spectra {
     pub(super) free: Vec<FreeSpectra>,
     /// Of whole chirps, period by period.
     pub(super) whole: WholeSpectra,
+    /// Friction that was taken off the runs.
+    pub(super) friction: Vec<Subtracted>,
     /// Variance in s^2 of the time by which the noise of the glides is shifted in each run.
     pub(super) wander_s2: Vec<f64>,
 }
@@ -30,6 +33,7 @@ impl Spectra {
         self.periods.extend(other.periods);
         self.free.extend(other.free);
         self.whole.extend(other.whole);
+        self.friction.extend(other.friction);
         self.wander_s2.extend(other.wander_s2);
     }
 }

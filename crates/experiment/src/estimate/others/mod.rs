@@ -42,6 +42,7 @@ pub(crate) fn estimate_others_logs(
     options: &EstimateTable,
 ) -> Result<Outcome, ExperimentError> {
     check_reference(map, options)?;
+    check_friction(options)?;
     let hashes = hashes(paths)?;
     let Read { recordings, unused } = read(paths, map)?;
     let mut looked = Looked::of(recordings, unused)?;
@@ -97,6 +98,19 @@ fn of_runs(
 ) -> Result<Outcome, ExperimentError> {
     let estimated = found.estimate(map, options)?;
     Ok(found.outcome(estimated, map, options))
+}
+
+/// Refuses what is done for the runs of a plan alone.
+fn check_friction(options: &EstimateTable) -> Result<(), ExperimentError> {
+    if !options.subtract_friction {
+        return Ok(());
+    }
+    Err(ExperimentError::logs(
+        "recordings",
+        "such that are not runs of a plan",
+        "runs of a plan, whose band and rests are known, to take friction off",
+        "give the plan by --plan, or leave subtract_friction out",
+    ))
 }
 
 /// Refuses a method that estimates through a reference that is not there.

@@ -1,0 +1,121 @@
+//! Friction of the runs of a plan: found in each of them, taken off its torque.
+
+use std::borrow::Cow;
+
+use frfid_estimate::{EstimateError, Friction, find_friction};
+use frfid_signals::format::significant;
+use frfid_signals::{Plan, Record, SignalError, median};
+
+use crate::description::estimate::EstimateTable;
+use crate::error::ExperimentError;
+
+/// Share of the time in which a motor that sticks decides more than the band excites.
+const MOST_STUCK: f64 = 0.4;
+/// Friction that differs by more than this from run to run is not Coulomb's alone.
+const MOST_SPREAD: f64 = 0.1;
+
+/// What the runs of a plan show of friction.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct FrictionOfRuns {
+    band_hz: [f64; 2],
+}
+
+/// Friction that was taken off a run.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Subtracted {
+    coulomb_nm: f64,
+    stuck_share: f64,
+}
+
+impl FrictionOfRuns {
+    /// Where it is asked for.
+    ///
+    /// # Errors
+    /// [`SignalError::Unfit`] for several axes and for a constant velocity, beneath which friction does not turn.
+    pub(super) fn of_plan(
+        plan: &Plan,
+        options: &EstimateTable,
+    ) -> Result<Option<Self>, SignalError> {
+        if !options.subtract_friction {
+            return Ok(None);
+        }
+        let moves = plan.velocity_rad_s.iter().any(|velocity| *velocity != 0.0);
+        let what = match (plan.n_inputs, moves) {
+            (1, false) => {
+                let band_hz = plan.excitation.waveform().band_hz();
+                return Ok(Some(Self { band_hz }));
+            }
+            (1, true) => {
+                "a constant velocity keeps friction constant, and the glides take it off: leave this out"
+            }
+            _ => {
+                "friction is told apart on a single axis alone: leave this out, and move all axes on a constant velocity"
+            }
+        };
+        Err(SignalError::unfit("subtract_friction", what))
+    }
+
+    /// The record without its friction, and what that was.
+    ///
+    /// # Errors
+    /// [`EstimateError`] where no friction explains the record.
+    pub(super) fn subtracted(
+        &self,
+        record: &Record,
+    ) -> Result<(Record, Subtracted), EstimateError> {
+        let (u, y) = (record.u.row(0), record.y.row(0));
+        let Friction {
+            torque_nm,
+            coulomb_nm,
+            stuck_share,
+            ..
+        } = find_friction(u, y, record.sample_time_s, self.band_hz)?;
+        let mut free = record.clone();
+        let samples = free.u.iter_mut().zip(torque_nm);
+        samples.for_each(|(u, friction)| *u -= friction);
+        let subtracted = Subtracted {
+            coulomb_nm,
+            stuck_share,
+        };
+        Ok((free, subtracted))
+    }
+}
+
+/// A record, without its friction where that is asked for.
+///
+/// # Errors
+/// As [`FrictionOfRuns::subtracted`].
+pub(super) fn without_friction<'r>(
+    friction: Option<&FrictionOfRuns>,
+    record: &'r Record,
+) -> Result<(Cow<'r, Record>, Option<Subtracted>), ExperimentError> {
+    match friction {
+        None => Ok((Cow::Borrowed(record), None)),
+        Some(friction) => {
+            let (free, subtracted) = friction.subtracted(record)?;
+            Ok((Cow::Owned(free), Some(subtracted)))
+        }
+    }
+}
+
+/// How much friction was taken off, and why not to trust it; `None` without any.
+pub(super) fn remark(runs: &[Subtracted]) -> Option<String> {
+    let coulomb_nm = median(runs.iter().map(|run| run.coulomb_nm).collect())?;
+    let all = || runs.iter().map(|run| run.coulomb_nm);
+    let spread = all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min);
+    let stuck = runs.iter().map(|run| run.stuck_share).fold(0.0, f64::max);
+    let doubt = if stuck > MOST_STUCK {
+        "; it sticks too long for that to be trusted, excite it more strongly"
+    } else if spread > MOST_SPREAD * coulomb_nm {
+        "; runs differ too much in it for that to be trusted"
+    } else {
+        ""
+    };
+    Some(format!(
+        "Coulomb friction of {} N m was taken off the torque, from run to run within {} N m; the axis does not slip in \
+         {} % of the time{doubt}",
+        significant(coulomb_nm, 4),
+        significant(spread, 2),
+        significant(100.0 * stuck, 2),
+    ))
+}

@@ -1,0 +1,65 @@
+"""Coulomb friction taken off a chirp without a constant velocity: neither inertia, spring nor friction is told."""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import frfid
+import numpy as np
+
+EXAMPLES = Path(__file__).parents[2] / "examples/experiments"
+FRFID = shutil.which("frfid")
+FREE = ["--method", "local-rational", "--subtract-friction"]
+
+
+def frfid_says(*arguments):
+    done = subprocess.run([FRFID, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+    return done.returncode, done.stdout + done.stderr
+
+
+def recorded(tmp_path, name, **changes):
+    """The logs of a template."""
+    text = (EXAMPLES / f"{name}.toml").read_text().replace("../robots", str(EXAMPLES.parent / "robots"))
+    for old, new in changes.items():
+        text = re.sub(rf"^{old} = .*", new, text, flags=re.MULTILINE)
+    (tmp_path / "x.toml").write_text(text)
+    frfid_says("design", tmp_path / "x.toml", "-o", tmp_path / "plan.mcap")
+    frfid_says("run", tmp_path / "plan.mcap", "-o", tmp_path / "logs")
+    return tmp_path / "logs"
+
+
+def decibels(path):
+    """Errors from 1.3 to 55 Hz against the joint without friction."""
+    frf = frfid.load(path)
+    hz = np.asarray(frf.frequency_hz)
+    truth = np.asarray(frfid.Plant.single_joint(coulomb_nm=0.0).frf(hz, sample_time_s=0.001).response)[:, 0, 0]
+    inside = (hz > 1.3) & (hz < 55)
+    return np.abs(20 * np.log10(np.abs(np.asarray(frf.response)[:, 0, 0] / truth)))[inside]
+
+
+def test_a_chirp_with_friction_is_right_without_a_constant_velocity(tmp_path):
+    logs = recorded(tmp_path, "chirp", amplitude_nm="amplitude_nm = [150.0]\ntail_s = 2.0")
+    with_friction, without = tmp_path / "with.json", tmp_path / "without.json"
+    assert "friction of" not in frfid_says("estimate", logs, "-o", with_friction)[1]
+    code, said = frfid_says("estimate", logs, "-o", without, *FREE)
+    before, after = decibels(with_friction), decibels(without)
+    print(f"with friction {np.median(before):.2f}, {before.max():.2f} dB, without {np.median(after):.3f}, {after.max():.3f} dB")
+    coulomb_nm = float(re.search(r"Coulomb friction of ([0-9.]+) N m was taken off", said)[1])
+    assert abs(coulomb_nm / 50.0 - 1) < 0.01, said
+    assert np.median(after) < 0.05 and after.max() < 0.5 < 4 < before.max()
+
+
+def test_where_it_cannot_be_told_it_is_said(tmp_path):
+    several = recorded(tmp_path, "r3_chirp", duration_s="duration_s = 5.0")
+    code, said = frfid_says("estimate", several, "-o", tmp_path / "a.json", *FREE)
+    assert code == 1 and "on a single axis alone" in said
+    (tmp_path / "b").mkdir()
+    moving = recorded(tmp_path / "b", "constant_velocity", realizations="realizations = 2")
+    code, said = frfid_says("estimate", moving, "-o", tmp_path / "b.json", *FREE)
+    assert code == 1 and "a constant velocity keeps friction constant" in said
+    t = 0.001 * np.arange(4000)
+    np.savetxt(tmp_path / "foreign.csv", np.column_stack([t, np.sin(9 * t**2), np.cos(9 * t**2)]), header="t,u,y", comments="", delimiter=",")
+    asked = ["--time", "t=s", "--u", "u=N m", "--y", "y=rad/s", *FREE]
+    code, said = frfid_says("estimate", tmp_path / "foreign.csv", "-o", tmp_path / "c.json", *asked)
+    assert code == 2 and "not runs of a plan" in said
