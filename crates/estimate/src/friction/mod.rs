@@ -105,14 +105,22 @@ impl Friction {
 
 /// Signs of the velocity, 0 where it is too small to have one or changes it before the next sample.
 fn signs(y: &[f64]) -> Vec<f64> {
-    let rms = (y.iter().map(|y| y * y).sum::<f64>() / y.len() as f64).sqrt();
-    let least = (SIGNLESS[0] * noise_level(y)).max(SIGNLESS[1] * rms);
+    let least = least_with_sign(y);
     let sign = |k: usize| {
         let next = y.get(k + 1).copied().unwrap_or(0.0);
         let is_clear = y[k].abs() >= least && next.abs() >= least && y[k] * next > 0.0;
         if is_clear { y[k].signum() } else { 0.0 }
     };
     (0..y.len()).map(sign).collect()
+}
+
+fn least_with_sign(y: &[f64]) -> f64 {
+    let [of_noise, of_rms] = SIGNLESS;
+    (of_noise * noise_level(y)).max(of_rms * rms(y))
+}
+
+fn rms(y: &[f64]) -> f64 {
+    (y.iter().map(|y| y * y).sum::<f64>() / y.len() as f64).sqrt()
 }
 
 fn not_found() -> EstimateError {

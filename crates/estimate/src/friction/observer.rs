@@ -25,6 +25,11 @@ pub(super) struct Observer {
 }
 
 impl Observer {
+    /// What the torque is in the mean beyond the friction.
+    fn load(&self, model: &InverseModel, shape: &[f64]) -> f64 {
+        mean(&self.torque_nm) - model.coulomb_nm * mean(shape)
+    }
+
     /// The torque of the friction, mean over the time after each sample. What the torque is in the mean beyond the
     /// friction before, `shape` over F_c, holds a load.
     pub(super) fn friction(&self, model: &InverseModel, shape: &[f64]) -> Vec<f64> {
@@ -32,8 +37,7 @@ impl Observer {
         let mobility = step_s / model.inertia;
         let transmitted = Transmitted::of(model, step_s);
         let pull = 1.0 - (-self.gain_per_s * self.sample_time_s).exp();
-        let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-        let load = mean(&self.torque_nm) - model.coulomb_nm * mean(shape);
+        let load = self.load(model, shape);
         let (mut v, mut state) = (0.0, Vector2::zeros());
         let pairs = self.torque_nm.iter().zip(&self.velocity_rad_s);
         let friction = pairs.map(|(u, y)| {
@@ -51,6 +55,10 @@ impl Observer {
         });
         friction.collect()
     }
+}
+
+fn mean(values: &[f64]) -> f64 {
+    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// H as a system of two states, in steps of constant velocity.

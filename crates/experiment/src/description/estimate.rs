@@ -64,6 +64,11 @@ impl EstimateTable {
         })
     }
 
+    /// Whether local models are fitted.
+    fn is_local(&self) -> bool {
+        self.method().local_model().is_some()
+    }
+
     /// Whether what is asked for takes periods: an average, a method other than through the reference, another
     /// response than the plant.
     pub(crate) fn is_of_periods(&self) -> bool {
@@ -94,7 +99,7 @@ impl EstimateTable {
                            `indirect` out";
             return Err(Fault::new(&["method"], message));
         }
-        if self.method().local_model().is_some() && self.response_but_plant().is_some() {
+        if self.is_local() && self.response_but_plant().is_some() {
             let message = "local models give the plant alone: leave `response` out, or the method";
             return Err(Fault::new(&["response"], message));
         }

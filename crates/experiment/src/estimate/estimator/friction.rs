@@ -98,11 +98,15 @@ pub(super) fn without_friction<'r>(
     }
 }
 
+fn spread(runs: &[Subtracted]) -> f64 {
+    let all = || runs.iter().map(|run| run.coulomb_nm);
+    all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min)
+}
+
 /// How much friction was taken off, and why not to trust it; `None` without any.
 pub(super) fn remark(runs: &[Subtracted]) -> Option<String> {
     let coulomb_nm = median(runs.iter().map(|run| run.coulomb_nm).collect())?;
-    let all = || runs.iter().map(|run| run.coulomb_nm);
-    let spread = all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min);
+    let spread = spread(runs);
     let stuck = runs.iter().map(|run| run.stuck_share).fold(0.0, f64::max);
     let doubt = if stuck > MOST_STUCK {
         "; it sticks too long for that to be trusted, excite it more strongly"
