@@ -41,11 +41,11 @@ pub fn condition_number(matrix: &DMatrix<Complex64>) -> Result<f64, EstimateErro
 /// As [`condition_number`].
 pub fn scaled_condition_number(matrix: &DMatrix<Complex64>) -> Result<f64, EstimateError> {
     check_finite_entries(matrix)?;
-    Ok(scaled_condition_of_finite(matrix))
+    Ok(condition_of_finite(&scaled_rows(matrix)))
 }
 
-/// [`scaled_condition_number`] of a matrix whose entries are known to be finite.
-pub(crate) fn scaled_condition_of_finite(matrix: &DMatrix<Complex64>) -> f64 {
+/// A matrix with the rows scaled to equal size; those of zeros stay.
+pub(crate) fn scaled_rows(matrix: &DMatrix<Complex64>) -> DMatrix<Complex64> {
     let mut scaled = matrix.clone();
     for mut row in scaled.row_iter_mut() {
         let size = row.norm();
@@ -53,7 +53,7 @@ pub(crate) fn scaled_condition_of_finite(matrix: &DMatrix<Complex64>) -> f64 {
             row.unscale_mut(size);
         }
     }
-    condition_of_finite(&scaled)
+    scaled
 }
 
 /// [`condition_number`] of a matrix whose entries are known to be finite.

@@ -11,6 +11,7 @@
 use nalgebra::{Matrix3, Vector2};
 
 use crate::friction::inverse_model::InverseModel;
+use crate::spectra::mean;
 
 /// Steps of a sample.
 const STEPS: usize = 5;
@@ -55,10 +56,6 @@ impl Observer {
         });
         friction.collect()
     }
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
 }
 
 /// H as a system of two states, in steps of constant velocity.

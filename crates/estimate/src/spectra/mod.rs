@@ -71,7 +71,7 @@ fn spectra_of_pieces<P>(
 }
 
 /// Mean of at least one sample.
-fn mean(samples: &[f64]) -> f64 {
+pub(crate) fn mean(samples: &[f64]) -> f64 {
     samples.iter().sum::<f64>() / samples.len() as f64
 }
 

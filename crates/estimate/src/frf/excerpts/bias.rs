@@ -27,6 +27,8 @@ use crate::spectra::campaign::Campaign;
 /// unknowns to average noise, more hold several modes: of 10, 15 and 20 the region of 10 held the truth
 /// most often on 2x2 and 3x3 plants and the shortest sweep; 7 was compared on single joints alone.
 const HALF_WIDTH: usize = 10;
+/// Least number of equations for each unknown.
+const EQUATIONS_PER_UNKNOWN: f64 = 2.0;
 
 /// Adds the bias to the covariances of `frf`, the estimate by excerpts of the recordings whose
 /// [whole spectra](crate::WholeRecord) are in `whole`; where it cannot be told they become NaN. What is `None`
@@ -38,7 +40,8 @@ pub fn add_excerpt_bias(frf: &mut Frf, whole: &Campaign) -> Result<(), EstimateE
     if frf.noise.is_none() && frf.total.is_none() {
         return Ok(());
     }
-    let fits = fits_of_width(whole, &frf.frequency_hz, HALF_WIDTH)?;
+    let hz = &frf.frequency_hz;
+    let fits = fits_of_width(whole, hz, HALF_WIDTH, EQUATIONS_PER_UNKNOWN)?;
     for (k, fit) in fits.into_iter().enumerate() {
         let response = matrix(frf.response.index_axis(Axis(0), k));
         let bias = fit.map(|fit| uncertain(&response, fit));

@@ -4,7 +4,7 @@
 //!
 //! Known to be biased near sharp resonances: on the paper's linear example 0.03 dB in the median
 //! and 1.8 dB, 14 deg at worst, 33 dB at a damping of 0.1 %. With repeats the bias is part of the
-//! covariance ([`crate::frf::excerpts::whole_record`]).
+//! covariance ([`crate::frf::excerpts::bias`]).
 
 pub(crate) mod bias;
 #[cfg(test)]
@@ -23,8 +23,8 @@ use crate::spectra::excerpt::{ExcerptOptions, Excerpts};
 use crate::spectra::time_series::{TimeSeries, check_same_shape};
 use crate::spectra::whole_record::WholeRecord;
 
-/// FRF at `frequencies_hz` (rising) by excerpts, or by local models of the whole records, from recordings `(repeat, experiment, channel, sample)` of the
-/// same chirp, which starts `start_s` after the first sample.
+/// FRF at `frequencies_hz` (rising) by excerpts, or by local models of the whole records, from
+/// recordings `(repeat, experiment, channel, sample)` of the same chirp, which starts `start_s` after the first sample.
 ///
 /// Repeats give the noise covariance, to which the bias of the excerpts is added, as far as the
 /// whole record shows it; with one it is `None`, where the record is too short NaN. The reference `r` is for methods that

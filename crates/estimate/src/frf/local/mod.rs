@@ -132,7 +132,8 @@ pub(crate) fn estimate_campaign(
     of_pieces(&Pieces::of_campaign(campaign)?, frequency_hz, options)
 }
 
-/// The fits of one width to a campaign, frequency by frequency; `None` where its lines are too few.
+/// The fits of one width to a campaign, frequency by frequency; `None` where its lines are fewer than so many
+/// equations for each unknown.
 ///
 /// # Errors
 /// [`EstimateError::EmptyList`] without runs.
@@ -140,11 +141,13 @@ pub(crate) fn fits_of_width(
     campaign: &Campaign,
     frequency_hz: &[f64],
     half_width: usize,
+    equations_per_unknown: f64,
 ) -> Result<Vec<Option<Fitted>>, EstimateError> {
     let pieces = Pieces::of_campaign(campaign)?;
     let fit = |hz: &f64| {
         let window = Window::around(&pieces, *hz, half_width, LocalModel::default());
-        window.is_determined().then(|| Fitted::of(&window))?
+        let is_enough = window.has_equations(equations_per_unknown);
+        is_enough.then(|| Fitted::of(&window))?
     };
     Ok(frequency_hz.iter().map(fit).collect())
 }

@@ -1,6 +1,5 @@
 //! Repeats of one reference: their mean, and how they differ, which is noise and no distortion.
 
-use std::iter::zip;
 use std::ops::Range;
 
 use ndarray::{Array2, Array3, s};
@@ -8,6 +7,7 @@ use num_complex::Complex64;
 
 use crate::frf::matrices::Matrix;
 use crate::spectra::run_spectra::RunSpectra;
+use crate::spectra::spread::mean;
 
 /// How repeats differ.
 pub(super) struct Repeats {
@@ -80,18 +80,19 @@ impl Repeats {
 
 /// Mean of spectra of one shape, of at least one.
 pub(super) fn mean_of(repeats: &[&RunSpectra]) -> RunSpectra {
-    let scale = Complex64::from((repeats.len() as f64).recip());
-    let mut sum = repeats[0].clone();
-    for repeat in &repeats[1..] {
-        sum.u += &repeat.u;
-        sum.y += &repeat.y;
-        zip(&mut sum.r, &repeat.r).for_each(|(sum, r)| *sum += r);
-    }
+    let r: Vec<&Array2<Complex64>> = repeats.iter().filter_map(|run| run.r.as_ref()).collect();
     RunSpectra {
-        u: sum.u * scale,
-        y: sum.y * scale,
-        r: sum.r.map(|r| r * scale),
+        u: mean(&of_each(repeats, |run| &run.u)),
+        y: mean(&of_each(repeats, |run| &run.y)),
+        r: (!r.is_empty()).then(|| mean(&r)),
     }
+}
+
+fn of_each<'r>(
+    repeats: &[&'r RunSpectra],
+    signal: impl Fn(&'r RunSpectra) -> &'r Array2<Complex64>,
+) -> Vec<&'r Array2<Complex64>> {
+    repeats.iter().map(|run| signal(run)).collect()
 }
 
 /// The rows of both, one below the other.

@@ -41,6 +41,7 @@ const MOST_GROWTH: f64 = 2.5;
 const LEAST_GROWTH: f64 = 2.0;
 /// What a difference of two fits typically is, squared, over its variance.
 const TYPICAL: f64 = 0.5;
+
 /// What was chosen at one frequency.
 pub(super) struct Choice {
     pub(super) half_width: usize,

@@ -10,7 +10,7 @@ use crate::frf::local::LocalModel;
 use crate::frf::local::pieces::{PieceSpectra, Pieces};
 use crate::frf::local::repeats::{Repeats, Scatter};
 use crate::frf::matrices::Matrix;
-use crate::frf::singular::condition_of_finite;
+use crate::frf::singular::{condition_of_finite, scaled_rows};
 
 /// Order of numerators and transients.
 const ORDER: usize = 2;
@@ -113,19 +113,18 @@ impl Window {
 
     /// Condition number of the inputs, each scaled to the same size, from their Gram matrix.
     pub(super) fn condition(&self) -> f64 {
-        let mut inputs = self.inputs.clone();
-        for mut input in inputs.row_iter_mut() {
-            let size = input.norm();
-            if size > 0.0 {
-                input.unscale_mut(size);
-            }
-        }
+        let inputs = scaled_rows(&self.inputs);
         condition_of_finite(&(&inputs * inputs.adjoint())).sqrt()
     }
 
     /// Whether it has enough equations.
     pub(super) fn is_determined(&self) -> bool {
-        let needed = EQUATIONS_PER_UNKNOWN * self.n_unknowns() as f64;
+        self.has_equations(EQUATIONS_PER_UNKNOWN)
+    }
+
+    /// Whether it has so many equations for each unknown.
+    pub(super) fn has_equations(&self, per_unknown: f64) -> bool {
+        let needed = per_unknown * self.n_unknowns() as f64;
         !self.pieces.is_empty() && self.places.len() as f64 >= needed
     }
 }
