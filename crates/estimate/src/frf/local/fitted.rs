@@ -12,12 +12,10 @@
 
 use std::iter::zip;
 
-use num_complex::Complex64;
-
-use crate::frf::local::least_squares::dot;
+use crate::frf::local::column::Column;
 use crate::frf::local::repeats::Scatter;
 use crate::frf::local::row_fit::{RowFit, fit_rows};
-use crate::frf::local::window::{Signal, Window};
+use crate::frf::local::window::Window;
 use crate::frf::matrices::Matrix;
 
 /// An FRF at one frequency.
@@ -75,8 +73,8 @@ impl Fitted {
 }
 
 /// Geometric mean of the variances of signals.
-fn level(rows: &[RowFit], of: fn(&RowFit) -> &Signal, n_free: f64) -> f64 {
-    let power = |row: &RowFit| of(row).iter().map(Complex64::norm_sqr).sum::<f64>() / n_free;
+fn level(rows: &[RowFit], of: fn(&RowFit) -> &Column, n_free: f64) -> f64 {
+    let power = |row: &RowFit| of(row).norm_squared() / n_free;
     let logs = rows
         .iter()
         .map(|row| power(row).max(f64::MIN_POSITIVE).ln());
@@ -95,7 +93,7 @@ fn ratio(square: f64, variance: f64) -> f64 {
 /// Covariance of the noise of the answers.
 fn noise_covariance(rows: &[RowFit], n_free: f64) -> Matrix {
     Matrix::from_fn(rows.len(), rows.len(), |z, w| {
-        dot(&rows[w].noise, &rows[z].noise) / n_free
+        rows[w].noise.dot(&rows[z].noise) / n_free
     })
 }
 
@@ -148,29 +146,25 @@ impl Through {
         &left * signals * left.adjoint()
     }
 
-    /// Covariance of vec(G).
+    /// Covariance of vec(G): the pairs of rows below the diagonal are what those above it are, transposed.
     fn covariance(&self, rows: &[RowFit], sigma: &Matrix) -> Matrix {
-        let factors: Vec<Matrix> = rows
-            .iter()
-            .map(|row| self.inverse.transpose() * factors(row))
-            .collect();
-        let (n_outputs, n_inputs) = self.response.shape();
-        let mut covariance = Matrix::zeros(n_outputs * n_inputs, n_outputs * n_inputs);
-        for (z, of_z) in factors.iter().enumerate() {
-            for (w, of_w) in factors.iter().enumerate() {
-                let common = of_z * of_w.adjoint() * sigma[(z, w)];
+        let n = self.response.len();
+        let mut half = Matrix::zeros(n, n);
+        for z in 0..rows.len() {
+            for w in z..rows.len() {
+                let weight = if w == z { 0.5 } else { 1.0 };
+                let common = self.common(&rows[z], &rows[w]) * (sigma[(z, w)] * weight);
                 let shares = self.shares.column(z) * self.shares.column(w).adjoint();
-                covariance += common.kronecker(&shares);
+                half += common.kronecker(&shares);
             }
         }
-        covariance
+        &half + half.adjoint()
     }
-}
 
-/// F of a row, `(drive, line)`.
-fn factors(row: &RowFit) -> Matrix {
-    let n_lines = row.noise.len();
-    Matrix::from_fn(row.factors.len(), n_lines, |drive, line| {
-        row.factors[drive][line]
-    })
+    /// `S^T F_z F_w^H conj(S)`.
+    fn common(&self, z: &RowFit, w: &RowFit) -> Matrix {
+        let n = z.factors.len();
+        let products = Matrix::from_fn(n, n, |i, j| z.factors[i].dot(&w.factors[j]));
+        self.inverse.transpose() * products * self.inverse.map(|value| value.conj())
+    }
 }

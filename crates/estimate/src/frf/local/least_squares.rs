@@ -5,7 +5,7 @@ use std::iter::zip;
 
 use num_complex::Complex64;
 
-use crate::frf::local::window::Signal;
+use crate::frf::local::column::{Column, over};
 
 /// What is left of a column of length 1 once those before it are taken off, below which it says nothing new.
 const NOTHING: f64 = 1e-13;
@@ -13,10 +13,12 @@ const NOTHING: f64 = 1e-13;
 /// Columns made orthogonal, `X = Q R` with the lengths of X's columns kept apart.
 #[derive(Default)]
 pub(super) struct Basis {
-    q: Vec<Signal>,
+    q: Vec<Column>,
     /// Column by column, down to the diagonal, which is 0 for a column that says nothing new.
-    r: Vec<Signal>,
+    r: Vec<Complex64>,
     lengths: Vec<f64>,
+    /// Columns before the first of its own.
+    n_before: usize,
 }
 
 /// A system of equations whose first columns are a basis.
@@ -24,39 +26,77 @@ pub(super) struct System<'b> {
     common: &'b Basis,
     own: Basis,
     /// `Q^H y`.
-    turned: Signal,
+    turned: Vec<Complex64>,
     /// What no column explains.
-    pub(super) residual: Signal,
+    pub(super) residual: Column,
+}
+
+/// What an unknown is of the right side, `sum_k conj(values_k) y_k`, as far as the columns of a basis go.
+pub(super) struct Functional {
+    unknown: usize,
+    /// A row of `R^-1`.
+    row: Vec<Complex64>,
+    values: Column,
 }
 
 impl Basis {
     /// The basis of some columns.
-    pub(super) fn of(columns: impl IntoIterator<Item = Signal>) -> Self {
-        Self::default().extended(&Self::default(), columns)
+    pub(super) fn of(columns: impl Iterator<Item = Column>) -> Self {
+        Self::behind(&Self::default(), columns)
     }
 
-    /// With more columns, behind those that are common.
-    fn extended(mut self, common: &Self, columns: impl IntoIterator<Item = Signal>) -> Self {
+    /// The basis of columns behind those that are common.
+    fn behind(common: &Self, columns: impl Iterator<Item = Column>) -> Self {
+        let mut basis = Self {
+            n_before: common.q.len(),
+            ..Self::default()
+        };
         for mut column in columns {
-            self.lengths.push(normalized(&mut column));
-            let shares = common
-                .q
-                .iter()
-                .chain(&self.q)
-                .map(|q| taken_off(q, &mut column));
-            let mut shares: Signal = shares.collect();
-            let left = norm(&column);
-            let (diagonal, scale) = if left > NOTHING {
-                (left, left.recip())
-            } else {
-                (0.0, 0.0)
-            };
-            column.iter_mut().for_each(|value| *value *= scale);
-            shares.push(diagonal.into());
-            self.r.push(shares);
-            self.q.push(column);
+            basis.lengths.push(normalized(&mut column));
+            column.take_off(common.q.iter().chain(&basis.q), &mut basis.r);
+            let left = column.norm_squared().sqrt();
+            let diagonal = if left > NOTHING { left } else { 0.0 };
+            column.scale(inverse(diagonal));
+            basis.r.push(diagonal.into());
+            basis.q.push(column);
         }
-        self
+        basis
+    }
+
+    /// The columns of R.
+    fn r(&self) -> impl DoubleEndedIterator<Item = &[Complex64]> {
+        let n = self.n_before;
+        let before = move |column: usize| column * n + column * (column + 1) / 2;
+        (0..self.q.len()).map(move |column| &self.r[before(column)..before(column + 1)])
+    }
+
+    /// What an unknown, one of this basis, is of the right side if no further columns follow.
+    pub(super) fn functional(&self, unknown: usize) -> Functional {
+        let nothing = Functional {
+            unknown,
+            row: Vec::new(),
+            values: self.q.first().map(Column::zeros_like).unwrap_or_default(),
+        };
+        nothing.behind(self)
+    }
+}
+
+impl Functional {
+    /// With the columns of a basis behind those it goes through already.
+    fn behind(&self, basis: &Basis) -> Self {
+        let (mut row, mut values) = (self.row.clone(), self.values.clone());
+        for (r, q) in zip(basis.r(), &basis.q) {
+            let (column, known) = (row.len(), zip(&row, r).map(|(row, r)| row * r));
+            let start = f64::from(u8::from(column == self.unknown));
+            let share = over(start - known.sum::<Complex64>(), r[column]);
+            values.add(share.conj(), q);
+            row.push(share);
+        }
+        Self {
+            unknown: self.unknown,
+            row,
+            values,
+        }
     }
 }
 
@@ -64,12 +104,12 @@ impl<'b> System<'b> {
     /// The system of these columns behind the common ones, and its right side.
     pub(super) fn of(
         common: &'b Basis,
-        columns: impl IntoIterator<Item = Signal>,
-        right: Signal,
+        columns: impl Iterator<Item = Column>,
+        right: Column,
     ) -> Self {
-        let (own, mut residual) = (Basis::default().extended(common, columns), right);
-        let all = common.q.iter().chain(&own.q);
-        let turned = all.map(|q| taken_off(q, &mut residual)).collect();
+        let (own, mut residual) = (Basis::behind(common, columns), right);
+        let mut turned = Vec::with_capacity(common.q.len() + own.q.len());
+        residual.take_off(common.q.iter().chain(&own.q), &mut turned);
         Self {
             common,
             own,
@@ -78,90 +118,40 @@ impl<'b> System<'b> {
         }
     }
 
-    fn n_columns(&self) -> usize {
-        self.turned.len()
-    }
-
-    /// A column of R, down to the diagonal.
-    fn r(&self, column: usize) -> &Signal {
-        let n_common = self.common.r.len();
-        match column.checked_sub(n_common) {
-            None => &self.common.r[column],
-            Some(own) => &self.own.r[own],
-        }
-    }
-
-    fn q(&self) -> impl Iterator<Item = &Signal> {
-        self.common.q.iter().chain(&self.own.q)
-    }
-
-    fn lengths(&self) -> impl Iterator<Item = &f64> {
-        self.common.lengths.iter().chain(&self.own.lengths)
-    }
-
     /// The unknowns.
-    pub(super) fn unknowns(&self) -> Signal {
+    pub(super) fn unknowns(&self) -> Vec<Complex64> {
         let mut unknowns = self.turned.clone();
-        for column in (0..self.n_columns()).rev() {
-            let r = self.r(column);
+        let columns = self.own.r().rev().chain(self.common.r().rev());
+        for r in columns {
+            let column = r.len() - 1;
             let unknown = over(unknowns[column], r[column]);
             zip(&mut unknowns, r).for_each(|(rest, r)| *rest -= unknown * r);
             unknowns[column] = unknown;
         }
-        zip(&mut unknowns, self.lengths()).for_each(|(unknown, length)| *unknown /= *length);
+        let lengths = self.common.lengths.iter().chain(&self.own.lengths);
+        zip(&mut unknowns, lengths).for_each(|(unknown, length)| *unknown /= *length);
         unknowns
     }
 
-    /// The factors of the right side's values of which an unknown is the sum.
-    pub(super) fn functional(&self, unknown: usize) -> Signal {
-        let mut row: Signal = Vec::with_capacity(self.n_columns()); // of R^-1
-        for column in 0..self.n_columns() {
-            let r = self.r(column);
-            let start = f64::from(u8::from(column == unknown));
-            let known: Complex64 = zip(&row, r).map(|(row, r)| row * r).sum();
-            row.push(over(start - known, r[column]));
-        }
-        let length = self.lengths().nth(unknown).copied().unwrap_or(1.0);
-        let mut factors = vec![Complex64::ZERO; self.residual.len()];
-        for (share, q) in zip(row, self.q()).skip(unknown) {
-            let share = share / length;
-            zip(&mut factors, q).for_each(|(factor, q)| *factor += share * q.conj());
-        }
-        factors
+    /// What an unknown is of the right side, `sum_k conj(values_k) y_k`, from what it is by the common columns alone.
+    pub(super) fn functional(&self, common: &Functional) -> Column {
+        let mut values = common.behind(&self.own).values;
+        values.scale(self.common.lengths[common.unknown].recip());
+        values
     }
-}
-
-/// A quotient; 0 over nothing: a column that says nothing new, a denominator that vanishes.
-pub(super) fn over(value: Complex64, diagonal: Complex64) -> Complex64 {
-    if diagonal == Complex64::ZERO {
-        Complex64::ZERO
-    } else {
-        value / diagonal
-    }
-}
-
-fn norm(column: &[Complex64]) -> f64 {
-    column.iter().map(Complex64::norm_sqr).sum::<f64>().sqrt()
 }
 
 /// Scales a column to length 1; returns what the length was, 1 of nothing.
-fn normalized(column: &mut [Complex64]) -> f64 {
-    let length = norm(column);
+fn normalized(column: &mut Column) -> f64 {
+    let length = column.norm_squared().sqrt();
     if length == 0.0 {
         return 1.0;
     }
-    column.iter_mut().for_each(|value| *value /= length);
+    column.scale(length.recip());
     length
 }
 
-/// `a^H b`.
-pub(super) fn dot(a: &[Complex64], b: &[Complex64]) -> Complex64 {
-    zip(a, b).map(|(a, b)| a.conj() * b).sum()
-}
-
-/// Takes off what a column has of a direction; returns how much it was.
-fn taken_off(direction: &[Complex64], column: &mut [Complex64]) -> Complex64 {
-    let share = dot(direction, column);
-    zip(column, direction).for_each(|(value, q)| *value -= share * q);
-    share
+/// One over a number, 0 over 0.
+fn inverse(number: f64) -> f64 {
+    if number == 0.0 { 0.0 } else { number.recip() }
 }

@@ -5,12 +5,11 @@
 //! is (one step of Sanathanan and Koerner: more of them let A follow the noise). Errors of the unknowns are then
 //! linear in the noise V, `dtheta = X^+ diag(W A) V` with the weights W, which holds wherever the poles are.
 
-use std::iter::zip;
-
 use num_complex::Complex64;
 
-use crate::frf::local::least_squares::{Basis, System, over};
-use crate::frf::local::window::{N_TERMS, Signal, Window, times_power};
+use crate::frf::local::column::{Column, Reals};
+use crate::frf::local::least_squares::{Basis, Functional, System};
+use crate::frf::local::window::{N_TERMS, Window};
 
 /// A weight is at most this times the smallest.
 const MOST_WEIGHT: f64 = 1e6;
@@ -19,115 +18,104 @@ const MOST_WEIGHT: f64 = 1e6;
 pub(super) struct RowFit {
     /// Response to each drive.
     pub(super) response: Vec<Complex64>,
-    /// For each drive the factors of the answer's noise, line by line, in the error of the response.
-    pub(super) factors: Vec<Signal>,
+    /// For each drive the conjugate factors of the answer's noise, line by line, in the error of the response.
+    pub(super) factors: Vec<Column>,
     /// The noise of the answer on each line.
-    pub(super) noise: Signal,
+    pub(super) noise: Column,
     /// The same times the denominator: even where the noise has passed through the plant.
-    pub(super) equation_error: Signal,
+    pub(super) equation_error: Column,
+}
+
+/// The equations of a window, each with its weight.
+struct Equations<'w> {
+    window: &'w Window,
+    places: Reals,
+    /// The weights times powers of the places.
+    powers: [Reals; N_TERMS],
+    /// The same with the other sign, for the side of the unknowns.
+    minus_powers: [Reals; N_TERMS],
+    /// The columns that all rows have in common: drives, then transients, times powers.
+    common: Basis,
 }
 
 /// The fits of all answers of a window.
 pub(super) fn fit_rows(window: &Window) -> Vec<RowFit> {
-    let common = common_columns(window);
-    let unweighted = Basis::of(common.iter().cloned());
-    let denominator_of = |answer: &Signal| {
-        let own = denominator_columns(window, answer);
-        denominator(&System::of(&unweighted, own, answer.clone()), window)
-    };
-    let denominators: Vec<Signal> = window.answers.iter().map(denominator_of).collect();
-    let weights = weights(&denominators);
-    let weighted = Basis::of(common.iter().map(|column| times(column, &weights)));
+    let even = Equations::of(window, Reals::of(&window.places).map(|_| 1.0));
     let answers = window.answers.iter();
-    answers
-        .map(|answer| RowFit::of(window, &weighted, &weights, answer))
-        .collect()
+    let denominators = answers.map(|answer| even.denominator(&even.system(answer)));
+    let sizes = mean_sizes(&denominators.collect::<Vec<_>>());
+    let weighted = Equations::of(window, sizes.map(f64::recip));
+    let drives = 0..window.drives.len();
+    let drives = drives.map(|drive| weighted.common.functional(N_TERMS * drive));
+    let drives: Vec<Functional> = drives.collect();
+    let fit = |answer| weighted.row_fit(answer, &drives, &sizes);
+    window.answers.iter().map(fit).collect()
 }
 
-/// Columns that all rows of a window have in common: drives, then transients, times powers of the place.
-fn common_columns(window: &Window) -> Vec<Signal> {
-    let powers = |signal: &Signal| {
-        let power = |power| times_power(signal, &window.places, power);
-        (0..N_TERMS).map(power).collect::<Vec<_>>()
-    };
-    let drives = window.drives.iter().flat_map(powers);
-    let transients = window.pieces.iter().flat_map(|piece| {
-        let is_of = |line: usize| Complex64::from(f64::from(u8::from(piece.contains(&line))));
-        powers(&(0..window.places.len()).map(is_of).collect())
-    });
-    drives.chain(transients).collect()
-}
-
-/// Columns of the denominator's unknowns.
-fn denominator_columns(window: &Window, answer: &Signal) -> Vec<Signal> {
-    let columns = (1..=window.n_poles).map(|power| times_power(answer, &window.places, power));
-    columns.map(negative).collect()
-}
-
-impl RowFit {
-    /// The fit of an answer with equations that are weighted.
-    fn of(window: &Window, common: &Basis, weights: &[f64], answer: &Signal) -> Self {
-        let own = denominator_columns(window, answer).into_iter();
-        let own = own.map(|column| times(&column, weights));
-        let fit = System::of(common, own, times(answer, weights));
-        let a = denominator(&fit, window);
-        let factors = |drive: usize| {
-            let factors = fit.functional(N_TERMS * drive);
-            let of_noise = zip(factors, zip(weights, &a));
-            of_noise
-                .map(|(factor, (weight, a))| factor * weight * a)
-                .collect()
-        };
-        let (unknowns, drives) = (fit.unknowns(), 0..window.drives.len());
-        let equation_error: Signal = zip(&fit.residual, weights)
-            .map(|(rest, weight)| rest / weight)
-            .collect();
+impl<'w> Equations<'w> {
+    fn of(window: &'w Window, weights: Reals) -> Self {
+        let places = Reals::of(&window.places);
+        let linear = weights.times(&places);
+        let powers = [weights, linear.clone(), linear.times(&places)];
+        let signals = window.drives.iter().chain(&window.transients);
+        let columns = signals.flat_map(|signal| powers.iter().map(|power| signal.times(power)));
         Self {
-            response: drives
-                .clone()
-                .map(|drive| unknowns[N_TERMS * drive])
+            window,
+            common: Basis::of(columns),
+            places,
+            minus_powers: powers.clone().map(|power| power.map(|value| -value)),
+            powers,
+        }
+    }
+
+    /// The equations of an answer: behind the common columns those of the denominator.
+    fn system(&self, answer: &Column) -> System<'_> {
+        let own = self.minus_powers[1..].iter().take(self.window.n_poles);
+        let own = own.map(|power| answer.times(power));
+        System::of(&self.common, own, answer.times(&self.powers[0]))
+    }
+
+    /// The denominator on every line, from the last unknowns.
+    fn denominator(&self, fit: &System) -> Column {
+        let unknowns = fit.unknowns();
+        let own = &unknowns[unknowns.len() - self.window.n_poles..];
+        Column::polynomial(&self.places, own)
+    }
+
+    /// The fit of an answer from what the common columns make of every drive's response, weights being one over
+    /// `sizes`.
+    fn row_fit(&self, answer: &Column, drives: &[Functional], sizes: &Reals) -> RowFit {
+        let fit = self.system(answer);
+        let (a, unknowns) = (self.denominator(&fit), fit.unknowns());
+        let of_equations = a.times(&self.powers[0]);
+        let factors = |drive| fit.functional(drive).times_conjugate(&of_equations);
+        let equation_error = fit.residual.times(sizes);
+        RowFit {
+            response: unknowns
+                .into_iter()
+                .step_by(N_TERMS)
+                .take(drives.len())
                 .collect(),
-            factors: drives.map(factors).collect(),
-            noise: zip(&equation_error, &a)
-                .map(|(error, a)| over(*error, *a))
-                .collect(),
+            factors: drives.iter().map(factors).collect(),
+            noise: equation_error.over(&a),
             equation_error,
         }
     }
 }
 
-/// The denominator on every line, from the last unknowns.
-fn denominator(fit: &System, window: &Window) -> Signal {
-    let unknowns = fit.unknowns();
-    let last = &unknowns[unknowns.len() - window.n_poles..];
-    let at = |x: &f64| {
-        let powers = last.iter().rev();
-        Complex64::ONE + powers.fold(Complex64::ZERO, |sum, a| (sum + a) * x)
-    };
-    window.places.iter().map(at).collect()
-}
-
-/// One over what the sizes of the denominators are in the mean, geometrically; even where that is not finite.
-fn weights(denominators: &[Signal]) -> Vec<f64> {
-    let n_lines = denominators.first().map_or(0, Vec::len);
-    let log_size = |line: usize| -> f64 { denominators.iter().map(|a| a[line].norm().ln()).sum() };
-    let size = |line: usize| (log_size(line) / denominators.len() as f64).exp();
-    let sizes: Vec<f64> = (0..n_lines).map(size).collect();
-    let largest = sizes.iter().copied().fold(0.0, f64::max);
+/// What the sizes of the denominators are in the mean, geometrically, none much smaller than the largest; 1 where
+/// that is not finite.
+fn mean_sizes(denominators: &[Column]) -> Reals {
+    let squares = denominators.iter().map(Reals::norms_squared);
+    let product = squares.reduce(|product, square| product.times(&square));
+    let exponent = 0.5 / denominators.len() as f64;
+    let sizes = product.map_or_else(
+        || Reals::of(&[]),
+        |product| product.map(|square| square.powf(exponent)),
+    );
+    let largest = sizes.largest();
     if !(largest > 0.0 && largest.is_finite()) {
-        return vec![1.0; n_lines];
+        return sizes.map(|_| 1.0);
     }
-    let weight = |size: f64| size.max(largest / MOST_WEIGHT).recip();
-    sizes.into_iter().map(weight).collect()
-}
-
-fn negative(mut signal: Signal) -> Signal {
-    signal.iter_mut().for_each(|value| *value = -*value);
-    signal
-}
-
-fn times(signal: &[Complex64], weights: &[f64]) -> Signal {
-    zip(signal, weights)
-        .map(|(value, weight)| value * weight)
-        .collect()
+    sizes.map(|size| size.max(largest / MOST_WEIGHT))
 }

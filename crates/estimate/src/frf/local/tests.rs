@@ -5,8 +5,9 @@ use ndarray::Array2;
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
+use crate::frf::local::column::Column;
 use crate::frf::local::fitted::Fitted;
-use crate::frf::local::window::{Signal, Window};
+use crate::frf::local::window::Window;
 use crate::frf::local::{LocalModel, LocalOptions, Piece, estimate_local};
 use crate::frf::matrices::Matrix;
 
@@ -25,7 +26,7 @@ fn window(damping: f64, noise: f64, seed: u64) -> (Window, Matrix) {
     let response = |x: f64| &constant + &mode * pole(x);
     let places: Vec<f64> = (0..21).map(|k| f64::from(k) / 10.0 - 1.0).collect();
     let all = places.repeat(3);
-    let (mut inputs, mut outputs) = (vec![Signal::new(); 2], vec![Signal::new(); 2]);
+    let (mut inputs, mut outputs) = (vec![Vec::new(); 2], vec![Vec::new(); 2]);
     for (row, &x) in all.iter().enumerate() {
         let u = random(2, 1);
         let y = response(x) * &u
@@ -38,12 +39,17 @@ fn window(damping: f64, noise: f64, seed: u64) -> (Window, Matrix) {
         Window::of(
             all,
             vec![0..21, 21..42, 42..63],
-            inputs,
-            outputs,
+            columns(&inputs),
+            columns(&outputs),
             LocalModel::Rational,
         ),
         response(0.0),
     )
+}
+
+fn columns(signals: &[Vec<Complex64>]) -> Vec<Column> {
+    let column = |signal: &Vec<Complex64>| Column::of(signal.len(), signal.iter().copied());
+    signals.iter().map(column).collect()
 }
 
 #[test]

@@ -20,10 +20,10 @@ use crate::error::EstimateError;
 use crate::error::deficient_line::{Deficiency, DeficientLine};
 use crate::frf::f_distribution::f_tail;
 use crate::frf::local::LocalOptions;
+use crate::frf::local::column::Column;
 use crate::frf::local::fitted::Fitted;
 use crate::frf::local::pieces::{PieceSpectra, Pieces};
 use crate::frf::local::window::Window;
-use crate::frf::matrices::Matrix;
 
 /// One width over the one before it.
 const STEP: f64 = 1.35;
@@ -233,12 +233,12 @@ fn deficiency(window: &Window, frequency_hz: f64, limit: f64) -> DeficientLine {
         frequency_hz,
         condition: window.condition(),
         limit,
-        cause: cause(&window.inputs),
+        cause: cause(window.inputs()),
     }
 }
 
-fn cause(inputs: &Matrix) -> Deficiency {
-    let silent = inputs.row_iter().position(|row| row.camax() == 0.0);
+fn cause(inputs: &[Column]) -> Deficiency {
+    let silent = inputs.iter().position(Column::is_zero);
     silent.map_or(Deficiency::InputsAlike, |input| Deficiency::InputSilent {
         input,
     })

@@ -7,10 +7,11 @@ use ndarray::Array2;
 use num_complex::Complex64;
 
 use crate::frf::local::LocalModel;
+use crate::frf::local::column::Column;
 use crate::frf::local::pieces::{PieceSpectra, Pieces};
 use crate::frf::local::repeats::{Repeats, Scatter};
 use crate::frf::matrices::Matrix;
-use crate::frf::singular::{condition_of_finite, scaled_rows};
+use crate::frf::singular::condition_of_finite;
 
 /// Order of numerators and transients.
 const ORDER: usize = 2;
@@ -19,23 +20,18 @@ pub(super) const N_TERMS: usize = ORDER + 1;
 /// Equations for each unknown of a row, at least: with fewer the residual says little of the errors.
 const EQUATIONS_PER_UNKNOWN: f64 = 1.5;
 
-/// Values of one channel on all lines of a window.
-pub(crate) type Signal = Vec<Complex64>;
-
 /// The lines around a frequency, piece after piece.
 pub(crate) struct Window {
     /// Distance of each line from the frequency over the half width.
     pub(crate) places: Vec<f64>,
-    /// The lines of each piece.
-    pub(super) pieces: Vec<Range<usize>>,
+    /// For every piece 1 on its lines and 0 on the others: what its transient is a multiple of.
+    pub(super) transients: Vec<Column>,
     /// What drives: the reference, or the inputs in open loop.
-    pub(super) drives: Vec<Signal>,
+    pub(super) drives: Vec<Column>,
     /// What answers: the outputs, then the inputs where a reference drives.
-    pub(super) answers: Vec<Signal>,
+    pub(super) answers: Vec<Column>,
     /// How many of them are outputs.
     pub(super) n_outputs: usize,
-    /// The inputs, `(channel, line)`.
-    pub(super) inputs: Matrix,
     /// Order of the denominator.
     pub(super) n_poles: usize,
     /// Largest distance of a line from the frequency.
@@ -74,7 +70,7 @@ impl Window {
     }
 
     /// The same with a reference that drives both outputs and inputs.
-    fn through(mut self, reference: Vec<Signal>) -> Self {
+    fn through(mut self, reference: Vec<Column>) -> Self {
         let inputs = std::mem::replace(&mut self.drives, reference);
         self.answers.extend(inputs);
         self
@@ -84,26 +80,36 @@ impl Window {
     pub(crate) fn of(
         places: Vec<f64>,
         pieces: Vec<Range<usize>>,
-        inputs: Vec<Signal>,
-        outputs: Vec<Signal>,
+        inputs: Vec<Column>,
+        outputs: Vec<Column>,
         model: LocalModel,
     ) -> Self {
         Self {
             half_hz: 1.0,
             n_poles: model.n_poles(),
             scatter: None,
+            transients: pieces
+                .iter()
+                .map(|piece| ones(piece, places.len()))
+                .collect(),
             places,
-            pieces,
             n_outputs: outputs.len(),
-            inputs: matrix(&inputs),
             drives: inputs,
             answers: outputs,
         }
     }
 
+    /// The inputs, which answer where a reference drives.
+    pub(super) fn inputs(&self) -> &[Column] {
+        match &self.answers[self.n_outputs..] {
+            [] => &self.drives,
+            inputs => inputs,
+        }
+    }
+
     /// Unknowns of a row.
     pub(crate) fn n_unknowns(&self) -> usize {
-        self.n_poles + N_TERMS * (self.drives.len() + self.pieces.len())
+        self.n_poles + N_TERMS * (self.drives.len() + self.transients.len())
     }
 
     /// Equations beyond the unknowns: complex degrees of freedom.
@@ -113,8 +119,12 @@ impl Window {
 
     /// Condition number of the inputs, each scaled to the same size, from their Gram matrix.
     pub(super) fn condition(&self) -> f64 {
-        let inputs = scaled_rows(&self.inputs);
-        condition_of_finite(&(&inputs * inputs.adjoint())).sqrt()
+        let inputs = self.inputs();
+        let size = |column: &Column| column.norm_squared().max(f64::MIN_POSITIVE).sqrt();
+        let gram = Matrix::from_fn(inputs.len(), inputs.len(), |i, j| {
+            inputs[i].dot(&inputs[j]) / (size(&inputs[i]) * size(&inputs[j]))
+        });
+        condition_of_finite(&gram).sqrt()
     }
 
     /// Whether it has enough equations.
@@ -125,7 +135,7 @@ impl Window {
     /// Whether it has so many equations for each unknown.
     pub(super) fn has_equations(&self, per_unknown: f64) -> bool {
         let needed = per_unknown * self.n_unknowns() as f64;
-        !self.pieces.is_empty() && self.places.len() as f64 >= needed
+        !self.transients.is_empty() && self.places.len() as f64 >= needed
     }
 }
 
@@ -161,22 +171,23 @@ impl<'p> Part<'p> {
 
 /// Channel by channel, what a signal of the pieces is on their lines, one after the other; empty where they have
 /// none.
-fn joined(
-    parts: &[Part],
-    signal: impl Fn(&PieceSpectra) -> Option<&Array2<Complex64>>,
-) -> Vec<Signal> {
-    let signals = parts
-        .iter()
-        .filter_map(|part| Some((signal(part.piece)?, part.lines.clone())));
-    let signals: Vec<_> = signals.collect();
-    let n_channels = signals.first().map_or(0, |(signal, _)| signal.nrows());
-    let channel = |channel: usize| {
-        let parts = signals.iter().flat_map(|(signal, lines)| {
-            let row = signal.row(channel);
-            lines.clone().map(move |line| row[line]).collect::<Vec<_>>()
-        });
-        parts.collect()
+fn joined<'p>(
+    parts: &[Part<'p>],
+    signal: impl Fn(&'p PieceSpectra) -> Option<&'p Array2<Complex64>>,
+) -> Vec<Column> {
+    let signals = parts.iter().map(|part| signal(part.piece));
+    let Some(signals) = signals.collect::<Option<Vec<_>>>() else {
+        return Vec::new();
     };
+    let n_lines = parts.iter().map(|part| part.lines.len()).sum();
+    let channel = |channel: usize| {
+        let values = zip(parts, &signals).flat_map(|(part, signal)| {
+            let lines = part.lines.clone();
+            lines.map(move |line| signal[[channel, line]])
+        });
+        Column::of(n_lines, values)
+    };
+    let n_channels = signals.first().map_or(0, |signal| signal.nrows());
     (0..n_channels).map(channel).collect()
 }
 
@@ -190,17 +201,8 @@ fn ranges(lengths: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
     lengths.map(next).collect()
 }
 
-fn matrix(signals: &[Signal]) -> Matrix {
-    let n_lines = signals.first().map_or(0, Vec::len);
-    Matrix::from_fn(signals.len(), n_lines, |channel, line| {
-        signals[channel][line]
-    })
-}
-
-/// A signal times a power of the places.
-pub(super) fn times_power(signal: &[Complex64], places: &[f64], power: usize) -> Signal {
-    let pairs = zip(signal, places);
-    pairs
-        .map(|(value, place)| value * place.powi(power as i32))
-        .collect()
+/// 1 on the lines of a piece, of so many.
+fn ones(piece: &Range<usize>, n_lines: usize) -> Column {
+    let is_of = |line: usize| Complex64::from(f64::from(u8::from(piece.contains(&line))));
+    Column::of(n_lines, (0..n_lines).map(is_of))
 }
