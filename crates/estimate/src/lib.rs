@@ -88,7 +88,7 @@ pub use glide::in_time::subtract_glide;
 pub use glide::residual_level::ResidualLevel;
 pub use glide::ripple_lines::has_ripple_lines;
 pub use glide::ripple_residual::FreeLines;
-pub use harmonics::harmonic_levels;
+pub use harmonics::{ChirpHarmonics, SweepSpectra, harmonic_levels};
 pub use joint_spectra::coherence::Coherence;
 pub use joint_spectra::covariance::SpectraCovariance;
 pub use lines::unexcited_lines::unexcited_lines;

@@ -26,6 +26,7 @@ impl From<Response> for Frf {
             output_units: vec![String::new(); n_outputs],
             torque_rms_nm: None,
             flagged: None,
+            harmonics: None,
             verdicts: Vec::new(),
             checks: Vec::new(),
             provenance: [(

@@ -2,7 +2,7 @@
 
 use frfid_files::ResultFile;
 use frfid_signals::format::significant;
-use frfid_signals::{Frf, Uncertainty};
+use frfid_signals::{Frf, HarmonicLevel, Harmonics, Uncertainty};
 use ndarray::Array3;
 use serde::Serialize;
 
@@ -15,13 +15,39 @@ pub(crate) fn summary(result: &ResultFile) -> Vec<(&'static str, String)> {
         (Some(_), Some(_)) => "noise and bias of excerpts",
         _ => "noise",
     };
-    vec![
+    let mut rows = vec![
         ("inputs", inputs),
         ("outputs", outputs),
         ("frequencies", frequencies(&result.frf)),
         (noise_name, known(noise, "two periods")),
         ("noise and nonlinear", known(total, "two realizations")),
-    ]
+    ];
+    let harmonics = result
+        .harmonics
+        .iter()
+        .flat_map(|found| harmonics(found, &result.output_names));
+    rows.extend(harmonics.map(|levels| ("harmonics", levels)));
+    rows
+}
+
+/// The typical levels of the harmonics of every output: `joint_1 velocity: 2nd below -61 dB, 3rd -28 dB, ...`.
+fn harmonics(found: &Harmonics, outputs: &[String]) -> Vec<String> {
+    let of_output = |(channel, name): (usize, &String)| {
+        let levels = found.output.levels(channel, &found.orders);
+        let levels: Vec<String> = levels.iter().map(level).collect();
+        format!("{name}: {} of its fundamental (median)", levels.join(", "))
+    };
+    outputs.iter().enumerate().map(of_output).collect()
+}
+
+fn level(level: &HarmonicLevel) -> String {
+    let suffix = match level.order {
+        2 => "nd",
+        3 => "rd",
+        _ => "th",
+    };
+    let below = if level.is_bound { "below " } else { "" };
+    format!("{}{suffix} {below}{:.0} dB", level.order, level.median_db)
 }
 
 /// Names with their units.

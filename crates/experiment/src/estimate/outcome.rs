@@ -93,6 +93,7 @@ impl Experiment {
         let evidence = runs.evidence(&estimated);
         let mut result = ResultFile {
             flagged: estimated.ripple,
+            harmonics: estimated.harmonics,
             ..self.result(estimated.frf, load)
         };
         if let Some(response) = estimated.response {

@@ -14,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::atomic_write::{Overwrite, write_file};
 use crate::error::FileError;
+use crate::result::harmonics_json::HarmonicsJson;
 use crate::result::json_array::{Complexes, Flaw, Reals};
 use crate::result::result_file::{Check, ResultFile, check};
 use crate::result::verdict::Verdict;
@@ -43,6 +44,8 @@ struct Json {
     torque_rms_nm: Option<Reals>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     flagged: Option<Vec<bool>>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    harmonics: Option<HarmonicsJson>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     verdicts: Vec<Verdict>,
     checks: Vec<Check>,
@@ -111,6 +114,7 @@ impl Json {
             relative_resolution: frf.relative_resolution,
             torque_rms_nm: result.torque_rms_nm.as_deref().map(Reals::of),
             flagged: result.flagged.clone(),
+            harmonics: result.harmonics.as_ref().map(HarmonicsJson::of),
             verdicts: result.verdicts.clone(),
             checks: result.checks.clone(),
             provenance: result.provenance.clone(),
@@ -186,6 +190,7 @@ fn from_json(json: Json) -> Result<ResultFile, Flaw> {
         torque_rms_nm: list("torque_rms_nm", json.torque_rms_nm)?
             .or_else(|| torque_of_old(&json.provenance)),
         flagged: json.flagged,
+        harmonics: json.harmonics.map(HarmonicsJson::read).transpose()?,
         verdicts: json.verdicts,
         checks: json.checks,
         provenance: json.provenance,

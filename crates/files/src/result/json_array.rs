@@ -31,9 +31,24 @@ impl Reals {
         }
     }
 
+    pub(crate) fn of_array<D: Dimension>(values: &Array<f64, D>) -> Self {
+        Self {
+            shape: values.shape().to_vec(),
+            data: values.iter().map(|&value| Number(value)).collect(),
+        }
+    }
+
+    pub(crate) fn into_array<D: Dimension>(
+        self,
+        what: &'static str,
+    ) -> Result<Array<f64, D>, Flaw> {
+        let data = self.data.into_iter().map(|number| number.0);
+        shaped(what, &self.shape, data.collect())
+    }
+
     pub(crate) fn into_list(self, what: &'static str) -> Result<Vec<f64>, Flaw> {
-        let data = self.data.into_iter().map(|number| number.0).collect();
-        shaped(what, &self.shape, data).map(|array: Array1<f64>| array.to_vec())
+        self.into_array(what)
+            .map(|array: Array1<f64>| array.to_vec())
     }
 }
 

@@ -4,6 +4,7 @@ pub(crate) mod arrays;
 pub(crate) mod csv;
 pub(crate) mod exports;
 pub(crate) mod float;
+mod harmonics_json;
 pub(crate) mod json;
 pub(crate) mod json_array;
 pub(crate) mod mat;

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use frfid_signals::Frf;
+use frfid_signals::{Amplitudes, Frf, Harmonics};
 use serde::{Deserialize, Serialize};
 
 use crate::result::json_array::Flaw;
@@ -42,6 +42,8 @@ pub struct ResultFile {
     /// Whether what remains of the torque ripple exceeds the noise, frequency by frequency; `None`
     /// where that cannot be told.
     pub flagged: Option<Vec<bool>>,
+    /// Harmonics of a chirp in inputs and outputs; `None` of other excitations.
+    pub harmonics: Option<Harmonics>,
     /// What each axis suffers from; empty where nobody judged it.
     pub verdicts: Vec<Verdict>,
     /// What was checked.
@@ -66,6 +68,7 @@ impl ResultFile {
             output_units: vec!["rad/s".into(); joints.len()],
             torque_rms_nm: None,
             flagged: None,
+            harmonics: None,
             verdicts: Vec::new(),
             checks: Vec::new(),
             provenance: BTreeMap::new(),
@@ -89,10 +92,53 @@ pub(crate) fn check(result: &ResultFile) -> Result<(), Flaw> {
     if let Some(flagged) = &result.flagged {
         check_length("flagged", flagged, frf.n_frequencies())?;
     }
+    if let Some(harmonics) = &result.harmonics {
+        check_harmonics(harmonics, [frf.n_inputs(), frf.n_outputs()])?;
+    }
     check_length("input_names", &result.input_names, frf.n_inputs())?;
     check_length("output_names", &result.output_names, frf.n_outputs())?;
     check_length("input_units", &result.input_units, frf.n_inputs())?;
     check_length("output_units", &result.output_units, frf.n_outputs())
+}
+
+/// Refuses harmonics of other channels than the FRF, or arrays that do not fit.
+fn check_harmonics(harmonics: &Harmonics, [inputs, outputs]: [usize; 2]) -> Result<(), Flaw> {
+    let (orders, lines) = (harmonics.orders.len(), harmonics.frequency_hz.len());
+    check_amplitudes("harmonics.input", &harmonics.input, (inputs, orders, lines))?;
+    check_amplitudes(
+        "harmonics.output",
+        &harmonics.output,
+        (outputs, orders, lines),
+    )?;
+    let found = harmonics.response.as_ref().map(ndarray::Array2::dim);
+    match found.filter(|found| *found != (orders, lines)) {
+        Some(found) => Err(unfit("harmonics.response", &found, &(orders, lines))),
+        None => Ok(()),
+    }
+}
+
+fn check_amplitudes(
+    what: &'static str,
+    amplitudes: &Amplitudes,
+    needed: (usize, usize, usize),
+) -> Result<(), Flaw> {
+    let Amplitudes {
+        amplitude,
+        floor,
+        deviation,
+    } = amplitudes;
+    let mut found = [amplitude, floor]
+        .into_iter()
+        .chain(deviation)
+        .map(ndarray::Array3::dim);
+    match found.find(|found| *found != needed) {
+        Some(found) => Err(unfit(what, &found, &needed)),
+        None => Ok(()),
+    }
+}
+
+fn unfit(what: &'static str, found: &impl std::fmt::Debug, needed: &impl std::fmt::Debug) -> Flaw {
+    (what, format!("shape {found:?}"), format!("{needed:?}"))
 }
 
 fn check_length<T>(what: &'static str, list: &[T], needed: usize) -> Result<(), Flaw> {

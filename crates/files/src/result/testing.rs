@@ -1,6 +1,6 @@
 //! Sample result of the tests: numbers that show any rounding, and what JSON has no word for.
 
-use frfid_signals::{Frf, Uncertainty};
+use frfid_signals::{Amplitudes, Frf, Harmonics, Uncertainty};
 use ndarray::Array3;
 use num_complex::Complex64;
 
@@ -13,6 +13,11 @@ pub(crate) fn result() -> ResultFile {
     };
     let mut response = Array3::from_shape_fn((4, 2, 1), entry);
     response[[2, 0, 0]] = Complex64::new(f64::NAN, f64::NAN);
+    let amplitudes = |channels: usize| Amplitudes {
+        amplitude: Array3::from_elem((channels, 2, 1), f64::NAN),
+        floor: Array3::from_elem((channels, 2, 1), 0.1),
+        deviation: (channels == 1).then(|| Array3::from_elem((1, 2, 1), 1.0 / 3.0)),
+    };
     let covariance = Array3::from_shape_fn((4, 2, 2), entry);
     ResultFile {
         frf: Frf {
@@ -45,6 +50,13 @@ pub(crate) fn result() -> ResultFile {
         }],
         torque_rms_nm: Some(vec![1.0 / 3.0]),
         flagged: Some(vec![false, true, false, false]),
+        harmonics: Some(Harmonics {
+            frequency_hz: vec![0.1],
+            orders: vec![1, 2],
+            input: amplitudes(1),
+            output: amplitudes(2),
+            response: None,
+        }),
         provenance: [("seed".to_string(), "1".to_string())].into(),
     }
 }

@@ -18,7 +18,7 @@ pub(super) struct Reals(Vec<f64>);
 
 impl Column {
     /// A column of so many numbers, one after the other.
-    pub(super) fn of(n: usize, values: impl Iterator<Item = Complex64>) -> Self {
+    pub(crate) fn of(n: usize, values: impl Iterator<Item = Complex64>) -> Self {
         let half = n.next_multiple_of(LANES);
         let mut column = Self(vec![0.0; 2 * half]);
         for (row, value) in values.take(half).enumerate() {
@@ -36,7 +36,7 @@ impl Column {
         self.norm_squared() == 0.0
     }
 
-    pub(super) fn norm_squared(&self) -> f64 {
+    pub(crate) fn norm_squared(&self) -> f64 {
         self.dot(self).re
     }
 

@@ -18,12 +18,12 @@
 //! Non-parametric frequency response estimation using a local rational model, SYSID 2012;
 //! E. Geerardyn, T. Oomen, Local rational modeling for closed loops, 2017.
 
-mod column;
+pub(crate) mod column;
 pub(crate) mod fitted;
 mod least_squares;
 mod pieces;
 mod repeats;
-mod row_fit;
+pub(crate) mod row_fit;
 #[cfg(test)]
 mod tests;
 mod widths;

@@ -15,13 +15,13 @@ use crate::frf::local::window::{N_TERMS, Window};
 const MOST_WEIGHT: f64 = 1e6;
 
 /// The fit of one answer.
-pub(super) struct RowFit {
+pub(crate) struct RowFit {
     /// Response to each drive.
-    pub(super) response: Vec<Complex64>,
+    pub(crate) response: Vec<Complex64>,
     /// For each drive the conjugate factors of the answer's noise, line by line, in the error of the response.
-    pub(super) factors: Vec<Column>,
+    pub(crate) factors: Vec<Column>,
     /// The noise of the answer on each line.
-    pub(super) noise: Column,
+    pub(crate) noise: Column,
     /// The same times the denominator: even where the noise has passed through the plant.
     pub(super) equation_error: Column,
 }
@@ -39,7 +39,7 @@ struct Equations<'w> {
 }
 
 /// The fits of all answers of a window.
-pub(super) fn fit_rows(window: &Window) -> Vec<RowFit> {
+pub(crate) fn fit_rows(window: &Window) -> Vec<RowFit> {
     let even = Equations::of(window, Reals::of(&window.places).map(|_| 1.0));
     let answers = window.answers.iter();
     let denominators = answers.map(|answer| even.denominator(&even.system(answer)));

@@ -113,12 +113,12 @@ impl Window {
     }
 
     /// Equations beyond the unknowns: complex degrees of freedom.
-    pub(super) fn n_free(&self) -> usize {
+    pub(crate) fn n_free(&self) -> usize {
         self.places.len().saturating_sub(self.n_unknowns())
     }
 
     /// Condition number of the inputs, each scaled to the same size, from their Gram matrix.
-    pub(super) fn condition(&self) -> f64 {
+    pub(crate) fn condition(&self) -> f64 {
         let inputs = self.inputs();
         let size = |column: &Column| column.norm_squared().max(f64::MIN_POSITIVE).sqrt();
         let gram = Matrix::from_fn(inputs.len(), inputs.len(), |i, j| {
@@ -133,7 +133,7 @@ impl Window {
     }
 
     /// Whether it has so many equations for each unknown.
-    pub(super) fn has_equations(&self, per_unknown: f64) -> bool {
+    pub(crate) fn has_equations(&self, per_unknown: f64) -> bool {
         let needed = per_unknown * self.n_unknowns() as f64;
         !self.transients.is_empty() && self.places.len() as f64 >= needed
     }

@@ -3,7 +3,7 @@
 use std::iter::zip;
 
 use frfid_estimate::{NoiseBias, PeriodIndex};
-use frfid_signals::Frf;
+use frfid_signals::{Frf, Harmonics};
 
 use crate::estimate::loop_response::LoopResponse;
 use crate::estimate::unsettled::Unsettled;
@@ -28,6 +28,8 @@ pub struct Estimated {
     /// Whether what remains of the ripple exceeds the noise, line by line; `None` where it cannot
     /// be told: no glide was subtracted, or every reference was applied but once.
     pub ripple: Option<Vec<bool>>,
+    /// Harmonics of a chirp; `None` of other excitations.
+    pub harmonics: Option<Harmonics>,
 }
 
 impl Estimated {

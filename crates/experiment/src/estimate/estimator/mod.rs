@@ -3,18 +3,22 @@
 
 pub(crate) mod estimated;
 mod friction;
+mod harmonics;
 mod spectra;
 
 use std::iter::zip;
 
-use frfid_estimate::{Evaluation, FrfEstimate, PeriodIndex, RunSpectra, has_ripple_lines};
-use frfid_signals::{Frf, Plan, Record, RunId, RunKind};
+use frfid_estimate::{
+    Evaluation, FrfEstimate, PeriodIndex, RunSpectra, SweepSpectra, has_ripple_lines,
+};
+use frfid_signals::{Frf, Harmonics, Plan, Record, RunId, RunKind};
 use ndarray::s;
 
 use crate::description::estimate::{EstimateTable, GlideSubtraction};
 use crate::error::ExperimentError;
 use crate::estimate::estimator::estimated::Estimated;
 use crate::estimate::estimator::friction::{FrictionOfRuns, remark, without_friction};
+use crate::estimate::estimator::harmonics::HarmonicsOfRuns;
 pub use crate::estimate::estimator::spectra::Spectra;
 use crate::estimate::excerpt_bias::ExcerptBias;
 use crate::estimate::glides::glide_baseline::Baseline;
@@ -35,6 +39,7 @@ pub struct Estimator {
     residual: Option<RippleResidual>,
     bias: Option<ExcerptBias>,
     friction: Option<FrictionOfRuns>,
+    harmonics: Option<HarmonicsOfRuns>,
 }
 
 impl Estimator {
@@ -61,6 +66,7 @@ impl Estimator {
             glides: GlideSpectra::default(),
             residual: RippleResidual::of_plan(plan, &options)?,
             friction: FrictionOfRuns::of_plan(plan, &options)?,
+            harmonics: HarmonicsOfRuns::of_plan(plan)?,
             options,
         })
     }
@@ -139,8 +145,8 @@ impl Estimator {
         }
         let rest = self.baseline.subtract_from(record)?;
         let wander_s2 = self.baseline.wander_s2(record)?;
-        let record = rest.as_ref().unwrap_or(record);
-        let (record, subtracted) = without_friction(self.friction.as_ref(), record)?;
+        let measured = rest.as_ref().unwrap_or(record);
+        let (record, subtracted) = without_friction(self.friction.as_ref(), measured)?;
         let record = &*record;
         let mut spectra = Spectra {
             friction: Vec::from_iter(subtracted),
@@ -153,6 +159,10 @@ impl Estimator {
             spectra.periods.push((place, on_lines));
             if let Some(bias) = &self.bias {
                 spectra.whole.push((place, bias.spectra(record, period)?));
+            }
+            if let Some(harmonics) = &self.harmonics {
+                let sweep = harmonics.spectra(measured, period)?;
+                spectra.sweeps.push((place, sweep));
             }
             spectra.free.extend(
                 free.filter(|_| is_looked_at(place))
@@ -196,6 +206,11 @@ impl Estimator {
             period,
             experiment: id.experiment,
         }
+    }
+
+    /// The harmonics of all runs of a chirp.
+    fn harmonics_of(&self, sweeps: &[(PeriodIndex, SweepSpectra)]) -> Option<Harmonics> {
+        self.harmonics.as_ref()?.planned.harmonics(sweeps)
     }
 
     /// The FRF of one record for each experiment.
@@ -258,6 +273,7 @@ impl Estimator {
             noise_bias,
             missing,
             ripple,
+            harmonics: self.harmonics_of(&spectra.sweeps),
         })
     }
 }

@@ -1,6 +1,6 @@
 //! Spectra of the records of a plan, in any order.
 
-use frfid_estimate::{PeriodIndex, RunSpectra};
+use frfid_estimate::{PeriodIndex, RunSpectra, SweepSpectra};
 
 use crate::estimate::estimator::friction::Subtracted;
 use crate::estimate::excerpt_bias::WholeSpectra;
@@ -15,6 +15,8 @@ pub struct Spectra {
     pub(super) free: Vec<FreeSpectra>,
     /// Of whole chirps, period by period.
     pub(super) whole: WholeSpectra,
+    /// Of chirps with the lines of their harmonics, period by period.
+    pub(super) sweeps: Vec<(PeriodIndex, SweepSpectra)>,
     /// Friction that was taken off the runs.
     pub(super) friction: Vec<Subtracted>,
     /// Variance in s^2 of the time by which the noise of the glides is shifted in each run.
@@ -33,6 +35,7 @@ impl Spectra {
         self.periods.extend(other.periods);
         self.free.extend(other.free);
         self.whole.extend(other.whole);
+        self.sweeps.extend(other.sweeps);
         self.friction.extend(other.friction);
         self.wander_s2.extend(other.wander_s2);
     }

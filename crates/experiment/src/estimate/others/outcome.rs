@@ -47,6 +47,7 @@ impl Found {
             output_units: log.output_units,
             torque_rms_nm: None,
             flagged: None,
+            harmonics: None,
             verdicts: Vec::new(),
             checks,
             provenance,

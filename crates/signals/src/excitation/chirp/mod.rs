@@ -89,6 +89,17 @@ impl Chirp {
         }
     }
 
+    /// `sin(n phi(t))` with the fades, amplitude 1, in `n_samples` that begin with the sweep.
+    #[must_use]
+    pub fn harmonic(&self, order: usize, sample_time_s: f64, n_samples: usize) -> Vec<f64> {
+        let at = |time_s: f64| match self.fade_at(time_s) {
+            0.0 => 0.0,
+            fade => fade * (order as f64 * self.phase_at(time_s)).sin(),
+        };
+        let times_s = (0..n_samples).map(|k| k as f64 * sample_time_s);
+        times_s.map(at).collect()
+    }
+
     /// The chirp of every experiment and channel, `(experiment, input, sample)`, tail included.
     ///
     /// ```

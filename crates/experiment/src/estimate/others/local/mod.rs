@@ -149,6 +149,7 @@ impl Looked {
             output_units: log.output_units,
             torque_rms_nm: None,
             flagged: None,
+            harmonics: None,
             verdicts: Vec::new(),
             checks,
             provenance,
