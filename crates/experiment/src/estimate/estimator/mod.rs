@@ -255,8 +255,7 @@ impl Estimator {
             bias.add_to(&mut estimate.frf, spectra.whole)?;
         }
         let (mut remarks, n_left_out) = (estimate.warnings(), estimate.left_out.len());
-        let noise_bias = estimate.noise_bias;
-        let frf = estimate.frf;
+        let (noise_bias, frf) = (estimate.noise_bias, estimate.frf);
         remarks.extend(self.glides.remark(&frf));
         remarks.extend(remark(&spectra.friction));
         let repeats = match &self.residual {
