@@ -82,7 +82,10 @@ pub use frf::roughness::{Roughness, roughness};
 pub use frf::singular::{condition_number, scaled_condition_number, singular_values};
 pub use frf::time_series::{campaign_of_periods, estimate_bla, estimate_periods};
 pub use frf::{FrfOptions, Method};
-pub use friction::{Friction, find_friction};
+pub use friction::{
+    AxisFriction, Friction, FrictionOfAxes, FrictionSpectra, find_friction, find_friction_of_axes,
+    mean_signs,
+};
 pub use glide::by_position::RippleTorque;
 pub use glide::in_time::subtract_glide;
 pub use glide::residual_level::ResidualLevel;

@@ -75,7 +75,7 @@ struct EstimatorOptions {
     /// Where the reference enters the loop
     #[arg(long = "loop", value_parser = named::<Entry>())]
     entry: Option<Entry>,
-    /// Take Coulomb friction, found in every run, off its torque: one axis, without a constant velocity
+    /// Take Coulomb friction, found in the runs, off their torque: without a constant velocity
     #[arg(long)]
     subtract_friction: bool,
     /// Number of frequencies at which a chirp, or a recording in which nothing repeats, is evaluated

@@ -14,27 +14,30 @@
 //!
 //! Source: ours; instruments after P. C. Young, Recursive estimation and time-series analysis, 2nd ed., 2011, ch. 8.
 
+mod axes;
 mod inverse_model;
 mod noise_level;
 mod observer;
+mod signs;
 #[cfg(test)]
 mod tests;
 
+pub use axes::run::FrictionSpectra;
+pub use axes::{AxisFriction, FrictionOfAxes, find_friction_of_axes};
 use frfid_signals::SignalError;
 use frfid_signals::checks::positive;
 use ndarray::ArrayView1;
+pub use signs::mean_signs;
 
 use crate::error::EstimateError;
 use crate::friction::inverse_model::{InverseModel, Lines};
-use crate::friction::noise_level::noise_level;
 use crate::friction::observer::Observer;
+use crate::friction::signs::clear_signs;
 
 /// Rounds, at most: each brings F_c four times as near.
 const MOST_ROUNDS: usize = 12;
 /// Relative change of F_c at which it stays.
 const STAYS: f64 = 1e-4;
-/// Velocities below so many times their noise, and below this share of their rms, have no sign.
-const SIGNLESS: [f64; 2] = [5.0, 1e-3];
 
 /// The friction of a record.
 #[derive(Debug, Clone, PartialEq)]
@@ -72,7 +75,7 @@ pub fn find_friction(
         gain_per_s: lines.middle_rad_s,
         velocity_rad_s: y.clone(),
     };
-    let mut shape = signs(&y);
+    let mut shape = clear_signs(&y);
     let mut before = 0.0;
     for _ in 0..MOST_ROUNDS {
         let model = lines.fit(&shape)?.ok_or_else(not_found)?;
@@ -101,26 +104,6 @@ impl Friction {
             motor_inertia_kg_m2: model.inertia,
         }
     }
-}
-
-/// Signs of the velocity, 0 where it is too small to have one or changes it before the next sample.
-fn signs(y: &[f64]) -> Vec<f64> {
-    let least = least_with_sign(y);
-    let sign = |k: usize| {
-        let next = y.get(k + 1).copied().unwrap_or(0.0);
-        let is_clear = y[k].abs() >= least && next.abs() >= least && y[k] * next > 0.0;
-        if is_clear { y[k].signum() } else { 0.0 }
-    };
-    (0..y.len()).map(sign).collect()
-}
-
-fn least_with_sign(y: &[f64]) -> f64 {
-    let [of_noise, of_rms] = SIGNLESS;
-    (of_noise * noise_level(y)).max(of_rms * rms(y))
-}
-
-fn rms(y: &[f64]) -> f64 {
-    (y.iter().map(|y| y * y).sum::<f64>() / y.len() as f64).sqrt()
 }
 
 fn not_found() -> EstimateError {

@@ -45,6 +45,8 @@ use crate::period_index::PeriodIndex;
 
 /// Orders that are told.
 const ORDERS: [usize; 5] = [1, 2, 3, 4, 5];
+/// What cannot be told.
+const UNKNOWN: Complex64 = Complex64::new(f64::NAN, f64::NAN);
 /// Frequencies at which they are told.
 const N_FREQUENCIES: usize = 80;
 
@@ -134,11 +136,10 @@ impl ChirpHarmonics {
 
 impl Found {
     fn unknown(size: (usize, usize, usize)) -> Self {
-        let unknown = Complex64::new(f64::NAN, f64::NAN);
         Self {
-            value: Array3::from_elem(size, unknown),
+            value: Array3::from_elem(size, UNKNOWN),
             variance: Array3::from_elem(size, f64::NAN),
-            fundamental: Array3::from_elem(size, unknown),
+            fundamental: Array3::from_elem(size, UNKNOWN),
         }
     }
 

@@ -7,6 +7,7 @@ use crate::frf::local::LocalModel;
 use crate::frf::local::column::Column;
 use crate::frf::local::row_fit::{RowFit, fit_rows};
 use crate::frf::local::window::Window;
+use crate::harmonics::UNKNOWN;
 use crate::harmonics::sweep_orders::SweepOrders;
 
 /// Equations for each unknown, at least.
@@ -52,7 +53,7 @@ impl SweepOrders {
         let column = |values: &[Complex64]| Column::of(values.len(), values.iter().copied());
         let window = Window::of(
             places(self.line_hz(lines.clone()), hz),
-            vec![0..lines.len()],
+            std::iter::once(0..lines.len()).collect(),
             drives.iter().map(|drive: &Vec<_>| column(drive)).collect(),
             rows.rows()
                 .into_iter()
@@ -77,11 +78,10 @@ fn places(line_hz: &[f64], hz: f64) -> Vec<f64> {
 
 impl OrderFit {
     fn of(row: &RowFit, drive: usize, fundamental: Option<usize>, n_free: f64) -> Self {
-        let unknown = Complex64::new(f64::NAN, f64::NAN);
         Self {
             value: row.response[drive],
             variance: row.factors[drive].norm_squared() * row.noise.norm_squared() / n_free,
-            fundamental: fundamental.map_or(unknown, |drive| row.response[drive]),
+            fundamental: fundamental.map_or(UNKNOWN, |drive| row.response[drive]),
         }
     }
 }

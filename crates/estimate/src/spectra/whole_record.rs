@@ -52,7 +52,8 @@ impl WholeRecord {
     }
 
     /// Frequencies of the lines in Hz.
-    pub(crate) fn frequency_hz(&self) -> &[f64] {
+    #[must_use]
+    pub fn frequency_hz(&self) -> &[f64] {
         &self.line_hz
     }
 

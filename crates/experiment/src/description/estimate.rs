@@ -29,7 +29,7 @@ pub struct EstimateTable {
     /// Where the reference enters the loop: it decides what the sensitivities and the open loop are.
     #[serde(rename = "loop", skip_serializing_if = "Option::is_none")]
     pub entry: Option<Entry>,
-    /// Whether Coulomb friction, found in every run, is taken off its torque: one axis, without a constant velocity.
+    /// Whether Coulomb friction, found in the runs, is taken off their torque: without a constant velocity.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub subtract_friction: bool,
     /// Frequencies at which a chirp is evaluated: their number, logarithmically spaced over the
@@ -84,11 +84,12 @@ impl EstimateTable {
             .filter(|&response| response != Response::Plant)
     }
 
-    /// The reference of a record, where the method or the response takes it. From it to a torque without friction
-    /// nothing is linear.
+    /// The reference of a record, where the method or the response takes it. From a torque to the same without
+    /// friction nothing is linear; from set points, to which a stiff loop adds what friction asks for, it is nearly.
     pub(crate) fn reference_of<'r>(&self, record: &'r Record) -> Option<&'r Array2<f64>> {
         let is_taken = self.method().takes_reference() || self.response_but_plant().is_some();
-        let is_linear = !self.subtract_friction;
+        let is_of_loop = record.u.nrows() > 1 && self.entry == Some(Entry::SetPoint);
+        let is_linear = !self.subtract_friction || is_of_loop;
         record.r.as_ref().filter(|_| is_taken && is_linear)
     }
 
@@ -98,6 +99,10 @@ impl EstimateTable {
             let message = "the method is given twice: keep `method`, and leave `average` and \
                            `indirect` out";
             return Err(Fault::new(&["method"], message));
+        }
+        if self.subtract_friction && self.response_but_plant().is_some() {
+            let message = "without friction there is the plant alone: leave `response` out, or subtract_friction";
+            return Err(Fault::new(&["response"], message));
         }
         if self.is_local() && self.response_but_plant().is_some() {
             let message = "local models give the plant alone: leave `response` out, or the method";

@@ -38,6 +38,11 @@ impl ExcerptBias {
         }))
     }
 
+    /// Frequencies of the spectra in Hz.
+    pub(crate) fn line_hz(&self) -> &[f64] {
+        self.whole.frequency_hz()
+    }
+
     /// Spectra of the whole chirp in a period that the record holds to its end.
     ///
     /// # Errors

@@ -245,25 +245,25 @@ impl Tested {
             let excited = (power - n_references * noise).max(0.0);
             Some(excited / (self.spread.n_runs as f64 * noise))
         };
-        let snr = powers.into_iter().enumerate().map(snr);
-        snr.collect::<Option<Vec<f64>>>()?
-            .into_iter()
-            .reduce(f64::min)
+        smallest(powers.into_iter().enumerate().map(snr))
     }
 
     /// The same of the weakest channel.
     fn weakest(&self, line: usize) -> Option<f64> {
         let channels = 0..self.power.nrows();
-        let snr = channels.map(|channel| self.snr(channel, line));
-        snr.collect::<Option<Vec<f64>>>()?
-            .into_iter()
-            .reduce(f64::min)
+        smallest(channels.map(|channel| self.snr(channel, line)))
     }
 
     /// The same in dB; not a number with one period.
     fn snr_db(&self, channel: usize, line: usize) -> f64 {
         decibels(self.snr(channel, line).unwrap_or(f64::NAN))
     }
+}
+
+/// The smallest of all; `None` if one is unknown.
+fn smallest(all: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+    let all: Option<Vec<f64>> = all.collect();
+    all?.into_iter().reduce(f64::min)
 }
 
 /// Whether a line is excited like the strongest beside it, if there is one.

@@ -80,8 +80,8 @@ impl Column {
     }
 
     fn with(&self, other: &Self, of: fn(Complex64, Complex64) -> Complex64) -> Self {
-        let rows = zip(self.values(), other.values());
-        Self::of(self.n_rows(), rows.map(|(a, b)| of(a, b)))
+        let rows = zip(self.values(), other.values()).map(|(a, b)| of(a, b));
+        Self::of(self.n_rows(), rows)
     }
 
     /// `1 + c_1 x + c_2 x^2 ...`
@@ -97,8 +97,14 @@ impl Column {
         self.0.len() / 2
     }
 
+    /// Real and imaginary parts.
+    #[inline(always)]
+    fn parts(&self) -> (&[f64], &[f64]) {
+        self.0.split_at(self.n_rows())
+    }
+
     fn values(&self) -> impl Iterator<Item = Complex64> {
-        let (re, im) = self.0.split_at(self.n_rows());
+        let (re, im) = self.parts();
         zip(re, im).map(|(re, im)| Complex64::new(*re, *im))
     }
 }
@@ -186,11 +192,10 @@ impl<'q, I: Iterator<Item = &'q Column>> WithSimd for TakeOff<'_, I> {
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self(column, directions, shares) = self;
-        for direction in directions {
-            let share = Dot(direction, column).with_simd(simd);
-            Add(column, -share, direction).with_simd(simd);
-            shares.push(share);
+        for direction in self.1 {
+            let share = Dot(direction, self.0).with_simd(simd);
+            Add(self.0, -share, direction).with_simd(simd);
+            self.2.push(share);
         }
     }
 }
@@ -198,6 +203,6 @@ impl<'q, I: Iterator<Item = &'q Column>> WithSimd for TakeOff<'_, I> {
 /// The real and imaginary parts of a column, register by register.
 #[inline(always)]
 fn registers<S: Simd>(column: &Column) -> impl Iterator<Item = (&S::f64s, &S::f64s)> {
-    let (re, im) = column.0.split_at(column.n_rows());
+    let (re, im) = column.parts();
     zip(S::as_simd_f64s(re).0, S::as_simd_f64s(im).0)
 }

@@ -8,9 +8,8 @@ use frfid_signals::{Plan, Record, SignalError, median};
 
 use crate::description::estimate::EstimateTable;
 use crate::error::ExperimentError;
+use crate::estimate::estimator::friction_of_axes::{FrictionSigns, MOST_STUCK, with_signs};
 
-/// Share of the time in which a motor that sticks decides more than the band excites.
-const MOST_STUCK: f64 = 0.4;
 /// Friction that differs by more than this from run to run is not Coulomb's alone.
 const MOST_SPREAD: f64 = 0.1;
 
@@ -18,6 +17,8 @@ const MOST_SPREAD: f64 = 0.1;
 #[derive(Debug, Clone, Copy)]
 pub(super) struct FrictionOfRuns {
     band_hz: [f64; 2],
+    /// Several axes, whose runs tell it together.
+    is_of_several: bool,
 }
 
 /// Friction that was taken off a run.
@@ -31,7 +32,7 @@ impl FrictionOfRuns {
     /// Where it is asked for.
     ///
     /// # Errors
-    /// [`SignalError::Unfit`] for several axes and for a constant velocity, beneath which friction does not turn.
+    /// [`SignalError::Unfit`] for a constant velocity, beneath which friction does not turn.
     pub(super) fn of_plan(
         plan: &Plan,
         options: &EstimateTable,
@@ -39,20 +40,27 @@ impl FrictionOfRuns {
         if !options.subtract_friction {
             return Ok(None);
         }
-        let moves = plan.velocity_rad_s.iter().any(|velocity| *velocity != 0.0);
-        let what = match (plan.n_inputs, moves) {
-            (1, false) => {
-                let band_hz = plan.excitation.waveform().band_hz();
-                return Ok(Some(Self { band_hz }));
-            }
-            (1, true) => {
-                "a constant velocity keeps friction constant, and the glides take it off: leave this out"
-            }
-            _ => {
-                "friction is told apart on a single axis alone: leave this out, and move all axes on a constant velocity"
-            }
-        };
-        Err(SignalError::unfit("subtract_friction", what))
+        if plan.velocity_rad_s.iter().any(|velocity| *velocity != 0.0) {
+            let what = "a constant velocity keeps friction constant, and the glides take it off: leave this out";
+            return Err(SignalError::unfit("subtract_friction", what));
+        }
+        Ok(Some(Self {
+            band_hz: plan.excitation.waveform().band_hz(),
+            is_of_several: plan.n_inputs > 1,
+        }))
+    }
+
+    /// What a run of several axes says, and the record with signs in place of torques; `None` of one axis.
+    ///
+    /// # Errors
+    /// [`EstimateError`] for a record that says nothing.
+    pub(super) fn signs(
+        &self,
+        record: &Record,
+    ) -> Result<Option<(FrictionSigns, Record)>, EstimateError> {
+        let of_several = self.is_of_several.then_some(record);
+        let signs = |record| Ok((FrictionSigns::of(record, self.band_hz)?, with_signs(record)));
+        of_several.map(signs).transpose()
     }
 
     /// The record without its friction, and what that was.
@@ -81,7 +89,7 @@ impl FrictionOfRuns {
     }
 }
 
-/// A record, without its friction where that is asked for.
+/// A record, without its friction where that is asked for of one axis.
 ///
 /// # Errors
 /// As [`FrictionOfRuns::subtracted`].
@@ -89,7 +97,7 @@ pub(super) fn without_friction<'r>(
     friction: Option<&FrictionOfRuns>,
     record: &'r Record,
 ) -> Result<(Cow<'r, Record>, Option<Subtracted>), ExperimentError> {
-    match friction {
+    match friction.filter(|friction| !friction.is_of_several) {
         None => Ok((Cow::Borrowed(record), None)),
         Some(friction) => {
             let (free, subtracted) = friction.subtracted(record)?;

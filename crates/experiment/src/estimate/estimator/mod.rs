@@ -3,13 +3,14 @@
 
 pub(crate) mod estimated;
 mod friction;
+mod friction_of_axes;
 mod harmonics;
 mod spectra;
 
 use std::iter::zip;
 
 use frfid_estimate::{
-    Evaluation, FrfEstimate, PeriodIndex, RunSpectra, SweepSpectra, has_ripple_lines,
+    Campaign, Evaluation, PeriodIndex, RunSpectra, SweepSpectra, has_ripple_lines,
 };
 use frfid_signals::{Frf, Harmonics, Plan, Record, RunId, RunKind};
 use ndarray::s;
@@ -17,7 +18,7 @@ use ndarray::s;
 use crate::description::estimate::{EstimateTable, GlideSubtraction};
 use crate::error::ExperimentError;
 use crate::estimate::estimator::estimated::Estimated;
-use crate::estimate::estimator::friction::{FrictionOfRuns, remark, without_friction};
+use crate::estimate::estimator::friction::{FrictionOfRuns, without_friction};
 use crate::estimate::estimator::harmonics::HarmonicsOfRuns;
 pub use crate::estimate::estimator::spectra::Spectra;
 use crate::estimate::excerpt_bias::ExcerptBias;
@@ -103,9 +104,8 @@ impl Estimator {
         let Baseline::Glide(glide) = &self.baseline else {
             return false;
         };
-        let end = glide.n_samples();
-        let start = end.min(self.plan.lead_in_samples);
-        has_ripple_lines(glide.u.slice(s![.., start..end]))
+        let start = glide.n_samples().min(self.plan.lead_in_samples);
+        has_ripple_lines(glide.u.slice(s![.., start..]))
     }
 
     /// Whether [`Estimator::with_ripple_of`] is needed before spectra are taken.
@@ -148,12 +148,14 @@ impl Estimator {
         let measured = rest.as_ref().unwrap_or(record);
         let (record, subtracted) = without_friction(self.friction.as_ref(), measured)?;
         let record = &*record;
+        let periods = self.kept(record, lost);
         let mut spectra = Spectra {
             friction: Vec::from_iter(subtracted),
+            signs: self.signs(record, &periods)?,
             wander_s2: vec![wander_s2],
             ..Spectra::default()
         };
-        for period in (0..self.n_complete(record)).filter(|&period| !lost(period)) {
+        for period in periods {
             let place = self.place(id, period);
             let (on_lines, free) = self.period(record, period)?;
             spectra.periods.push((place, on_lines));
@@ -170,6 +172,12 @@ impl Estimator {
             );
         }
         Ok(spectra)
+    }
+
+    /// The complete periods of a record that are not lost.
+    fn kept(&self, record: &Record, lost: &dyn Fn(usize) -> bool) -> Vec<usize> {
+        let complete = 0..self.n_complete(record);
+        complete.filter(|&period| !lost(period)).collect()
     }
 
     /// Number of planned periods that a record holds from their beginning to their end.
@@ -231,11 +239,8 @@ impl Estimator {
         Ok(self.estimate(spectra)?.frf)
     }
 
-    /// The FRF of all spectra; periods of which an experiment is missing are left out and named.
-    ///
-    /// # Errors
-    /// [`ExperimentError`] if nothing remains, or U cannot be inverted.
-    pub fn estimate(&self, spectra: Spectra) -> Result<Estimated, ExperimentError> {
+    /// The periods with the glides that were taken off them.
+    fn campaign_of(&self, spectra: &Spectra) -> Result<Campaign, ExperimentError> {
         let mut campaign = self.evaluation.campaign()?;
         for (place, run) in &spectra.periods {
             campaign.insert(*place, run.clone())?;
@@ -244,12 +249,20 @@ impl Estimator {
             campaign.insert_glide(glide.clone())?;
         }
         campaign.set_glide_coherence(coherence(&spectra.wander_s2, campaign.frequency_hz()))?;
+        Ok(campaign)
+    }
+
+    /// The FRF of all spectra; periods of which an experiment is missing are left out and named.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] if nothing remains, or U cannot be inverted.
+    pub fn estimate(&self, mut spectra: Spectra) -> Result<Estimated, ExperimentError> {
+        let of_friction = self.take_off_friction(&mut spectra)?;
+        let mut campaign = self.campaign_of(&spectra)?;
         let missing = campaign.drop_incomplete();
         let equal_draws = campaign.pool_equal_draws();
-        let mut estimate = FrfEstimate {
-            equal_draws,
-            ..campaign.estimate_lines(&self.options.method().into())?
-        };
+        let mut estimate = campaign.estimate_lines(&self.options.method().into())?;
+        estimate.equal_draws = equal_draws;
         estimate.frf.relative_resolution = self.evaluation.relative_resolution;
         if let Some(bias) = &self.bias {
             bias.add_to(&mut estimate.frf, spectra.whole)?;
@@ -257,7 +270,7 @@ impl Estimator {
         let (mut remarks, n_left_out) = (estimate.warnings(), estimate.left_out.len());
         let (noise_bias, frf) = (estimate.noise_bias, estimate.frf);
         remarks.extend(self.glides.remark(&frf));
-        remarks.extend(remark(&spectra.friction));
+        remarks.extend(of_friction);
         let repeats = match &self.residual {
             Some(residual) => residual.exceeds_noise(spectra.free, &self.glides.free, &frf)?,
             None => None,

@@ -3,6 +3,7 @@
 use frfid_estimate::{PeriodIndex, RunSpectra, SweepSpectra};
 
 use crate::estimate::estimator::friction::Subtracted;
+use crate::estimate::estimator::friction_of_axes::FrictionSigns;
 use crate::estimate::excerpt_bias::WholeSpectra;
 use crate::estimate::glides::ripple_residual::FreeSpectra;
 
@@ -17,8 +18,10 @@ pub struct Spectra {
     pub(super) whole: WholeSpectra,
     /// Of chirps with the lines of their harmonics, period by period.
     pub(super) sweeps: Vec<(PeriodIndex, SweepSpectra)>,
-    /// Friction that was taken off the runs.
+    /// Friction that was taken off the runs of one axis.
     pub(super) friction: Vec<Subtracted>,
+    /// What runs say of the friction of several axes, in the order of the periods.
+    pub(super) signs: FrictionSigns,
     /// Variance in s^2 of the time by which the noise of the glides is shifted in each run.
     pub(super) wander_s2: Vec<f64>,
 }
@@ -37,6 +40,7 @@ impl Spectra {
         self.whole.extend(other.whole);
         self.sweeps.extend(other.sweeps);
         self.friction.extend(other.friction);
+        self.signs.extend(other.signs);
         self.wander_s2.extend(other.wander_s2);
     }
 }
