@@ -35,7 +35,11 @@ fn harmonics(found: &Harmonics, outputs: &[String]) -> Vec<String> {
     let of_output = |(channel, name): (usize, &String)| {
         let levels = found.output.levels(channel, &found.orders);
         let levels: Vec<String> = levels.iter().map(level).collect();
-        format!("{name}: {} of its fundamental (median)", levels.join(", "))
+        let known = (!levels.is_empty()).then(|| levels.join(", "));
+        known.map_or_else(
+            || format!("{name}: not known, its fundamental does not stand out"),
+            |levels| format!("{name}: {levels} of its fundamental (median)"),
+        )
     };
     outputs.iter().enumerate().map(of_output).collect()
 }
