@@ -4,7 +4,7 @@ use frfid_signals::Amplitudes;
 use ndarray::Array2;
 use num_complex::Complex64;
 
-use crate::harmonics::{Found, ORDERS};
+use crate::harmonics::{Found, ORDERS, UNKNOWN};
 
 /// Share of the fundamental below which a harmonic of the input is none.
 const NONE: f64 = 1e-6;
@@ -23,11 +23,10 @@ pub(super) fn response(found: &Found, told: &Amplitudes) -> Array2<Complex64> {
             _ => value(Y) - passed_on(found, told, [order, frequency]),
         };
         let turn = Complex64::cis(-fundamental.arg() * (ORDERS[order] as f64 - 1.0));
-        let unknown = Complex64::new(f64::NAN, f64::NAN);
         if is_told {
             added / fundamental * turn
         } else {
-            unknown
+            UNKNOWN
         }
     })
 }

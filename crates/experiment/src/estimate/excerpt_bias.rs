@@ -2,16 +2,14 @@
 //! excerpts.
 
 use frfid_estimate::{Campaign, Method, PeriodIndex, RunSpectra, WholeRecord, add_excerpt_bias};
-use frfid_signals::{Excitation, Frf, Plan, Record};
-use ndarray::s;
+use frfid_signals::{Excitation, Frf, Plan};
+use ndarray::ArrayView2;
 
 use crate::error::ExperimentError;
 
 /// What shows the bias of the excerpts of a plan's chirp.
 pub(crate) struct ExcerptBias {
-    whole: WholeRecord,
-    lead_in_samples: usize,
-    period_samples: usize,
+    pub(crate) whole: WholeRecord,
 }
 
 /// Spectra of whole chirps, period by period.
@@ -31,30 +29,18 @@ impl ExcerptBias {
         }
         let period_samples = plan.period_samples()?;
         let whole = WholeRecord::of_band(chirp, plan.sample_time_s, period_samples)?;
-        Ok(Some(Self {
-            whole,
-            lead_in_samples: plan.lead_in_samples,
-            period_samples,
-        }))
+        Ok(Some(Self { whole }))
     }
 
-    /// Frequencies of the spectra in Hz.
-    pub(crate) fn line_hz(&self) -> &[f64] {
-        self.whole.frequency_hz()
-    }
-
-    /// Spectra of the whole chirp in a period that the record holds to its end.
+    /// Spectra of the whole chirp in a period.
     ///
     /// # Errors
     /// [`ExperimentError::Estimate`] for samples that are not finite.
     pub(crate) fn spectra(
         &self,
-        record: &Record,
-        period: usize,
+        u: ArrayView2<f64>,
+        y: ArrayView2<f64>,
     ) -> Result<RunSpectra, ExperimentError> {
-        let start = self.lead_in_samples + period * self.period_samples;
-        let window = s![.., start..start + self.period_samples];
-        let (u, y) = (record.u.slice(window), record.y.slice(window));
         Ok(RunSpectra::of(&self.whole, u, y, None)?)
     }
 

@@ -88,7 +88,8 @@ pub fn find_friction_of_axes(runs: &[FrictionSpectra]) -> Result<FrictionOfAxes,
 
 /// What all narrow bands say, axis by axis.
 fn answers_of_axes(runs: &[FrictionSpectra]) -> Vec<Vec<Answer>> {
-    let spacing_hz = -largest(runs.iter().map(|run| -run.spacing_hz()));
+    let spacings = runs.iter().map(FrictionSpectra::spacing_hz);
+    let spacing_hz = spacings.fold(f64::INFINITY, f64::min);
     let half_hz = (half_width(runs) as f64 + 0.5) * spacing_hz;
     let ends = runs.iter().filter_map(|run| run.line_hz.last()).copied();
     let low_hz = runs[0].line_hz.first().copied().unwrap_or(f64::NAN);

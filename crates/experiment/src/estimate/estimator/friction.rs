@@ -8,7 +8,7 @@ use frfid_signals::{Plan, Record, SignalError, median};
 
 use crate::description::estimate::EstimateTable;
 use crate::error::ExperimentError;
-use crate::estimate::estimator::friction_of_axes::{FrictionSigns, MOST_STUCK, with_signs};
+use crate::estimate::estimator::friction_of_axes::{FrictionSigns, MOST_STUCK, STICKS};
 
 /// Friction that differs by more than this from run to run is not Coulomb's alone.
 const MOST_SPREAD: f64 = 0.1;
@@ -50,16 +50,13 @@ impl FrictionOfRuns {
         }))
     }
 
-    /// What a run of several axes says, and the record with signs in place of torques; `None` of one axis.
+    /// What a run of several axes says; `None` of one axis.
     ///
     /// # Errors
     /// [`EstimateError`] for a record that says nothing.
-    pub(super) fn signs(
-        &self,
-        record: &Record,
-    ) -> Result<Option<(FrictionSigns, Record)>, EstimateError> {
+    pub(super) fn signs(&self, record: &Record) -> Result<Option<FrictionSigns>, EstimateError> {
         let of_several = self.is_of_several.then_some(record);
-        let signs = |record| Ok((FrictionSigns::of(record, self.band_hz)?, with_signs(record)));
+        let signs = |record| FrictionSigns::of(record, self.band_hz);
         of_several.map(signs).transpose()
     }
 
@@ -117,7 +114,7 @@ pub(super) fn remark(runs: &[Subtracted]) -> Option<String> {
     let spread = spread(runs);
     let stuck = runs.iter().map(|run| run.stuck_share).fold(0.0, f64::max);
     let doubt = if stuck > MOST_STUCK {
-        "; it sticks too long for that to be trusted, excite it more strongly"
+        STICKS
     } else if spread > MOST_SPREAD * coulomb_nm {
         "; runs differ too much in it for that to be trusted"
     } else {

@@ -4,7 +4,7 @@ use std::iter::zip;
 
 use frfid_estimate::{
     AxisFriction, EstimateError, FrictionOfAxes, FrictionSpectra, PeriodIndex, RunSpectra,
-    find_friction_of_axes, mean_signs,
+    Transform, find_friction_of_axes, mean_signs,
 };
 use frfid_signals::Record;
 use frfid_signals::format::significant;
@@ -14,10 +14,12 @@ use num_complex::Complex64;
 use crate::error::ExperimentError;
 use crate::estimate::estimator::friction::remark;
 use crate::estimate::estimator::{Estimator, Spectra};
-use crate::estimate::excerpt_bias::ExcerptBias;
 
 /// Share of the time in which a motor that sticks decides more than the band excites.
 pub(super) const MOST_STUCK: f64 = 0.4;
+/// What is said then.
+pub(super) const STICKS: &str =
+    "; it sticks too long for that to be trusted, excite it more strongly";
 /// Friction that differs over the band by more than this share of it is not Coulomb's alone, or hidden by sticking.
 const MOST_BETWEEN_BANDS: f64 = 0.12;
 
@@ -46,14 +48,6 @@ impl FrictionSigns {
             runs: vec![FrictionSpectra::of(u, y, record.sample_time_s, band_hz)?],
             ..Self::default()
         })
-    }
-
-    pub(super) fn add_period(&mut self, on_lines: RunSpectra) {
-        self.periods.push(on_lines.u);
-    }
-
-    pub(super) fn add_whole(&mut self, whole: RunSpectra) {
-        self.whole.push(whole.u);
     }
 
     pub(super) fn extend(&mut self, other: Self) {
@@ -93,16 +87,19 @@ impl Estimator {
         periods: &[usize],
     ) -> Result<FrictionSigns, ExperimentError> {
         let of_run = self.friction.map(|friction| friction.signs(record));
-        let Some((mut signs, with_signs)) = of_run.transpose()?.flatten() else {
+        let Some(mut of_run) = of_run.transpose()?.flatten() else {
             return Ok(FrictionSigns::default());
         };
+        let signs = mean_signs(record.y.view());
         for &period in periods {
-            signs.add_period(self.period(&with_signs, period)?.0);
+            let signs = self.of_period(&signs, period);
+            let on_lines = self.evaluation.transform.transform("signs", signs)?;
+            of_run.periods.push(on_lines);
             if let Some(bias) = &self.bias {
-                signs.add_whole(bias.spectra(&with_signs, period)?);
+                of_run.whole.push(bias.whole.transform("signs", signs)?);
             }
         }
-        Ok(signs)
+        Ok(of_run)
     }
 
     /// Takes the friction of several axes off; says in words what it was, and that of one axis.
@@ -110,20 +107,13 @@ impl Estimator {
         &self,
         spectra: &mut Spectra,
     ) -> Result<Vec<String>, ExperimentError> {
-        let whole_hz = self.bias.as_ref().map_or(&[][..], ExcerptBias::line_hz);
+        let whole_hz = self.bias.as_ref();
+        let whole_hz = whole_hz.map_or(&[][..], |bias| bias.whole.frequency_hz());
         let periods = (&mut spectra.periods[..], &self.evaluation.frequency_hz[..]);
         let whole = (&mut spectra.whole[..], whole_hz);
         let friction = spectra.signs.take_off(periods, whole)?;
         let of_one = remark(&spectra.friction).into_iter();
         Ok(of_one.chain(friction.iter().flat_map(remarks)).collect())
-    }
-}
-
-/// The signs of the velocities of a record, in place of its torques.
-pub(super) fn with_signs(record: &Record) -> Record {
-    Record {
-        u: mean_signs(record.y.view()),
-        ..record.clone()
     }
 }
 
@@ -154,7 +144,7 @@ fn remark_of(axis: usize, friction: &AxisFriction) -> String {
 fn doubt(friction: &AxisFriction) -> String {
     let between = friction.between_bands_nm / friction.coulomb_nm;
     if friction.stuck_share > MOST_STUCK {
-        "; it sticks too long for that to be trusted, excite it more strongly".into()
+        STICKS.into()
     } else if between > MOST_BETWEEN_BANDS {
         format!(
             "; it differs over the band by {} % of itself, too much for that to be trusted: excite it more strongly, or \

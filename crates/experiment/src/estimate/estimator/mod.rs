@@ -5,12 +5,13 @@ pub(crate) mod estimated;
 mod friction;
 mod friction_of_axes;
 mod harmonics;
+mod periods;
 mod spectra;
 
 use std::iter::zip;
 
 use frfid_estimate::{
-    Campaign, Evaluation, PeriodIndex, RunSpectra, SweepSpectra, has_ripple_lines,
+    Campaign, ChirpHarmonics, Evaluation, PeriodIndex, SweepSpectra, has_ripple_lines,
 };
 use frfid_signals::{Frf, Harmonics, Plan, Record, RunId, RunKind};
 use ndarray::s;
@@ -19,14 +20,12 @@ use crate::description::estimate::{EstimateTable, GlideSubtraction};
 use crate::error::ExperimentError;
 use crate::estimate::estimator::estimated::Estimated;
 use crate::estimate::estimator::friction::{FrictionOfRuns, without_friction};
-use crate::estimate::estimator::harmonics::HarmonicsOfRuns;
+use crate::estimate::estimator::harmonics::harmonics_of_plan;
 pub use crate::estimate::estimator::spectra::Spectra;
 use crate::estimate::excerpt_bias::ExcerptBias;
 use crate::estimate::glides::glide_baseline::Baseline;
 use crate::estimate::glides::glide_spectra::{GlideSpectra, coherence};
-use crate::estimate::glides::ripple_residual::{
-    FreeSpectra, OnFreeLines, RippleResidual, is_looked_at,
-};
+use crate::estimate::glides::ripple_residual::{FreeSpectra, RippleResidual, is_looked_at};
 use crate::estimate::unsettled::Unsettled;
 
 /// Turns the records of one plan into spectra, and the spectra into an FRF.
@@ -40,7 +39,7 @@ pub struct Estimator {
     residual: Option<RippleResidual>,
     bias: Option<ExcerptBias>,
     friction: Option<FrictionOfRuns>,
-    harmonics: Option<HarmonicsOfRuns>,
+    harmonics: Option<ChirpHarmonics>,
 }
 
 impl Estimator {
@@ -67,7 +66,7 @@ impl Estimator {
             glides: GlideSpectra::default(),
             residual: RippleResidual::of_plan(plan, &options)?,
             friction: FrictionOfRuns::of_plan(plan, &options)?,
-            harmonics: HarmonicsOfRuns::of_plan(plan)?,
+            harmonics: harmonics_of_plan(plan)?,
             options,
         })
     }
@@ -160,65 +159,23 @@ impl Estimator {
             let (on_lines, free) = self.period(record, period)?;
             spectra.periods.push((place, on_lines));
             if let Some(bias) = &self.bias {
-                spectra.whole.push((place, bias.spectra(record, period)?));
+                let [u, y] = self.inputs_and_outputs(record, period);
+                spectra.whole.push((place, bias.spectra(u, y)?));
             }
             if let Some(harmonics) = &self.harmonics {
-                let sweep = harmonics.spectra(measured, period)?;
-                spectra.sweeps.push((place, sweep));
+                let [u, y] = self.inputs_and_outputs(measured, period);
+                spectra.sweeps.push((place, harmonics.spectra(u, y)?));
             }
-            spectra.free.extend(
-                free.filter(|_| is_looked_at(place))
-                    .map(|signals| FreeSpectra { place, signals }),
-            );
+            let free = free.filter(|_| is_looked_at(place));
+            let free = free.map(|signals| FreeSpectra { place, signals });
+            spectra.free.extend(free);
         }
         Ok(spectra)
     }
 
-    /// The complete periods of a record that are not lost.
-    fn kept(&self, record: &Record, lost: &dyn Fn(usize) -> bool) -> Vec<usize> {
-        let complete = 0..self.n_complete(record);
-        complete.filter(|&period| !lost(period)).collect()
-    }
-
-    /// Number of planned periods that a record holds from their beginning to their end.
-    fn n_complete(&self, record: &Record) -> usize {
-        let after_lead_in = record
-            .n_steady_samples()
-            .saturating_sub(self.plan.lead_in_samples);
-        (after_lead_in / self.period_samples).min(self.plan.n_periods)
-    }
-
-    /// Spectra of one period of a record, on the lines and on the free ones around them.
-    fn period(
-        &self,
-        record: &Record,
-        period: usize,
-    ) -> Result<(RunSpectra, Option<OnFreeLines>), ExperimentError> {
-        let start = self.plan.lead_in_samples + period * self.period_samples;
-        let window = s![.., start..start + self.period_samples];
-        let (u, y) = (record.u.slice(window), record.y.slice(window));
-        let reference = self.options.reference_of(record);
-        let r = reference.map(|r| r.slice(window));
-        let on_lines = RunSpectra::of(&*self.evaluation.transform, u, y, r)?;
-        let free = self.residual.as_ref();
-        let free = free.map(|residual| residual.spectra(u, y)).transpose()?;
-        Ok((on_lines, free))
-    }
-
-    /// Index of a period in the campaign: repetitions and periods back to back together are the
-    /// estimator's periods.
-    fn place(&self, id: RunId, period: usize) -> PeriodIndex {
-        let period = id.repetition * self.plan.n_periods + period;
-        PeriodIndex {
-            realization: id.realization,
-            period,
-            experiment: id.experiment,
-        }
-    }
-
     /// The harmonics of all runs of a chirp.
     fn harmonics_of(&self, sweeps: &[(PeriodIndex, SweepSpectra)]) -> Option<Harmonics> {
-        self.harmonics.as_ref()?.planned.harmonics(sweeps)
+        self.harmonics.as_ref()?.harmonics(sweeps)
     }
 
     /// The FRF of one record for each experiment.
