@@ -379,6 +379,7 @@ class Frf:
         relative_resolution: float | None = None,
         torque_rms_nm: Sequence[float] | None = None,
         flagged: Sequence[bool] | None = None,
+        distortion: dict[str, Any] | None = None,
         input_names: list[str] | None = None,
         output_names: list[str] | None = None,
         input_units: list[str] | None = None,
@@ -415,6 +416,8 @@ class Frf:
     def torque_rms_nm(self) -> list[float] | None: ...
     @property
     def flagged(self) -> list[bool] | None: ...
+    @property
+    def distortion(self) -> dict[str, list[dict[str, list[dict[str, Any]]]]] | None: ...
     @property
     def shape(self) -> tuple[int, int, int]: ...
     def __getitem__(self, key: Any, /) -> Any: ...

@@ -33,6 +33,7 @@ mod progress;
 mod text {
     pub(crate) mod checks;
     pub(crate) mod comparison;
+    pub(crate) mod distortion;
     pub(crate) mod inspection;
     pub(crate) mod load;
     pub(crate) mod looked;

@@ -16,6 +16,7 @@ mod correlation {
     pub(crate) mod local_power;
     pub(crate) mod long_lags;
 }
+mod distortion;
 mod error;
 mod excitation_strength;
 mod frf;
@@ -64,6 +65,9 @@ pub use compare::verdict::damping::DampingMarks;
 pub use compare::verdict::mass_lines::{LevelChange, MassLines};
 pub use compare::verdict::{Judgement, Peak, Verdict};
 pub use compare::{CompareOptions, Comparison, compare};
+pub use distortion::OnBoth;
+pub use distortion::detection_lines::DetectionLines;
+pub use distortion::time_series::{estimate_with_distortion, is_of_free_lines, n_equal};
 pub use error::EstimateError;
 pub use error::aperiodic::Aperiodic;
 pub use error::deficient_line::{Deficiency, DeficientLine};

@@ -8,6 +8,7 @@ mod diagrams {
     pub(crate) mod bode;
     pub(crate) mod convergence;
     pub(crate) mod curve;
+    pub(crate) mod distortion;
     pub(crate) mod labels;
     pub(crate) mod mark;
     pub(crate) mod spectrogram;
@@ -24,6 +25,7 @@ mod validation;
 pub use diagrams::bode::{bode, bode_matrix};
 pub use diagrams::convergence::{Procedure, convergence};
 pub use diagrams::curve::{Band, Curve};
+pub use diagrams::distortion::distortion;
 pub use diagrams::labels::Labels;
 pub use diagrams::mark::{Mark, MarkShape};
 pub use diagrams::spectrogram::{Spectrogram, spectrogram};

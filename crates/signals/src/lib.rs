@@ -9,6 +9,7 @@
 //! MSSP 52-53 (2015) 60-72, cited SK15.
 
 mod confidence;
+mod distortion;
 mod error;
 mod excitation;
 mod frf;
@@ -22,6 +23,7 @@ mod playback;
 mod record;
 
 pub use confidence::confidence_factor_95;
+pub use distortion::{Distortion, DistortionLevel, SignalLevels, median_db};
 pub use error::SignalError;
 pub use excitation::*;
 pub use frf::{Frf, Uncertainty};

@@ -1,6 +1,6 @@
 //! `frfid.estimate` and `frfid.estimate_bla`.
 
-use frfid_estimate::{FrfEstimate, FrfOptions, Method, estimate_periods};
+use frfid_estimate::{FrfEstimate, FrfOptions, Method, estimate_with_distortion};
 use frfid_experiment::{Evidence, judge};
 use frfid_files::{Cause, Check};
 use ndarray::{ArrayView5, Ix5};
@@ -161,8 +161,11 @@ fn estimated(
     let options = frf_options(method, max_condition);
     let signals = Signals::of(u, y, r)?;
     let (u, y, r) = signals.arrays();
-    let estimate = || estimate_periods(u, y, r, sample_time_s, harmonics, &options);
-    Ok(checked(py.detach(estimate).map_err(error::estimate)?))
+    let estimate = || estimate_with_distortion(u, y, r, sample_time_s, harmonics, &options);
+    let (estimate, distortion) = py.detach(estimate).map_err(error::estimate)?;
+    let mut result = checked(estimate).result;
+    result.distortion = distortion;
+    Ok(Frf::of(result))
 }
 
 /// Whole periods of input, output and reference.

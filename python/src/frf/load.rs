@@ -27,6 +27,7 @@ impl From<Response> for Frf {
             torque_rms_nm: None,
             flagged: None,
             harmonics: None,
+            distortion: None,
             verdicts: Vec::new(),
             checks: Vec::new(),
             provenance: [(

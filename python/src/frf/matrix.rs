@@ -6,10 +6,10 @@ use ndarray::Array1;
 use pyo3::prelude::*;
 
 use crate::array::complex;
-use crate::choice::from_python;
+use crate::choice::{from_python, to_python};
 use crate::error;
 use crate::frf::load::described;
-use crate::frf::parts::{Arrays, PARTS, per_frequency, replace, uncertainty};
+use crate::frf::parts::{Arrays, PARTS, levels, per_frequency, replace, uncertainty};
 use crate::pickle::{NewArguments, attributes};
 
 /// A frequency response matrix with what is known about its uncertainty.
@@ -39,6 +39,8 @@ use crate::pickle::{NewArguments, attributes};
 ///     excitation.
 /// flagged : sequence of bool, optional
 ///     Whether what remains of the torque ripple exceeds the noise, frequency by frequency.
+/// distortion : dict, optional
+///     Levels of noise and nonlinear distortion, as the attribute.
 /// input_names, output_names, input_units, output_units : list of str, optional
 ///     Names and SI units of the channels.
 /// verdicts : list of dict, optional
@@ -74,7 +76,7 @@ impl Frf {
     #[new]
     #[pyo3(signature = (*, frequency_hz, response, noise_covariance = None, noise_degrees_of_freedom = None,
                         total_covariance = None, total_degrees_of_freedom = None, condition = None,
-                        relative_resolution = None, torque_rms_nm = None, flagged = None, input_names = None, output_names = None, input_units = None,
+                        relative_resolution = None, torque_rms_nm = None, flagged = None, distortion = None, input_names = None, output_names = None, input_units = None,
                         output_units = None, verdicts = None, checks = None, provenance = None))]
     #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
     fn new(
@@ -88,6 +90,7 @@ impl Frf {
         relative_resolution: Option<f64>,
         torque_rms_nm: Option<Vec<f64>>,
         flagged: Option<Vec<bool>>,
+        distortion: Option<&Bound<'_, PyAny>>,
         input_names: Option<Vec<String>>,
         output_names: Option<Vec<String>>,
         input_units: Option<Vec<String>>,
@@ -129,6 +132,9 @@ impl Frf {
                 .flagged
                 .insert(vec![false; result.frf.n_frequencies()]);
             replace("flagged", list, flagged)?;
+        }
+        if let Some(distortion) = distortion {
+            result.distortion = Some(levels(distortion, &result.frf)?);
         }
         if let Some(verdicts) = verdicts {
             result.verdicts = from_python("verdicts", verdicts)?;
@@ -257,6 +263,18 @@ impl Frf {
     #[getter]
     fn flagged(&self) -> Option<Vec<bool>> {
         self.result.flagged.clone()
+    }
+
+    /// Levels of noise and of odd and even nonlinear distortion, from lines of a multisine that are not excited; None
+    /// where there are none, or one that is excited is even.
+    ///
+    /// A dict of ``inputs`` and ``outputs``, one dict for each with ``odd`` and ``even``: lists of groups of lines with
+    /// ``frequency_hz``, ``n_lines``, and rms of a line in one realization, in the unit of the signal: ``excited``,
+    /// ``noise`` of one period (None with one period), ``level`` without the noise where that is known (None where it
+    /// does not stand out) and the ends ``low`` and ``high`` of its 95 % interval.
+    #[getter]
+    fn distortion<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        to_python(py, &self.result.distortion)
     }
 
     /// Shape of the response, (frequency, output, input).

@@ -1,11 +1,12 @@
 //! Parts of a `frfid.Frf`: arrays, uncertainty, lists of names.
 
-use frfid_signals::Uncertainty;
+use frfid_signals::{Distortion, Frf, Uncertainty};
 use ndarray::Ix1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::array::{Axes, Shared, complex, real};
+use crate::choice::from_python;
 
 const ENTRIES: Axes = &["frequency", "output * input", "output * input"];
 
@@ -23,7 +24,7 @@ pub(crate) struct Arrays {
 }
 
 /// The keywords of the constructor, attributes of the FRF too.
-pub(crate) const PARTS: [&str; 17] = [
+pub(crate) const PARTS: [&str; 18] = [
     "frequency_hz",
     "response",
     "noise_covariance",
@@ -34,6 +35,7 @@ pub(crate) const PARTS: [&str; 17] = [
     "relative_resolution",
     "torque_rms_nm",
     "flagged",
+    "distortion",
     "input_names",
     "output_names",
     "input_units",
@@ -64,6 +66,22 @@ pub(crate) fn uncertainty(
             "{name}_covariance and {name}_degrees_of_freedom belong together: only one of them was given"
         ))),
     }
+}
+
+/// Levels of distortion of as many channels as the FRF has.
+pub(crate) fn levels(given: &Bound<'_, PyAny>, frf: &Frf) -> PyResult<Distortion> {
+    let levels: Distortion = from_python("distortion", given)?;
+    let (found, needed) = (
+        (levels.inputs.len(), levels.outputs.len()),
+        (frf.n_inputs(), frf.n_outputs()),
+    );
+    if found == needed {
+        return Ok(levels);
+    }
+    Err(PyValueError::new_err(format!(
+        "distortion is of {} inputs and {} outputs, needed {} and {}",
+        found.0, found.1, needed.0, needed.1
+    )))
 }
 
 /// Puts the list that is given in place of another, as long as that is.

@@ -18,6 +18,7 @@ use crate::log_map::MapOptions;
 use crate::options::{Options, existing_path, named};
 use crate::progress::watched;
 use crate::text::checks::{checks_as_text, warn_of_failed};
+use crate::text::distortion::distortion_as_text;
 use crate::text::strength::strength_as_text;
 use crate::text::summary::{Spread, summary};
 use crate::text::table::list;
@@ -174,8 +175,9 @@ fn tell(
     let verdicts = verdicts_as_text(&estimate.result.verdicts);
     let checks = checks_as_text(&estimate.result.checks);
     console.data(&format!(
-        "{output}\n{}{strength}{verdicts}\n{checks}",
-        list(&summary(&estimate.result))
+        "{output}\n{}{}{strength}{verdicts}\n{checks}",
+        list(&summary(&estimate.result)),
+        distortion_as_text(&estimate.result)
     ))?;
     if let Some(report) = &arguments.report {
         console.note(format_args!("report in {}", report.display()));
@@ -199,6 +201,7 @@ fn as_json(arguments: &Arguments, estimate: &Outcome) -> Value {
         "high_hz": frf.frequency_hz.last(),
         "noise": noise,
         "total": total,
+        "distortion": result.distortion,
         "verdicts": result.verdicts,
         "checks": result.checks,
         "strength": estimate.strength,

@@ -26,6 +26,21 @@ pub(crate) fn ln_f_tail(ratio: f64, a: usize, b: f64) -> f64 {
     ln_largest + sum.ln()
 }
 
+/// The ratio that an F variable with `2 a` and `2 b` degrees of freedom exceeds with this probability, by bisection.
+pub(crate) fn f_quantile(tail: f64, a: usize, b: f64) -> f64 {
+    const WIDEST: f64 = 25.0; // logarithm of a ratio that is never reached
+    let (mut low, mut high) = (-WIDEST, WIDEST);
+    while high - low > 1e-10 {
+        let middle = 0.5 * (low + high);
+        if ln_f_tail(middle.exp(), a, b) > tail.ln() {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    (0.5 * (low + high)).exp()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -49,6 +64,22 @@ mod tests {
             assert!(
                 (found - expected).abs() <= 1e-10 * expected,
                 "{ratio}, {a}, {b}: {found} for {expected}"
+            );
+        }
+    }
+
+    /// scipy 1.17: `scipy.stats.f.isf(tail, 2 * a, 2 * b)`.
+    #[test]
+    fn quantiles_are_those_of_scipy() {
+        for (tail, a, b, expected) in [
+            (0.001, 12, 12.0, 3.735380458318059),
+            (0.025, 3, 40.0, 2.5707705128340694),
+            (0.975, 12, 1e9, 0.5167145911535518),
+        ] {
+            let found = f_quantile(tail, a, b);
+            assert!(
+                (found / expected - 1.0).abs() < 1e-7,
+                "{found} for {expected}"
             );
         }
     }

@@ -1,5 +1,6 @@
 //! FRF of a campaign: the methods. A method is a file in `methods` and a variant here.
 
+pub(crate) mod between;
 pub(crate) mod blocks;
 pub(crate) mod direct_difference;
 pub(crate) mod estimate;

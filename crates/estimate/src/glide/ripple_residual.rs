@@ -12,6 +12,7 @@ use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
+use crate::frf::between::between;
 use crate::glide::residual_level::ResidualLevel;
 use crate::spectra::Transform;
 use crate::spectra::line_dft::LineDft;
@@ -89,7 +90,7 @@ impl FreeLines {
         output: usize,
         place: usize,
     ) -> Complex64 {
-        let (below, above, share) = self.between(self.dft.lines()[place]);
+        let (below, above, share) = between(&self.excited, self.dft.lines()[place]);
         let response = |input: usize| {
             let [low, high] = [below, above].map(|line| plant.response[[line, output, input]]);
             low + (high - low) * share
@@ -97,20 +98,6 @@ impl FreeLines {
         (0..plant.n_inputs())
             .map(|input| response(input) * u[[input, place]])
             .sum()
-    }
-
-    /// The excited lines below and above a line, by their place, and where it stands between them;
-    /// the nearest beyond the ends.
-    fn between(&self, line: usize) -> (usize, usize, f64) {
-        let above = self.excited.partition_point(|&excited| excited < line);
-        match above {
-            0 => (0, 0, 0.0),
-            above if above == self.excited.len() => (above - 1, above - 1, 0.0),
-            above => {
-                let (low, high) = (self.excited[above - 1] as f64, self.excited[above] as f64);
-                (above - 1, above, (line as f64 - low) / (high - low))
-            }
-        }
     }
 
     /// Levels from spectra of the repetitions of each reference (same realization, same experiment),

@@ -114,6 +114,12 @@ impl Campaign {
         Ok(())
     }
 
+    /// Whether it holds no run.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.runs.is_empty()
+    }
+
     /// Every run with its place, in order.
     #[must_use]
     pub fn into_runs(self) -> BTreeMap<PeriodIndex, RunSpectra> {
@@ -179,8 +185,8 @@ impl Campaign {
         self.runs.values().next()
     }
 
-    /// Blocks by realization and period.
-    fn blocks(&self) -> Vec<Vec<Block<'_>>> {
+    /// Blocks by realization and period, whatever is there of them.
+    pub(crate) fn blocks(&self) -> Vec<Vec<Block<'_>>> {
         let mut blocks: BTreeMap<usize, BTreeMap<usize, Block>> = BTreeMap::new();
         for (place, run) in &self.runs {
             let realization = blocks.entry(place.realization).or_default();

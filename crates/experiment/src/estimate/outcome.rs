@@ -94,6 +94,7 @@ impl Experiment {
         let mut result = ResultFile {
             flagged: estimated.ripple,
             harmonics: estimated.harmonics,
+            distortion: estimated.distortion,
             ..self.result(estimated.frf, load)
         };
         if let Some(response) = estimated.response {

@@ -9,7 +9,7 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-use frfid_signals::{Frf, Uncertainty};
+use frfid_signals::{Distortion, Frf, Uncertainty};
 use serde::{Deserialize, Serialize};
 
 use crate::atomic_write::{Overwrite, write_file};
@@ -46,6 +46,7 @@ struct Json {
     flagged: Option<Vec<bool>>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     harmonics: Option<HarmonicsJson>,
+    distortion: Option<Distortion>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     verdicts: Vec<Verdict>,
     checks: Vec<Check>,
@@ -115,6 +116,7 @@ impl Json {
             torque_rms_nm: result.torque_rms_nm.as_deref().map(Reals::of),
             flagged: result.flagged.clone(),
             harmonics: result.harmonics.as_ref().map(HarmonicsJson::of),
+            distortion: result.distortion.clone(),
             verdicts: result.verdicts.clone(),
             checks: result.checks.clone(),
             provenance: result.provenance.clone(),
@@ -191,6 +193,7 @@ fn from_json(json: Json) -> Result<ResultFile, Flaw> {
             .or_else(|| torque_of_old(&json.provenance)),
         flagged: json.flagged,
         harmonics: json.harmonics.map(HarmonicsJson::read).transpose()?,
+        distortion: json.distortion,
         verdicts: json.verdicts,
         checks: json.checks,
         provenance: json.provenance,

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use frfid_signals::{Amplitudes, Frf, Harmonics};
+use frfid_signals::{Amplitudes, Distortion, Frf, Harmonics};
 use serde::{Deserialize, Serialize};
 
 use crate::result::json_array::Flaw;
@@ -44,6 +44,9 @@ pub struct ResultFile {
     pub flagged: Option<Vec<bool>>,
     /// Harmonics of a chirp in inputs and outputs; `None` of other excitations.
     pub harmonics: Option<Harmonics>,
+    /// Levels of noise and nonlinear distortion at every input and output; `None` where the excitation leaves no
+    /// lines out on which they show.
+    pub distortion: Option<Distortion>,
     /// What each axis suffers from; empty where nobody judged it.
     pub verdicts: Vec<Verdict>,
     /// What was checked.
@@ -69,6 +72,7 @@ impl ResultFile {
             torque_rms_nm: None,
             flagged: None,
             harmonics: None,
+            distortion: None,
             verdicts: Vec::new(),
             checks: Vec::new(),
             provenance: BTreeMap::new(),
@@ -94,6 +98,10 @@ pub(crate) fn check(result: &ResultFile) -> Result<(), Flaw> {
     }
     if let Some(harmonics) = &result.harmonics {
         check_harmonics(harmonics, [frf.n_inputs(), frf.n_outputs()])?;
+    }
+    if let Some(distortion) = &result.distortion {
+        check_length("distortion.inputs", &distortion.inputs, frf.n_inputs())?;
+        check_length("distortion.outputs", &distortion.outputs, frf.n_outputs())?;
     }
     check_length("input_names", &result.input_names, frf.n_inputs())?;
     check_length("output_names", &result.output_names, frf.n_outputs())?;

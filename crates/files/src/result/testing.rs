@@ -1,11 +1,37 @@
 //! Sample result of the tests: numbers that show any rounding, and what JSON has no word for.
 
-use frfid_signals::{Amplitudes, Frf, Harmonics, Uncertainty};
+use frfid_signals::{
+    Amplitudes, Distortion, DistortionLevel, Frf, Harmonics, SignalLevels, Uncertainty,
+};
 use ndarray::Array3;
 use num_complex::Complex64;
 
 use crate::result::result_file::{Check, ResultFile};
 use crate::result::verdict::{Cause, Verdict};
+
+/// Levels of one input and two outputs, in part unknown.
+fn distortion() -> Distortion {
+    let level = DistortionLevel {
+        frequency_hz: 0.1 + 0.2,
+        n_lines: 12,
+        excited: 1.0 / 3.0,
+        noise: None,
+        level: Some(0.1),
+        low: 0.05,
+        high: 0.2,
+    };
+    let signal = SignalLevels {
+        odd: vec![level],
+        even: vec![DistortionLevel {
+            level: None,
+            ..level
+        }],
+    };
+    Distortion {
+        inputs: vec![signal.clone()],
+        outputs: vec![signal.clone(), signal],
+    }
+}
 
 pub(crate) fn result() -> ResultFile {
     let entry = |(k, i, j): (usize, usize, usize)| {
@@ -57,6 +83,7 @@ pub(crate) fn result() -> ResultFile {
             output: amplitudes(2),
             response: None,
         }),
+        distortion: Some(distortion()),
         provenance: [("seed".to_string(), "1".to_string())].into(),
     }
 }

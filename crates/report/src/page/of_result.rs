@@ -6,6 +6,7 @@ use frfid_signals::Frf;
 
 use crate::diagrams::bode::{bode, bode_matrix};
 use crate::diagrams::curve::{Band, Curve};
+use crate::diagrams::distortion::distortion;
 use crate::diagrams::labels::Labels;
 use crate::diagrams::style::Style;
 use crate::error::ReportError;
@@ -103,8 +104,29 @@ fn part<'a>(results: &[Named<'a>], notes: Vec<String>) -> Result<Part<'a>, Repor
             labels: labels(first),
             still: Some((caption(results), still(results, first)?)),
         }),
-        figures: Vec::new(),
+        figures: distortion_figures(results)?,
     })
+}
+
+/// The levels of distortion at every output.
+fn distortion_figures(results: &[Named]) -> Result<Vec<(String, Figure)>, ReportError> {
+    let mut figures = Vec::new();
+    for &(name, result) in results {
+        let outputs = result.distortion.iter().flat_map(|known| &known.outputs);
+        for (output, levels) in outputs.enumerate() {
+            let caption = of_result(results, (name, result), &levels_caption(result, output));
+            figures.push((caption, distortion(levels, &result.output_units[output])?));
+        }
+    }
+    Ok(figures)
+}
+
+fn levels_caption(result: &ResultFile, output: usize) -> String {
+    format!(
+        "Levels at {}: odd and even distortion of one realization with 95 % intervals, on lines that are not excited; what \
+         does not stand out of the noise is left out",
+        result.output_names[output]
+    )
 }
 
 /// The figure for print: a large matrix shows its magnitudes only, so that it fits on a page.

@@ -3,7 +3,7 @@
 use std::iter::zip;
 
 use frfid_estimate::{NoiseBias, PeriodIndex};
-use frfid_signals::{Frf, Harmonics};
+use frfid_signals::{Distortion, Frf, Harmonics};
 
 use crate::estimate::loop_response::LoopResponse;
 use crate::estimate::unsettled::Unsettled;
@@ -15,6 +15,8 @@ pub struct Estimated {
     pub frf: Frf,
     /// The response of the loop that is asked for in place of the plant.
     pub(crate) response: Option<LoopResponse>,
+    /// Levels of distortion, where the excitation leaves lines out.
+    pub distortion: Option<Distortion>,
     /// Lines that were left out, realizations that were counted as repetitions, in words.
     pub remarks: Vec<String>,
     /// Number of lines that were left out.

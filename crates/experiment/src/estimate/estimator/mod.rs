@@ -1,6 +1,7 @@
 //! Estimator of the FRF of a plan from its records: record by record, in any order, so that no
 //! campaign is too long for the memory.
 
+mod distortion;
 pub(crate) mod estimated;
 mod friction;
 mod friction_of_axes;
@@ -18,6 +19,7 @@ use ndarray::s;
 
 use crate::description::estimate::{EstimateTable, GlideSubtraction};
 use crate::error::ExperimentError;
+use crate::estimate::estimator::distortion::DistortionOfRuns;
 use crate::estimate::estimator::estimated::Estimated;
 use crate::estimate::estimator::friction::{FrictionOfRuns, without_friction};
 use crate::estimate::estimator::harmonics::harmonics_of_plan;
@@ -40,6 +42,7 @@ pub struct Estimator {
     bias: Option<ExcerptBias>,
     friction: Option<FrictionOfRuns>,
     harmonics: Option<ChirpHarmonics>,
+    distortion: Option<DistortionOfRuns>,
 }
 
 impl Estimator {
@@ -67,6 +70,7 @@ impl Estimator {
             residual: RippleResidual::of_plan(plan, &options)?,
             friction: FrictionOfRuns::of_plan(plan, &options)?,
             harmonics: harmonics_of_plan(plan)?,
+            distortion: DistortionOfRuns::of_plan(plan, &options)?,
             options,
         })
     }
@@ -91,7 +95,8 @@ impl Estimator {
             ));
         }
         for glide in glides {
-            let periods = (0..self.n_complete(glide)).map(|period| self.period(glide, period));
+            let periods =
+                (0..self.n_complete(glide)).map(|period| self.period_of_glide(glide, period));
             self.glides.add(periods.collect::<Result<Vec<_>, _>>()?);
         }
         self.glides.show_ripple = self.shows_ripple();
@@ -156,17 +161,21 @@ impl Estimator {
         };
         for period in periods {
             let place = self.place(id, period);
-            let (on_lines, free) = self.period(record, period)?;
+            let signals = self.window(record, period);
+            let (on_lines, detection) = self.on_lines(place, &signals)?;
             spectra.periods.push((place, on_lines));
+            let detection = detection.map(|detection| (place, detection));
+            spectra.detection.extend(detection);
             if let Some(bias) = &self.bias {
-                let [u, y] = self.inputs_and_outputs(record, period);
-                spectra.whole.push((place, bias.spectra(u, y)?));
+                let whole = bias.spectra(signals.u, signals.y)?;
+                spectra.whole.push((place, whole));
             }
             if let Some(harmonics) = &self.harmonics {
-                let [u, y] = self.inputs_and_outputs(measured, period);
-                spectra.sweeps.push((place, harmonics.spectra(u, y)?));
+                let signals = self.window(measured, period);
+                let sweep = harmonics.spectra(signals.u, signals.y)?;
+                spectra.sweeps.push((place, sweep));
             }
-            let free = free.filter(|_| is_looked_at(place));
+            let free = self.free(&signals)?.filter(|_| is_looked_at(place));
             let free = free.map(|signals| FreeSpectra { place, signals });
             spectra.free.extend(free);
         }
@@ -233,7 +242,13 @@ impl Estimator {
             None => None,
         };
         let ripple = repeats.map(|exceeds| self.glides.attributed(exceeds, &mut remarks));
+        let known = (&frf, &estimate.equal_draws[..], self.glides.on_lines.len());
+        let distortion = match &self.distortion {
+            Some(distortion) => distortion.levels(spectra.detection, &campaign, known)?,
+            None => None,
+        };
         Ok(Estimated {
+            distortion,
             unsettled: Unsettled::of(&spectra.periods, &self.plan, &frf)?,
             response: self.options.loop_response(&campaign)?,
             frf,

@@ -8,6 +8,13 @@ use crate::error::ExperimentError;
 use crate::estimate::estimator::Estimator;
 use crate::estimate::glides::ripple_residual::OnFreeLines;
 
+/// Signals of one period of a record, `(channel, sample)`.
+pub(super) struct Signals<'r> {
+    pub(super) u: ArrayView2<'r, f64>,
+    pub(super) y: ArrayView2<'r, f64>,
+    pub(super) r: Option<ArrayView2<'r, f64>>,
+}
+
 impl Estimator {
     /// The complete periods of a record that are not lost.
     pub(super) fn kept(&self, record: &Record, lost: &dyn Fn(usize) -> bool) -> Vec<usize> {
@@ -23,28 +30,47 @@ impl Estimator {
         (after_lead_in / self.period_samples).min(self.plan.n_periods)
     }
 
-    /// Spectra of one period of a record, on the lines and on the free ones around them.
-    pub(super) fn period(
-        &self,
-        record: &Record,
-        period: usize,
-    ) -> Result<(RunSpectra, Option<OnFreeLines>), ExperimentError> {
-        let [u, y] = self.inputs_and_outputs(record, period);
-        let r = self.options.reference_of(record);
-        let r = r.map(|r| self.of_period(r, period));
-        let on_lines = RunSpectra::of(&*self.evaluation.transform, u, y, r)?;
-        let free = self.residual.as_ref();
-        let free = free.map(|residual| residual.spectra(u, y)).transpose()?;
-        Ok((on_lines, free))
+    /// One period of a record.
+    pub(super) fn window<'r>(&self, record: &'r Record, period: usize) -> Signals<'r> {
+        let reference = self.options.reference_of(record);
+        Signals {
+            u: self.of_period(&record.u, period),
+            y: self.of_period(&record.y, period),
+            r: reference.map(|r| self.of_period(r, period)),
+        }
     }
 
-    /// Inputs and outputs of a period.
-    pub(super) fn inputs_and_outputs<'r>(
+    /// Spectra of a period of a glide, on the lines and on the free ones around them.
+    pub(super) fn period_of_glide(
         &self,
-        record: &'r Record,
+        glide: &Record,
         period: usize,
-    ) -> [ArrayView2<'r, f64>; 2] {
-        [&record.u, &record.y].map(|signal| self.of_period(signal, period))
+    ) -> Result<(RunSpectra, Option<OnFreeLines>), ExperimentError> {
+        let signals = self.window(glide, period);
+        let &Signals { u, y, r } = &signals;
+        let on_lines = RunSpectra::of(&*self.evaluation.transform, u, y, r)?;
+        Ok((on_lines, self.free(&signals)?))
+    }
+
+    /// Spectra of a period on the lines, and on the detection lines where it is looked at there.
+    pub(super) fn on_lines(
+        &self,
+        place: PeriodIndex,
+        &Signals { u, y, r }: &Signals,
+    ) -> Result<(RunSpectra, Option<RunSpectra>), ExperimentError> {
+        let distortion = self.distortion.as_ref();
+        let Some(lines) = distortion.and_then(|distortion| distortion.lines_for(place)) else {
+            return Ok((RunSpectra::of(&*self.evaluation.transform, u, y, r)?, None));
+        };
+        let [on_lines, detection] = lines.spectra(u, y, r)?;
+        Ok((on_lines, Some(detection)))
+    }
+
+    /// Spectra of a period on the free lines around the lines, where ripple is looked for.
+    pub(super) fn free(&self, signals: &Signals) -> Result<Option<OnFreeLines>, ExperimentError> {
+        let residual = self.residual.as_ref();
+        let spectra = residual.map(|residual| residual.spectra(signals.u, signals.y));
+        spectra.transpose()
     }
 
     /// What a signal `(channel, sample)` is in a period.

@@ -12,6 +12,8 @@ use crate::estimate::glides::ripple_residual::FreeSpectra;
 pub struct Spectra {
     /// On the lines of the estimate, period by period.
     pub(super) periods: Vec<(PeriodIndex, RunSpectra)>,
+    /// On the detection lines, of some of these periods.
+    pub(super) detection: Vec<(PeriodIndex, RunSpectra)>,
     /// On the lines around them that are not excited.
     pub(super) free: Vec<FreeSpectra>,
     /// Of whole chirps, period by period.
@@ -36,6 +38,7 @@ impl Spectra {
     /// Adds those of other records.
     pub fn extend(&mut self, other: Self) {
         self.periods.extend(other.periods);
+        self.detection.extend(other.detection);
         self.free.extend(other.free);
         self.whole.extend(other.whole);
         self.sweeps.extend(other.sweeps);

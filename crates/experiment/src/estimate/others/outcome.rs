@@ -48,6 +48,7 @@ impl Found {
             torque_rms_nm: None,
             flagged: None,
             harmonics: None,
+            distortion: None,
             verdicts: Vec::new(),
             checks,
             provenance,

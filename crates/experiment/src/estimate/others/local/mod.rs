@@ -150,6 +150,7 @@ impl Looked {
             torque_rms_nm: None,
             flagged: None,
             harmonics: None,
+            distortion: None,
             verdicts: Vec::new(),
             checks,
             provenance,

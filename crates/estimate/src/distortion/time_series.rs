@@ -1,0 +1,92 @@
+//! FRF and distortion levels of a campaign given as arrays of whole periods, from one transform.
+
+use frfid_signals::{Distortion, DistortionLevel, SignalLevels, median_db};
+use ndarray::{ArrayView5, Axis};
+
+use crate::distortion::OnBoth;
+use crate::distortion::detection_lines::DetectionLines;
+use crate::error::EstimateError;
+use crate::frf::FrfOptions;
+use crate::frf::estimate::FrfEstimate;
+use crate::frf::time_series::{campaign_of_periods, estimate_periods};
+use crate::spectra::campaign::Campaign;
+use crate::spectra::equal_draws::EqualDraws;
+
+/// Realizations that are looked at on the detection lines: more tell little more of the levels.
+const REALIZATIONS: usize = 16;
+/// An input that has more than this on lines that are said not to be excited, over those that are, in dB, is excited
+/// there.
+const EXCITED_DB: f64 = -10.0;
+
+/// As [`estimate_periods`], with the levels of distortion where `harmonics` leave lines out: `None` where these are not
+/// odd multiples of their greatest common divisor, where they leave none out, and where the input is excited on others.
+///
+/// # Errors
+/// As [`estimate_periods`].
+pub fn estimate_with_distortion(
+    u: ArrayView5<f64>,
+    y: ArrayView5<f64>,
+    r: Option<ArrayView5<f64>>,
+    sample_time_s: f64,
+    harmonics: &[usize],
+    options: &FrfOptions,
+) -> Result<(FrfEstimate, Option<Distortion>), EstimateError> {
+    options.method.check_reference(r.is_some())?;
+    let Some(lines) = DetectionLines::new(u.len_of(Axis(4)), harmonics)? else {
+        let estimate = estimate_periods(u, y, r, sample_time_s, harmonics, options)?;
+        return Ok((estimate, None));
+    };
+    let all = campaign_of_periods(u, y, r, sample_time_s, lines.all())?;
+    let [mut excited, free] = lines.apart(all, REALIZATIONS)?;
+    let equal_draws = excited.pool_equal_draws();
+    let estimate = FrfEstimate {
+        equal_draws,
+        ..excited.estimate_lines(options)?
+    };
+    let spectra = OnBoth {
+        excited: &excited,
+        free: &free,
+        n_equal: n_equal(&estimate.equal_draws, REALIZATIONS),
+        n_glides: 0,
+    };
+    let levels = spectra.levels(&lines, &estimate.frf)?;
+    Ok((estimate, Some(levels).filter(is_of_free_lines)))
+}
+
+/// Number of the first realizations whose phases are those of another.
+#[must_use]
+pub fn n_equal(equal: &[EqualDraws], n_realizations: usize) -> usize {
+    let among = |draws: &EqualDraws| {
+        let all = draws.realizations.iter();
+        let n = all
+            .filter(|&&realization| realization < n_realizations)
+            .count();
+        n.saturating_sub(1)
+    };
+    equal.iter().map(among).sum()
+}
+
+/// Whether no input is excited on the lines that are said to be free.
+#[must_use]
+pub fn is_of_free_lines(levels: &Distortion) -> bool {
+    let is_quiet = |groups: &Vec<DistortionLevel>| {
+        median_db(groups, |group| group.level).is_none_or(|db| db < EXCITED_DB)
+    };
+    let is_free = |signal: &SignalLevels| is_quiet(&signal.odd) && is_quiet(&signal.even);
+    levels.inputs.iter().all(is_free)
+}
+
+impl DetectionLines {
+    /// A campaign on all lines apart: on the excited lines, and on the others of the first realizations.
+    fn apart(&self, all: Campaign, n_realizations: usize) -> Result<[Campaign; 2], EstimateError> {
+        let mut parts = self.campaigns(all.frequency_hz())?;
+        for (place, run) in all.into_runs() {
+            let [excited, free] = self.split(&run);
+            parts[0].insert(place, excited)?;
+            if place.realization < n_realizations {
+                parts[1].insert(place, free)?;
+            }
+        }
+        Ok(parts)
+    }
+}
