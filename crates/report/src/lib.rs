@@ -9,7 +9,9 @@ mod diagrams {
     pub(crate) mod convergence;
     pub(crate) mod curve;
     pub(crate) mod distortion;
+    pub(crate) mod harmonics;
     pub(crate) mod labels;
+    pub(crate) mod levels;
     pub(crate) mod mark;
     pub(crate) mod spectrogram;
     pub(crate) mod spectrum;
@@ -25,7 +27,6 @@ mod validation;
 pub use diagrams::bode::{bode, bode_matrix};
 pub use diagrams::convergence::{Procedure, convergence};
 pub use diagrams::curve::{Band, Curve};
-pub use diagrams::distortion::distortion;
 pub use diagrams::labels::Labels;
 pub use diagrams::mark::{Mark, MarkShape};
 pub use diagrams::spectrogram::{Spectrogram, spectrogram};

@@ -18,7 +18,6 @@ use crate::log_map::MapOptions;
 use crate::options::{Options, existing_path, named};
 use crate::progress::watched;
 use crate::text::checks::{checks_as_text, warn_of_failed};
-use crate::text::distortion::distortion_as_text;
 use crate::text::strength::strength_as_text;
 use crate::text::summary::{Spread, summary};
 use crate::text::table::list;
@@ -175,9 +174,8 @@ fn tell(
     let verdicts = verdicts_as_text(&estimate.result.verdicts);
     let checks = checks_as_text(&estimate.result.checks);
     console.data(&format!(
-        "{output}\n{}{}{strength}{verdicts}\n{checks}",
-        list(&summary(&estimate.result)),
-        distortion_as_text(&estimate.result)
+        "{output}\n{}{strength}{verdicts}\n{checks}",
+        list(&summary(&estimate.result))
     ))?;
     if let Some(report) = &arguments.report {
         console.note(format_args!("report in {}", report.display()));

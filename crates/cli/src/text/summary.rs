@@ -6,6 +6,8 @@ use frfid_signals::{Frf, HarmonicLevel, Harmonics, Uncertainty};
 use ndarray::Array3;
 use serde::Serialize;
 
+use crate::text::distortion::distortion_levels;
+
 /// Inputs, outputs, frequencies and how well they are known.
 pub(crate) fn summary(result: &ResultFile) -> Vec<(&'static str, String)> {
     let inputs = with_units(&result.input_names, &result.input_units);
@@ -27,6 +29,9 @@ pub(crate) fn summary(result: &ResultFile) -> Vec<(&'static str, String)> {
         .iter()
         .flat_map(|found| harmonics(found, &result.output_names));
     rows.extend(harmonics.map(|levels| ("harmonics", levels)));
+    let distortion = result.distortion.iter();
+    let distortion = distortion.flat_map(|found| distortion_levels(found, result));
+    rows.extend(distortion.map(|levels| ("distortion", levels)));
     rows
 }
 

@@ -1,10 +1,8 @@
 //! Answer of a linear plant to what its input has on lines that are not excited, taken off the output.
 
-use std::iter::zip;
-
 use frfid_signals::Frf;
 use frfid_signals::checks::require_shape;
-use ndarray::{Array2, ArrayView1, Axis};
+use ndarray::{Array2, ArrayView1, ArrayView2, Axis, s};
 use num_complex::Complex64;
 
 use crate::distortion::detection_lines::DetectionLines;
@@ -47,15 +45,10 @@ impl<'a> Interpolated<'a> {
         let needed = format_args!("({n_lines}, output, input), the excited lines");
         require_shape("plant", plant.response.shape(), fits, needed)?;
         let known = known_lines(plant);
-        let at = Vec::from_iter(known.iter().map(|&place| lines.excited[place]));
         if known.is_empty() {
             return Err(EstimateError::EmptyList("lines of the plant"));
         }
-        let place = |&line: &usize| {
-            let (below, above, share) = between(&at, line);
-            (known[below], known[above], share)
-        };
-        let places = lines.free.iter().map(place).collect();
+        let places = places_between(lines, &known);
         Ok(Self { plant, places })
     }
 
@@ -81,16 +74,27 @@ impl<'a> Interpolated<'a> {
 
     /// What an output of the plant at an excited line would answer.
     fn at(&self, place: usize, output: usize, u: ArrayView1<Complex64>) -> Complex64 {
-        let plant = self.plant.response.index_axis(Axis(0), place);
-        zip(plant.row(output), u).map(|(g, u)| g * u).sum()
+        let plant = self.plant.response.slice(s![place, output, ..]);
+        plant.dot(&u)
     }
+}
+
+/// For each detection line the known lines below and above, and where it stands between them.
+fn places_between(lines: &DetectionLines, known: &[usize]) -> Vec<(usize, usize, f64)> {
+    let at = Vec::from_iter(known.iter().map(|&place| lines.excited[place]));
+    let place = |&line: &usize| {
+        let (below, above, share) = between(&at, line);
+        (known[below], known[above], share)
+    };
+    lines.free.iter().map(place).collect()
 }
 
 /// Places of the lines that are not left out.
 fn known_lines(plant: &Frf) -> Vec<usize> {
-    let is_known = |&place: &usize| {
-        let response = plant.response.index_axis(Axis(0), place);
-        response.iter().all(|value| value.is_finite())
-    };
-    (0..plant.n_frequencies()).filter(is_known).collect()
+    let known = |&place: &usize| is_known(plant.response.index_axis(Axis(0), place));
+    (0..plant.n_frequencies()).filter(known).collect()
+}
+
+fn is_known(response: ArrayView2<Complex64>) -> bool {
+    response.iter().all(|value| value.is_finite())
 }

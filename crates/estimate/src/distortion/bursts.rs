@@ -43,22 +43,23 @@ impl Pairs {
     /// It may come out below 0; 0 where no lag has two pairs.
     pub(super) fn shared_variance(&self, spectrum: ArrayView1<Complex64>, rms: &[f64]) -> f64 {
         let white = Vec::from_iter(zip(spectrum, rms).map(|(value, rms)| value / rms));
+        let told = self.0.iter().filter(|pairs| pairs.len() > 1);
         let (mut sum, mut n_all) = (0.0, 0.0);
-        for pairs in self.0.iter().filter(|pairs| pairs.len() > 1) {
-            let products = pairs
-                .iter()
-                .map(|&[low, high]| white[high] * white[low].conj());
-            let (mut total, mut alone) = (Complex64::ZERO, 0.0);
-            products.for_each(|product| {
-                total += product;
-                alone += product.norm_sqr();
-            });
+        for pairs in told {
             let n = pairs.len() as f64;
-            sum += (total.norm_sqr() - alone) / (n - 1.0);
+            sum += together(&white, pairs) / (n - 1.0);
             n_all += n;
         }
         if n_all > 0.0 { sum / n_all } else { 0.0 }
     }
+}
+
+/// `|sum a|^2 - sum |a|^2` of the products of pairs.
+fn together(white: &[Complex64], pairs: &[[usize; 2]]) -> f64 {
+    let product = |&[low, high]: &[usize; 2]| white[high] * white[low].conj();
+    let total: Complex64 = pairs.iter().map(product).sum();
+    let alone: f64 = pairs.iter().map(|pair| product(pair).norm_sqr()).sum();
+    total.norm_sqr() - alone
 }
 
 #[cfg(test)]

@@ -67,8 +67,8 @@ impl DetectionLines {
     ) -> Result<Self, EstimateError> {
         let free = rising(groups.iter().flatten().flatten());
         let all = rising(excited.iter().chain(&free));
-        let [odd, even] =
-            groups.map(|groups| groups.iter().map(|group| places(&free, group)).collect());
+        let placed = |groups: Vec<Group>| groups.iter().map(|group| places(&free, group)).collect();
+        let [odd, even] = groups.map(placed);
         Ok(Self {
             dft: LineDft::new(n_samples, &all)?,
             places: [places(&all, excited), places(&all, &free)],
@@ -140,13 +140,13 @@ impl DetectionLines {
 
     /// Places of the excited lines that stand within a group; those beside it where none does.
     pub(super) fn excited_within(&self, group: &Group) -> RangeInclusive<usize> {
-        let [first, last] = [group[0], group[group.len() - 1]].map(|place| self.free[place]);
-        let below = |line: usize| self.excited.partition_point(|&excited| excited < line);
-        let (from, to) = (below(first), below(last));
-        if from < to {
-            from..=to - 1
-        } else {
-            from - 1..=from
+        let below = |place: usize| {
+            let line = self.free[place];
+            self.excited.partition_point(|&excited| excited < line)
+        };
+        match (below(group[0]), below(group[group.len() - 1])) {
+            (from, to) if from < to => from..=to - 1,
+            (from, _) => from - 1..=from,
         }
     }
 }

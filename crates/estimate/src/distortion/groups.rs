@@ -3,7 +3,7 @@
 use std::iter::zip;
 
 use frfid_signals::{DistortionLevel, SignalLevels};
-use ndarray::Array2;
+use ndarray::{Array2, s};
 
 use crate::distortion::bursts::Pairs;
 use crate::distortion::detection_lines::{DetectionLines, Group};
@@ -73,23 +73,16 @@ impl OnLines<'_> {
     /// Power of the excited lines around a group.
     fn excited_around(&self, channel: usize, group: &Group) -> f64 {
         let around = self.lines.excited_within(group);
-        let n = around.clone().count() as f64;
-        around
-            .map(|line| self.excited[[channel, line]])
-            .sum::<f64>()
-            / n
+        let powers = self.excited.slice(s![channel, around]);
+        powers.mean().unwrap_or(f64::NAN)
     }
 
     /// Power below which a channel's lines are rounding, from its strongest line.
     fn rounding(&self, channel: usize) -> f64 {
         /// Amplitudes below this share of the strongest line are rounding.
         const ROUNDING: f64 = 1e-12;
-        let strongest = self
-            .excited
-            .row(channel)
-            .iter()
-            .copied()
-            .fold(0.0, f64::max);
+        let powers = self.excited.row(channel);
+        let strongest = powers.iter().copied().fold(0.0, f64::max);
         ROUNDING * ROUNDING * strongest
     }
 }

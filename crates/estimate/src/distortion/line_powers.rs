@@ -37,6 +37,38 @@ pub(super) struct Draws {
     pub(super) n_draws: usize,
 }
 
+/// What the mean of the glides costs or adds.
+struct OfGlides {
+    /// Draws that it takes.
+    draws: f64,
+    /// Noise that it adds, over that of one period.
+    noise: f64,
+}
+
+impl OfGlides {
+    /// With what all realizations have in common.
+    const TAKEN_OFF: Self = Self {
+        draws: 1.0,
+        noise: 0.0,
+    };
+}
+
+impl Draws {
+    /// Whether what realizations have in common is noise of glides, and is told.
+    fn tell_common(self, n_realizations: usize) -> bool {
+        self.n_glides > 0 && self.n_draws > 1 && self.n_draws == n_realizations
+    }
+
+    /// Noise of the glides where it is not taken off.
+    fn left_of_glides(self) -> OfGlides {
+        let noise = match self.n_glides {
+            0 => 0.0,
+            n_glides => 1.0 / n_glides as f64,
+        };
+        OfGlides { draws: 0.0, noise }
+    }
+}
+
 impl LinePowers {
     /// Of a signal of complete blocks, by realization and period.
     pub(super) fn of<'a>(
@@ -45,25 +77,21 @@ impl LinePowers {
         signal: impl Fn(&'a RunSpectra) -> &'a Array2<Complex64>,
     ) -> Self {
         let mut spread = Spread::of(realizations, |run| Some(signal(run)));
-        let has_common = draws.n_glides > 0;
-        let is_known = has_common && draws.n_draws > 1 && draws.n_draws == realizations.len();
-        let taken = if is_known { 1.0 } else { 0.0 };
-        if is_known {
+        let of_glides = if draws.tell_common(realizations.len()) {
             take_off_common(&mut spread.means, realizations[0][0].len());
-        }
-        let n_draws = draws.n_draws as f64 - taken;
-        let noise = spread.squares / spread.freedom.max(1) as f64;
-        let of_glides = if has_common && !is_known {
-            1.0 / draws.n_glides as f64
+            OfGlides::TAKEN_OFF
         } else {
-            0.0
+            draws.left_of_glides()
         };
+        let noise = spread.squares / spread.freedom.max(1) as f64;
+        let n_draws = draws.n_draws as f64;
+        let n_free = n_draws - of_glides.draws;
         Self {
-            power: mean_power(&spread.means) * ((n_draws + taken) / n_draws),
+            power: mean_power(&spread.means) * (n_draws / n_free),
             noise: (spread.freedom > 0).then_some(noise),
             noise_freedom: spread.freedom as f64,
-            share: mean_inverse(&spread.means) * (1.0 + of_glides),
-            n_draws,
+            share: mean_inverse(&spread.means) * (1.0 + of_glides.noise),
+            n_draws: n_free,
             means: spread.means,
         }
     }
@@ -75,20 +103,31 @@ impl LinePowers {
         groups: &[Group],
         pairs: &Pairs,
     ) -> Vec<MeanSquare> {
-        let powers = groups.iter().map(|group| self.power_of(channel, group));
-        let powers = Vec::from_iter(powers);
+        let alone = groups.iter().map(|group| self.power_of(channel, group));
+        let alone = Vec::from_iter(alone);
+        let shared = self.shared_variance(channel, &self.rms(groups, &alone), pairs);
+        let powers = alone.into_iter();
+        powers.map(|power| power.with_variance(shared)).collect()
+    }
+
+    /// Rms of the group of every line; infinite where that is silent, as of lines of no group.
+    fn rms(&self, groups: &[Group], powers: &[MeanSquare]) -> Vec<f64> {
         let mut rms = vec![f64::INFINITY; self.power.ncols()];
-        for (group, power) in zip(groups, &powers).filter(|(_, power)| power.value > 0.0) {
+        for (group, power) in zip(groups, powers).filter(|(_, power)| power.value > 0.0) {
             group
                 .iter()
                 .for_each(|&line| rms[line] = power.value.sqrt());
         }
+        rms
+    }
+
+    /// Relative variance that the powers of all groups share. One realization shows less of it than there is.
+    fn shared_variance(&self, channel: usize, rms: &[f64], pairs: &Pairs) -> f64 {
         let of_one =
-            |(mean, _): &(Array2<Complex64>, usize)| pairs.shared_variance(mean.row(channel), &rms);
-        let shared = self.means.iter().map(of_one).sum::<f64>() / self.means.len() as f64;
-        let of_mean = shared.max(0.0) * (1.0 + 1.0 / self.n_draws) / self.n_draws;
-        let with_shared = |power: MeanSquare| power.with_variance(of_mean);
-        powers.into_iter().map(with_shared).collect()
+            |(mean, _): &(Array2<Complex64>, usize)| pairs.shared_variance(mean.row(channel), rms);
+        let sum: f64 = self.means.iter().map(of_one).sum();
+        let of_one = (sum / self.means.len() as f64).max(0.0);
+        of_one * (1.0 + 1.0 / self.n_draws) / self.n_draws
     }
 
     /// Mean square of a channel over a group of lines, as if these had nothing in common.
@@ -136,11 +175,9 @@ fn mean_inverse(means: &Means) -> f64 {
 }
 
 fn mean_power(means: &Means) -> Array2<f64> {
-    let mut power = Array2::zeros(means[0].0.dim());
-    for (mean, _) in means {
-        zip(&mut power, mean).for_each(|(sum, value)| *sum += value.norm_sqr());
-    }
-    power / means.len() as f64
+    let power = |(mean, _): &(Array2<Complex64>, usize)| mean.mapv(|value| value.norm_sqr());
+    let sum = means.iter().map(power).reduce(|sum, power| sum + power);
+    sum.unwrap_or_default() / means.len() as f64
 }
 
 /// Complex degrees of freedom of the mean of exponentially distributed powers, each the mean of n draws, which need not

@@ -43,27 +43,39 @@ pub fn estimate_with_distortion(
         equal_draws,
         ..excited.estimate_lines(options)?
     };
+    let levels = levels_beside(&estimate, [&excited, &free], &lines)?;
+    Ok((estimate, Some(levels).filter(is_of_free_lines)))
+}
+
+/// Levels of runs on excited and on detection lines, with the estimate that the excited lines gave.
+fn levels_beside(
+    estimate: &FrfEstimate,
+    [excited, free]: [&Campaign; 2],
+    lines: &DetectionLines,
+) -> Result<Distortion, EstimateError> {
+    let n_equal = n_equal(&estimate.equal_draws, REALIZATIONS);
     let spectra = OnBoth {
-        excited: &excited,
-        free: &free,
-        n_equal: n_equal(&estimate.equal_draws, REALIZATIONS),
+        excited,
+        free,
+        n_equal,
         n_glides: 0,
     };
-    let levels = spectra.levels(&lines, &estimate.frf)?;
-    Ok((estimate, Some(levels).filter(is_of_free_lines)))
+    spectra.levels(lines, &estimate.frf)
 }
 
 /// Number of the first realizations whose phases are those of another.
 #[must_use]
 pub fn n_equal(equal: &[EqualDraws], n_realizations: usize) -> usize {
-    let among = |draws: &EqualDraws| {
-        let all = draws.realizations.iter();
-        let n = all
-            .filter(|&&realization| realization < n_realizations)
-            .count();
-        n.saturating_sub(1)
-    };
-    equal.iter().map(among).sum()
+    let copies = equal.iter().map(|draws| n_copies(draws, n_realizations));
+    copies.sum()
+}
+
+fn n_copies(draws: &EqualDraws, n_realizations: usize) -> usize {
+    let realizations = draws.realizations.iter();
+    let n_among = realizations
+        .filter(|place| **place < n_realizations)
+        .count();
+    n_among.saturating_sub(1)
 }
 
 /// Whether no input is excited on the lines that are said to be free.

@@ -71,9 +71,13 @@ fn drive_of(orders: &[usize], order: usize) -> Option<usize> {
 
 /// Distances of lines from a frequency over the largest.
 fn places(line_hz: &[f64], hz: f64) -> Vec<f64> {
-    let distances = || line_hz.iter().map(|line| line - hz);
-    let most = distances().map(f64::abs).fold(0.0, f64::max);
-    distances().map(|distance| distance / most).collect()
+    let distances = line_hz.iter().map(|line| line - hz);
+    let most = largest(distances.clone());
+    distances.map(|distance| distance / most).collect()
+}
+
+fn largest(numbers: impl Iterator<Item = f64>) -> f64 {
+    numbers.map(f64::abs).fold(0.0, f64::max)
 }
 
 impl OrderFit {

@@ -3,19 +3,12 @@
 
 use frfid_signals::{DistortionLevel, SignalLevels};
 
+use crate::diagrams::levels::{Levels, decibel};
 use crate::error::ReportError;
 use crate::figure::Figure;
-use crate::figure::axis::Axis;
-use crate::figure::geometry::Rect;
 use crate::figure::ink::{COLORS, Ink, Marker, Pen};
-use crate::figure::legend::Legend;
-use crate::figure::panel::{LEFT, Panel};
-use crate::validation;
+use crate::figure::panel::Panel;
 
-const WIDTH: f64 = 540.0;
-const HEIGHT: f64 = 230.0;
-/// Room between the legend and the panel.
-const ABOVE: f64 = 8.0;
 const EXCITED: Ink = Ink::line(Pen::solid(COLORS[1], 1.8));
 const NOISE: Ink = Ink::line(Pen {
     color: "#888888",
@@ -32,27 +25,17 @@ type Values = Vec<(f64, f64)>;
 ///
 /// # Errors
 /// [`ReportError`] if there are no groups or a frequency is not a finite number above zero.
-pub fn distortion(levels: &SignalLevels, unit: &str) -> Result<Figure, ReportError> {
+pub(crate) fn distortion(levels: &SignalLevels, unit: &str) -> Result<Figure, ReportError> {
     let all = rising(levels);
-    if all.is_empty() {
-        return Err(ReportError::empty("distortion levels", "groups"));
-    }
-    let frequencies = all.iter().map(|group| group.frequency_hz);
-    validation::log_frequencies("a frequency_hz", frequencies)?;
-    let legend = legend(levels);
-    let mut figure = legend.figure(WIDTH, ABOVE + HEIGHT);
-    let panel = panel(&all, legend.bottom() + ABOVE);
-    panel.draw(&mut figure, |figure| draw(figure, &panel, levels, &all));
-    panel.label_y(&mut figure, &label(unit));
-    panel.label_x(&mut figure, "Frequency in Hz");
-    Ok(figure)
-}
-
-fn label(unit: &str) -> String {
-    match unit {
-        "" => "Rms of a line in dB".into(),
-        unit => format!("Rms of a line in dB of {unit}"),
-    }
+    let of_group = |group: &DistortionLevel| [Some(group.excited), group.noise, group.level];
+    let frame = Levels {
+        legend: legend(levels),
+        frequency_hz: all.iter().map(|group| group.frequency_hz).collect(),
+        shown: all.iter().flat_map(of_group).flatten().collect(),
+        quantity: "Rms of a line",
+        unit,
+    };
+    frame.figure(|figure, panel| draw(figure, panel, levels, &all))
 }
 
 /// Groups of both parities by frequency.
@@ -62,58 +45,38 @@ fn rising(levels: &SignalLevels) -> Vec<DistortionLevel> {
     all
 }
 
-fn legend(levels: &SignalLevels) -> Legend<'static> {
-    let mut entries = vec![("excited lines", EXCITED)];
-    let kinds = [
-        ("odd distortion", ODD, &levels.odd),
-        ("even distortion", EVEN, &levels.even),
+fn legend(levels: &SignalLevels) -> Vec<(&'static str, Ink)> {
+    let all = rising(levels);
+    let has_noise = all.iter().any(|group| group.noise.is_some());
+    let entries = [
+        ("excited lines", EXCITED, true),
+        ("odd distortion", ODD, is_known(&levels.odd)),
+        ("even distortion", EVEN, is_known(&levels.even)),
+        ("noise of a period", NOISE, has_noise),
     ];
-    let is_known = |groups: &[DistortionLevel]| groups.iter().any(|group| group.level.is_some());
-    let known = kinds.into_iter().filter(|(.., groups)| is_known(groups));
-    entries.extend(known.map(|(name, ink, _)| (name, ink)));
-    let has_noise = rising(levels).iter().any(|group| group.noise.is_some());
-    entries.extend(has_noise.then_some(("noise of a period", NOISE)));
-    Legend::new(entries.into_iter(), WIDTH)
+    let drawn = entries.into_iter().filter(|(.., is_drawn)| *is_drawn);
+    drawn.map(|(name, ink, _)| (name, ink)).collect()
 }
 
-fn panel(all: &[DistortionLevel], top: f64) -> Panel {
-    let of_group = |group: &DistortionLevel| [Some(group.excited), group.noise, group.level];
-    let shown = all.iter().flat_map(of_group).flatten().map(decibel);
-    Panel {
-        rect: Rect {
-            x: LEFT,
-            y: top,
-            width: WIDTH,
-            height: HEIGHT,
-        },
-        x: Axis::frequency(all.iter().map(|group| group.frequency_hz), WIDTH),
-        y: Axis::padded(shown.filter(|db| db.is_finite()), HEIGHT),
-    }
+fn is_known(groups: &[DistortionLevel]) -> bool {
+    groups.iter().any(|group| group.level.is_some())
 }
 
 fn draw(figure: &mut Figure, panel: &Panel, levels: &SignalLevels, all: &[DistortionLevel]) {
-    let of_all = |value: fn(&DistortionLevel) -> f64| values(all, value);
-    panel.curve(figure, &of_all(|group| group.excited), &EXCITED);
-    panel.curve(
-        figure,
-        &of_all(|group| group.noise.unwrap_or(f64::NAN)),
-        &NOISE,
-    );
-    for (groups, ink) in [(&levels.odd, ODD), (&levels.even, EVEN)] {
-        let known: Vec<_> = groups
-            .iter()
-            .filter(|group| group.level.is_some())
-            .copied()
-            .collect();
-        known
-            .iter()
-            .for_each(|group| interval(figure, panel, group, &ink));
-        panel.curve(
-            figure,
-            &values(&known, |group| group.level.unwrap_or(f64::NAN)),
-            &ink,
-        );
-    }
+    let excited = values(all, |group| group.excited);
+    let noise = values(all, |group| group.noise.unwrap_or(f64::NAN));
+    panel.curve(figure, &excited, &EXCITED);
+    panel.curve(figure, &noise, &NOISE);
+    draw_groups(figure, panel, &levels.odd, &ODD);
+    draw_groups(figure, panel, &levels.even, &EVEN);
+}
+
+/// Draws the levels that are known, with their intervals.
+fn draw_groups(figure: &mut Figure, panel: &Panel, groups: &[DistortionLevel], ink: &Ink) {
+    let known = groups.iter().filter(|group| group.level.is_some());
+    known.for_each(|group| interval(figure, panel, group, ink));
+    let levels = values(groups, |group| group.level.unwrap_or(f64::NAN));
+    panel.curve(figure, &levels, ink);
 }
 
 /// Draws the 95 % interval of a level as an upright line, down to the edge of the panel where its end is 0.
@@ -126,8 +89,4 @@ fn interval(figure: &mut Figure, panel: &Panel, group: &DistortionLevel, ink: &I
 fn values(groups: &[DistortionLevel], value: impl Fn(&DistortionLevel) -> f64) -> Values {
     let point = |group: &DistortionLevel| (group.frequency_hz, decibel(value(group)));
     groups.iter().map(point).collect()
-}
-
-fn decibel(rms: f64) -> f64 {
-    20.0 * rms.log10()
 }

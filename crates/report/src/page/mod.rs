@@ -1,6 +1,7 @@
 //! Page of a report: one HTML file that needs no network, for a browser or for print.
 
 pub(crate) mod claim;
+mod levels;
 pub(crate) mod of_plan;
 pub(crate) mod of_result;
 pub(crate) mod payload;

@@ -6,12 +6,12 @@ use frfid_signals::Frf;
 
 use crate::diagrams::bode::{bode, bode_matrix};
 use crate::diagrams::curve::{Band, Curve};
-use crate::diagrams::distortion::distortion;
 use crate::diagrams::labels::Labels;
 use crate::diagrams::style::Style;
 use crate::error::ReportError;
 use crate::figure::Figure;
 use crate::page::Report;
+use crate::page::levels::level_figures;
 use crate::page::section::{Part, Responses};
 
 /// More frequencies than this are drawn as a line, fewer as markers.
@@ -84,7 +84,7 @@ pub fn results_page(
 }
 
 /// A result and the name it goes by.
-type Named<'a> = (&'a str, &'a ResultFile);
+pub(super) type Named<'a> = (&'a str, &'a ResultFile);
 
 /// The FRFs as a part of their page: to look into, and as a figure in print.
 fn part<'a>(results: &[Named<'a>], notes: Vec<String>) -> Result<Part<'a>, ReportError> {
@@ -104,29 +104,8 @@ fn part<'a>(results: &[Named<'a>], notes: Vec<String>) -> Result<Part<'a>, Repor
             labels: labels(first),
             still: Some((caption(results), still(results, first)?)),
         }),
-        figures: distortion_figures(results)?,
+        figures: level_figures(results)?,
     })
-}
-
-/// The levels of distortion at every output.
-fn distortion_figures(results: &[Named]) -> Result<Vec<(String, Figure)>, ReportError> {
-    let mut figures = Vec::new();
-    for &(name, result) in results {
-        let outputs = result.distortion.iter().flat_map(|known| &known.outputs);
-        for (output, levels) in outputs.enumerate() {
-            let caption = of_result(results, (name, result), &levels_caption(result, output));
-            figures.push((caption, distortion(levels, &result.output_units[output])?));
-        }
-    }
-    Ok(figures)
-}
-
-fn levels_caption(result: &ResultFile, output: usize) -> String {
-    format!(
-        "Levels at {}: odd and even distortion of one realization with 95 % intervals, on lines that are not excited; what \
-         does not stand out of the noise is left out",
-        result.output_names[output]
-    )
 }
 
 /// The figure for print: a large matrix shows its magnitudes only, so that it fits on a page.
@@ -173,7 +152,7 @@ fn channels(result: &ResultFile) -> String {
 }
 
 /// What belongs to one of several results bears its name.
-fn of_result(results: &[Named], (name, _): Named, what: &str) -> String {
+pub(super) fn of_result(results: &[Named], (name, _): Named, what: &str) -> String {
     match results {
         [_] => what.to_owned(),
         _ => format!("{name}: {what}"),
