@@ -380,6 +380,7 @@ class Frf:
         torque_rms_nm: Sequence[float] | None = None,
         flagged: Sequence[bool] | None = None,
         distortion: dict[str, Any] | None = None,
+        harmonics: dict[str, Any] | None = None,
         input_names: list[str] | None = None,
         output_names: list[str] | None = None,
         input_units: list[str] | None = None,
@@ -418,6 +419,8 @@ class Frf:
     def flagged(self) -> list[bool] | None: ...
     @property
     def distortion(self) -> dict[str, list[dict[str, list[dict[str, Any]]]]] | None: ...
+    @property
+    def harmonics(self) -> dict[str, Any] | None: ...
     @property
     def shape(self) -> tuple[int, int, int]: ...
     def __getitem__(self, key: Any, /) -> Any: ...

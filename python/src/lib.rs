@@ -22,6 +22,8 @@ mod experiment {
 /// `Frf`: an FRF matrix with everything that belongs to it.
 mod frf {
     pub(crate) mod channels;
+    pub(crate) mod distortion;
+    pub(crate) mod harmonics;
     pub(crate) mod load;
     pub(crate) mod matrix;
     pub(crate) mod other_packages;

@@ -191,3 +191,28 @@ def test_the_silverbox_has_little_even_distortion(shared_data):
     assert np.median(over_response) == pytest.approx(-49.4, abs=0.5)
     hum = np.argmin(np.abs([group["frequency_hz"] - 50.0 for group in even]))
     assert 20 * np.log10(np.sqrt((np.abs(Y[:, lines[ends[hum] : ends[hum + 1]]]) ** 2).mean()) / level[hum]) > 10
+
+
+def test_harmonics_of_a_chirp_are_arrays_that_travel(tmp_path):
+    import pickle
+
+    source = tmp_path / "chirp.toml"
+    joint = "../robots/paper_joint.toml"
+    examples = __import__("pathlib").Path(__file__).resolve().parents[2] / "examples" / "experiments"
+    text = (examples / "chirp.toml").read_text().replace(joint, str(examples / joint))
+    source.write_text(text)
+    plan = frfid.Experiment.load(source).design()
+    frf = plan.estimate(plan.run())
+    levels = frf.harmonics
+    n = len(levels["frequency_hz"])
+    assert levels["orders"] == [1, 2, 3, 4, 5] and levels["output"]["amplitude"].shape == (1, 5, n)
+    ratio = 20 * np.log10(levels["output"]["amplitude"][0, 2] / levels["output"]["amplitude"][0, 0])
+    assert -35 < np.nanmedian(ratio) < -15
+    frf.save(tmp_path / "r.json")
+    for copy in (frfid.load(tmp_path / "r.json"), pickle.loads(pickle.dumps(frf))):
+        np.testing.assert_equal(copy.harmonics, levels)
+    with pytest.raises(ValueError, match="needed .1, 5"):
+        wrong = {**levels, "output": {**levels["output"], "floor": np.zeros((1, 2, 3))}}
+        frfid.Frf(frequency_hz=[1.0], response=np.ones((1, 1, 1)), harmonics=wrong)
+    with pytest.raises(ValueError, match='no entry "orders"'):
+        frfid.Frf(frequency_hz=[1.0], response=np.ones((1, 1, 1)), harmonics={})

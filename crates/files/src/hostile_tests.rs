@@ -1,6 +1,7 @@
 //! Whatever bytes come in, no reader panics and none takes memory that the bytes do not account
 //! for.
 
+mod alone;
 mod recordings;
 
 use std::io::Cursor;

@@ -12,31 +12,22 @@ use crate::frf::matrix::Frf;
 /// An FRF of which only the numbers are known: channels are numbered, their units empty.
 impl From<Response> for Frf {
     fn from(frf: Response) -> Self {
-        let (n_inputs, n_outputs) = (frf.n_inputs(), frf.n_outputs());
-        let numbered = |word: &str, count: usize| {
-            (1..=count)
-                .map(|channel| format!("{word} {channel}"))
-                .collect()
-        };
+        let (inputs, outputs) = (
+            numbered("input", frf.n_inputs()),
+            numbered("output", frf.n_outputs()),
+        );
+        let version = env!("CARGO_PKG_VERSION").to_owned();
         Self::of(ResultFile {
-            frf,
-            input_names: numbered("input", n_inputs),
-            output_names: numbered("output", n_outputs),
-            input_units: vec![String::new(); n_inputs],
-            output_units: vec![String::new(); n_outputs],
-            torque_rms_nm: None,
-            flagged: None,
-            harmonics: None,
-            distortion: None,
-            verdicts: Vec::new(),
-            checks: Vec::new(),
-            provenance: [(
-                "frfid_version".to_owned(),
-                env!("CARGO_PKG_VERSION").to_owned(),
-            )]
-            .into(),
+            provenance: [("frfid_version".to_owned(), version)].into(),
+            ..ResultFile::between(frf, inputs, outputs)
         })
     }
+}
+
+/// Numbered names without units.
+fn numbered(word: &str, count: usize) -> [Vec<String>; 2] {
+    let names = (1..=count).map(|channel| format!("{word} {channel}"));
+    [names.collect(), vec![String::new(); count]]
 }
 
 /// Reads a result: what ``Frf.save`` or ``frfid estimate`` wrote.

@@ -6,10 +6,12 @@ use ndarray::Array1;
 use pyo3::prelude::*;
 
 use crate::array::complex;
-use crate::choice::{from_python, to_python};
+use crate::choice::from_python;
 use crate::error;
+use crate::frf::distortion::levels;
+use crate::frf::harmonics::of_dict;
 use crate::frf::load::described;
-use crate::frf::parts::{Arrays, PARTS, levels, per_frequency, replace, uncertainty};
+use crate::frf::parts::{Arrays, PARTS, degrees_of_freedom, per_frequency, replace, uncertainty};
 use crate::pickle::{NewArguments, attributes};
 
 /// A frequency response matrix with what is known about its uncertainty.
@@ -41,6 +43,8 @@ use crate::pickle::{NewArguments, attributes};
 ///     Whether what remains of the torque ripple exceeds the noise, frequency by frequency.
 /// distortion : dict, optional
 ///     Levels of noise and nonlinear distortion, as the attribute.
+/// harmonics : dict, optional
+///     Harmonics of a chirp, as the attribute.
 /// input_names, output_names, input_units, output_units : list of str, optional
 ///     Names and SI units of the channels.
 /// verdicts : list of dict, optional
@@ -76,7 +80,7 @@ impl Frf {
     #[new]
     #[pyo3(signature = (*, frequency_hz, response, noise_covariance = None, noise_degrees_of_freedom = None,
                         total_covariance = None, total_degrees_of_freedom = None, condition = None,
-                        relative_resolution = None, torque_rms_nm = None, flagged = None, distortion = None, input_names = None, output_names = None, input_units = None,
+                        relative_resolution = None, torque_rms_nm = None, flagged = None, distortion = None, harmonics = None, input_names = None, output_names = None, input_units = None,
                         output_units = None, verdicts = None, checks = None, provenance = None))]
     #[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
     fn new(
@@ -91,6 +95,7 @@ impl Frf {
         torque_rms_nm: Option<Vec<f64>>,
         flagged: Option<Vec<bool>>,
         distortion: Option<&Bound<'_, PyAny>>,
+        harmonics: Option<&Bound<'_, PyAny>>,
         input_names: Option<Vec<String>>,
         output_names: Option<Vec<String>>,
         input_units: Option<Vec<String>>,
@@ -135,6 +140,9 @@ impl Frf {
         }
         if let Some(distortion) = distortion {
             result.distortion = Some(levels(distortion, &result.frf)?);
+        }
+        if let Some(harmonics) = harmonics {
+            result.harmonics = Some(of_dict(harmonics, &result.frf)?);
         }
         if let Some(verdicts) = verdicts {
             result.verdicts = from_python("verdicts", verdicts)?;
@@ -220,21 +228,13 @@ impl Frf {
     /// Complex degrees of freedom of the noise variance; None if not measured.
     #[getter]
     fn noise_degrees_of_freedom(&self) -> Option<f64> {
-        self.result
-            .frf
-            .noise
-            .as_ref()
-            .map(|known| known.degrees_of_freedom)
+        degrees_of_freedom(&self.result.frf.noise)
     }
 
     /// Complex degrees of freedom of the total variance; None if not measured.
     #[getter]
     fn total_degrees_of_freedom(&self) -> Option<f64> {
-        self.result
-            .frf
-            .total
-            .as_ref()
-            .map(|known| known.degrees_of_freedom)
+        degrees_of_freedom(&self.result.frf.total)
     }
 
     /// Condition number of U at each frequency, shape (frequency,); None where no U was inverted.
@@ -263,18 +263,6 @@ impl Frf {
     #[getter]
     fn flagged(&self) -> Option<Vec<bool>> {
         self.result.flagged.clone()
-    }
-
-    /// Levels of noise and of odd and even nonlinear distortion, from lines of a multisine that are not excited; None
-    /// where there are none, or one that is excited is even.
-    ///
-    /// A dict of ``inputs`` and ``outputs``, one dict for each with ``odd`` and ``even``: lists of groups of lines with
-    /// ``frequency_hz``, ``n_lines``, and rms of a line in one realization, in the unit of the signal: ``excited``,
-    /// ``noise`` of one period (None with one period), ``level`` without the noise where that is known (None where it
-    /// does not stand out) and the ends ``low`` and ``high`` of its 95 % interval.
-    #[getter]
-    fn distortion<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
-        to_python(py, &self.result.distortion)
     }
 
     /// Shape of the response, (frequency, output, input).

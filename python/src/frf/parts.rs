@@ -1,12 +1,11 @@
 //! Parts of a `frfid.Frf`: arrays, uncertainty, lists of names.
 
-use frfid_signals::{Distortion, Frf, Uncertainty};
+use frfid_signals::Uncertainty;
 use ndarray::Ix1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::array::{Axes, Shared, complex, real};
-use crate::choice::from_python;
 
 const ENTRIES: Axes = &["frequency", "output * input", "output * input"];
 
@@ -24,7 +23,7 @@ pub(crate) struct Arrays {
 }
 
 /// The keywords of the constructor, attributes of the FRF too.
-pub(crate) const PARTS: [&str; 18] = [
+pub(crate) const PARTS: [&str; 19] = [
     "frequency_hz",
     "response",
     "noise_covariance",
@@ -36,6 +35,7 @@ pub(crate) const PARTS: [&str; 18] = [
     "torque_rms_nm",
     "flagged",
     "distortion",
+    "harmonics",
     "input_names",
     "output_names",
     "input_units",
@@ -68,20 +68,9 @@ pub(crate) fn uncertainty(
     }
 }
 
-/// Levels of distortion of as many channels as the FRF has.
-pub(crate) fn levels(given: &Bound<'_, PyAny>, frf: &Frf) -> PyResult<Distortion> {
-    let levels: Distortion = from_python("distortion", given)?;
-    let (found, needed) = (
-        (levels.inputs.len(), levels.outputs.len()),
-        (frf.n_inputs(), frf.n_outputs()),
-    );
-    if found == needed {
-        return Ok(levels);
-    }
-    Err(PyValueError::new_err(format!(
-        "distortion is of {} inputs and {} outputs, needed {} and {}",
-        found.0, found.1, needed.0, needed.1
-    )))
+/// Complex degrees of freedom of what is known.
+pub(crate) fn degrees_of_freedom(known: &Option<Uncertainty>) -> Option<f64> {
+    Some(known.as_ref()?.degrees_of_freedom)
 }
 
 /// Puts the list that is given in place of another, as long as that is.

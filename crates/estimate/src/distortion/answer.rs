@@ -81,9 +81,10 @@ impl<'a> Interpolated<'a> {
 
 /// For each detection line the known lines below and above, and where it stands between them.
 fn places_between(lines: &DetectionLines, known: &[usize]) -> Vec<(usize, usize, f64)> {
-    let at = Vec::from_iter(known.iter().map(|&place| lines.excited[place]));
+    let at = known.iter().map(|&place| lines.excited[place] as f64);
+    let at: Vec<f64> = at.collect();
     let place = |&line: &usize| {
-        let (below, above, share) = between(&at, line);
+        let (below, above, share) = between(&at, line as f64);
         (known[below], known[above], share)
     };
     lines.free.iter().map(place).collect()

@@ -350,8 +350,9 @@ fn best_linear_approximation() -> Vec<Complex64> {
         }
     }
     let at = |place: usize| sums[excited[place]][1] / sums[excited[place]][0];
+    let lines = Vec::from_iter(excited.iter().map(|&line| line as f64));
     let on_line = |line| {
-        let (below, above, share) = between(&excited, line);
+        let (below, above, share) = between(&lines, line as f64);
         at(below) + (at(above) - at(below)) * share
     };
     (0..=N / 2).map(on_line).collect()

@@ -11,6 +11,7 @@ use nalgebra::DMatrix;
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
+use crate::frf::between::between;
 use crate::frf::matrices::{Matrix, matrix};
 use crate::frf::right_division::right_divide;
 use crate::spectra::line_dft::check_rising;
@@ -59,7 +60,7 @@ impl<'a> ApparentInertia<'a> {
 
     /// Torque in N m of accelerations in rad/s^2 at a frequency.
     pub(super) fn torque(&self, hz: f64, acceleration: &[Complex64]) -> Vec<Complex64> {
-        let (below, above, share) = self.between(hz);
+        let (below, above, share) = between(self.frequency_hz, hz);
         let (low, high) = (&self.inertia[below], &self.inertia[above]);
         let entry = |row: usize, column: usize| {
             low[(row, column)] * (1.0 - share) + high[(row, column)] * share
@@ -71,24 +72,6 @@ impl<'a> ApparentInertia<'a> {
                 .sum()
         };
         (0..n).map(torque).collect()
-    }
-
-    /// The frequencies below and above one, by their place, and where it stands between them; the
-    /// nearest beyond the ends.
-    fn between(&self, hz: f64) -> (usize, usize, f64) {
-        let last = self.frequency_hz.len() - 1;
-        let above = self
-            .frequency_hz
-            .partition_point(|&line_hz| line_hz < hz)
-            .min(last);
-        let below = above.saturating_sub(usize::from(self.frequency_hz[above] > hz));
-        let gap_hz = self.frequency_hz[above] - self.frequency_hz[below];
-        let share = if gap_hz > 0.0 {
-            (hz - self.frequency_hz[below]) / gap_hz
-        } else {
-            0.0
-        };
-        (below, above, share)
     }
 }
 

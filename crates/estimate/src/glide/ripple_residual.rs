@@ -21,7 +21,7 @@ use crate::spectra::line_dft::LineDft;
 #[derive(Clone)]
 pub struct FreeLines {
     dft: LineDft,
-    excited: Vec<usize>,
+    excited: Vec<f64>,
     /// Per excited line the places of its neighbours among the lines of the DFT.
     neighbours: Vec<Vec<usize>>,
 }
@@ -51,7 +51,7 @@ impl FreeLines {
             .collect();
         Ok(Self {
             dft: LineDft::new(n_samples, &lines)?,
-            excited: excited.to_vec(),
+            excited: excited.iter().map(|&line| line as f64).collect(),
             neighbours,
         })
     }
@@ -90,7 +90,7 @@ impl FreeLines {
         output: usize,
         place: usize,
     ) -> Complex64 {
-        let (below, above, share) = between(&self.excited, self.dft.lines()[place]);
+        let (below, above, share) = between(&self.excited, self.dft.lines()[place] as f64);
         let response = |input: usize| {
             let [low, high] = [below, above].map(|line| plant.response[[line, output, input]]);
             low + (high - low) * share

@@ -125,8 +125,8 @@ fn bends(samples: &[f64], start: usize, allowed: f64) -> impl Iterator<Item = us
 /// Median size of the second difference in each block.
 fn levels(samples: &[f64]) -> Vec<f64> {
     let level = |start: usize| {
-        let sizes = second_differences(samples, start);
-        upper_median(sizes.filter(|size| size.is_finite()).collect())
+        let known = second_differences(samples, start).filter(|size| size.is_finite());
+        upper_median(known.collect())
     };
     block_starts(samples).map(level).collect()
 }

@@ -9,6 +9,7 @@ use flate2::write::GzEncoder;
 use proptest::prelude::*;
 use rusqlite::Connection;
 
+use crate::hostile_tests::alone::{address_space, alone};
 use crate::log::listing::list_recording;
 use crate::log::map::{LogMap, Signal};
 use crate::log::read_log;
@@ -156,36 +157,6 @@ fn db3() -> Vec<u8> {
     std::fs::read(&path).expect("written")
 }
 
-/// Runs a test of this file in a process of its own: the address space is the whole process's, with what tests beside it take.
-fn alone(name: &str, test: impl FnOnce()) {
-    const ALONE: &str = "FRFID_TEST_ALONE";
-    if std::env::var_os(ALONE).is_some() {
-        return test();
-    }
-    let path = format!(
-        "{}::{name}",
-        module_path!().split_once("::").expect("a crate").1
-    );
-    let tests = std::env::current_exe().expect("this program");
-    let mut itself = std::process::Command::new(tests);
-    let answer = itself.args(["--exact", &path]).env(ALONE, "1").output();
-    let answer = answer.expect("run");
-    let said = String::from_utf8_lossy(&answer.stdout);
-    assert!(
-        answer.status.success() && said.contains("1 passed"),
-        "{said}"
-    );
-}
-
-/// The address space of this process in bytes; `None` where the system does not say.
-fn address_space() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let peak = status
-        .lines()
-        .find_map(|line| line.strip_prefix("VmPeak:"))?;
-    Some(1024 * peak.trim().trim_end_matches(" kB").parse::<u64>().ok()?)
-}
-
 #[test]
 fn the_recordings_are_sound() {
     for sound in RECORDINGS.iter() {
@@ -220,7 +191,11 @@ fn every_cut_is_read_or_refused() {
 /// Wherever a file has a size it may have another one.
 #[test]
 fn other_sizes_take_no_memory() {
-    alone("other_sizes_take_no_memory", replay_other_sizes);
+    alone(
+        module_path!(),
+        "other_sizes_take_no_memory",
+        replay_other_sizes,
+    );
 }
 
 fn replay_other_sizes() {
@@ -249,10 +224,8 @@ fn replay_other_sizes() {
 /// Lines, cells and numbers of any length, and a packed file that unpacks to a thousand times its size.
 #[test]
 fn tables_without_measure_are_refused() {
-    alone(
-        "tables_without_measure_are_refused",
-        refuse_tables_without_measure,
-    );
+    let name = "tables_without_measure_are_refused";
+    alone(module_path!(), name, refuse_tables_without_measure);
 }
 
 fn refuse_tables_without_measure() {

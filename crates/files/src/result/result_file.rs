@@ -56,19 +56,19 @@ pub struct ResultFile {
 }
 
 impl ResultFile {
-    /// An FRF from the motor torques to the motor velocities of these joints.
+    /// An FRF of which nothing else is known, between channels of these names and SI units.
     #[must_use]
-    pub fn torque_to_velocity(frf: Frf, joints: &[String]) -> Self {
-        let named = |quantity: &str| {
-            let names = joints.iter().map(|joint| format!("{joint} {quantity}"));
-            names.collect()
-        };
+    pub fn between(
+        frf: Frf,
+        [input_names, input_units]: [Vec<String>; 2],
+        [output_names, output_units]: [Vec<String>; 2],
+    ) -> Self {
         Self {
             frf,
-            input_names: named("torque"),
-            output_names: named("velocity"),
-            input_units: vec!["N m".into(); joints.len()],
-            output_units: vec!["rad/s".into(); joints.len()],
+            input_names,
+            output_names,
+            input_units,
+            output_units,
             torque_rms_nm: None,
             flagged: None,
             harmonics: None,
@@ -77,6 +77,20 @@ impl ResultFile {
             checks: Vec::new(),
             provenance: BTreeMap::new(),
         }
+    }
+
+    /// An FRF from the motor torques to the motor velocities of these joints.
+    #[must_use]
+    pub fn torque_to_velocity(frf: Frf, joints: &[String]) -> Self {
+        let channels = |quantity: &str, unit: &str| {
+            let names = joints.iter().map(|joint| format!("{joint} {quantity}"));
+            [names.collect(), vec![unit.to_owned(); joints.len()]]
+        };
+        Self::between(
+            frf,
+            channels("torque", "N m"),
+            channels("velocity", "rad/s"),
+        )
     }
 }
 
@@ -150,8 +164,8 @@ fn unfit(what: &'static str, found: &impl std::fmt::Debug, needed: &impl std::fm
 }
 
 fn check_length<T>(what: &'static str, list: &[T], needed: usize) -> Result<(), Flaw> {
-    if list.len() == needed {
-        return Ok(());
+    match list.len() {
+        found if found == needed => Ok(()),
+        found => Err((what, found.to_string(), needed.to_string())),
     }
-    Err((what, list.len().to_string(), needed.to_string()))
 }

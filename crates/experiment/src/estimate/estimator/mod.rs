@@ -23,6 +23,7 @@ use crate::estimate::estimator::distortion::DistortionOfRuns;
 use crate::estimate::estimator::estimated::Estimated;
 use crate::estimate::estimator::friction::{FrictionOfRuns, without_friction};
 use crate::estimate::estimator::harmonics::harmonics_of_plan;
+use crate::estimate::estimator::periods::Signals;
 pub use crate::estimate::estimator::spectra::Spectra;
 use crate::estimate::excerpt_bias::ExcerptBias;
 use crate::estimate::glides::glide_baseline::Baseline;
@@ -161,25 +162,35 @@ impl Estimator {
         };
         for period in periods {
             let place = self.place(id, period);
-            let signals = self.window(record, period);
-            let (on_lines, detection) = self.on_lines(place, &signals)?;
-            spectra.periods.push((place, on_lines));
-            let detection = detection.map(|detection| (place, detection));
-            spectra.detection.extend(detection);
-            if let Some(bias) = &self.bias {
-                let whole = bias.spectra(signals.u, signals.y)?;
-                spectra.whole.push((place, whole));
-            }
             if let Some(harmonics) = &self.harmonics {
                 let signals = self.window(measured, period);
                 let sweep = harmonics.spectra(signals.u, signals.y)?;
                 spectra.sweeps.push((place, sweep));
             }
-            let free = self.free(&signals)?.filter(|_| is_looked_at(place));
-            let free = free.map(|signals| FreeSpectra { place, signals });
-            spectra.free.extend(free);
+            self.add_period(&mut spectra, place, &self.window(record, period))?;
         }
         Ok(spectra)
+    }
+
+    /// Adds the spectra of a period, friction and glides taken off.
+    fn add_period(
+        &self,
+        spectra: &mut Spectra,
+        place: PeriodIndex,
+        signals: &Signals,
+    ) -> Result<(), ExperimentError> {
+        let (on_lines, detection) = self.on_lines(place, signals)?;
+        spectra.periods.push((place, on_lines));
+        let detection = detection.map(|detection| (place, detection));
+        spectra.detection.extend(detection);
+        if let Some(bias) = &self.bias {
+            let whole = bias.spectra(signals.u, signals.y)?;
+            spectra.whole.push((place, whole));
+        }
+        let free = self.free(signals)?.filter(|_| is_looked_at(place));
+        let free = free.map(|signals| FreeSpectra { place, signals });
+        spectra.free.extend(free);
+        Ok(())
     }
 
     /// The harmonics of all runs of a chirp.

@@ -39,19 +39,12 @@ impl Found {
         let is_lossy = self.is_lossy(&estimated);
         let first = self.recordings.into_iter().next();
         let log = first.expect("runs come from recordings").log;
+        let inputs = [log.input_names, log.input_units];
+        let outputs = [log.output_names, log.output_units];
         let mut result = ResultFile {
-            frf: estimated.estimate.frf,
-            input_names: log.input_names,
-            output_names: log.output_names,
-            input_units: log.input_units,
-            output_units: log.output_units,
-            torque_rms_nm: None,
-            flagged: None,
-            harmonics: None,
-            distortion: None,
-            verdicts: Vec::new(),
             checks,
             provenance,
+            ..ResultFile::between(estimated.estimate.frf, inputs, outputs)
         };
         let axes = result.output_names.clone();
         if let Some(response) = estimated.response {

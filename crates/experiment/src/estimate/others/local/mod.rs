@@ -141,19 +141,12 @@ impl Looked {
         let is_lossy = !self.unused.is_empty() || self.recordings.iter().any(has_losses);
         let first = self.recordings.into_iter().next();
         let log = first.expect("a record was estimated").log;
+        let inputs = [log.input_names, log.input_units];
+        let outputs = [log.output_names, log.output_units];
         let mut result = ResultFile {
-            frf: local.estimate.estimate.frf,
-            input_names: log.input_names,
-            output_names: log.output_names,
-            input_units: log.input_units,
-            output_units: log.output_units,
-            torque_rms_nm: None,
-            flagged: None,
-            harmonics: None,
-            distortion: None,
-            verdicts: Vec::new(),
             checks,
             provenance,
+            ..ResultFile::between(local.estimate.estimate.frf, inputs, outputs)
         };
         let axes = result.output_names.clone();
         judge(&mut result, &axes, &Evidence::default(), &CHECKED);
