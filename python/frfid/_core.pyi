@@ -45,7 +45,7 @@ __version__: str
 
 _Profile: TypeAlias = float | list[tuple[float, float]]
 _PerChannel: TypeAlias = float | list[float]
-_Mimo: TypeAlias = Literal["orthogonal", "sign-flip", "independent", "one-at-a-time", "all-at-once"]
+_Mimo: TypeAlias = Literal["orthogonal", "sign-flip", "independent", "one-at-a-time", "all-at-once", "zippered"]
 _Progress: TypeAlias = Callable[[int, int], object]
 _LogMap: TypeAlias = dict[str, Any] | str | PathLike[str]
 _Phases: TypeAlias = Literal["random", "low-crest"]

@@ -8,6 +8,7 @@ from pathlib import Path
 import frfid
 import numpy as np
 import pytest
+from scipy import signal
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 FRFID = shutil.which("frfid")
@@ -175,10 +176,11 @@ lead_in_s = 4.0
 """
 
 
-def test_one_experiment_for_three_axes_in_closed_loop(tmp_path):
+@pytest.mark.parametrize("mimo", ["all-at-once", "zippered"])
+def test_one_experiment_for_three_axes_in_closed_loop(tmp_path, mimo):
     """A third of the runs: 2 in place of 6; through the reference, by local models without being told."""
     path = tmp_path / "x.toml"
-    path.write_text(ALL_AT_ONCE)
+    path.write_text(ALL_AT_ONCE.replace("all-at-once", mimo))
     plan = frfid.Experiment.load(path).design()
     assert len(plan) == 2
     frf = plan.estimate(plan.run())
@@ -188,6 +190,34 @@ def test_one_experiment_for_three_axes_in_closed_loop(tmp_path):
     error = np.abs(np.asarray(frf.response) - truth) / np.abs(truth)
     print(f"{np.median(error):.1e} in the median, {np.quantile(error, 0.95):.1e} at 95 %, {error.max():.1e} at worst")
     assert np.median(error) < 1e-4 and np.quantile(error, 0.95) < 1e-3
+
+
+def test_one_zippered_experiment_of_two_inputs():
+    """Two modes of 2 % damping in the steady state, 1 % noise at the outputs: a median of 0.84 % has been published for the like."""
+    rng, n, step = np.random.default_rng(5), 2000, 5e-4
+    turn, damping = 2 * np.pi * np.array([50.0, 120.0]), 0.02
+    matrix = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.diag(turn**2), -np.diag(2 * damping * turn)]])
+    inputs, outputs = np.r_[np.zeros((2, 2)), [[1.0, 0.5], [0.3, 1.0]]], np.c_[np.array([[1.0, 0.4], [0.2, 1.0]]) * turn[0] ** 2, np.zeros((2, 2))]
+    discrete = signal.cont2discrete((matrix, inputs, outputs, np.zeros((2, 2))), step)
+    lines = np.arange(10, 301)
+    z = np.exp(2j * np.pi * lines / n)
+    truth = np.array([outputs @ np.linalg.solve(z * np.eye(4) - discrete[0], discrete[1]) for z in z])
+    median = {}
+    for mimo in ("zippered", "all-at-once"):
+        grid = frfid.Multisine(sample_time_s=step, n_samples=n, harmonics=lines)
+        u = np.asarray(grid.realize(seed=1, n_inputs=2, peak=[1.0, 1.0], mimo=mimo)).reshape(2, n)
+        spectrum = np.fft.rfft(u)
+        excited = np.abs(spectrum[:, lines]) > 1e-9 * np.abs(spectrum).max()
+        assert (excited.sum(axis=0) == (1 if mimo == "zippered" else 2)).all()
+        answer = np.zeros((2, n // 2 + 1), complex)
+        answer[:, lines] = np.einsum("kij,jk->ik", truth, spectrum[:, lines])
+        y = np.fft.irfft(answer, n)[:, None] + 0.01 * np.fft.irfft(answer, n).std(axis=1)[:, None, None] * rng.standard_normal((2, 4, n))
+        cut = lambda x: np.swapaxes(x, 0, 1)[None, None]
+        frf = frfid.estimate(cut(np.repeat(u[:, None], 4, axis=1)), cut(y), sample_time_s=step, harmonics=lines, method="local-rational")
+        error = np.linalg.norm(frf.response - truth, axis=(1, 2)) / np.linalg.norm(truth, axis=(1, 2))
+        median[mimo] = np.median(error)
+        print(f"{mimo}: {100 * median[mimo]:.2f} % in the median, {100 * np.quantile(error, 0.95):.1f} % at 95 %")
+    assert median["zippered"] < 0.0084
 
 
 def test_low_crest_phases_are_alike(tmp_path):

@@ -138,7 +138,7 @@ impl Multisine {
     ///     Number of inputs, and so of experiments.
     /// peak : float or sequence of float, optional
     ///     Largest value of each channel, between the samples too; one number stands for all.
-    /// mimo : {"orthogonal", "sign-flip", "independent"}, optional
+    /// mimo : {"orthogonal", "sign-flip", "independent", "one-at-a-time", "all-at-once", "zippered"}, optional
     ///     Phases between channels and experiments: SK15 (9), SK15 (26), or (9) on top of random
     ///     phases for each channel.
     /// realization : int, optional

@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
 
-/// Phases between channels and experiments; every choice but [`Phasing::AllAtOnce`] has as many experiments as inputs.
+/// Phases between channels and experiments; every choice but [`Phasing::AllAtOnce`] and [`Phasing::Zippered`] has as
+/// many experiments as inputs.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum Phasing {
@@ -26,6 +27,9 @@ pub enum Phasing {
     /// three inputs. Estimated from the lines around each frequency, which is why there should be many: local
     /// models. Multisines only.
     AllAtOnce,
+    /// The same, but the lines are dealt out: line j is excited in channel j modulo the number of inputs alone, with more
+    /// power there. Multisines only.
+    Zippered,
     /// Experiment k excites channel k alone: condition number 1, but the other axes stand.
     OneAtATime,
 }
@@ -48,14 +52,14 @@ impl Phasing {
 
     /// Whether every channel has random phases of its own.
     pub(crate) fn draws_each_channel(self) -> bool {
-        matches!(self, Self::Independent | Self::AllAtOnce)
+        matches!(self, Self::Independent | Self::AllAtOnce | Self::Zippered)
     }
 
     /// Experiments of a realization.
     #[must_use]
     pub fn n_experiments(self, n_inputs: usize) -> usize {
         match self {
-            Self::AllAtOnce => 1,
+            Self::AllAtOnce | Self::Zippered => 1,
             _ => n_inputs,
         }
     }
@@ -69,8 +73,14 @@ impl Phasing {
                 TAU * ((channel * experiment) % n_inputs) as f64 / n_inputs as f64
             }
             Self::SignFlip if channel == experiment && channel > 0 => PI,
-            Self::SignFlip | Self::OneAtATime | Self::AllAtOnce => 0.0,
+            _ => 0.0,
         }
+    }
+
+    /// Whether `channel` is excited on the excited line of this place, both from 0.
+    #[must_use]
+    pub(crate) fn excites(self, channel: usize, place: usize, n_inputs: usize) -> bool {
+        self != Self::Zippered || place % n_inputs == channel
     }
 
     /// Factor on the amplitude of `channel` in `experiment`: 1, or 0 for a channel that stands.
@@ -100,6 +110,7 @@ mod tests {
             assert!((condition(Phasing::Orthogonal, n) - 1.0).abs() < 1e-12);
         }
         assert_eq!(Phasing::AllAtOnce.n_experiments(3), 1);
+        assert_eq!(Phasing::Zippered.n_experiments(3), 1);
         for (n, expected) in [(2, 1.0), (3, 2.0), (4, 3.732), (6, 9.899)] {
             assert!((condition(Phasing::SignFlip, n) - expected).abs() < 1e-3);
         }

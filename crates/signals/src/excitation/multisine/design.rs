@@ -44,7 +44,7 @@ pub struct MultisineDesign {
     #[serde(default)]
     pub phases: Phases,
     /// Phases between channels and experiments: orthogonal, sign-flip, independent,
-    /// one-at-a-time or all-at-once.
+    /// one-at-a-time, all-at-once or zippered.
     #[serde(default)]
     pub mimo: Phasing,
 }

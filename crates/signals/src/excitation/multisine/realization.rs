@@ -79,13 +79,31 @@ impl Multisine {
             false => 1,
         };
         let of_channel = |channel: u64| {
+            let magnitudes = self.of_channel(&magnitudes, draw.phasing, channel as usize)?;
             let phases = self.line_phases(&magnitudes, draw, channel);
             let lines = magnitudes.iter().zip(phases);
-            lines
+            Ok(lines
                 .map(|(&magnitude, phase)| Complex64::from_polar(magnitude, phase))
-                .collect()
+                .collect())
         };
-        Ok((0..draws as u64).map(of_channel).collect())
+        (0..draws as u64).map(of_channel).collect()
+    }
+
+    /// Amplitudes of the lines that a channel is excited on, 0 of the others.
+    fn of_channel(
+        &self,
+        magnitudes: &[f64],
+        phasing: Phasing,
+        channel: usize,
+    ) -> Result<Vec<f64>, SignalError> {
+        let excites = |place| phasing.excites(channel, place, self.peak.len());
+        let lines = magnitudes.iter().enumerate();
+        let magnitude = |(place, &magnitude)| if excites(place) { magnitude } else { 0.0 };
+        let dealt = Vec::from_iter(lines.map(magnitude));
+        if dealt.iter().all(|&magnitude| magnitude == 0.0) {
+            return Err(SignalError::unfit("mimo", without_lines(channel)));
+        }
+        Ok(dealt)
     }
 
     /// Refuses equal phases in all channels of one experiment: then the inputs are alike.
@@ -202,4 +220,11 @@ impl PeakSearch<'_> {
         self.found.push((draw, half_turn, peak));
         peak
     }
+}
+
+fn without_lines(channel: usize) -> String {
+    let input = channel + 1;
+    format!(
+        "no line is left for input {input} where they are dealt out: take more lines, or `mimo = \"all-at-once\"`"
+    )
 }

@@ -6,7 +6,7 @@ use ndarray::{Axis, indices, s};
 use num_complex::Complex64;
 
 use crate::error::SignalError;
-use crate::excitation::grid::{GridDesign, GridKind};
+use crate::excitation::grid::{GridDesign, GridKind, LineGrid};
 use crate::excitation::multisine::{Multisine, Phases};
 use crate::excitation::phasing::Phasing;
 use crate::excitation::profile::Profile;
@@ -129,6 +129,47 @@ fn one_at_a_time_every_experiment_has_one_channel_at_its_peak() {
     for ((experiment, channel), row) in indices((2, 2)).into_iter().zip(drawn.signal.rows()) {
         assert_eq!(row.iter().any(|r| *r != 0.0), experiment == channel);
     }
+}
+
+#[test]
+fn zippered_every_line_is_excited_in_one_channel() {
+    let draw = Draw {
+        phasing: Phasing::Zippered,
+        ..DRAW
+    };
+    let zippered = multisine(&[3.0, 1.0]);
+    let drawn = zippered.realize(&draw).expect("sound");
+    assert_eq!(drawn.signal.dim().0, 1);
+    let powers = drawn.signal.rows().into_iter().map(|row| {
+        let power = |&line: &usize| {
+            let n = row.len();
+            let turn = |i: usize| Complex64::cis(-TAU * ((line * i) % n) as f64 / n as f64);
+            let sum: Complex64 = row.iter().enumerate().map(|(i, x)| x * turn(i)).sum();
+            sum.norm()
+        };
+        zippered.grid.excited.iter().map(power).collect::<Vec<_>>()
+    });
+    let powers: Vec<Vec<f64>> = powers.collect();
+    for (place, (first, second)) in powers[0].iter().zip(&powers[1]).enumerate() {
+        let (on, off) = if place % 2 == 0 {
+            (first, second)
+        } else {
+            (second, first)
+        };
+        assert!(on * 1e-9 > *off, "{place}: {on} and {off}");
+    }
+    let few = Multisine {
+        grid: LineGrid {
+            excited: vec![13],
+            ..zippered.grid.clone()
+        },
+        ..zippered
+    };
+    let error = few.realize(&draw).expect_err("one line for two inputs");
+    assert!(
+        error.to_string().contains("no line is left for input 2"),
+        "{error}"
+    );
 }
 
 #[test]
