@@ -3,6 +3,7 @@
 import json
 import shutil
 import subprocess
+import warnings
 from pathlib import Path
 
 import frfid
@@ -218,6 +219,23 @@ def test_one_zippered_experiment_of_two_inputs():
         median[mimo] = np.median(error)
         print(f"{mimo}: {100 * median[mimo]:.2f} % in the median, {100 * np.quantile(error, 0.95):.1f} % at 95 %")
     assert median["zippered"] < 0.0084
+
+
+def test_a_record_that_repeats_is_told_so():
+    """Its lines between those of the period are not excited: the error is many times that of the periods' mean."""
+    n, step, rng = 2000, 5e-4, np.random.default_rng(6)
+    grid = frfid.Multisine(sample_time_s=step, n_samples=n, harmonics=np.arange(10, 301))
+    u = np.tile(np.asarray(grid.realize(seed=1)).reshape(1, n), (1, 4))
+    y = 2 * u + 0.01 * rng.standard_normal(u.shape)
+    hz = np.arange(20, 280) / (n * step)
+    with pytest.warns(UserWarning, match="repeats after 2000 samples, 4 times"):
+        frf = frfid.estimate_local(u, y, sample_time_s=step, frequencies_hz=hz)
+    assert [check["passed"] for check in frf.checks if check["name"] == "periods"] == [False]
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        noise = frfid.estimate_local(rng.standard_normal(u.shape), y, sample_time_s=step, frequencies_hz=hz)
+        once = frfid.estimate_local(u[:, :n], y[:, :n], sample_time_s=step, frequencies_hz=hz)
+    assert not any(check["name"] == "periods" for frf in (noise, once) for check in frf.checks)
 
 
 def test_low_crest_phases_are_alike(tmp_path):

@@ -1,6 +1,8 @@
 //! `frfid.estimate_local`.
 
-use frfid_estimate::{LocalOptions, Method, Piece, estimate_local as estimate};
+use frfid_estimate::{LocalOptions, Method, Piece, estimate_local as estimate, find_repetition};
+use frfid_files::Check;
+use frfid_signals::format::significant;
 use ndarray::{ArrayView, ArrayView2, Axis, Ix2, IxDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -9,6 +11,10 @@ use crate::array::{Axes, real};
 use crate::error;
 use crate::estimate::periods::checked;
 use crate::frf::matrix::Frf;
+use crate::warnings::warn;
+
+/// A record that repeats for more than this share of its time is periodic.
+const MOST: f64 = 0.8;
 
 const RECORDS: [Axes; 2] = [&["channel", "sample"], &["record", "channel", "sample"]];
 
@@ -40,7 +46,8 @@ const RECORDS: [Axes; 2] = [&["channel", "sample"], &["record", "channel", "samp
 /// -------
 /// Frf
 ///     With the total variance, of noise and distortion, which within a band cannot be told apart; NaN at
-///     frequencies around which an input is not excited or inputs are alike, which a failed check names.
+///     frequencies around which an input is not excited or inputs are alike, which a failed check names. Another one
+///     says, with a warning, that what excites repeats: ``estimate`` does better then.
 ///
 /// Raises
 /// ------
@@ -79,9 +86,35 @@ pub(crate) fn estimate_local(
         ..LocalOptions::default()
     };
     let estimate = || estimate(&pieces, sample_time_s, &frequencies_hz, &options);
-    Ok(checked(
-        py.detach(estimate).map_err(error::estimate)?.estimate,
-    ))
+    let estimate = py.detach(estimate).map_err(error::estimate)?.estimate;
+    let mut result = checked(estimate).result;
+    if let Some(check) = py.detach(|| pieces.iter().find_map(repeats)) {
+        warn(py, [format!("{}; {}", check.found, check.advice)])?;
+        result.checks.push(check);
+    }
+    Ok(Frf::of(result))
+}
+
+/// The check that fails where what excites repeats: then few lines are excited and the others tell nothing.
+fn repeats(piece: &Piece) -> Option<Check> {
+    let exciting = piece.r.unwrap_or(piece.u);
+    let found = find_repetition(exciting, None).ok()?;
+    let n_samples = exciting.len_of(Axis(1));
+    let n_repeating: usize = found.runs.iter().map(ExactSizeIterator::len).sum();
+    let n_periods = found.n_periods(n_samples);
+    let is_whole = n_periods > 1 && n_repeating as f64 > MOST * n_samples as f64;
+    is_whole.then(|| Check {
+        name: "periods".into(),
+        passed: false,
+        found: format!(
+            "what excites repeats after {} samples, {n_periods} times: one line in {n_periods} is excited, and few lie around \
+             a frequency",
+            significant(found.period, 8)
+        ),
+        needed: "nothing that repeats".into(),
+        advice: "give the periods to frfid.estimate(..., method=\"local-rational\"), which averages them and knows their noise"
+            .into(),
+    })
 }
 
 /// A method that fits local models, by its name; what else would do is named beside them.
