@@ -67,7 +67,7 @@ pub use compare::verdict::{Judgement, Peak, Verdict};
 pub use compare::{CompareOptions, Comparison, compare};
 pub use distortion::OnBoth;
 pub use distortion::detection_lines::DetectionLines;
-pub use distortion::time_series::{estimate_with_distortion, is_of_free_lines, n_equal};
+pub use distortion::time_series::estimate_with_distortion;
 pub use error::EstimateError;
 pub use error::aperiodic::Aperiodic;
 pub use error::deficient_line::{Deficiency, DeficientLine};

@@ -20,6 +20,10 @@ const MOST: usize = 48;
 /// Lines that are looked at or left out together: what neighbours have in common is seen.
 const TOGETHER: usize = 8;
 
+/// Realizations that are looked at on the detection lines: more tell little more of the levels, and memory shall not
+/// grow with the length of a campaign.
+const REALIZATIONS: usize = 16;
+
 /// Lines of one parity, by their places among the detection lines.
 pub(super) type Group = Vec<usize>;
 
@@ -58,6 +62,12 @@ impl DetectionLines {
             free.into_iter().partition(|&line| is_odd(line));
         let groups = [odd, even].map(|lines| grouped(&lines));
         Self::of_groups(n_samples, (excited, divisor), groups).map(Some)
+    }
+
+    /// Whether a realization is looked at on them.
+    #[must_use]
+    pub fn look_at(realization: usize) -> bool {
+        realization < REALIZATIONS
     }
 
     fn of_groups(

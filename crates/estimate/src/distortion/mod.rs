@@ -33,6 +33,7 @@ use crate::distortion::groups::OnLines;
 use crate::distortion::line_powers::{Draws, LinePowers};
 use crate::error::EstimateError;
 use crate::spectra::campaign::{Block, Campaign};
+use crate::spectra::equal_draws::EqualDraws;
 use crate::spectra::run_spectra::RunSpectra;
 
 /// The same complete periods on excited lines and on detection lines.
@@ -41,8 +42,8 @@ pub struct OnBoth<'a> {
     pub excited: &'a Campaign,
     /// On the detection lines: of all realizations or the first of them.
     pub free: &'a Campaign,
-    /// Number of realizations among these whose phases are those of another.
-    pub n_equal: usize,
+    /// Realizations whose phases are those of another.
+    pub equal_draws: &'a [EqualDraws],
     /// Number of glides whose mean was taken off all runs.
     pub n_glides: usize,
 }
@@ -79,11 +80,21 @@ impl OnBoth<'_> {
     }
 
     fn draws(&self, n_realizations: usize) -> Draws {
+        let n_equal: usize = self.equal_draws.iter().map(n_copies).sum();
         Draws {
             n_glides: self.n_glides,
-            n_draws: n_realizations.saturating_sub(self.n_equal).max(1),
+            n_draws: n_realizations.saturating_sub(n_equal).max(1),
         }
     }
+}
+
+/// Number of the realizations looked at that are copies of another.
+fn n_copies(draws: &EqualDraws) -> usize {
+    let among = draws.realizations.iter();
+    let n_among = among
+        .filter(|place| DetectionLines::look_at(**place))
+        .count();
+    n_among.saturating_sub(1)
 }
 
 /// Mean power, `(channel, line)`.

@@ -175,7 +175,7 @@ impl Experiment {
         let both = OnBoth {
             excited: &on_excited,
             free: &free,
-            n_equal: 0,
+            equal_draws: &[],
             n_glides: 0,
         };
         both.levels(&lines, &frf).expect("fits")

@@ -10,10 +10,7 @@ use crate::frf::FrfOptions;
 use crate::frf::estimate::FrfEstimate;
 use crate::frf::time_series::{campaign_of_periods, estimate_periods};
 use crate::spectra::campaign::Campaign;
-use crate::spectra::equal_draws::EqualDraws;
 
-/// Realizations that are looked at on the detection lines: more tell little more of the levels.
-const REALIZATIONS: usize = 16;
 /// An input that has more than this on lines that are said not to be excited, over those that are, in dB, is excited
 /// there.
 const EXCITED_DB: f64 = -10.0;
@@ -37,7 +34,7 @@ pub fn estimate_with_distortion(
         return Ok((estimate, None));
     };
     let all = campaign_of_periods(u, y, r, sample_time_s, lines.all())?;
-    let [mut excited, free] = lines.apart(all, REALIZATIONS)?;
+    let [mut excited, free] = lines.apart(all)?;
     let equal_draws = excited.pool_equal_draws();
     let estimate = FrfEstimate {
         equal_draws,
@@ -53,34 +50,17 @@ fn levels_beside(
     [excited, free]: [&Campaign; 2],
     lines: &DetectionLines,
 ) -> Result<Distortion, EstimateError> {
-    let n_equal = n_equal(&estimate.equal_draws, REALIZATIONS);
     let spectra = OnBoth {
         excited,
         free,
-        n_equal,
+        equal_draws: &estimate.equal_draws,
         n_glides: 0,
     };
     spectra.levels(lines, &estimate.frf)
 }
 
-/// Number of the first realizations whose phases are those of another.
-#[must_use]
-pub fn n_equal(equal: &[EqualDraws], n_realizations: usize) -> usize {
-    let copies = equal.iter().map(|draws| n_copies(draws, n_realizations));
-    copies.sum()
-}
-
-fn n_copies(draws: &EqualDraws, n_realizations: usize) -> usize {
-    let realizations = draws.realizations.iter();
-    let n_among = realizations
-        .filter(|place| **place < n_realizations)
-        .count();
-    n_among.saturating_sub(1)
-}
-
 /// Whether no input is excited on the lines that are said to be free.
-#[must_use]
-pub fn is_of_free_lines(levels: &Distortion) -> bool {
+fn is_of_free_lines(levels: &Distortion) -> bool {
     let is_quiet = |groups: &Vec<DistortionLevel>| {
         median_db(groups, |group| group.level).is_none_or(|db| db < EXCITED_DB)
     };
@@ -90,12 +70,12 @@ pub fn is_of_free_lines(levels: &Distortion) -> bool {
 
 impl DetectionLines {
     /// A campaign on all lines apart: on the excited lines, and on the others of the first realizations.
-    fn apart(&self, all: Campaign, n_realizations: usize) -> Result<[Campaign; 2], EstimateError> {
+    fn apart(&self, all: Campaign) -> Result<[Campaign; 2], EstimateError> {
         let mut parts = self.campaigns(all.frequency_hz())?;
         for (place, run) in all.into_runs() {
             let [excited, free] = self.split(&run);
             parts[0].insert(place, excited)?;
-            if place.realization < n_realizations {
+            if Self::look_at(place.realization) {
                 parts[1].insert(place, free)?;
             }
         }

@@ -1,26 +1,15 @@
 //! Distortion of the runs of a plan: spectra on the lines that its multisine leaves out, and the levels they show.
 
-use frfid_estimate::{
-    Campaign, DetectionLines, EqualDraws, OnBoth, PeriodIndex, RunSpectra, n_equal,
-};
+use frfid_estimate::{Campaign, DetectionLines, EqualDraws, OnBoth, PeriodIndex, RunSpectra};
 use frfid_signals::{Distortion, Excitation, Frf, Multisine, Plan};
 
 use crate::description::estimate::EstimateTable;
 use crate::error::ExperimentError;
 
-/// Realizations looked at: more tell little more of the levels, and the memory of a campaign shall not grow with its
-/// length.
-const REALIZATIONS: usize = 16;
-
 /// Looks at the detection lines of a plan.
 pub(super) struct DistortionOfRuns {
     pub(super) lines: DetectionLines,
     sample_time_s: f64,
-}
-
-/// Whether the detection lines of a period are looked at.
-fn is_looked_at(place: PeriodIndex) -> bool {
-    place.realization < REALIZATIONS
 }
 
 impl DistortionOfRuns {
@@ -48,7 +37,7 @@ impl DistortionOfRuns {
 
     /// The lines, where a period is looked at.
     pub(super) fn lines_for(&self, place: PeriodIndex) -> Option<&DetectionLines> {
-        is_looked_at(place).then_some(&self.lines)
+        DetectionLines::look_at(place.realization).then_some(&self.lines)
     }
 
     /// Levels of the periods that are complete; `None` where none is.
@@ -59,7 +48,7 @@ impl DistortionOfRuns {
         &self,
         periods: Vec<(PeriodIndex, RunSpectra)>,
         excited: &Campaign,
-        (plant, equal, n_glides): (&Frf, &[EqualDraws], usize),
+        (plant, equal_draws, n_glides): (&Frf, &[EqualDraws], usize),
     ) -> Result<Option<Distortion>, ExperimentError> {
         let mut free = self.lines.campaign(self.sample_time_s)?;
         for (place, run) in periods {
@@ -72,7 +61,7 @@ impl DistortionOfRuns {
         let spectra = OnBoth {
             excited,
             free: &free,
-            n_equal: n_equal(equal, REALIZATIONS),
+            equal_draws,
             n_glides,
         };
         Ok(Some(spectra.levels(&self.lines, plant)?))
