@@ -11,8 +11,8 @@ mod diagrams {
     pub(crate) mod distortion;
     pub(crate) mod harmonics;
     pub(crate) mod labels;
-    pub(crate) mod levels;
     pub(crate) mod mark;
+    pub(crate) mod over_frequency;
     pub(crate) mod spectrogram;
     pub(crate) mod spectrum;
     pub(crate) mod style;

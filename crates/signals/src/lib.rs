@@ -30,6 +30,7 @@ pub use frf::{Frf, Uncertainty};
 pub use harmonics::{Amplitudes, HarmonicLevel, Harmonics};
 pub use limit::Limit;
 pub use limits::{Excess, Limits};
+pub use number::divisor::greatest_common_divisor;
 pub use number::median::median;
 pub use number::spacing::log_spaced;
 pub use number::{checks, format, power, random};

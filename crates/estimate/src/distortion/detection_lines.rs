@@ -2,6 +2,7 @@
 
 use std::ops::RangeInclusive;
 
+use frfid_signals::greatest_common_divisor;
 use ndarray::{Array2, ArrayView2, Axis};
 use num_complex::Complex64;
 
@@ -52,7 +53,8 @@ impl DetectionLines {
     /// Those of [`LineDft::new`].
     pub fn new(n_samples: usize, excited: &[usize]) -> Result<Option<Self>, EstimateError> {
         LineDft::new(n_samples, excited)?;
-        let divisor = excited.iter().copied().fold(0, greatest_common_divisor);
+        let excited_64 = excited.iter().map(|&line| line as u64);
+        let divisor = excited_64.fold(0, greatest_common_divisor) as usize;
         let is_odd = |line: usize| line / divisor % 2 == 1;
         let free = free_lines(excited, divisor);
         if free.is_empty() || !excited.iter().all(|&line| is_odd(line)) {
@@ -158,14 +160,6 @@ impl DetectionLines {
             (from, to) if from < to => from..=to - 1,
             (from, _) => from - 1..=from,
         }
-    }
-}
-
-fn greatest_common_divisor(a: usize, b: usize) -> usize {
-    if b == 0 {
-        a
-    } else {
-        greatest_common_divisor(b, a % b)
     }
 }
 

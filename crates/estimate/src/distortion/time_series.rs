@@ -35,11 +35,7 @@ pub fn estimate_with_distortion(
     };
     let all = campaign_of_periods(u, y, r, sample_time_s, lines.all())?;
     let [mut excited, free] = lines.apart(all)?;
-    let equal_draws = excited.pool_equal_draws();
-    let estimate = FrfEstimate {
-        equal_draws,
-        ..excited.estimate_lines(options)?
-    };
+    let estimate = excited.estimate_draws(options)?;
     let levels = levels_beside(&estimate, [&excited, &free], &lines)?;
     Ok((estimate, Some(levels).filter(is_of_free_lines)))
 }

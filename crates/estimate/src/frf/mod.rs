@@ -205,6 +205,19 @@ impl Campaign {
         })
     }
 
+    /// As [`Campaign::estimate_lines`], realizations that are one draw of phases counted as repetitions of it
+    /// ([`Campaign::pool_equal_draws`]).
+    ///
+    /// # Errors
+    /// As [`Campaign::estimate_lines`].
+    pub fn estimate_draws(&mut self, options: &FrfOptions) -> Result<FrfEstimate, EstimateError> {
+        let equal_draws = self.pool_equal_draws();
+        Ok(FrfEstimate {
+            equal_draws,
+            ..self.estimate_lines(options)?
+        })
+    }
+
     /// How far y over u alone (H1) is off an estimate through the reference.
     fn direct_difference(
         &self,

@@ -64,12 +64,7 @@ pub fn estimate_periods(
     options: &FrfOptions,
 ) -> Result<FrfEstimate, EstimateError> {
     options.method.check_reference(r.is_some())?;
-    let mut campaign = campaign_of_periods(u, y, r, sample_time_s, harmonics)?;
-    let equal_draws = campaign.pool_equal_draws();
-    Ok(FrfEstimate {
-        equal_draws,
-        ..campaign.estimate_lines(options)?
-    })
+    campaign_of_periods(u, y, r, sample_time_s, harmonics)?.estimate_draws(options)
 }
 
 /// The spectra of time series as [`estimate_bla`] takes them, realizations as they are given.

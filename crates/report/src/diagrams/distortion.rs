@@ -3,7 +3,7 @@
 
 use frfid_signals::{DistortionLevel, SignalLevels};
 
-use crate::diagrams::levels::{Levels, decibel};
+use crate::diagrams::over_frequency::{OverFrequency, decibel, decibel_axis, decibel_label};
 use crate::error::ReportError;
 use crate::figure::Figure;
 use crate::figure::ink::{COLORS, Ink, Marker, Pen};
@@ -28,12 +28,12 @@ type Values = Vec<(f64, f64)>;
 pub(crate) fn distortion(levels: &SignalLevels, unit: &str) -> Result<Figure, ReportError> {
     let all = rising(levels);
     let of_group = |group: &DistortionLevel| [Some(group.excited), group.noise, group.level];
-    let frame = Levels {
+    let frame = OverFrequency {
+        what: ["distortion levels", "groups"],
         legend: legend(levels),
         frequency_hz: all.iter().map(|group| group.frequency_hz).collect(),
-        shown: all.iter().flat_map(of_group).flatten().collect(),
-        quantity: "Rms of a line",
-        unit,
+        y: decibel_axis(all.iter().flat_map(of_group).flatten()),
+        label: &decibel_label("Rms of a line", unit),
     };
     frame.figure(|figure, panel| draw(figure, panel, levels, &all))
 }

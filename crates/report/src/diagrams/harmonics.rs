@@ -5,7 +5,7 @@ use std::iter::zip;
 use frfid_signals::Amplitudes;
 use ndarray::{ArrayView1, s};
 
-use crate::diagrams::levels::{Levels, decibel};
+use crate::diagrams::over_frequency::{OverFrequency, decibel, decibel_axis, decibel_label};
 use crate::error::ReportError;
 use crate::figure::Figure;
 use crate::figure::ink::{COLORS, Ink, Pen};
@@ -33,14 +33,14 @@ pub(crate) fn harmonics(
 ) -> Result<Figure, ReportError> {
     let curves = curves(orders, amplitudes, channel);
     let shown = curves.iter().flat_map(|curve| curve.amplitude);
-    let levels = Levels {
+    let frame = OverFrequency {
+        what: ["harmonics", "frequencies"],
         legend: curves.iter().map(|curve| (curve.name, curve.ink)).collect(),
         frequency_hz: frequency_hz.to_vec(),
-        shown: shown.copied().collect(),
-        quantity: "Amplitude",
-        unit,
+        y: decibel_axis(shown.copied()),
+        label: &decibel_label("Amplitude", unit),
     };
-    levels.figure(|figure, panel| {
+    frame.figure(|figure, panel| {
         for curve in &curves {
             panel.curve(figure, &curve.points(frequency_hz), &curve.ink);
         }

@@ -1,18 +1,12 @@
 //! Spectrum of a period: its excited, detection and other lines.
 
+use crate::diagrams::over_frequency::{HEIGHT, OverFrequency};
 use crate::error::ReportError;
 use crate::figure::Figure;
 use crate::figure::axis::Axis;
-use crate::figure::geometry::Rect;
 use crate::figure::ink::{COLORS, Ink, Marker, Pen};
-use crate::figure::legend::Legend;
-use crate::figure::panel::{LEFT, Panel};
-use crate::validation;
+use crate::figure::panel::Panel;
 
-const WIDTH: f64 = 540.0;
-const HEIGHT: f64 = 210.0;
-/// Room between the legend and the panel.
-const ABOVE: f64 = 8.0;
 const GREY: &str = "#888888";
 
 /// What a line of the period is for.
@@ -44,52 +38,26 @@ pub struct SpectralLine {
 /// # Errors
 /// [`ReportError`] if there are no lines or a frequency is not a finite number above zero.
 pub fn spectrum(lines: &[SpectralLine], label: &str) -> Result<Figure, ReportError> {
-    check(lines)?;
-    let legend = legend(lines);
-    let mut figure = legend.figure(WIDTH, ABOVE + HEIGHT);
-    let panel = panel(lines, legend.bottom() + ABOVE);
-    panel.draw(&mut figure, |figure| {
-        for line in lines {
-            draw_line(figure, &panel, line);
-        }
-    });
-    panel.label_y(&mut figure, label);
-    panel.label_x(&mut figure, "Frequency in Hz");
-    Ok(figure)
-}
-
-/// Refuses no lines, and frequencies that a logarithmic axis cannot hold.
-fn check(lines: &[SpectralLine]) -> Result<(), ReportError> {
-    if lines.is_empty() {
-        return Err(ReportError::empty("a spectrum", "lines"));
-    }
-    let frequencies = lines.iter().map(|line| line.frequency_hz);
-    validation::log_frequencies("a frequency_hz", frequencies)
-}
-
-/// The panel that holds every line from its foot at 0.
-fn panel(lines: &[SpectralLine], top: f64) -> Panel {
-    let frequencies = lines.iter().map(|line| line.frequency_hz);
     let amplitudes = lines.iter().map(|line| line.amplitude);
-    Panel {
-        rect: Rect {
-            x: LEFT,
-            y: top,
-            width: WIDTH,
-            height: HEIGHT,
-        },
-        x: Axis::frequency(frequencies, WIDTH),
-        y: Axis::linear(amplitudes.chain([0.0]), HEIGHT),
-    }
+    let frame = OverFrequency {
+        what: ["a spectrum", "lines"],
+        legend: legend(lines),
+        frequency_hz: lines.iter().map(|line| line.frequency_hz).collect(),
+        y: Axis::linear(amplitudes.chain([0.0]), HEIGHT), // every line stands on 0
+        label,
+    };
+    frame.figure(|figure, panel| {
+        for line in lines {
+            draw_line(figure, panel, line);
+        }
+    })
 }
 
 /// The legend: the roles that occur.
-fn legend(lines: &[SpectralLine]) -> Legend<'static> {
-    let entries = [LineRole::Excited, LineRole::Detection, LineRole::Other]
-        .into_iter()
-        .filter(|role| lines.iter().any(|line| line.role == *role))
-        .map(|role| (role.name(), role.ink()));
-    Legend::new(entries, WIDTH)
+fn legend(lines: &[SpectralLine]) -> Vec<(&'static str, Ink)> {
+    let roles = [LineRole::Excited, LineRole::Detection, LineRole::Other].into_iter();
+    let drawn = roles.filter(|role| lines.iter().any(|line| line.role == *role));
+    drawn.map(|role| (role.name(), role.ink())).collect()
 }
 
 /// Draws a stem and its marker.

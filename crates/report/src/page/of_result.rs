@@ -251,7 +251,9 @@ fn shaded(frf: &Frf) -> &'static str {
     match (band(frf), frf.relative_resolution) {
         (Band::Total, _) => "; shaded: 95 % region of noise and nonlinear distortion",
         (Band::Noise, None) => "; shaded: 95 % region of the measurement noise",
-        (Band::Noise, _) => "; shaded: 95 % region of noise and the bias of the excerpts",
+        (Band::Noise, Some(_)) => {
+            "; shaded: 95 % region of the measurement noise and the bias of the excerpts"
+        }
         (Band::None, _) => "",
     }
 }

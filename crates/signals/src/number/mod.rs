@@ -1,6 +1,7 @@
-//! Numbers: ranges that parameters must lie in, named random streams, power and median.
+//! Numbers: ranges that parameters must lie in, named random streams, power, median and divisor.
 
 pub mod checks;
+pub(crate) mod divisor;
 pub mod format;
 pub(crate) mod median;
 pub mod power;

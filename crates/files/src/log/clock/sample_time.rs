@@ -1,5 +1,7 @@
 //! Sample time of a recording from its stamps, before it is known which sample each of them is.
 
+use frfid_signals::greatest_common_divisor;
+
 use crate::log::clock::evenness::{MOST_JITTER, half_spread};
 use crate::log::clock::line::Line;
 use crate::log::clock::phase::{WIDTHS, windows};
@@ -27,13 +29,6 @@ pub(crate) fn resolution_ns(stamps_ns: &[i64]) -> f64 {
 pub(crate) fn steps_ns(stamps_ns: &[i64]) -> impl Iterator<Item = u64> {
     let pairs = stamps_ns.windows(2);
     pairs.map(|pair| pair[1].abs_diff(pair[0]))
-}
-
-fn greatest_common_divisor(mut a: u64, mut b: u64) -> u64 {
-    while b != 0 {
-        (a, b) = (b, a % b);
-    }
-    a
 }
 
 /// Grid that stamps are believed to lie on, before their slots are known.
