@@ -9,7 +9,7 @@ use num_complex::Complex64;
 use crate::distortion::bursts::Pairs;
 use crate::error::EstimateError;
 use crate::spectra::campaign::Campaign;
-use crate::spectra::line_dft::LineDft;
+use crate::spectra::line_dft::{LineDft, check_lines};
 use crate::spectra::run_spectra::RunSpectra;
 
 /// Lines of a group: 12 exponentially distributed powers are known to 2.6 dB in 95 of 100 cases.
@@ -52,7 +52,7 @@ impl DetectionLines {
     /// # Errors
     /// Those of [`LineDft::new`].
     pub fn new(n_samples: usize, excited: &[usize]) -> Result<Option<Self>, EstimateError> {
-        LineDft::new(n_samples, excited)?;
+        check_lines(n_samples, excited)?;
         let excited_64 = excited.iter().map(|&line| line as u64);
         let divisor = excited_64.fold(0, greatest_common_divisor) as usize;
         let is_odd = |line: usize| line / divisor % 2 == 1;

@@ -15,7 +15,7 @@ use crate::error::EstimateError;
 use crate::frf::between::between;
 use crate::glide::residual_level::ResidualLevel;
 use crate::spectra::Transform;
-use crate::spectra::line_dft::LineDft;
+use crate::spectra::line_dft::{LineDft, check_lines};
 
 /// The free lines around the excited lines of a period; found once, used for every run.
 #[derive(Clone)]
@@ -37,7 +37,7 @@ impl FreeLines {
         excited: &[usize],
         n_neighbours: usize,
     ) -> Result<Self, EstimateError> {
-        LineDft::new(n_samples, excited)?;
+        check_lines(n_samples, excited)?;
         let around = nearest_free(n_samples, excited, n_neighbours);
         let lines: BTreeSet<usize> = around.iter().flatten().copied().collect();
         if lines.is_empty() {

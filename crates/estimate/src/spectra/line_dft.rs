@@ -24,6 +24,15 @@ pub struct LineDft {
     free: Arc<Mutex<Vec<Buffers>>>,
 }
 
+/// Refuses lines that do not rise, or lie on no line of a period between 0 and half the rate.
+///
+/// # Errors
+/// Those of [`LineDft::new`].
+pub(crate) fn check_lines(n_samples: usize, lines: &[usize]) -> Result<(), EstimateError> {
+    check_on_grid(lines, n_samples.saturating_sub(1) / 2, n_samples)?;
+    check_rising("lines", lines.iter().map(|&line| line as f64))
+}
+
 impl LineDft {
     /// Plans the transform of periods of `n_samples` on the DFT bins `lines`, which must rise.
     ///
@@ -31,8 +40,7 @@ impl LineDft {
     /// [`SignalError::LineOffGrid`] for a line that is 0 or not below Nyquist,
     /// [`EstimateError::NotRising`], [`EstimateError::EmptyList`] without lines.
     pub fn new(n_samples: usize, lines: &[usize]) -> Result<Self, EstimateError> {
-        check_on_grid(lines, n_samples.saturating_sub(1) / 2, n_samples)?;
-        check_rising("lines", lines.iter().map(|&line| line as f64))?;
+        check_lines(n_samples, lines)?;
         Ok(Self {
             lines: lines.to_vec(),
             fft: RealFftPlanner::new().plan_fft_forward(n_samples),
