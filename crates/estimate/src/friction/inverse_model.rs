@@ -17,6 +17,7 @@ use ndarray::{ArrayView1, Axis};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
+use crate::friction::instruments::Equations;
 use crate::spectra::Transform;
 use crate::spectra::line_dft::LineDft;
 
@@ -28,6 +29,8 @@ const ROUNDS: [usize; 2] = [2, 4];
 const ORDERS: [usize; 3] = [2, 3, 2];
 const N_A: usize = ORDERS[0];
 const N_B: usize = ORDERS[1] + 1;
+/// Which unknown F_c is.
+const COULOMB: usize = N_A + N_B;
 const N_UNKNOWNS: usize = N_A + N_B + 1 + ORDERS[2] + 1;
 
 /// Torque of a motor without its friction: `J s + (n_0 + n_1 s + n_2 s^2) / (1 + d_1 s + d_2 s^2)`.
@@ -37,6 +40,7 @@ pub(super) struct InverseModel {
     pub(super) numerator: [f64; 3],
     pub(super) denominator: [f64; 2],
     pub(super) coulomb_nm: f64,
+    pub(super) standard_error_nm: f64,
 }
 
 /// Spectra of a record.
@@ -113,16 +117,20 @@ impl Lines {
             t: Vec::new(),
             coulomb: 0.0,
         };
-        let mut unknowns = DVector::zeros(N_UNKNOWNS);
+        let mut model = None;
         for round in 0..ROUNDS[0] + ROUNDS[1] {
             let instrument = (round >= ROUNDS[0]).then(|| self.answer(&found, &shape));
-            let Some(next) = self.solved(&found, &shape, instrument.as_deref()) else {
+            let equations = self.equations(&found, &shape, instrument.as_deref());
+            let Some(unknowns) = equations.solution() else {
                 return Ok(None);
             };
-            found = self.on_lines(&next);
-            unknowns = next;
+            found = self.on_lines(&unknowns);
+            model = Some((equations, unknowns));
         }
-        Ok(InverseModel::of(unknowns.as_slice(), self.middle_rad_s))
+        Ok(model.and_then(|(equations, unknowns)| {
+            let error_nm = equations.standard_error(&unknowns, COULOMB)?;
+            InverseModel::of(unknowns.as_slice(), error_nm, self.middle_rad_s)
+        }))
     }
 
     /// What the model says of y.
@@ -131,35 +139,17 @@ impl Lines {
         (0..self.p.len()).map(|k| driven(k) / found.b[k]).collect()
     }
 
-    /// The unknowns of weighted equations, with an instrument in place of y or without.
-    fn solved(
+    /// Weighted equations, with an instrument in place of y or without.
+    fn equations(
         &self,
         before: &OnLines,
         shape: &[Complex64],
         instrument: Option<&[Complex64]>,
-    ) -> Option<DVector<f64>> {
-        let equations = self.columns(before, shape, &self.y);
-        let instruments = match instrument {
-            Some(y) => self.columns(before, shape, y),
-            None => equations.clone(),
-        };
+    ) -> Equations {
+        let left = self.columns(before, shape, &self.y);
+        let instruments = self.columns(before, shape, instrument.unwrap_or(&self.y));
         let right = zip(&self.u, &before.b).map(|(u, b)| -u / b.norm());
-        let right = split(right);
-        let lengths: Vec<f64> = equations
-            .column_iter()
-            .map(|column| column.norm())
-            .collect();
-        let scaled = |mut columns: DMatrix<f64>| {
-            zip(columns.column_iter_mut(), &lengths)
-                .for_each(|(mut column, length)| column /= *length);
-            columns
-        };
-        let (equations, instruments) = (scaled(equations), scaled(instruments));
-        let system = instruments.transpose() * equations;
-        let solution = system.lu().solve(&(instruments.transpose() * right))?;
-        Some(DVector::from_fn(N_UNKNOWNS, |k, _| {
-            solution[k] / lengths[k]
-        }))
+        Equations::new(left, instruments, split(right))
     }
 
     /// What each unknown is multiplied by, weighted: a_1.., b_0.., F_c, t_0..
@@ -192,16 +182,16 @@ impl Lines {
             .collect();
         OnLines {
             a: polynomial(&a),
-            b: polynomial(&unknowns[N_A..N_A + N_B]),
-            t: polynomial(&unknowns[N_A + N_B + 1..]),
-            coulomb: unknowns[N_A + N_B],
+            b: polynomial(&unknowns[N_A..COULOMB]),
+            t: polynomial(&unknowns[COULOMB + 1..]),
+            coulomb: unknowns[COULOMB],
         }
     }
 }
 
 impl InverseModel {
     /// From unknowns in p; `None` unless it is that of a machine: inertia and friction above 0, H stable.
-    fn of(unknowns: &[f64], middle_rad_s: f64) -> Option<Self> {
+    fn of(unknowns: &[f64], standard_error_nm: f64, middle_rad_s: f64) -> Option<Self> {
         let [a1, a2, b0, b1, b2, b3, coulomb_nm] = *unknowns.first_chunk()?;
         let inertia = b3 / a2; // in p
         let is_machine = inertia > 0.0 && a1 > 0.0 && a2 > 0.0 && coulomb_nm > 0.0;
@@ -215,6 +205,7 @@ impl InverseModel {
             ],
             denominator: [a1 / middle_rad_s, a2 / second],
             coulomb_nm,
+            standard_error_nm,
         })
     }
 }

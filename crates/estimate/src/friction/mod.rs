@@ -15,6 +15,7 @@
 //! Source: ours; instruments after P. C. Young, Recursive estimation and time-series analysis, 2nd ed., 2011, ch. 8.
 
 mod axes;
+mod instruments;
 mod inverse_model;
 mod noise_level;
 mod observer;
@@ -38,6 +39,8 @@ use crate::friction::signs::clear_signs;
 const MOST_ROUNDS: usize = 12;
 /// Relative change of F_c at which it stays.
 const STAYS: f64 = 1e-4;
+/// Friction of fewer standard errors is none.
+const SIGNIFICANT: f64 = 2.0;
 
 /// The friction of a record.
 #[derive(Debug, Clone, PartialEq)]
@@ -46,6 +49,8 @@ pub struct Friction {
     pub torque_nm: Vec<f64>,
     /// Coulomb friction F_c.
     pub coulomb_nm: f64,
+    /// Its standard error, by what the model does not explain.
+    pub standard_error_nm: f64,
     /// What moves with the motor, J.
     pub motor_inertia_kg_m2: f64,
     /// Share of the samples in which it does not slip all the time.
@@ -85,7 +90,9 @@ pub fn find_friction(
             .map(|torque| torque / model.coulomb_nm)
             .collect();
         if (model.coulomb_nm - before).abs() <= STAYS * model.coulomb_nm {
-            return Ok(Friction::of(&model, torque));
+            let is_significant = model.coulomb_nm > SIGNIFICANT * model.standard_error_nm;
+            let friction = is_significant.then(|| Friction::of(&model, torque));
+            return friction.ok_or_else(not_found);
         }
         before = model.coulomb_nm;
     }
@@ -101,6 +108,7 @@ impl Friction {
             stuck_share: 1.0 - n_slipping as f64 / torque_nm.len() as f64,
             torque_nm,
             coulomb_nm: model.coulomb_nm,
+            standard_error_nm: model.standard_error_nm,
             motor_inertia_kg_m2: model.inertia,
         }
     }

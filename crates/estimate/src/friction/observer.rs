@@ -14,7 +14,7 @@ use crate::friction::inverse_model::InverseModel;
 use crate::spectra::mean;
 
 /// Steps of a sample.
-const STEPS: usize = 5;
+const STEPS: usize = 10;
 
 /// A record to follow.
 pub(super) struct Observer {
@@ -35,8 +35,10 @@ impl Observer {
     /// friction before, `shape` over F_c, holds a load.
     pub(super) fn friction(&self, model: &InverseModel, shape: &[f64]) -> Vec<f64> {
         let step_s = self.sample_time_s / STEPS as f64;
-        let mobility = step_s / model.inertia;
         let transmitted = Transmitted::of(model, step_s);
+        let half = 0.5 * step_s * transmitted.of_velocity;
+        let mobility = step_s / (model.inertia + half);
+        let kept = (model.inertia - half) / (model.inertia + half);
         let pull = 1.0 - (-self.gain_per_s * self.sample_time_s).exp();
         let load = self.load(model, shape);
         let (mut v, mut state) = (0.0, Vector2::zeros());
@@ -45,10 +47,10 @@ impl Observer {
             v += pull * (y - v);
             let mut sum = 0.0;
             for _ in 0..STEPS {
-                let free = v + mobility * (u - load - transmitted.torque(&state, v));
+                let free = kept * v + mobility * (u - load - transmitted.of_state.dot(&state));
                 let torque = (free / mobility).clamp(-model.coulomb_nm, model.coulomb_nm);
                 let next = free - mobility * torque;
-                state = transmitted.moved(state, 0.5 * (v + next));
+                state = transmitted.moved(state, next);
                 v = next;
                 sum += torque;
             }
@@ -81,10 +83,6 @@ impl Transmitted {
             of_state: Vector2::new(n0 - of_velocity, n1 - of_velocity * d1),
             of_velocity,
         }
-    }
-
-    fn torque(&self, state: &Vector2<f64>, v: f64) -> f64 {
-        self.of_state.dot(state) + self.of_velocity * v
     }
 
     fn moved(&self, state: Vector2<f64>, v: f64) -> Vector2<f64> {

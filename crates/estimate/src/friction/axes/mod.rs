@@ -18,6 +18,7 @@ use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
+use crate::friction::SIGNIFICANT;
 use crate::friction::axes::pooled::Pooled;
 use crate::friction::axes::run::FrictionSpectra;
 use crate::friction::axes::window::{Answer, N_TERMS, answers};
@@ -28,8 +29,6 @@ const HALF_WIDTH: usize = 20;
 const FEWEST_BANDS: usize = 4;
 /// Steps to the delay.
 const STEPS: usize = 10;
-/// Friction of fewer standard errors is none.
-const SIGNIFICANT: f64 = 2.0;
 
 /// The friction of one axis among several.
 #[derive(Debug, Clone, PartialEq)]

@@ -25,6 +25,7 @@ pub(super) struct FrictionOfRuns {
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Subtracted {
     coulomb_nm: f64,
+    standard_error_nm: f64,
     stuck_share: f64,
 }
 
@@ -72,6 +73,7 @@ impl FrictionOfRuns {
         let Friction {
             torque_nm,
             coulomb_nm,
+            standard_error_nm,
             stuck_share,
             ..
         } = find_friction(u, y, record.sample_time_s, self.band_hz)?;
@@ -80,6 +82,7 @@ impl FrictionOfRuns {
         samples.for_each(|(u, friction)| *u -= friction);
         let subtracted = Subtracted {
             coulomb_nm,
+            standard_error_nm,
             stuck_share,
         };
         Ok((free, subtracted))
@@ -103,28 +106,30 @@ pub(super) fn without_friction<'r>(
     }
 }
 
-fn spread(runs: &[Subtracted]) -> f64 {
-    let all = || runs.iter().map(|run| run.coulomb_nm);
-    all().fold(f64::MIN, f64::max) - all().fold(f64::MAX, f64::min)
-}
-
-/// How much friction was taken off, and why not to trust it; `None` without any.
+/// How much friction was taken off, how sure that is, and why not to trust it; `None` without any.
 pub(super) fn remark(runs: &[Subtracted]) -> Option<String> {
-    let coulomb_nm = median(runs.iter().map(|run| run.coulomb_nm).collect())?;
-    let spread = spread(runs);
+    let coulomb_nm = || runs.iter().map(|run| run.coulomb_nm);
+    let median_nm = median(coulomb_nm().collect())?;
+    let spread_nm = coulomb_nm().fold(f64::MIN, f64::max) - coulomb_nm().fold(f64::MAX, f64::min);
     let stuck = runs.iter().map(|run| run.stuck_share).fold(0.0, f64::max);
     let doubt = if stuck > MOST_STUCK {
         STICKS
-    } else if spread > MOST_SPREAD * coulomb_nm {
+    } else if spread_nm > MOST_SPREAD * median_nm {
         "; runs differ too much in it for that to be trusted"
     } else {
         ""
     };
+    let error_nm = runs
+        .iter()
+        .map(|run| run.standard_error_nm)
+        .fold(0.0, f64::max);
+    let spread = format!(", from run to run within {} N m", significant(spread_nm, 2));
     Some(format!(
-        "Coulomb friction of {} N m was taken off the torque, from run to run within {} N m; the axis does not slip in \
-         {} % of the time{doubt}",
-        significant(coulomb_nm, 4),
-        significant(spread, 2),
+        "Coulomb friction of {} N m was taken off the torque, its standard error {} N m{}; the axis does not slip in {} % of \
+         the time{doubt}",
+        significant(median_nm, 4),
+        significant(error_nm, 2),
+        if runs.len() > 1 { &spread } else { "" },
         significant(100.0 * stuck, 2),
     ))
 }
