@@ -151,6 +151,28 @@ def test_the_command_takes_them(tmp_path):
     assert max(result["condition"]["data"]) == 1.0
 
 
+def test_the_width_is_given_by_hand(tmp_path):
+    """By file, command and Python alike; refused where it is not of local models, or leaves no freedom."""
+    text = chirp("").replace("duration_s = 20.0", "duration_s = 10.0")
+    assert refused(tmp_path, text) == []
+    logs = tmp_path / "logs"
+    table = {"method": "local-rational", "half_width": 20, "n_frequencies": 150}
+    by_table = frfid.estimate_logs(logs, estimate=table)
+    asked = [FRFID, "estimate", logs, "-o", tmp_path / "w.json", "--method", "local-rational"]
+    asked += ["--half-width", "20", "--n-frequencies", "150"]
+    assert subprocess.run(asked).returncode == 0
+    by_command = frfid.load(tmp_path / "w.json")
+    by_file = estimated(tmp_path, chirp('method = "local-rational"\nhalf_width = 20', duration_s=10.0))
+    chosen = estimated(tmp_path, chirp('method = "local-rational"', duration_s=10.0))
+    assert np.array_equal(by_table.response, by_command.response)
+    assert np.allclose(by_table.response, by_file.response, rtol=1e-9)
+    assert not np.array_equal(by_file.response, chosen.response)
+    with pytest.raises(ValueError, match="half_width"):
+        frfid.estimate_logs(logs, estimate={"half_width": 20})
+    with pytest.raises(ValueError, match="half width of 2 .*7"):
+        frfid.estimate_logs(logs, estimate={**table, "half_width": 2})
+
+
 ALL_AT_ONCE = f"""
 seed = 1
 sample_time_s = 0.001

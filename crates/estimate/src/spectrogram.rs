@@ -11,8 +11,8 @@ use std::iter::zip;
 
 use frfid_signals::check_finite;
 use frfid_signals::checks::{positive, require};
+use frfid_transforms::TransformPlanner;
 use ndarray::{Array2, ArrayView1, Axis, s};
-use realfft::RealFftPlanner;
 
 use crate::error::EstimateError;
 
@@ -77,7 +77,7 @@ fn densities(
 ) -> Array2<f64> {
     let window = hann(length);
     let scale = sample_time_s / window.iter().map(|w| w * w).sum::<f64>();
-    let fft = RealFftPlanner::new().plan_fft_forward(length);
+    let fft = TransformPlanner::default().forward(length);
     let (mut samples, mut bins) = (fft.make_input_vec(), fft.make_output_vec());
     let mut density = Array2::zeros((bins.len(), starts.len()));
     for (&start, mut column) in zip(starts, density.columns_mut()) {

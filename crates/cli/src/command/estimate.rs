@@ -78,6 +78,9 @@ struct EstimatorOptions {
     /// Take Coulomb friction, found in the runs, off their torque: without a constant velocity
     #[arg(long)]
     subtract_friction: bool,
+    /// Lines to either side of a frequency that local models look at; chosen frequency by frequency without
+    #[arg(long, value_name = "LINES")]
+    half_width: Option<usize>,
     /// Number of frequencies at which a chirp, or a recording in which nothing repeats, is evaluated
     #[arg(long, value_name = "N")]
     n_frequencies: Option<usize>,
@@ -91,6 +94,7 @@ impl EstimatorOptions {
             || self.response.is_some()
             || self.entry.is_some()
             || self.subtract_friction
+            || self.half_width.is_some()
             || self.n_frequencies.is_some();
         let default = EstimateTable::default();
         given.then(|| EstimateTable {
@@ -100,6 +104,7 @@ impl EstimatorOptions {
             response: self.response,
             entry: self.entry,
             subtract_friction: self.subtract_friction,
+            half_width: self.half_width,
             n_frequencies: self.n_frequencies.unwrap_or(default.n_frequencies),
             ..default
         })

@@ -1,8 +1,8 @@
 //! Peaks of the likeness between a recording and a reference over its place.
 
+use frfid_transforms::TransformPlanner;
 use ndarray::{Array2, ArrayView1};
 use num_complex::Complex64;
-use realfft::RealFftPlanner;
 
 /// Likeness below which a place is none.
 const LEAST: f64 = 0.3;
@@ -80,8 +80,8 @@ fn window_energies(signal: ArrayView1<f64>, length: usize) -> Vec<f64> {
 /// `sum_k recording[place + k] reference[k]` for every place, by transforms.
 fn products(recording: ArrayView1<f64>, reference: ArrayView1<f64>) -> Vec<f64> {
     let n = recording.len().next_power_of_two();
-    let mut planner = RealFftPlanner::new();
-    let forward = planner.plan_fft_forward(n);
+    let mut planner = TransformPlanner::default();
+    let forward = planner.forward(n);
     let transform = |signal: ArrayView1<f64>| -> Vec<Complex64> {
         let (mut input, mut output) = (forward.make_input_vec(), forward.make_output_vec());
         input
@@ -99,7 +99,7 @@ fn products(recording: ArrayView1<f64>, reference: ArrayView1<f64>) -> Vec<f64> 
         .iter_mut()
         .zip(&other)
         .for_each(|(a, b)| *a *= b.conj() / n as f64);
-    let inverse = planner.plan_fft_inverse(n);
+    let inverse = planner.inverse(n);
     let mut lags = inverse.make_output_vec();
     // rounding leaves imaginary parts at DC and Nyquist, which have none
     for real in [0, n / 2] {

@@ -109,8 +109,8 @@ impl Campaign {
     pub fn closed_loop(&self, max_condition: f64) -> Result<ClosedLoop, EstimateError> {
         let joint = self.with_reference_as_input()?;
         let options = FrfOptions {
-            method: Method::MeanOfSpectra,
             max_condition,
+            ..Method::MeanOfSpectra.into()
         };
         let joint = joint.estimate(&options)?;
         Ok(ClosedLoop { joint })

@@ -2,8 +2,8 @@
 
 use std::iter::{successors, zip};
 
+use frfid_transforms::TransformPlanner;
 use num_complex::Complex64;
-use realfft::RealFftPlanner;
 
 use crate::correlation::channel::Channel;
 
@@ -66,7 +66,7 @@ fn padded(x: impl Iterator<Item = f64>, lags: usize) -> Vec<f64> {
 }
 
 fn power_spectrum(mut samples: Vec<f64>) -> Vec<Complex64> {
-    let forward = RealFftPlanner::new().plan_fft_forward(samples.len());
+    let forward = TransformPlanner::default().forward(samples.len());
     let mut spectrum = forward.make_output_vec();
     forward
         .process(&mut samples, &mut spectrum)
@@ -77,7 +77,7 @@ fn power_spectrum(mut samples: Vec<f64>) -> Vec<Complex64> {
 
 /// The samples that have a `spectrum`, times their number.
 fn synthesised(spectrum: &mut [Complex64], n_samples: usize) -> Vec<f64> {
-    let inverse = RealFftPlanner::new().plan_fft_inverse(n_samples);
+    let inverse = TransformPlanner::default().inverse(n_samples);
     let mut samples = inverse.make_output_vec();
     inverse
         .process(spectrum, &mut samples)

@@ -6,9 +6,9 @@ use std::ops::Range;
 
 use frfid_signals::random::{normal, phase, stream};
 use frfid_signals::{DistortionLevel, SignalLevels};
+use frfid_transforms::TransformPlanner;
 use ndarray::Array2;
 use num_complex::Complex64;
-use realfft::RealFftPlanner;
 
 use super::*;
 use crate::Method;
@@ -23,7 +23,7 @@ type Spectrum = Vec<Complex64>;
 fn in_time(spectrum: &Spectrum) -> Vec<f64> {
     let (mut bins, mut samples) = (spectrum.clone(), vec![0.0; N]);
     bins[N / 2].im = 0.0;
-    let inverse = RealFftPlanner::new().plan_fft_inverse(N);
+    let inverse = TransformPlanner::default().inverse(N);
     inverse
         .process(&mut bins, &mut samples)
         .expect("of one length");
@@ -31,7 +31,7 @@ fn in_time(spectrum: &Spectrum) -> Vec<f64> {
 }
 
 fn spectrum(samples: &[f64]) -> Spectrum {
-    let forward = RealFftPlanner::new().plan_fft_forward(N);
+    let forward = TransformPlanner::default().forward(N);
     let (mut samples, mut bins) = (samples.to_vec(), forward.make_output_vec());
     forward
         .process(&mut samples, &mut bins)

@@ -93,6 +93,8 @@ pub struct FrfOptions {
     pub method: Method,
     /// Largest condition number of U, rows scaled to equal size, at which a line is still inverted.
     pub max_condition: f64,
+    /// Half width of local models in lines; chosen without.
+    pub half_width: Option<usize>,
 }
 
 impl Default for FrfOptions {
@@ -106,6 +108,7 @@ impl From<Method> for FrfOptions {
         Self {
             method,
             max_condition: MAX_CONDITION,
+            half_width: None,
         }
     }
 }

@@ -24,9 +24,9 @@ use std::f64::consts::TAU;
 
 use frfid_signals::checks::{require, require_shape};
 use frfid_signals::{Frf, Record};
+use frfid_transforms::TransformPlanner;
 use ndarray::{Array2, ArrayView1, Zip, s};
 use num_complex::Complex64;
-use realfft::RealFftPlanner;
 
 use crate::error::EstimateError;
 use crate::glide::apparent_inertia::ApparentInertia;
@@ -161,7 +161,7 @@ fn torque_over_time(glide: &Record, plant: &Frf) -> Result<Array2<f64>, Estimate
 /// Spectra of every channel, continued by reflection: as many bins as samples.
 fn reflected_spectra(signal: &Array2<f64>) -> Vec<Vec<Complex64>> {
     let period = 2 * (signal.ncols() - 1);
-    let forward = RealFftPlanner::new().plan_fft_forward(period);
+    let forward = TransformPlanner::default().forward(period);
     let spectrum = |channel: ArrayView1<f64>| {
         let (mut samples, mut bins) = (reflected(channel), forward.make_output_vec());
         forward
@@ -175,7 +175,7 @@ fn reflected_spectra(signal: &Array2<f64>) -> Vec<Vec<Complex64>> {
 /// The signals of `n` samples that have such spectra, `(channel, sample)`, reflection cut off.
 fn over_time(spectra: Vec<Vec<Complex64>>, n: usize) -> Array2<f64> {
     let period = 2 * (n - 1);
-    let inverse = RealFftPlanner::new().plan_fft_inverse(period);
+    let inverse = TransformPlanner::default().inverse(period);
     let mut signals = Array2::zeros((spectra.len(), n));
     for (mut signal, mut bins) in signals.rows_mut().into_iter().zip(spectra) {
         (bins[0].im, bins[n - 1].im) = (0.0, 0.0); // real by symmetry, but for rounding

@@ -5,9 +5,9 @@
 //! noise is exponentially distributed: among 6000 lines of three channels the largest is 19 times the
 //! median, or more, in one record of twenty.
 
+use frfid_transforms::TransformPlanner;
 use ndarray::{ArrayView1, ArrayView2};
 use num_complex::Complex64;
-use realfft::RealFftPlanner;
 
 /// Power over the median around it that is ripple: noise alone reaches 26 where the median of so many
 /// lines is low, ripple of a robot (the r3's, 0.5 to 2 % of the torque) 700 to 70000.
@@ -45,7 +45,7 @@ fn windowed_power(signal: ArrayView1<f64>) -> Vec<f64> {
     let mut samples: Vec<f64> = samples
         .map(|(k, value)| window(k) * (value - mean))
         .collect();
-    let forward = RealFftPlanner::new().plan_fft_forward(n);
+    let forward = TransformPlanner::default().forward(n);
     let mut bins = forward.make_output_vec();
     forward
         .process(&mut samples, &mut bins)

@@ -2,9 +2,9 @@
 
 use std::iter::zip;
 
+use frfid_transforms::TransformPlanner;
 use ndarray::{Array1, Array2, ArrayView1, Axis};
 use num_complex::Complex64;
-use realfft::RealFftPlanner;
 
 use crate::correlation::lag::{FIRST_TAP, taps};
 use crate::error::EstimateError;
@@ -170,7 +170,7 @@ pub(super) fn synthesised(
     n_samples: usize,
     order: i32,
 ) -> Vec<f64> {
-    let inverse = RealFftPlanner::<f64>::new().plan_fft_inverse(n_samples);
+    let inverse = TransformPlanner::default().inverse(n_samples);
     let (mut bins, mut samples) = (inverse.make_input_vec(), inverse.make_output_vec());
     for &index in lines {
         let h = (index + 1) as f64;

@@ -7,9 +7,9 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use frfid_signals::SignalError;
+use frfid_transforms::{ComplexToReal, TransformPlanner};
 use nalgebra::DMatrix;
 use ndarray::{Array2, Array3, ArrayView2, Axis, aview1, s};
-use realfft::{ComplexToReal, RealFftPlanner};
 
 use crate::error::EstimateError;
 use crate::error::deficient_line::{Deficiency, DeficientLine};
@@ -79,7 +79,7 @@ impl Band {
             n_below: below.count(),
             weight: lines.iter().map(weight).collect(),
             dft: LineDft::new(n_samples, &lines)?,
-            inverse: RealFftPlanner::new().plan_fft_inverse(n_samples),
+            inverse: TransformPlanner::default().inverse(n_samples),
             frequency_hz,
             lines,
         })

@@ -8,8 +8,8 @@ use std::f64::consts::{PI, TAU};
 use std::iter::zip;
 use std::sync::Arc;
 
+use frfid_transforms::{ComplexToReal, TransformPlanner};
 use num_complex::Complex64;
-use realfft::{ComplexToReal, RealFftPlanner};
 
 /// Grid points in the time that the band of the lines resolves.
 const OVERSAMPLING: usize = 8;
@@ -70,7 +70,7 @@ impl<'a> DelaySearch<'a> {
         Self {
             frequency_hz,
             spacing_hz,
-            inverse: RealFftPlanner::new().plan_fft_inverse(size),
+            inverse: TransformPlanner::default().inverse(size),
         }
     }
 

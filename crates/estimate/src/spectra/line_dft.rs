@@ -8,9 +8,9 @@ use std::iter::zip;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use frfid_signals::{SignalError, check_finite, checks::positive};
+use frfid_transforms::{RealToComplex, TransformPlanner};
 use ndarray::{Array2, ArrayView1, ArrayView2, aview_mut1, aview1};
 use num_complex::Complex64;
-use realfft::{RealFftPlanner, RealToComplex};
 
 use crate::error::EstimateError;
 use crate::spectra::{Transform, check_length};
@@ -43,7 +43,7 @@ impl LineDft {
         check_lines(n_samples, lines)?;
         Ok(Self {
             lines: lines.to_vec(),
-            fft: RealFftPlanner::new().plan_fft_forward(n_samples),
+            fft: TransformPlanner::default().forward(n_samples),
             free: Arc::default(),
         })
     }

@@ -1,6 +1,6 @@
 //! Table `[estimate]`: how the records become an FRF.
 
-use frfid_estimate::{Entry, Method, Response};
+use frfid_estimate::{Entry, FrfOptions, Method, Response};
 use frfid_signals::Record;
 use ndarray::Array2;
 use schemars::JsonSchema;
@@ -32,6 +32,10 @@ pub struct EstimateTable {
     /// Whether Coulomb friction, found in the runs, is taken off their torque: without a constant velocity.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub subtract_friction: bool,
+    /// Lines to either side of a frequency that local models look at, of the longest record; chosen frequency by
+    /// frequency without.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub half_width: Option<usize>,
     /// Frequencies at which a chirp is evaluated: their number, logarithmically spaced over the
     /// band.
     pub n_frequencies: usize,
@@ -47,6 +51,7 @@ impl Default for EstimateTable {
             response: None,
             entry: None,
             subtract_friction: false,
+            half_width: None,
             n_frequencies: 200,
         }
     }
@@ -108,7 +113,20 @@ impl EstimateTable {
             let message = "local models give the plant alone: leave `response` out, or the method";
             return Err(Fault::new(&["response"], message));
         }
+        if self.half_width.is_some() && !self.is_local() {
+            let message = "lines around a frequency are looked at by local models: give method = \"local-rational\", or leave \
+                           half_width out";
+            return Err(Fault::new(&["half_width"], message));
+        }
         Ok(())
+    }
+
+    /// What an FRF is estimated with.
+    pub(crate) fn frf_options(&self) -> FrfOptions {
+        FrfOptions {
+            half_width: self.half_width,
+            ..self.method().into()
+        }
     }
 }
 

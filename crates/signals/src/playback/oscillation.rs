@@ -1,8 +1,8 @@
 //! Oscillation of a run: its reference without the constant velocity, with integral and
 //! derivatives, from a ramp before its first sample to a ramp after its last.
 
+use frfid_transforms::TransformPlanner;
 use ndarray::{Array2, ArrayView1};
-use realfft::RealFftPlanner;
 
 use crate::excitation::Injection;
 use crate::plan::Plan;
@@ -33,7 +33,7 @@ impl Oscillation {
         let n = n_run + 2 * n_ramp + 1;
         let mut orders: [Array2<f64>; 4] =
             std::array::from_fn(|_| Array2::zeros((plan.n_inputs, n)));
-        let mut planner = RealFftPlanner::new();
+        let mut planner = TransformPlanner::default();
         for channel in 0..plan.n_inputs {
             let Some(series) = series(plan, run, channel, rate_hz, &mut planner) else {
                 continue;
@@ -58,7 +58,7 @@ fn series(
     run: &Run,
     channel: usize,
     rate_hz: f64,
-    planner: &mut RealFftPlanner<f64>,
+    planner: &mut TransformPlanner,
 ) -> Option<Series> {
     if run.id.kind == RunKind::Glide {
         return None;

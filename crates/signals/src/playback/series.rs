@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use frfid_transforms::TransformPlanner;
 use num_complex::Complex64;
-use realfft::RealFftPlanner;
 
 /// Lines this far below the strongest are rounding.
 const ROUNDING: f64 = 1e-13;
@@ -27,10 +27,10 @@ impl Series {
     pub(super) fn through(
         samples: &[f64],
         sample_time_s: f64,
-        planner: &mut RealFftPlanner<f64>,
+        planner: &mut TransformPlanner,
     ) -> Self {
         let n = samples.len();
-        let forward = planner.plan_fft_forward(n);
+        let forward = planner.forward(n);
         let (mut input, mut spectrum) = (samples.to_vec(), forward.make_output_vec());
         forward
             .process(&mut input, &mut spectrum)
@@ -63,7 +63,7 @@ impl Series {
         step_s: f64,
         first: isize,
         n: usize,
-        planner: &mut RealFftPlanner<f64>,
+        planner: &mut TransformPlanner,
     ) -> Vec<f64> {
         let amplitudes = self.amplitudes(order);
         let points = self.period_s / step_s;
@@ -103,9 +103,9 @@ fn transformed(
     points: usize,
     first: isize,
     n: usize,
-    planner: &mut RealFftPlanner<f64>,
+    planner: &mut TransformPlanner,
 ) -> Vec<f64> {
-    let inverse = planner.plan_fft_inverse(points);
+    let inverse = planner.inverse(points);
     let mut spectrum = inverse.make_input_vec();
     for (line, z) in amplitudes {
         let bin = line % points;
@@ -157,7 +157,7 @@ mod tests {
 
     #[test]
     fn values_derivatives_and_integral_are_exact_at_every_rate() {
-        let mut planner = RealFftPlanner::new();
+        let mut planner = TransformPlanner::default();
         let samples: Vec<f64> = (0..40).map(|k| exact(f64::from(k) * 0.05)[1]).collect();
         let series = Series::through(&samples, 0.05, &mut planner);
         let shift_s = 0.37;

@@ -22,7 +22,7 @@ impl FrfMethod for LocalModels {
     fn frf(&self, campaign: &Campaign, options: &FrfOptions) -> Result<FrfEstimate, EstimateError> {
         let options = LocalOptions {
             model: self.0,
-            half_width: None,
+            half_width: options.half_width,
             max_condition: options.max_condition,
         };
         Ok(estimate_campaign(campaign, campaign.at_hz(), &options)?.estimate)

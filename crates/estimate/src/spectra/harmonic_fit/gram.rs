@@ -11,9 +11,9 @@ use std::mem::replace;
 use std::sync::Arc;
 
 use frfid_signals::random::{phase, stream};
+use frfid_transforms::{ComplexToReal, RealToComplex, TransformPlanner};
 use nalgebra::DMatrix;
 use num_complex::Complex64;
-use realfft::{ComplexToReal, RealFftPlanner, RealToComplex};
 
 /// Largest ratio of eigenvalues: beyond it the noise of some combination of lines is ten times that
 /// of the best known one, and what other lines leak in grows alike. Losses at random have 1.5 to 2.
@@ -50,8 +50,8 @@ impl Gram {
         // products of two harmonics reach 2 H, those with a third 3 H: with more than 4 H points
         // none of them folds back onto a harmonic
         let n_points = (2 * sums.len()).next_power_of_two();
-        let mut planner = RealFftPlanner::new();
-        let inverse = planner.plan_fft_inverse(n_points);
+        let mut planner = TransformPlanner::default();
+        let inverse = planner.inverse(n_points);
         let mut bins = inverse.make_input_vec();
         bins[..sums.len()].copy_from_slice(sums);
         let weights = points(inverse.as_ref(), bins).into_iter();
@@ -59,7 +59,7 @@ impl Gram {
             harmonics,
             n_present: sums[0].re,
             weights: weights.map(|weight| weight / n_points as f64).collect(),
-            forward: planner.plan_fft_forward(n_points),
+            forward: planner.forward(n_points),
             inverse,
         }
     }

@@ -237,7 +237,7 @@ impl Estimator {
         let of_friction = self.take_off_friction(&mut spectra)?;
         let mut campaign = self.campaign_of(&spectra)?;
         let missing = campaign.drop_incomplete();
-        let mut estimate = campaign.estimate_draws(&self.options.method().into())?;
+        let mut estimate = campaign.estimate_draws(&self.options.frf_options())?;
         estimate.frf.relative_resolution = self.evaluation.relative_resolution;
         if let Some(bias) = &self.bias {
             bias.add_to(&mut estimate.frf, spectra.whole)?;

@@ -46,7 +46,7 @@ impl Found {
             }
         };
         let n_incomplete = placed.campaign.drop_incomplete().len();
-        let estimate = placed.campaign.estimate_lines(&options.method().into())?;
+        let estimate = placed.campaign.estimate_lines(&options.frf_options())?;
         for run in &mut runs {
             run.judge(&estimate.frf, &self.runs[0].lines)?;
         }

@@ -3,8 +3,8 @@
 
 use std::f64::consts::{PI, TAU};
 
+use frfid_transforms::{ComplexToReal, TransformPlanner};
 use num_complex::Complex64;
-use realfft::{ComplexToReal, RealFftPlanner};
 
 use crate::number::power::sample_peak;
 
@@ -83,11 +83,11 @@ impl<'a> TurnedSum<'a> {
     pub(crate) fn new(
         sum: HarmonicSum<'a>,
         n_samples: usize,
-        planner: &mut RealFftPlanner<f64>,
+        planner: &mut TransformPlanner,
     ) -> Self {
         let highest = sum.lines.last().copied().unwrap_or(1);
         let oversampling = (POINTS_PER_PERIOD * highest).div_ceil(n_samples);
-        let inverse = planner.plan_fft_inverse(oversampling * n_samples);
+        let inverse = planner.inverse(oversampling * n_samples);
         let [in_phase, quadrature] =
             [Complex64::ONE, Complex64::I].map(|turn| sum.period(turn, &*inverse));
         Self {
@@ -141,7 +141,7 @@ mod tests {
         TurnedSum::new(
             HarmonicSum { lines, amplitudes },
             n_samples,
-            &mut RealFftPlanner::new(),
+            &mut TransformPlanner::default(),
         )
     }
 

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
+use frfid_transforms::TransformPlanner;
 use num_complex::Complex64;
-use realfft::RealFftPlanner;
 
 use crate::excitation::multisine::harmonic_sum::HarmonicSum;
 use crate::number::power::sample_peak;
@@ -20,8 +20,8 @@ const ROUNDS: usize = 300;
 /// first.
 pub(crate) fn low_crest_phases(lines: &[usize], magnitudes: &[f64]) -> Vec<f64> {
     let n = (16 * lines.last().copied().unwrap_or(1)).next_power_of_two();
-    let mut planner = RealFftPlanner::<f64>::new();
-    let (forward, inverse) = (planner.plan_fft_forward(n), planner.plan_fft_inverse(n));
+    let mut planner = TransformPlanner::default();
+    let (forward, inverse) = (planner.forward(n), planner.inverse(n));
     let mut spectrum = forward.make_output_vec();
     let mut phases = schroeder_phases(magnitudes);
     let mut best = (f64::INFINITY, phases.clone());
@@ -80,7 +80,8 @@ mod tests {
             lines,
             amplitudes: &amplitudes,
         };
-        let peak = TurnedSum::new(sum, 1, &mut RealFftPlanner::new()).true_peak(Complex64::ONE);
+        let peak =
+            TurnedSum::new(sum, 1, &mut TransformPlanner::default()).true_peak(Complex64::ONE);
         peak / (0.5 * lines.len() as f64).sqrt()
     }
 

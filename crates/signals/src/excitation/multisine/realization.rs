@@ -2,9 +2,9 @@
 
 use std::f64::consts::PI;
 
+use frfid_transforms::TransformPlanner;
 use ndarray::{Array3, indices};
 use num_complex::Complex64;
-use realfft::RealFftPlanner;
 
 use crate::error::SignalError;
 use crate::excitation::multisine::harmonic_sum::{HarmonicSum, TurnedSum};
@@ -148,7 +148,7 @@ impl Multisine {
 
     /// The sum of the lines for every draw of their amplitudes.
     fn turned_sums<'a>(&'a self, amplitudes: &'a [Vec<Complex64>]) -> Vec<TurnedSum<'a>> {
-        let mut planner = RealFftPlanner::new();
+        let mut planner = TransformPlanner::default();
         let sums = amplitudes.iter().map(|amplitudes| HarmonicSum {
             lines: &self.grid.excited,
             amplitudes,

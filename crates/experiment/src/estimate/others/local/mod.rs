@@ -5,7 +5,7 @@ mod whole_pieces;
 
 use std::cmp::Reverse;
 
-use frfid_estimate::{LocalEstimate, LocalOptions, Piece, estimate_local};
+use frfid_estimate::{LocalEstimate, LocalModel, LocalOptions, Piece, estimate_local};
 use frfid_files::{Cause, Check, LogMap, ResultFile};
 use frfid_signals::format::significant;
 
@@ -45,6 +45,7 @@ pub(super) fn by_local_models(
 /// What came of the pieces.
 struct Local {
     estimate: LocalEstimate,
+    method: &'static str,
     n_pieces: usize,
     /// Share of the samples that lie in holes, or in pieces too short or too many.
     unused_share: f64,
@@ -89,14 +90,20 @@ impl Looked {
         let frequency_hz = frequencies(&pieces, sample_time_s, options.n_frequencies);
         let frequency_hz = frequency_hz.map_err(&complaint)?;
         let parts: Vec<Piece> = pieces.iter().map(WholePiece::view).collect();
+        let model = options.method().local_model().unwrap_or_default();
         let fit = LocalOptions {
-            model: options.method().local_model().unwrap_or_default(),
+            model,
+            half_width: options.half_width,
             ..LocalOptions::default()
         };
         let found = estimate_local(&parts, sample_time_s, &frequency_hz, &fit);
         let n_used: usize = pieces.iter().map(WholePiece::n_samples).sum();
         Ok(Local {
             estimate: found.map_err(complaint)?,
+            method: match model {
+                LocalModel::Rational => "local-rational",
+                LocalModel::Polynomial => "local-polynomial",
+            },
             n_pieces: pieces.len(),
             unused_share: 1.0 - n_used as f64 / self.n_samples().max(1) as f64,
         })
@@ -191,7 +198,7 @@ impl Looked {
         metadata([
             ("frfid_version", env!("CARGO_PKG_VERSION").to_owned()),
             ("log_map", serde_json::to_string(map).unwrap_or_default()),
-            ("method", "local-rational".to_owned()),
+            ("method", local.method.to_owned()),
             ("recordings_used", self.recordings.len().to_string()),
             ("pieces", local.n_pieces.to_string()),
             ("half_width_lines", format!("{low} to {high}")),
