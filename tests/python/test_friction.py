@@ -44,9 +44,9 @@ NOISE_RAD_S = 3.8e-4  # 1 % of the velocity's rms
 
 @pytest.mark.parametrize("noise_rad_s", [0.0, NOISE_RAD_S])
 def test_a_chirp_with_friction_is_right_without_a_constant_velocity(tmp_path, noise_rad_s):
-    sensor = f"\n[robot.sensor]\nvelocity_noise_rad_s = {noise_rad_s}" if noise_rad_s else ""
-    robot = f'file = "{EXAMPLES.parent}/robots/paper_joint.toml"\n{sensor}'
-    logs = recorded(tmp_path, "chirp", amplitude_nm="amplitude_nm = [150.0]\ntail_s = 2.0", file=robot)
+    robot = (EXAMPLES.parent / "robots/paper_joint.toml").read_text()
+    (tmp_path / "robot.toml").write_text(f"{robot}\n[sensor]\nvelocity_noise_rad_s = {noise_rad_s}\n" if noise_rad_s else robot)
+    logs = recorded(tmp_path, "chirp", amplitude_nm="amplitude_nm = [150.0]\ntail_s = 2.0", file='file = "robot.toml"')
     with_friction, without = tmp_path / "with.json", tmp_path / "without.json"
     assert "friction of" not in frfid_says("estimate", logs, "-o", with_friction)[1]
     code, said = frfid_says("estimate", logs, "-o", without, *FREE)

@@ -58,6 +58,8 @@ pub fn estimate_logs(
 ) -> Result<Outcome, ExperimentError> {
     let paths = recordings_among(paths)?;
     let estimate = options.estimate.as_ref();
+    let checked = estimate.map_or(Ok(()), EstimateTable::check);
+    checked.map_err(|fault| fault.without_text("estimate"))?;
     match &options.map {
         Some(map) => estimate_others_logs(&paths, map, &estimate.cloned().unwrap_or_default()),
         None => estimate_our_logs(&paths, estimate, options.jobs, progress),

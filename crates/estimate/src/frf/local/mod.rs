@@ -12,14 +12,16 @@
 //! for every piece m of the records, W being the inputs or, where there is a reference, that: then Z holds
 //! outputs and inputs, and G = Z_y Z_u^-1 is not biased by noise that goes round the loop. Exact where one
 //! mode lies within the band, however little it is damped. The width of the band is chosen
-//! ([`crate::frf::local::widths`]) or given.
+//! ([`crate::frf::local::fitting`]) or given, and so is whether there is a denominator.
 //!
 //! Sources: R. Pintelon, J. Schoukens, System Identification, 2nd ed., ch. 7; T. McKelvey, G. Guerin,
 //! Non-parametric frequency response estimation using a local rational model, SYSID 2012;
 //! E. Geerardyn, T. Oomen, Local rational modeling for closed loops, 2017.
 
+mod agreement;
 pub(crate) mod column;
 pub(crate) mod fitted;
+mod fitting;
 mod least_squares;
 mod pieces;
 mod repeats;

@@ -41,10 +41,7 @@ struct Equations<'w> {
 /// The fits of all answers of a window.
 pub(crate) fn fit_rows(window: &Window) -> Vec<RowFit> {
     let even = Equations::of(window, Reals::of(&window.places).map(|_| 1.0));
-    let answers = window.answers.iter();
-    let denominators = answers.map(|answer| even.denominator(&even.system(answer)));
-    let sizes = mean_sizes(&denominators.collect::<Vec<_>>());
-    let weighted = Equations::of(window, sizes.map(f64::recip));
+    let (weighted, sizes) = even.weighted();
     let drives = 0..window.drives.len();
     let drives = drives.map(|drive| weighted.common.functional(N_TERMS * drive));
     let drives: Vec<Functional> = drives.collect();
@@ -66,6 +63,19 @@ impl<'w> Equations<'w> {
             minus_powers: powers.clone().map(|power| power.map(|value| -value)),
             powers,
         }
+    }
+
+    /// The same over what the denominators of all answers are in the mean, and that; themselves where there are none.
+    fn weighted(self) -> (Self, Reals) {
+        let window = self.window;
+        if window.n_poles == 0 {
+            let sizes = self.powers[0].clone();
+            return (self, sizes);
+        }
+        let answers = window.answers.iter();
+        let denominators = answers.map(|answer| self.denominator(&self.system(answer)));
+        let sizes = mean_sizes(&denominators.collect::<Vec<_>>());
+        (Self::of(window, sizes.map(f64::recip)), sizes)
     }
 
     /// The equations of an answer: behind the common columns those of the denominator.

@@ -1,29 +1,15 @@
-//! Widths of local models: at every frequency the widest that agrees with all narrower ones.
-//!
-//! A wide band averages more noise, a narrow one is less biased by what the model lacks. The fit of a width
-//! is taken if it lies within the region of the fit of every narrower one (intersection of confidence
-//! intervals: A. Goldenshluger, A. Nemirovski, On spatially adaptive estimation of nonparametric
-//! regression, Math. Meth. Statist. 6 (1997) 135-170) and leaves no larger residual: without noise the
-//! residuals are what the model lacks, and grow with the band. Among neighbouring frequencies the median of
-//! the widths counts, since a noise of few degrees of freedom is at times too small by chance. What the fit
-//! taken is off the one before it, beyond what noise of one degree of freedom is in the median, counts as
-//! bias and is added to its covariance: regions hold 93 to 95 % (tests/peers/local_coverage.py).
+//! Widths of local models that are tried at every frequency, and what is chosen.
 
-use std::iter::zip;
-
-use frfid_signals::median;
-use nalgebra::DVector;
-use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::error::EstimateError;
 use crate::error::deficient_line::{Deficiency, DeficientLine};
-use crate::frf::f_distribution::f_tail;
-use crate::frf::local::LocalOptions;
 use crate::frf::local::column::Column;
 use crate::frf::local::fitted::Fitted;
+use crate::frf::local::fitting::{Fits, Fitting};
 use crate::frf::local::pieces::{PieceSpectra, Pieces};
 use crate::frf::local::window::Window;
+use crate::frf::local::{LocalModel, LocalOptions};
 
 /// One width over the one before it.
 const STEP: f64 = 1.35;
@@ -31,16 +17,6 @@ const STEP: f64 = 1.35;
 const N_WIDTHS: usize = 7;
 /// Half widths over the frequency: the dynamics of machines change from octave to octave.
 const WIDEST: f64 = 0.6;
-/// Frequencies to either side among which the median counts.
-const NEIGHBOURS: usize = 4;
-/// Probability by which a fit may be as far off as it is: of many that are compared.
-const AGREEMENT: f64 = 0.005;
-/// Standard deviations of its logarithm by which a residual may grow.
-const MOST_GROWTH: f64 = 2.5;
-/// A residual that grows by less than this factor is noise still.
-const LEAST_GROWTH: f64 = 2.0;
-/// What a difference of two fits typically is, squared, over its variance.
-const TYPICAL: f64 = 0.5;
 
 /// What was chosen at one frequency.
 pub(super) struct Choice {
@@ -60,10 +36,16 @@ impl Choice {
     }
 }
 
-/// The fits at one frequency, by width.
-type Fits = Vec<Option<Fitted>>;
+/// What is searched, where.
+struct Search<'p> {
+    pieces: &'p Pieces,
+    frequency_hz: &'p [f64],
+    half_widths: Vec<usize>,
+    options: &'p LocalOptions,
+}
 
-/// The fit at every frequency, of the width that is given or chosen.
+/// The fit at every frequency, of the width that is given or chosen; of a polynomial in place of a rational function
+/// where that agrees and is surer.
 ///
 /// # Errors
 /// [`EstimateError`] of pieces too short for a window, and of a width that leaves no freedom.
@@ -73,31 +55,64 @@ pub(super) fn chosen(
     options: &LocalOptions,
 ) -> Result<Vec<Choice>, EstimateError> {
     let middle_hz = frequency_hz[frequency_hz.len() / 2];
-    let half_widths = half_widths(pieces, middle_hz, options)?;
-    let fits_at = |hz: &f64| -> Fits {
-        let at = |half_width: &usize| {
-            let window = Window::around(pieces, *hz, *half_width, options.model);
-            let is_local = window.half_hz <= WIDEST * hz || *half_width == half_widths[0];
-            is_local.then(|| fit(&window, options.max_condition))?
-        };
-        half_widths.iter().map(at).collect()
+    let search = Search {
+        half_widths: half_widths(pieces, middle_hz, options)?,
+        pieces,
+        frequency_hz,
+        options,
     };
-    let fits: Vec<Fits> = frequency_hz.par_iter().map(fits_at).collect();
-    let widths = smoothed(&widest(&fits));
-    let choice = |(line, most): (usize, &usize)| {
-        let is_there = |width: &usize| fits[line][*width].is_some();
-        let width = (0..=*most).rev().find(is_there).unwrap_or(0);
-        let hz = frequency_hz[line];
-        let deficiency = || {
-            let window = Window::around(pieces, hz, half_widths[0], options.model);
-            deficiency(&window, hz, options.max_condition)
+    let own = Fitting::of(search.fits(options.model), |_, _| true);
+    let is_open = options.model == LocalModel::Rational && search.half_widths.len() > 1;
+    let simpler = is_open.then(|| {
+        let fits = search.fits(LocalModel::Polynomial);
+        Fitting::of(fits, |place, fit| own.agrees(place, fit))
+    });
+    let choice = |line| search.choice(line, own.surest(line, simpler.as_ref()));
+    Ok((0..frequency_hz.len()).map(choice).collect())
+}
+
+impl Search<'_> {
+    /// The fits of a model at every frequency.
+    fn fits(&self, model: LocalModel) -> Vec<Fits> {
+        let fits_at = |hz: &f64| -> Fits {
+            let at = |half_width: &usize| {
+                let window = Window::around(self.pieces, *hz, *half_width, model);
+                let is_narrowest = *half_width == self.half_widths[0];
+                let is_local = window.half_hz <= WIDEST * hz || is_narrowest;
+                is_local.then(|| fit(&window, self.options.max_condition))?
+            };
+            self.half_widths.iter().map(at).collect()
+        };
+        self.frequency_hz.par_iter().map(fits_at).collect()
+    }
+
+    /// The fit that is taken at a line and its width, or why there is none.
+    fn choice(&self, line: usize, taken: Option<(usize, Fitted)>) -> Choice {
+        let (width, fitted) = match taken {
+            Some((width, fitted)) => (width, Ok(fitted)),
+            None => (0, Err(self.deficiency(self.frequency_hz[line]))),
         };
         Choice {
-            half_width: half_widths[width],
-            fitted: with_bias(&fits[line], width).ok_or_else(deficiency),
+            half_width: self.half_widths[width],
+            fitted,
         }
-    };
-    Ok(widths.iter().enumerate().map(choice).collect())
+    }
+
+    /// Why nothing is known at a frequency.
+    fn deficiency(&self, frequency_hz: f64) -> DeficientLine {
+        let window = Window::around(
+            self.pieces,
+            frequency_hz,
+            self.half_widths[0],
+            self.options.model,
+        );
+        DeficientLine {
+            frequency_hz,
+            condition: window.condition(),
+            limit: self.options.max_condition,
+            cause: cause(window.inputs()),
+        }
+    }
 }
 
 /// The fit to a window in which the inputs can be told apart.
@@ -135,106 +150,6 @@ fn half_widths(
     Ok(widths
         .filter(|half_width| 2 * half_width < longest || *half_width == narrowest)
         .collect())
-}
-
-/// For each frequency the widest fit that agrees with all narrower ones.
-fn widest(fits: &[Fits]) -> Vec<usize> {
-    let n_widths = fits.first().map_or(0, Vec::len);
-    let noise: Vec<Vec<f64>> = (0..n_widths)
-        .map(|width| usual_noise(fits, width))
-        .collect();
-    let widest_at = |(line, fits): (usize, &Fits)| {
-        let wider = |width: usize| noise[width][line];
-        let agrees = |width: &usize| {
-            (0..*width).all(|narrower| agree(&fits[narrower], &fits[*width], wider(narrower)))
-        };
-        (1..n_widths).take_while(agrees).last().unwrap_or(0)
-    };
-    fits.iter().enumerate().map(widest_at).collect()
-}
-
-/// Whether a fit agrees with a narrower one, whose noise is usually `wider` times as large.
-fn agree(narrow: &Option<Fitted>, wide: &Option<Fitted>, wider: f64) -> bool {
-    let (Some(narrow), Some(wide)) = (narrow, wide) else {
-        return wide.is_some();
-    };
-    let distance = narrow.distance(wide) / wider;
-    let is_near = f_tail(distance, narrow.response.len(), narrow.degrees_of_freedom) >= AGREEMENT;
-    is_near && !grows(narrow, wide, wider)
-}
-
-/// Whether the residual of a wider fit is larger beyond chance.
-fn grows(narrow: &Fitted, wide: &Fitted, wider: f64) -> bool {
-    let rows = narrow.n_rows as f64;
-    let variance = |fitted: &Fitted| 1.0 / (rows * fitted.degrees_of_freedom);
-    let chance = (variance(narrow) + variance(wide)).sqrt();
-    let growth = zip(wide.noise, narrow.noise).map(|(wide, narrow)| wide / narrow / wider);
-    let growth = growth.fold(f64::INFINITY, f64::min).ln();
-    growth > LEAST_GROWTH.ln().max(MOST_GROWTH * chance)
-}
-
-/// At each frequency the noise that neighbours see over that of the fit itself, at least 1.
-fn usual_noise(fits: &[Fits], width: usize) -> Vec<f64> {
-    let noise = |fits: &Fits| {
-        fits[width]
-            .as_ref()
-            .map_or(f64::NAN, |fitted| fitted.noise[0])
-    };
-    let all: Vec<f64> = fits.iter().map(noise).collect();
-    let usual = medians(&all);
-    zip(usual, all)
-        .map(|(usual, own)| (usual / own).max(1.0))
-        .collect()
-}
-
-fn smoothed(widths: &[usize]) -> Vec<usize> {
-    let all: Vec<f64> = widths.iter().map(|width| *width as f64).collect();
-    medians(&all)
-        .into_iter()
-        .map(|width| width as usize)
-        .collect()
-}
-
-/// Medians of what neighbours have, at the ends those to one side.
-fn medians(all: &[f64]) -> Vec<f64> {
-    let at = |place: usize| {
-        let near = place.saturating_sub(NEIGHBOURS)..(place + NEIGHBOURS + 1).min(all.len());
-        median(all[near].to_vec()).unwrap_or(f64::NAN)
-    };
-    (0..all.len()).map(at).collect()
-}
-
-/// The fit of a width with its bias in the covariance.
-fn with_bias(fits: &Fits, width: usize) -> Option<Fitted> {
-    let mut fitted = fits[width].clone()?;
-    let beside = if width > 0 { width - 1 } else { 1 };
-    if let Some(Some(other)) = fits.get(beside) {
-        let difference = &fitted.response - &other.response;
-        let bias = DVector::from_column_slice(difference.as_slice());
-        let by_noise = TYPICAL * (trace(&fitted) - trace(other)).abs();
-        let share = 1.0 - by_noise / bias.norm_squared().max(f64::MIN_POSITIVE);
-        fitted.covariance += &bias * bias.adjoint() * Complex64::from(share.max(0.0));
-    }
-    Some(fitted)
-}
-
-fn trace(fitted: &Fitted) -> f64 {
-    fitted
-        .covariance
-        .diagonal()
-        .iter()
-        .map(|variance| variance.re)
-        .sum()
-}
-
-/// Why nothing is known at a frequency.
-fn deficiency(window: &Window, frequency_hz: f64, limit: f64) -> DeficientLine {
-    DeficientLine {
-        frequency_hz,
-        condition: window.condition(),
-        limit,
-        cause: cause(window.inputs()),
-    }
 }
 
 fn cause(inputs: &[Column]) -> Deficiency {
