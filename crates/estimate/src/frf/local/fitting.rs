@@ -7,7 +7,7 @@
 //! residuals are what the model lacks, and grow with the band. Among neighbouring frequencies the median of
 //! the widths counts, since a noise of few degrees of freedom is at times too small by chance. What the fit
 //! taken is off the one before it, beyond what noise of one degree of freedom is in the median, counts as
-//! bias and is added to its covariance: regions hold 93 to 95 % (tests/peers/local_coverage.py).
+//! bias and is added to its covariance: regions hold 94 to 95 % (tests/peers/local_coverage.py).
 //!
 //! Noise on an answer biases the denominator of a rational function, the more the wider the band. Where a polynomial
 //! agrees with the narrowest rational fit, poles explain no more than chance, and it is much surer, it is taken.
