@@ -14,7 +14,7 @@ use std::iter::zip;
 
 use crate::frf::local::column::Column;
 use crate::frf::local::repeats::Scatter;
-use crate::frf::local::row_fit::{RowFit, fit_rows};
+use crate::frf::local::row_fit::{RowFit, fit_rows, fit_rows_of_both};
 use crate::frf::local::window::Window;
 use crate::frf::matrices::Matrix;
 
@@ -40,8 +40,20 @@ pub(crate) struct Fitted {
 impl Fitted {
     /// The fit to a window; `None` where it does not determine the FRF.
     pub(crate) fn of(window: &Window) -> Option<Self> {
-        let rows = fit_rows(window);
-        let n_free = window.n_free() as f64;
+        Self::of_rows(window, fit_rows(window), window.n_free())
+    }
+
+    /// The same, and what it is without poles.
+    pub(super) fn of_both(window: &Window) -> [Option<Self>; 2] {
+        let [rational, polynomial] = fit_rows_of_both(window);
+        [
+            Self::of_rows(window, rational, window.n_free()),
+            Self::of_rows(window, polynomial, window.n_free() + window.n_poles),
+        ]
+    }
+
+    fn of_rows(window: &Window, rows: Vec<RowFit>, n_free: usize) -> Option<Self> {
+        let n_free = n_free as f64;
         let sigma = noise_covariance(&rows, n_free);
         let through = Through::of(&rows, window.n_outputs)?;
         let of_noise = |scatter: &Scatter| Scatter {

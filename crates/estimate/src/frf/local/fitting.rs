@@ -62,13 +62,12 @@ impl Fitting {
     }
 
     /// The fit that is taken at a line and its width: of a simpler model where that agrees and is much surer.
-    pub(super) fn surest(&self, line: usize, simpler: Option<&Self>) -> Option<(usize, Fitted)> {
+    pub(super) fn surest(&self, line: usize, simpler: &Self) -> Option<(usize, Fitted)> {
         let taken = self.taken(line)?;
         let is_surer = |(width, simple): &(usize, Fitted)| {
             trace(simple) < SURER * trace(&taken.1) && self.agrees((line, *width), simple)
         };
-        let simple = simpler.and_then(|simpler| simpler.taken(line));
-        simple.filter(is_surer).or(Some(taken))
+        simpler.taken(line).filter(is_surer).or(Some(taken))
     }
 }
 

@@ -29,7 +29,11 @@ pub(crate) struct RowFit {
 /// The equations of a window, each with its weight.
 struct Equations<'w> {
     window: &'w Window,
+    /// Order of the denominator.
+    n_poles: usize,
     places: Reals,
+    /// One over the weights.
+    sizes: Reals,
     /// The weights times powers of the places.
     powers: [Reals; N_TERMS],
     /// The same with the other sign, for the side of the unknowns.
@@ -40,47 +44,66 @@ struct Equations<'w> {
 
 /// The fits of all answers of a window.
 pub(crate) fn fit_rows(window: &Window) -> Vec<RowFit> {
-    let even = Equations::of(window, Reals::of(&window.places).map(|_| 1.0));
-    let (weighted, sizes) = even.weighted();
-    let drives = 0..window.drives.len();
-    let drives = drives.map(|drive| weighted.common.functional(N_TERMS * drive));
-    let drives: Vec<Functional> = drives.collect();
-    let fit = |answer| weighted.row_fit(answer, &drives, &sizes);
-    window.answers.iter().map(fit).collect()
+    let even = Equations::even(window);
+    if window.n_poles == 0 {
+        even.rows()
+    } else {
+        even.weighted().rows()
+    }
+}
+
+/// The same, and what they are without poles.
+pub(super) fn fit_rows_of_both(window: &Window) -> [Vec<RowFit>; 2] {
+    let even = Equations::even(window);
+    [even.weighted().rows(), even.without_poles().rows()]
 }
 
 impl<'w> Equations<'w> {
-    fn of(window: &'w Window, weights: Reals) -> Self {
+    fn even(window: &'w Window) -> Self {
+        Self::of(window, Reals::of(&window.places).map(|_| 1.0))
+    }
+
+    fn of(window: &'w Window, sizes: Reals) -> Self {
         let places = Reals::of(&window.places);
+        let weights = sizes.map(f64::recip);
         let linear = weights.times(&places);
         let powers = [weights, linear.clone(), linear.times(&places)];
         let signals = window.drives.iter().chain(&window.transients);
         let columns = signals.flat_map(|signal| powers.iter().map(|power| signal.times(power)));
         Self {
             window,
+            n_poles: window.n_poles,
             common: Basis::of(columns),
             places,
+            sizes,
             minus_powers: powers.clone().map(|power| power.map(|value| -value)),
             powers,
         }
     }
 
-    /// The same over what the denominators of all answers are in the mean, and that; themselves where there are none.
-    fn weighted(self) -> (Self, Reals) {
-        let window = self.window;
-        if window.n_poles == 0 {
-            let sizes = self.powers[0].clone();
-            return (self, sizes);
-        }
-        let answers = window.answers.iter();
+    /// The same over what the denominators of all answers are in the mean.
+    fn weighted(&self) -> Self {
+        let answers = self.window.answers.iter();
         let denominators = answers.map(|answer| self.denominator(&self.system(answer)));
-        let sizes = mean_sizes(&denominators.collect::<Vec<_>>());
-        (Self::of(window, sizes.map(f64::recip)), sizes)
+        Self::of(self.window, mean_sizes(&denominators.collect::<Vec<_>>()))
+    }
+
+    fn without_poles(self) -> Self {
+        Self { n_poles: 0, ..self }
+    }
+
+    /// The fits of all answers.
+    fn rows(&self) -> Vec<RowFit> {
+        let drives = 0..self.window.drives.len();
+        let drives = drives.map(|drive| self.common.functional(N_TERMS * drive));
+        let drives: Vec<Functional> = drives.collect();
+        let fit = |answer| self.row_fit(answer, &drives);
+        self.window.answers.iter().map(fit).collect()
     }
 
     /// The equations of an answer: behind the common columns those of the denominator.
     fn system(&self, answer: &Column) -> System<'_> {
-        let own = self.minus_powers[1..].iter().take(self.window.n_poles);
+        let own = self.minus_powers[1..].iter().take(self.n_poles);
         let own = own.map(|power| answer.times(power));
         System::of(&self.common, own, answer.times(&self.powers[0]))
     }
@@ -88,18 +111,17 @@ impl<'w> Equations<'w> {
     /// The denominator on every line, from the last unknowns.
     fn denominator(&self, fit: &System) -> Column {
         let unknowns = fit.unknowns();
-        let own = &unknowns[unknowns.len() - self.window.n_poles..];
+        let own = &unknowns[unknowns.len() - self.n_poles..];
         Column::polynomial(&self.places, own)
     }
 
-    /// The fit of an answer from what the common columns make of every drive's response, weights being one over
-    /// `sizes`.
-    fn row_fit(&self, answer: &Column, drives: &[Functional], sizes: &Reals) -> RowFit {
+    /// The fit of an answer from what the common columns make of every drive's response.
+    fn row_fit(&self, answer: &Column, drives: &[Functional]) -> RowFit {
         let fit = self.system(answer);
         let (a, unknowns) = (self.denominator(&fit), fit.unknowns());
         let of_equations = a.times(&self.powers[0]);
         let factors = |drive| fit.functional(drive).times_conjugate(&of_equations);
-        let equation_error = fit.residual.times(sizes);
+        let equation_error = fit.residual.times(&self.sizes);
         RowFit {
             response: unknowns
                 .into_iter()

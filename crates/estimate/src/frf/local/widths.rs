@@ -61,29 +61,41 @@ pub(super) fn chosen(
         frequency_hz,
         options,
     };
-    let own = Fitting::of(search.fits(options.model), |_, _| true);
-    let is_open = options.model == LocalModel::Rational && search.half_widths.len() > 1;
-    let simpler = is_open.then(|| {
-        let fits = search.fits(LocalModel::Polynomial);
-        Fitting::of(fits, |place, fit| own.agrees(place, fit))
-    });
-    let choice = |line| search.choice(line, own.surest(line, simpler.as_ref()));
+    let (fits, simpler) = search.fits();
+    let own = Fitting::of(fits, |_, _| true);
+    let simpler = Fitting::of(simpler, |place, fit| own.agrees(place, fit));
+    let choice = |line| search.choice(line, own.surest(line, &simpler));
     Ok((0..frequency_hz.len()).map(choice).collect())
 }
 
 impl Search<'_> {
-    /// The fits of a model at every frequency.
-    fn fits(&self, model: LocalModel) -> Vec<Fits> {
-        let fits_at = |hz: &f64| -> Fits {
+    /// The fits at every frequency, and those of a simpler model where that is looked at: widths are chosen, and poles.
+    fn fits(&self) -> (Vec<Fits>, Vec<Fits>) {
+        let fits_at = |hz: &f64| {
             let at = |half_width: &usize| {
-                let window = Window::around(self.pieces, *hz, *half_width, model);
+                let window = Window::around(self.pieces, *hz, *half_width, self.options.model);
                 let is_narrowest = *half_width == self.half_widths[0];
                 let is_local = window.half_hz <= WIDEST * hz || is_narrowest;
-                is_local.then(|| fit(&window, self.options.max_condition))?
+                let is_fit = is_local && window.is_determined();
+                let fits = is_fit.then(|| self.fits_to(&window));
+                fits.unwrap_or_default()
             };
-            self.half_widths.iter().map(at).collect()
+            self.half_widths.iter().map(at).unzip()
         };
-        self.frequency_hz.par_iter().map(fits_at).collect()
+        self.frequency_hz.par_iter().map(fits_at).unzip()
+    }
+
+    /// The fits to a window in which the inputs can be told apart.
+    fn fits_to(&self, window: &Window) -> (Option<Fitted>, Option<Fitted>) {
+        let is_open = self.options.model == LocalModel::Rational && self.half_widths.len() > 1;
+        let fits = if is_open {
+            Fitted::of_both(window)
+        } else {
+            [Fitted::of(window), None]
+        };
+        let is_told = |fit: &Fitted| fit.condition <= self.options.max_condition;
+        let [own, simpler] = fits.map(|fit| fit.filter(is_told));
+        (own, simpler)
     }
 
     /// The fit that is taken at a line and its width, or why there is none.
@@ -113,12 +125,6 @@ impl Search<'_> {
             cause: cause(window.inputs()),
         }
     }
-}
-
-/// The fit to a window in which the inputs can be told apart.
-fn fit(window: &Window, max_condition: f64) -> Option<Fitted> {
-    let fitted = window.is_determined().then(|| Fitted::of(window))??;
-    (fitted.condition <= max_condition).then_some(fitted)
 }
 
 /// The half widths that are tried: from the narrowest that determines a model to where the pieces end.
