@@ -147,7 +147,10 @@ impl Lines {
         instrument: Option<&[Complex64]>,
     ) -> Equations {
         let left = self.columns(before, shape, &self.y);
-        let instruments = self.columns(before, shape, instrument.unwrap_or(&self.y));
+        let instruments = match instrument {
+            Some(y) => self.columns(before, shape, y),
+            None => left.clone(),
+        };
         let right = zip(&self.u, &before.b).map(|(u, b)| -u / b.norm());
         Equations::new(left, instruments, split(right))
     }
