@@ -5,6 +5,8 @@ use std::iter::zip;
 use num_complex::Complex64;
 use pulp::{Arch, Simd, WithSimd};
 
+use crate::frf::local::window::N_TERMS;
+
 /// Columns are as long as a multiple of this, by zeros at their end: so many numbers or fewer go into one register.
 const LANES: usize = 8;
 
@@ -13,14 +15,14 @@ const LANES: usize = 8;
 pub(crate) struct Column(Vec<f64>);
 
 /// A real number for each row of a column.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Reals(Vec<f64>);
 
 impl Column {
     /// A column of so many numbers, one after the other.
     pub(crate) fn of(n: usize, values: impl Iterator<Item = Complex64>) -> Self {
-        let half = n.next_multiple_of(LANES);
-        let mut column = Self(vec![0.0; 2 * half]);
+        let mut column = Self::zeros(n);
+        let half = column.n_rows();
         for (row, value) in values.take(half).enumerate() {
             column.0[row] = value.re;
             column.0[half + row] = value.im;
@@ -28,8 +30,9 @@ impl Column {
         column
     }
 
-    pub(super) fn zeros_like(&self) -> Self {
-        Self(vec![0.0; self.0.len()])
+    /// Of so many zeros.
+    pub(super) fn zeros(n: usize) -> Self {
+        Self(vec![0.0; 2 * n.next_multiple_of(LANES)])
     }
 
     pub(super) fn is_zero(&self) -> bool {
@@ -45,22 +48,19 @@ impl Column {
         Arch::new().dispatch(Dot(self, other))
     }
 
-    /// Adds another column times a number.
-    pub(super) fn add(&mut self, factor: Complex64, other: &Self) {
-        Arch::new().dispatch(Add(self, factor, other));
-    }
-
-    /// Takes off what it has of directions, one after the other, and writes down how much that was.
-    pub(super) fn take_off<'q>(
+    /// Adds another column, every number times a polynomial at its place.
+    pub(super) fn add_polynomial(
         &mut self,
-        directions: impl Iterator<Item = &'q Self>,
-        shares: &mut Vec<Complex64>,
+        coefficients: [Complex64; N_TERMS],
+        places: &Reals,
+        other: &Self,
     ) {
-        Arch::new().dispatch(TakeOff(self, directions, shares));
+        Arch::new().dispatch(AddPolynomial(self, coefficients, places, other));
     }
 
-    pub(super) fn scale(&mut self, factor: f64) {
-        self.0.iter_mut().for_each(|value| *value *= factor);
+    /// Every number less that of another column.
+    pub(super) fn less(&self, other: &Self) -> Self {
+        Self(zip(&self.0, &other.0).map(|(a, b)| a - b).collect())
     }
 
     /// Every number times the real one of its row.
@@ -79,18 +79,9 @@ impl Column {
         self.with(other, over)
     }
 
-    fn with(&self, other: &Self, of: fn(Complex64, Complex64) -> Complex64) -> Self {
+    fn with(&self, other: &Self, of: impl Fn(Complex64, Complex64) -> Complex64) -> Self {
         let rows = zip(self.values(), other.values()).map(|(a, b)| of(a, b));
         Self::of(self.n_rows(), rows)
-    }
-
-    /// `1 + c_1 x + c_2 x^2 ...`
-    pub(super) fn polynomial(x: &Reals, coefficients: &[Complex64]) -> Self {
-        let at = |x: &f64| {
-            let powers = coefficients.iter().rev();
-            Complex64::ONE + powers.fold(Complex64::ZERO, |sum, c| (sum + c) * x)
-        };
-        Self::of(x.0.len(), x.0.iter().map(at))
     }
 
     fn n_rows(&self) -> usize {
@@ -121,6 +112,10 @@ impl Reals {
         Self(self.0.iter().copied().map(of).collect())
     }
 
+    pub(super) fn len(&self) -> usize {
+        self.0.len()
+    }
+
     /// Product row by row.
     pub(super) fn times(&self, other: &Self) -> Self {
         Self(zip(&self.0, &other.0).map(|(a, b)| a * b).collect())
@@ -134,10 +129,16 @@ impl Reals {
     pub(super) fn largest(&self) -> f64 {
         self.0.iter().copied().fold(0.0, f64::max)
     }
+
+    /// The numbers, register by register.
+    #[inline(always)]
+    pub(super) fn registers<S: Simd>(&self) -> &[S::f64s] {
+        S::as_simd_f64s(&self.0).0
+    }
 }
 
-/// A quotient; 0 over nothing: a column that says nothing new, a denominator that vanishes.
-pub(super) fn over(value: Complex64, divisor: Complex64) -> Complex64 {
+/// A quotient; 0 over a denominator that vanishes.
+fn over(value: Complex64, divisor: Complex64) -> Complex64 {
     if divisor == Complex64::ZERO {
         Complex64::ZERO
     } else {
@@ -146,8 +147,7 @@ pub(super) fn over(value: Complex64, divisor: Complex64) -> Complex64 {
 }
 
 struct Dot<'c>(&'c Column, &'c Column);
-struct Add<'c>(&'c mut Column, Complex64, &'c Column);
-struct TakeOff<'c, I>(&'c mut Column, I, &'c mut Vec<Complex64>);
+struct AddPolynomial<'c>(&'c mut Column, [Complex64; N_TERMS], &'c Reals, &'c Column);
 
 impl WithSimd for Dot<'_> {
     type Output = Complex64;
@@ -170,39 +170,33 @@ impl WithSimd for Dot<'_> {
     }
 }
 
-impl WithSimd for Add<'_> {
+impl WithSimd for AddPolynomial<'_> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self(sum, factor, other) = self;
-        let [re, im, minus_im] = [factor.re, factor.im, -factor.im].map(|x| simd.splat_f64s(x));
+        let Self(sum, coefficients, places, other) = self;
+        let re = coefficients.map(|c| simd.splat_f64s(c.re));
+        let im = coefficients.map(|c| simd.splat_f64s(c.im));
+        let at = |x, [c0, c1, c2]: [S::f64s; N_TERMS]| {
+            simd.mul_add_f64s(x, simd.mul_add_f64s(x, c2, c1), c0)
+        };
         let half = sum.n_rows();
         let (sum_re, sum_im) = sum.0.split_at_mut(half);
         let sums = zip(S::as_mut_simd_f64s(sum_re).0, S::as_mut_simd_f64s(sum_im).0);
-        for ((sum_re, sum_im), (x_re, x_im)) in zip(sums, registers::<S>(other)) {
-            *sum_re = simd.mul_add_f64s(minus_im, *x_im, simd.mul_add_f64s(re, *x_re, *sum_re));
+        let signal = zip(places.registers::<S>(), registers::<S>(other));
+        for ((sum_re, sum_im), (x, (x_re, x_im))) in zip(sums, signal) {
+            let (re, im) = (at(*x, re), at(*x, im));
+            let less = simd.mul_f64s(im, *x_im);
+            *sum_re = simd.sub_f64s(simd.mul_add_f64s(re, *x_re, *sum_re), less);
             *sum_im = simd.mul_add_f64s(im, *x_re, simd.mul_add_f64s(re, *x_im, *sum_im));
-        }
-    }
-}
-
-impl<'q, I: Iterator<Item = &'q Column>> WithSimd for TakeOff<'_, I> {
-    type Output = ();
-
-    #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) {
-        for direction in self.1 {
-            let share = Dot(direction, self.0).with_simd(simd);
-            Add(self.0, -share, direction).with_simd(simd);
-            self.2.push(share);
         }
     }
 }
 
 /// The real and imaginary parts of a column, register by register.
 #[inline(always)]
-fn registers<S: Simd>(column: &Column) -> impl Iterator<Item = (&S::f64s, &S::f64s)> {
+pub(super) fn registers<S: Simd>(column: &Column) -> impl Iterator<Item = (&S::f64s, &S::f64s)> {
     let (re, im) = column.parts();
     zip(S::as_simd_f64s(re).0, S::as_simd_f64s(im).0)
 }

@@ -12,6 +12,8 @@
 
 use std::iter::zip;
 
+use num_complex::Complex64;
+
 use crate::frf::local::column::Column;
 use crate::frf::local::repeats::Scatter;
 use crate::frf::local::row_fit::{RowFit, fit_rows, fit_rows_of_both};
@@ -112,8 +114,8 @@ fn noise_covariance(rows: &[RowFit], n_free: f64) -> Matrix {
 /// The way from the rows of a fit to the FRF.
 struct Through {
     response: Matrix,
-    /// S.
-    inverse: Matrix,
+    /// S; `None` in open loop, where it is one.
+    inverse: Option<Matrix>,
     /// c, `(output, row)`.
     shares: Matrix,
 }
@@ -124,23 +126,22 @@ impl Through {
     fn of(rows: &[RowFit], n_outputs: usize) -> Option<Self> {
         let n_drives = rows.first()?.response.len();
         let all = Matrix::from_fn(rows.len(), n_drives, |row, drive| rows[row].response[drive]);
-        let outputs = all.rows(0, n_outputs).into_owned();
+        let mut shares = Matrix::identity(n_outputs, rows.len());
         if rows.len() == n_outputs {
             return Some(Self {
-                response: outputs,
-                inverse: Matrix::identity(n_drives, n_drives),
-                shares: Matrix::identity(n_outputs, n_outputs),
+                response: all,
+                inverse: None,
+                shares,
             });
         }
         let inverse = all.rows(n_outputs, n_drives).into_owned().try_inverse()?;
-        let response = outputs * &inverse;
-        let mut shares = Matrix::identity(n_outputs, rows.len());
+        let response = all.rows(0, n_outputs) * &inverse;
         shares
             .columns_mut(n_outputs, n_drives)
             .copy_from(&-&response);
         Some(Self {
             response,
-            inverse,
+            inverse: Some(inverse),
             shares,
         })
     }
@@ -165,18 +166,43 @@ impl Through {
         for z in 0..rows.len() {
             for w in z..rows.len() {
                 let weight = if w == z { 0.5 } else { 1.0 };
-                let common = self.common(&rows[z], &rows[w]) * (sigma[(z, w)] * weight);
-                let shares = self.shares.column(z) * self.shares.column(w).adjoint();
-                half += common.kronecker(&shares);
+                self.add_pair(&mut half, (rows, z, w), sigma[(z, w)] * weight);
             }
         }
-        &half + half.adjoint()
+        let whole = &half + half.adjoint();
+        let Some(inverse) = &self.inverse else {
+            return whole;
+        };
+        let outputs = Matrix::identity(self.response.nrows(), self.response.nrows());
+        let through = inverse.transpose().kronecker(&outputs);
+        &through * whole * through.adjoint()
     }
 
-    /// `S^T F_z F_w^H conj(S)`.
-    fn common(&self, z: &RowFit, w: &RowFit) -> Matrix {
-        let n = z.factors.len();
-        let products = Matrix::from_fn(n, n, |i, j| z.factors[i].dot(&w.factors[j]));
-        self.inverse.transpose() * products * self.inverse.map(|value| value.conj())
+    /// Adds `sigma_zw c_iz conj(c_pw) (F_z F_w^H)_jq` of a pair of rows to all entries.
+    fn add_pair(
+        &self,
+        all: &mut Matrix,
+        (rows, z, w): (&[RowFit], usize, usize),
+        sigma: Complex64,
+    ) {
+        let n_outputs = self.response.nrows();
+        for (j, left) in rows[z].factors.iter().enumerate() {
+            for (q, right) in rows[w].factors.iter().enumerate() {
+                let product = left.dot(right) * sigma;
+                for (i, p) in self.sharing(z, w) {
+                    let share = self.shares[(i, z)] * self.shares[(p, w)].conj();
+                    all[(i + n_outputs * j, p + n_outputs * q)] += product * share;
+                }
+            }
+        }
+    }
+
+    /// Pairs of outputs that have a share of a pair of rows.
+    fn sharing(&self, z: usize, w: usize) -> impl Iterator<Item = (usize, usize)> {
+        let of = move |row: usize| {
+            let outputs = 0..self.response.nrows();
+            outputs.filter(move |output| self.shares[(*output, row)] != Complex64::ZERO)
+        };
+        of(z).flat_map(move |i| of(w).map(move |p| (i, p)))
     }
 }

@@ -20,9 +20,11 @@
 
 mod agreement;
 pub(crate) mod column;
+mod equations;
 pub(crate) mod fitted;
 mod fitting;
-mod least_squares;
+mod moments;
+mod normal_equations;
 mod pieces;
 mod repeats;
 pub(crate) mod row_fit;

@@ -107,6 +107,11 @@ impl Window {
         }
     }
 
+    /// What stands in the equations of all answers: drives, then transients.
+    pub(super) fn signals(&self) -> impl Iterator<Item = &Column> {
+        self.drives.iter().chain(&self.transients)
+    }
+
     /// Unknowns of a row.
     pub(crate) fn n_unknowns(&self) -> usize {
         self.n_poles + N_TERMS * (self.drives.len() + self.transients.len())
@@ -120,6 +125,9 @@ impl Window {
     /// Condition number of the inputs, each scaled to the same size, from their Gram matrix.
     pub(crate) fn condition(&self) -> f64 {
         let inputs = self.inputs();
+        if let [input] = inputs {
+            return if input.is_zero() { f64::INFINITY } else { 1.0 };
+        }
         let size = |column: &Column| column.norm_squared().max(f64::MIN_POSITIVE).sqrt();
         let gram = Matrix::from_fn(inputs.len(), inputs.len(), |i, j| {
             inputs[i].dot(&inputs[j]) / (size(&inputs[i]) * size(&inputs[j]))
