@@ -4,6 +4,7 @@ Needs ``pip install mcap mcap-ros2-support rosbags numpy pytest``, and cargo to 
 """
 
 import json
+import os
 import pathlib
 import subprocess
 
@@ -30,8 +31,10 @@ def signal(which):
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("mcap")
-    command = ["cargo", "run", "-q", "-p", "frfid-files", "--example", "write_sample_run", "--", str(path)]
-    subprocess.run(command, cwd=ROOT, check=True)
+    # of the whole workspace: of one package alone its dependencies would be built once more, with fewer features
+    subprocess.run(["cargo", "build", "-q", "--workspace", "--example", "write_sample_run"], cwd=ROOT, check=True)
+    target = pathlib.Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+    subprocess.run([ROOT / target / "debug" / "examples" / "write_sample_run", path], check=True)
     return path
 
 

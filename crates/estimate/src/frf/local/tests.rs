@@ -60,6 +60,25 @@ fn a_sharp_mode_and_its_transient_are_exact() {
     assert!(error < 1e-9, "{error:e}");
 }
 
+/// The condition of 1e5 is squared in the normal equations, and what that costs is found again.
+#[test]
+fn inputs_nearly_alike_are_told_apart_to_rounding() {
+    let mut rng = stream(3, "nearly alike", &[]);
+    let mut random = || Complex64::new(normal(&mut rng), normal(&mut rng));
+    let places: Vec<f64> = (0..41).map(|k| f64::from(k) / 20.0 - 1.0).collect();
+    let common: Vec<Complex64> = places.iter().map(|_| random()).collect();
+    let own: [Vec<Complex64>; 2] =
+        [(); 2].map(|()| common.iter().map(|u| u + 1e-5 * random()).collect());
+    let output = own[0].iter().zip(&own[1]).map(|(a, b)| 3.0 * a - 2.0 * b);
+    let outputs = columns(&[output.collect()]);
+    let pieces = std::iter::once(0..41).collect();
+    let model = LocalModel::Polynomial;
+    let window = Window::of(places, pieces, columns(&own), outputs, model);
+    let fit = Fitted::of(&window).expect("enough lines");
+    let error = (fit.response[0] - 3.0).norm();
+    assert!(error < 1e-9, "{error:e}");
+}
+
 /// 95 % of |dG|^2 lie below `variance F_95(2, 2 dof)`, dof = 63 - 17: over a smooth mode and beside a sharp one.
 #[test]
 fn the_covariance_is_that_of_the_errors() {
