@@ -81,7 +81,9 @@ pub(crate) fn config(error: ConfigError) -> PyErr {
 /// Files that cannot be read or written are `OSError`s, files that say something wrong are not.
 pub(crate) fn file(error: FileError) -> PyErr {
     match error {
-        FileError::Exists { .. } => PyFileExistsError::new_err(error.to_string()),
+        FileError::Exists { .. } | FileError::NoFile { .. } => {
+            PyFileExistsError::new_err(error.to_string())
+        }
         FileError::Format { .. } | FileError::Content { .. } | FileError::Shape { .. } => {
             PyValueError::new_err(error.to_string())
         }

@@ -9,6 +9,8 @@ use std::time::Duration;
 
 use pyo3::prelude::*;
 
+use crate::threads::pool;
+
 /// How often the calling thread looks for Ctrl-C.
 const WAKE: Duration = Duration::from_millis(50);
 
@@ -35,12 +37,13 @@ pub(crate) fn interruptible<T: Send>(
     work: impl FnOnce(&Progress<'_>) -> T + Send,
 ) -> PyResult<T> {
     let callback = progress.map(|callable| callable.clone().unbind());
-    let stop = AtomicBool::new(false);
+    let (pool, stop) = (pool(py)?, AtomicBool::new(false));
     py.detach(|| {
         thread::scope(|scope| {
             let (reports, inbox) = channel();
-            let stop = &stop;
-            let worker = scope.spawn(move || work(&Progress { reports, stop }));
+            let (pool, stop) = (&pool, &stop);
+            let work = move || pool.install(|| work(&Progress { reports, stop }));
+            let worker = thread::Builder::new().spawn_scoped(scope, work)?;
             let listened = listen(&inbox, callback.as_ref());
             stop.store(listened.is_err(), Ordering::Relaxed);
             let value = worker.join().unwrap_or_else(|panic| resume_unwind(panic));

@@ -73,6 +73,7 @@ mod cli;
 mod error;
 mod interrupt;
 mod pickle;
+mod threads;
 mod warnings;
 
 /// Frequency response functions of flexible-joint robots, by experiment: the compiled part of the

@@ -107,6 +107,7 @@ impl From<FileError> for Failure {
     fn from(error: FileError) -> Self {
         let exit = match error {
             FileError::Exists { .. }
+            | FileError::NoFile { .. }
             | FileError::Leftover { .. }
             | FileError::Format { .. }
             | FileError::Content { .. }

@@ -80,15 +80,25 @@ pub fn create_folder(folder: &Path) -> Result<(), FileError> {
     std::fs::create_dir_all(folder).map_err(FileError::cannot("create the folder", folder))
 }
 
-/// Refuses an output that exists, before any work is done for it.
+/// Refuses an output that exists, before any work is done for it; a link, a device or a pipe always.
 ///
 /// # Errors
-/// [`FileError::Exists`].
+/// [`FileError::Exists`], [`FileError::NoFile`].
 pub fn check_free(path: &Path, overwrite: Overwrite) -> Result<(), FileError> {
-    if overwrite != Overwrite::Replace && path.symlink_metadata().is_ok() {
+    let Ok(there) = path.symlink_metadata() else {
+        return Ok(());
+    };
+    if overwrite != Overwrite::Replace {
         return Err(FileError::Exists { path: path.into() });
     }
-    Ok(())
+    let kind = match there.file_type() {
+        kind if kind.is_file() => return Ok(()),
+        kind if kind.is_symlink() => "a symbolic link",
+        kind if kind.is_dir() => "a folder",
+        _ => "a device, a pipe or a socket",
+    };
+    let path = path.into();
+    Err(FileError::NoFile { path, kind })
 }
 
 /// Opens `part` for the writing of `path`, locked and empty.
@@ -199,6 +209,28 @@ mod tests {
         assert!(error.contains("4 bytes"), "{error}");
         assert!(!path.exists());
         assert_eq!(fs::read(part_path(&path)).expect("kept"), b"half");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn what_is_no_file_is_never_replaced() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let file = folder.path().join("a.json");
+        fs::write(&file, b"measured").expect("written");
+        let link = folder.path().join("link.json");
+        std::os::unix::fs::symlink(&file, &link).expect("a link");
+        let socket = folder.path().join("socket");
+        let _bound = std::os::unix::net::UnixListener::bind(&socket).expect("a socket");
+        for (path, word) in [
+            (&*link, "link"),
+            (folder.path(), "folder"),
+            (&*socket, "socket"),
+        ] {
+            let refused = write_bytes(path, Overwrite::Replace, b"x").expect_err("no file");
+            assert!(refused.to_string().contains(word), "{refused}");
+        }
+        assert_eq!(fs::read(&file).expect("kept"), b"measured");
+        assert!(link.is_symlink() && socket.symlink_metadata().is_ok());
     }
 
     #[cfg(target_os = "linux")]

@@ -25,6 +25,14 @@ pub enum FileError {
         /// The file.
         path: PathBuf,
     },
+    /// The output is there, and no regular file: nothing is put in its place, whatever was said.
+    #[error("{} is {kind}, no file: it is not replaced; choose another name", path.display())]
+    NoFile {
+        /// What was to be written.
+        path: PathBuf,
+        /// What is there: a symbolic link, a folder, a device, a pipe or a socket.
+        kind: &'static str,
+    },
     /// A half-written file of an earlier, killed run lies in the way.
     #[error(
         "{} is left from a run that did not finish; salvage it (frfid recover), delete it, or say that it may be replaced (--force, in Python overwrite=True)",

@@ -16,6 +16,7 @@ use crate::choice::from_python;
 use crate::error;
 use crate::estimate::periods::Signals;
 use crate::frf::matrix::Frf;
+use crate::threads::detached;
 
 /// Spectra of periods in the arrays that the functions take.
 fn campaign(
@@ -27,7 +28,9 @@ fn campaign(
 ) -> PyResult<Campaign> {
     let signals = Signals::of(u, y, r)?;
     let (u, y, r) = signals.arrays();
-    let found = py.detach(|| campaign_of_periods(u, y, r, sample_time_s, harmonics));
+    let found = detached(py, || {
+        campaign_of_periods(u, y, r, sample_time_s, harmonics)
+    })?;
     found.map_err(error::estimate)
 }
 
@@ -72,7 +75,7 @@ pub(crate) fn estimate_loop(
     let entry: Option<Entry> = r#loop.map(|entry| from_python("loop", entry)).transpose()?;
     let campaign = campaign(py, [u, y], Some(r), sample_time_s, &harmonics)?;
     let max_condition = FrfOptions::default().max_condition;
-    let measured = py.detach(|| campaign.closed_loop(max_condition));
+    let measured = detached(py, || campaign.closed_loop(max_condition))?;
     let measured = measured.map_err(error::estimate)?;
     let named = |&(name, what): &(&'static str, Response)| {
         let frf = measured.response(what, entry).map_err(error::signal)?;
@@ -179,10 +182,10 @@ pub(crate) fn spectra_covariance<'py>(
     r: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Covariances<'py>> {
     let campaign = campaign(py, [u, y], r, sample_time_s, &harmonics)?;
-    let found = py.detach(|| {
+    let found = detached(py, || {
         let frf = campaign.estimate(&Method::Auto.into())?;
         campaign.spectra_covariance(&frf)
-    });
+    })?;
     let found: SpectraCovariance = found.map_err(error::estimate)?;
     let array = |covariance: Option<_>| covariance.map(|covariance| c_ordered(py, covariance));
     Ok(Covariances {

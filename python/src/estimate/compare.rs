@@ -6,6 +6,7 @@ use pyo3::prelude::*;
 use crate::choice::{choice, to_python};
 use crate::error;
 use crate::frf::matrix::Frf;
+use crate::threads::detached;
 
 /// Two FRFs side by side; made by ``frfid.compare``. Printed, it is its verdict.
 #[pyclass(frozen, module = "frfid")]
@@ -127,8 +128,7 @@ pub(crate) fn compare(
         largest_shift,
     };
     let (a, b) = (&a.result.frf, &b.result.frf);
-    let compared = py
-        .detach(|| frfid_estimate::compare(a, b, &options))
-        .map_err(error::estimate)?;
+    let compared =
+        detached(py, || frfid_estimate::compare(a, b, &options))?.map_err(error::estimate)?;
     Ok(Comparison { compared })
 }

@@ -11,6 +11,7 @@ use crate::estimate::local::local_method;
 use crate::estimate::periods::{checked, frf_options};
 use crate::frf::matrix::Frf;
 use crate::signals::chirp::Chirp;
+use crate::threads::detached;
 
 const RECORDINGS: [Axes; 2] = [
     &["experiment", "channel", "sample"],
@@ -85,7 +86,7 @@ pub(crate) fn estimate_chirp(
     );
     let (hz, signal) = (&frequencies_hz, &chirp.signal);
     let estimate = || estimate_repeats(u, y, r, signal, sample_time_s, hz, start_s, &options);
-    Ok(checked(py.detach(estimate).map_err(error::estimate)?))
+    Ok(checked(detached(py, estimate)?.map_err(error::estimate)?))
 }
 
 /// Recordings with the axis of repeats, which one recording leaves out.

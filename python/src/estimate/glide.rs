@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 use crate::error;
 use crate::frf::matrix::Frf;
 use crate::signals::record::Record;
+use crate::threads::detached;
 
 /// Takes the glide, a run on the constant velocity alone, off a run of the same start and velocity
 /// (SK15 section 4.4 E).
@@ -55,17 +56,17 @@ pub(crate) fn subtract_glide(
         ))
     })?;
     let rest: Result<Vec<Run>, EstimateError> = match (by, plant) {
-        ("time", _) => py.detach(|| {
+        ("time", _) => detached(py, || {
             runs.iter()
                 .map(|run| frfid_estimate::subtract_glide(run, &glide))
                 .collect()
-        }),
+        })?,
         ("position", Some(plant)) => {
             let plant = &plant.result.frf;
-            py.detach(|| {
+            detached(py, || {
                 let ripple = RippleTorque::of_glide(&glide, plant)?;
                 runs.iter().map(|run| ripple.subtract_glide(run)).collect()
-            })
+            })?
         }
         ("position", None) => {
             return Err(PyValueError::new_err(

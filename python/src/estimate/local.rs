@@ -11,6 +11,7 @@ use crate::array::{Axes, real};
 use crate::error;
 use crate::estimate::periods::checked;
 use crate::frf::matrix::Frf;
+use crate::threads::detached;
 use crate::warnings::warn;
 
 /// A record that repeats for more than this share of its time is periodic.
@@ -86,9 +87,9 @@ pub(crate) fn estimate_local(
         ..LocalOptions::default()
     };
     let estimate = || estimate(&pieces, sample_time_s, &frequencies_hz, &options);
-    let estimate = py.detach(estimate).map_err(error::estimate)?.estimate;
+    let estimate = detached(py, estimate)?.map_err(error::estimate)?.estimate;
     let mut result = checked(estimate).result;
-    if let Some(check) = py.detach(|| pieces.iter().find_map(repeats)) {
+    if let Some(check) = detached(py, || pieces.iter().find_map(repeats))? {
         warn(py, [format!("{}; {}", check.found, check.advice)])?;
         result.checks.push(check);
     }

@@ -12,6 +12,7 @@ use crate::array::{Axes, real};
 use crate::choice::from_python;
 use crate::error;
 use crate::frf::matrix::Frf;
+use crate::threads::detached;
 
 const CAMPAIGN: Axes = &["realization", "experiment", "period", "channel", "sample"];
 /// Best linear approximation with its variances, SK15 (13) and (14).
@@ -162,7 +163,7 @@ fn estimated(
     let signals = Signals::of(u, y, r)?;
     let (u, y, r) = signals.arrays();
     let estimate = || estimate_with_distortion(u, y, r, sample_time_s, harmonics, &options);
-    let (estimate, distortion) = py.detach(estimate).map_err(error::estimate)?;
+    let (estimate, distortion) = detached(py, estimate)?.map_err(error::estimate)?;
     let mut result = checked(estimate).result;
     result.distortion = distortion;
     Ok(Frf::of(result))

@@ -7,6 +7,7 @@ use pyo3::prelude::*;
 
 use crate::array::{c_ordered, real};
 use crate::error;
+use crate::threads::detached;
 
 /// Frequencies, times and densities, as scipy returns them.
 type Density<'py> = (
@@ -54,13 +55,13 @@ pub(crate) fn spectrogram<'py>(
         .as_array()
         .to_owned();
     let options = SpectrogramOptions { window_s, step_s };
-    let channels = py.detach(|| {
+    let channels = detached(py, || {
         signal
             .rows()
             .into_iter()
             .map(|row| of_channel(row, sample_time_s, &options))
             .collect::<Result<Vec<_>, _>>()
-    });
+    })?;
     let channels = channels.map_err(error::estimate)?;
     let (frequency_hz, time_s) = channels.first().map_or_else(Default::default, |first| {
         (first.frequency_hz.clone(), first.time_s.clone())

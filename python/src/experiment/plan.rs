@@ -16,6 +16,7 @@ use crate::interrupt::interruptible;
 use crate::signals::record::Record;
 use crate::signals::run::Run;
 use crate::testbed::runs::{measured, one_by_one, records_of};
+use crate::threads::detached;
 use crate::warnings::warn;
 
 /// Every run of an experiment; made by ``Experiment.design``, or read by ``Plan.load``.
@@ -47,7 +48,7 @@ impl Plan {
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         error::check_there(&path)?;
-        let planned = py.detach(|| PlannedRuns::load(&path));
+        let planned = detached(py, || PlannedRuns::load(&path))?;
         Ok(Self {
             planned: planned.map_err(error::experiment)?,
         })

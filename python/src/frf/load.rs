@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 
 use crate::error;
 use crate::frf::matrix::Frf;
+use crate::threads::detached;
 
 /// An FRF of which only the numbers are known: channels are numbered, their units empty.
 impl From<Response> for Frf {
@@ -51,7 +52,7 @@ fn numbered(word: &str, count: usize) -> [Vec<String>; 2] {
 pub(crate) fn load(py: Python<'_>, path: PathBuf) -> PyResult<Frf> {
     error::check_there(&path)?;
     Ok(Frf::of(
-        py.detach(|| read_result(&path)).map_err(error::file)?,
+        detached(py, || read_result(&path))?.map_err(error::file)?,
     ))
 }
 

@@ -10,6 +10,7 @@ use pyo3::types::IntoPyDict;
 use crate::choice::overwrite_if;
 use crate::error;
 use crate::frf::matrix::Frf;
+use crate::threads::detached;
 
 #[pymethods]
 impl Frf {
@@ -58,8 +59,7 @@ impl Frf {
     #[pyo3(signature = (path, *, overwrite = false))]
     fn save(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
         let overwrite = overwrite_if(overwrite);
-        py.detach(|| write_result(&path, overwrite, &self.result))
-            .map_err(error::file)
+        detached(py, || write_result(&path, overwrite, &self.result))?.map_err(error::file)
     }
 
     /// The FRF as ``control.FRD``: rad/s, response (output, input, frequency). It has no room for
@@ -86,7 +86,7 @@ impl Frf {
     /// ValueError
     ///     For a frequency that is not above 0.
     fn to_svg(&self, py: Python<'_>) -> PyResult<String> {
-        let figure = py.detach(|| result_figure("G", &self.result));
+        let figure = detached(py, || result_figure("G", &self.result))?;
         Ok(figure.map_err(error::report)?.svg())
     }
 

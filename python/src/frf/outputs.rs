@@ -11,6 +11,7 @@ use pyo3::prelude::*;
 use crate::choice::overwrite_if;
 use crate::error;
 use crate::frf::matrix::Frf;
+use crate::threads::detached;
 
 #[pymethods]
 impl Frf {
@@ -134,10 +135,12 @@ impl Frf {
         let stem = || path.file_stem().unwrap_or_default().to_string_lossy();
         let title = title.unwrap_or_else(|| stem().into_owned());
         let notes = note.into_iter().collect();
-        let page = py.detach(|| result_page(&title, &self.result, notes));
+        let page = detached(py, || result_page(&title, &self.result, notes))?;
         let page = page.map_err(error::report)?;
-        py.detach(|| write_bytes(&path, overwrite_if(overwrite), page.as_bytes()))
-            .map_err(error::file)
+        detached(py, || {
+            write_bytes(&path, overwrite_if(overwrite), page.as_bytes())
+        })?
+        .map_err(error::file)
     }
 }
 
@@ -146,7 +149,9 @@ impl Frf {
     fn export(&self, py: Python<'_>, name: &str, path: &Path, overwrite: bool) -> PyResult<()> {
         let export = EXPORTS.iter().find(|export| export.name == name);
         let export = export.ok_or_else(|| PyValueError::new_err(format!("no export {name}")))?;
-        py.detach(|| (export.write)(path, overwrite_if(overwrite), &self.result))
-            .map_err(error::file)
+        detached(py, || {
+            (export.write)(path, overwrite_if(overwrite), &self.result)
+        })?
+        .map_err(error::file)
     }
 }

@@ -12,6 +12,7 @@ use crate::error;
 use crate::interrupt::interruptible;
 use crate::logs::map::log_map;
 use crate::signals::record::Record;
+use crate::threads::detached;
 use crate::warnings::warn;
 
 /// Reads the log of one run: of frfid itself, or with a map a recording of any make.
@@ -47,10 +48,10 @@ pub(crate) fn read(
 ) -> PyResult<Record> {
     let map = map.map(log_map).transpose()?;
     error::check_there(&path)?;
-    let read = py.detach(|| match &map {
+    let read = detached(py, || match &map {
         Some(map) => read_log(&path, map).map(|log| (log.record, log.losses, log.warnings)),
         None => read_run(&path).map(|(run, losses)| (run.record, losses, Vec::new())),
-    });
+    })?;
     let (record, losses, warnings): (Measured, _, Vec<String>) = read.map_err(error::file)?;
     warn(py, losses.iter().map(ToString::to_string).chain(warnings))?;
     Record::of(py, vec![record], false)

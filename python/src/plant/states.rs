@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 
 use crate::array::{Axes, c_ordered, real};
 use crate::error;
+use crate::threads::detached;
 
 const STATES: [Axes; 2] = [&["axis"], &["batch", "axis"]];
 
@@ -26,14 +27,14 @@ pub(crate) fn per_state<'py>(
         .iter()
         .map(|state| state.as_slice().expect("in standard layout").chunks(n_axes))
         .collect();
-    let values = py.detach(|| {
+    let values = detached(py, || {
         let mut values = Vec::new();
         for state in 0..shape.iter().product::<usize>() / n_axes {
             let at_state = rows.iter().filter_map(|rows| rows.clone().nth(state));
             values.extend(of(&at_state.collect::<Vec<&[f64]>>())?);
         }
         Ok(values)
-    });
+    })?;
     let full = [&shape[..shape.len() - 1], answer].concat();
     let values = ArrayD::from_shape_vec(full, values.map_err(error::signal)?);
     let values = values.map_err(|error| PyValueError::new_err(error.to_string()))?;

@@ -9,6 +9,7 @@ use crate::choice::choice;
 use crate::error;
 use crate::pickle::{NewArguments, attributes};
 use crate::signals::profile::{points, profiles};
+use crate::threads::detached;
 
 /// A sine whose frequency rises exponentially from ``low_hz`` to ``high_hz``, SK15 (15) and (16).
 ///
@@ -91,8 +92,7 @@ impl Chirp {
         mimo: &str,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
         let phasing = choice("mimo", mimo)?;
-        let sampled = py
-            .detach(|| self.signal.sample(sample_time_s, n_inputs, phasing))
+        let sampled = detached(py, || self.signal.sample(sample_time_s, n_inputs, phasing))?
             .map_err(error::signal)?;
         Ok(c_ordered(py, sampled))
     }

@@ -9,6 +9,7 @@ use crate::choice::{choice, to_python};
 use crate::error;
 use crate::pickle::{NewArguments, attributes};
 use crate::signals::profile::{per_channel, points, profile};
+use crate::threads::detached;
 
 /// A multisine: sines on lines of the DFT of one period, with random phases.
 ///
@@ -175,7 +176,7 @@ impl Multisine {
             peak,
             ..self.signal.clone()
         };
-        let drawn = py.detach(|| signal.realize(&draw)).map_err(error::signal)?;
+        let drawn = detached(py, || signal.realize(&draw))?.map_err(error::signal)?;
         Ok(c_ordered(py, drawn.signal))
     }
 

@@ -14,6 +14,7 @@ use crate::choice::{choice, overwrite_if, to_python};
 use crate::error;
 use crate::pickle::{NewArguments, attributes};
 use crate::signals::channels::{events_of_runs, signal, signal_like};
+use crate::threads::detached;
 use crate::warnings::warn;
 
 /// What one run measured, or a batch of runs.
@@ -116,7 +117,7 @@ impl Record {
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
         error::check_there(&path)?;
-        let (run, losses) = py.detach(|| read_run(&path)).map_err(error::file)?;
+        let (run, losses) = detached(py, || read_run(&path))?.map_err(error::file)?;
         warn(py, losses.iter().map(ToString::to_string))?;
         Self::of(py, vec![run.record], false)
     }
@@ -171,7 +172,7 @@ impl Record {
             .into(),
             experiment_toml: String::new(),
         };
-        let written = py.detach(|| write_run(&path, overwrite_if(overwrite), &file));
+        let written = detached(py, || write_run(&path, overwrite_if(overwrite), &file))?;
         written.map_err(error::file)
     }
 
