@@ -1,11 +1,12 @@
 //! Errors of the crates as Python exceptions: `ValueError` for bad input, `NumericalError` for
 //! singular or divergent.
 
+use std::fmt::Display;
 use std::path::Path;
 
 use frfid_estimate::{EstimateError, ShapeError};
 use frfid_experiment::{ConfigError, ExperimentError};
-use frfid_files::FileError;
+use frfid_files::{FileError, visible};
 use frfid_plant::PlantError;
 use frfid_report::ReportError;
 use frfid_signals::{SignalError, TestbedError};
@@ -36,15 +37,15 @@ pub(crate) fn check_there(path: &Path) -> Result<(), PyErr> {
 
 /// Bad input, in the words of the crate that found it.
 pub(crate) fn signal(error: SignalError) -> PyErr {
-    PyValueError::new_err(error.to_string())
+    PyValueError::new_err(told(&error))
 }
 
 /// A matrix that cannot be inverted is a matter of numbers, everything else of the recording that
 /// was given.
 pub(crate) fn estimate(error: EstimateError) -> PyErr {
     match error {
-        EstimateError::RankDeficient(_) => NumericalError::new_err(error.to_string()),
-        _ => PyValueError::new_err(error.to_string()),
+        EstimateError::RankDeficient(_) => NumericalError::new_err(told(&error)),
+        _ => PyValueError::new_err(told(&error)),
     }
 }
 
@@ -53,7 +54,7 @@ pub(crate) fn shape(error: ShapeError) -> PyErr {
     match error {
         ShapeError::Estimate(error) => estimate(error),
         ShapeError::Testbed(error) => testbed(error),
-        _ => PyValueError::new_err(error.to_string()),
+        _ => PyValueError::new_err(told(&error)),
     }
 }
 
@@ -61,8 +62,8 @@ pub(crate) fn shape(error: ShapeError) -> PyErr {
 /// back as it was.
 pub(crate) fn testbed(error: TestbedError) -> PyErr {
     match error {
-        TestbedError::Diverged { .. } => NumericalError::new_err(error.to_string()),
-        TestbedError::Run(_) => PyValueError::new_err(error.to_string()),
+        TestbedError::Diverged { .. } => NumericalError::new_err(told(&error)),
+        TestbedError::Run(_) => PyValueError::new_err(told(&error)),
         TestbedError::Foreign { run, source } => match source.downcast::<PyErr>() {
             Ok(raised) => *raised,
             Err(source) if matches!(source.downcast_ref(), Some(PlantError::Chatter { .. })) => {
@@ -75,25 +76,25 @@ pub(crate) fn testbed(error: TestbedError) -> PyErr {
 
 /// What is wrong in a TOML file, with its place.
 pub(crate) fn config(error: ConfigError) -> PyErr {
-    PyValueError::new_err(error.to_string())
+    PyValueError::new_err(told(&error))
 }
 
 /// Files that cannot be read or written are `OSError`s, files that say something wrong are not.
 pub(crate) fn file(error: FileError) -> PyErr {
     match error {
         FileError::Exists { .. } | FileError::NoFile { .. } => {
-            PyFileExistsError::new_err(error.to_string())
+            PyFileExistsError::new_err(told(&error))
         }
         FileError::Format { .. } | FileError::Content { .. } | FileError::Shape { .. } => {
-            PyValueError::new_err(error.to_string())
+            PyValueError::new_err(told(&error))
         }
-        _ => PyOSError::new_err(error.to_string()),
+        _ => PyOSError::new_err(told(&error)),
     }
 }
 
 /// What cannot be drawn.
 pub(crate) fn report(error: ReportError) -> PyErr {
-    PyValueError::new_err(error.to_string())
+    PyValueError::new_err(told(&error))
 }
 
 /// Whatever happens on the way from a description to an FRF.
@@ -103,10 +104,15 @@ pub(crate) fn experiment(error: ExperimentError) -> PyErr {
         ExperimentError::File(error) => file(error),
         ExperimentError::Plant(
             error @ (PlantError::Diverged { .. } | PlantError::Chatter { .. }),
-        ) => NumericalError::new_err(error.to_string()),
+        ) => NumericalError::new_err(told(&error)),
         ExperimentError::Testbed(error) => testbed(error),
         ExperimentError::Estimate(error) => estimate(error),
-        ExperimentError::Interrupted { .. } => PyKeyboardInterrupt::new_err(error.to_string()),
-        _ => PyValueError::new_err(error.to_string()),
+        ExperimentError::Interrupted { .. } => PyKeyboardInterrupt::new_err(told(&error)),
+        _ => PyValueError::new_err(told(&error)),
     }
+}
+
+/// What an error says; names out of a file are shown, they do not act.
+fn told(error: &impl Display) -> String {
+    visible(&error.to_string())
 }

@@ -2,6 +2,7 @@
 
 use std::ffi::CString;
 
+use frfid_files::visible;
 use pyo3::exceptions::PyUserWarning;
 use pyo3::prelude::*;
 
@@ -9,7 +10,7 @@ use pyo3::prelude::*;
 pub(crate) fn warn(py: Python<'_>, warnings: impl IntoIterator<Item = String>) -> PyResult<()> {
     let category = py.get_type::<PyUserWarning>();
     for warning in warnings {
-        let text = CString::new(warning.replace('\0', " "))?;
+        let text = CString::new(visible(&warning))?;
         PyErr::warn(py, &category, &text, 1)?;
     }
     Ok(())

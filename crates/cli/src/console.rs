@@ -7,6 +7,7 @@ use std::path::Path;
 use anstream::adapter::strip_str;
 use anstream::{AutoStream, ColorChoice};
 use clap::builder::styling::{AnsiColor, Style};
+use frfid_files::visible;
 use serde_json::Value;
 
 use crate::exit::{Exit, Failure, VERSION};
@@ -40,11 +41,19 @@ impl<'a> Console<'a> {
         }
     }
 
-    /// Writes data, which may hold ANSI colours, to stdout. A broken pipe is no error.
+    /// Writes data to stdout, control characters visibly. A broken pipe is no error.
     ///
     /// # Errors
     /// [`Failure`] with the operating system's reason if stdout cannot be written.
     pub(crate) fn data(&mut self, text: &str) -> Result<(), Failure> {
+        self.own_data(&visible(text))
+    }
+
+    /// Writes data of our own, which may hold ANSI colours, in the same way.
+    ///
+    /// # Errors
+    /// As [`Console::data`].
+    pub(crate) fn own_data(&mut self, text: &str) -> Result<(), Failure> {
         if self.left {
             return Ok(());
         }
@@ -86,7 +95,7 @@ impl<'a> Console<'a> {
     /// Tells how things go; nothing if `--quiet`.
     pub(crate) fn note(&mut self, message: impl Display) {
         if !self.quiet {
-            self.message(&message.to_string());
+            self.message(None, &message.to_string());
         }
     }
 
@@ -97,18 +106,16 @@ impl<'a> Console<'a> {
 
     /// Tells which command comes next; nothing if `--quiet`.
     pub(crate) fn hint(&mut self, message: impl Display) {
-        self.note(format_args!(
-            "{} {message}",
-            label("next:", AnsiColor::Cyan)
-        ));
+        if !self.quiet {
+            let label = Some(("next:", AnsiColor::Cyan));
+            self.message(label, &message.to_string());
+        }
     }
 
     /// Tells of something that is not as it should be.
     pub(crate) fn warning(&mut self, message: impl Display) {
-        self.message(&format!(
-            "{} {message}",
-            label("warning:", AnsiColor::Yellow)
-        ));
+        let label = Some(("warning:", AnsiColor::Yellow));
+        self.message(label, &message.to_string());
     }
 
     /// Tells all of these in the same way.
@@ -121,7 +128,7 @@ impl<'a> Console<'a> {
     /// Tells why the command could not be done, to whom reads JSON as an object on one line.
     pub(crate) fn failed(&mut self, failure: &Failure, as_json: bool) {
         if as_json {
-            self.message(&failure.as_json().to_string());
+            self.message(None, &failure.as_json().to_string());
         } else {
             self.error(failure);
         }
@@ -129,15 +136,25 @@ impl<'a> Console<'a> {
 
     /// Tells why the command could not be done.
     fn error(&mut self, failure: &Failure) {
-        let (word, colour) = match failure.exit {
+        let label = match failure.exit {
             Exit::Interrupted => ("stopped:", AnsiColor::Yellow),
             _ => ("error:", AnsiColor::Red),
         };
-        self.message(&format!("{} {}", label(word, colour), failure.message));
+        self.message(Some(label), &failure.message);
     }
 
-    /// Writes a line to stderr. That stderr cannot be written can be told to nobody.
-    fn message(&mut self, line: &str) {
+    /// Writes a line to stderr, control characters visibly, behind a label.
+    fn message(&mut self, label: Option<(&str, AnsiColor)>, text: &str) {
+        let label = label.map(|(word, colour)| {
+            let style = Style::new().bold().fg_color(Some(colour.into()));
+            format!("{style}{word}{style:#} ")
+        });
+        self.own_message(&(label.unwrap_or_default() + &visible(text)));
+    }
+
+    /// Writes a line of our own, which may hold ANSI colours, to stderr. That stderr cannot be written can be told to
+    /// nobody.
+    pub(crate) fn own_message(&mut self, line: &str) {
         let line = painted(line, self.colour, &AutoStream::choice(&std::io::stderr()));
         writeln!(self.stderr, "{}", line.trim_end())
             .and_then(|()| self.stderr.flush())
@@ -158,11 +175,6 @@ fn painted(text: &str, choice: ColorChoice, stream: &ColorChoice) -> String {
     } else {
         text.to_owned()
     }
-}
-
-fn label(word: &str, colour: AnsiColor) -> String {
-    let style = Style::new().bold().fg_color(Some(colour.into()));
-    format!("{style}{word}{style:#}")
 }
 
 #[cfg(test)]
@@ -211,5 +223,26 @@ mod tests {
             console.warning("b");
             assert_eq!(String::from_utf8_lossy(&stderr), warning);
         }
+    }
+
+    #[test]
+    fn what_a_file_says_is_shown_and_does_nothing() {
+        let (mut stdout, mut stderr) = (Vec::new(), Vec::new());
+        let mut console = Console::new(&mut stdout, &mut stderr, false, ColorChoice::Always);
+        let clears = "tau\u{1b}[2J\u{9b}m";
+        console.data(clears).expect("written");
+        console
+            .json(&serde_json::json!({ "name": clears }))
+            .expect("written");
+        console.note(clears);
+        console.hint(clears);
+        console.warning(clears);
+        let told = [stdout, stderr].map(|told| String::from_utf8(told).expect("text"));
+        assert_eq!(
+            told.concat().matches(r"tau\u001b[2J\u009bm").count(),
+            5,
+            "{told:?}"
+        );
+        assert!(!told.concat().contains("\u{1b}[2J"), "{told:?}");
     }
 }

@@ -107,10 +107,10 @@ fn told_by_clap(
         return Exit::Usage;
     }
     if told.use_stderr() {
-        console.note(text);
+        console.own_message(&text);
         return Exit::Usage;
     }
-    let told = console.data(&text).map(|()| Exit::Done);
+    let told = console.own_data(&text).map(|()| Exit::Done);
     told.unwrap_or_else(|failure: Failure| {
         console.failed(&failure, as_json);
         failure.exit

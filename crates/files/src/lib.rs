@@ -53,6 +53,7 @@ mod run {
     pub(crate) mod write;
 }
 mod sha256;
+mod visible;
 
 pub use atomic_write::{BoxError, Overwrite, check_free, create_folder, part_path, write_bytes};
 pub use error::FileError;
@@ -84,3 +85,4 @@ pub use result::verdict_table::{Cell, SOUND, VerdictTable};
 pub use run::read::{RunLabel, read_run, read_run_label};
 pub use run::write::{RunFile, write_run};
 pub use sha256::{sha256_file, sha256_hex};
+pub use visible::visible;
