@@ -76,6 +76,7 @@ impl Frf {
         let fits = self.response.len_of(Axis(0)) == lines && entries > 0;
         let needed = format_args!("({lines}, outputs, inputs), one matrix per frequency");
         require_shape("response", self.response.shape(), fits, needed)?;
+        self.check_frequencies()?;
         self.check_covariance("noise covariance", self.noise.as_ref())?;
         self.check_covariance("total covariance", self.total.as_ref())?;
         if let Some(condition) = &self.condition {
@@ -84,7 +85,22 @@ impl Frf {
         Ok(())
     }
 
-    /// Checks that a covariance, where there is one, has the size of vec(G) at every frequency.
+    /// Checks that the frequencies are numbers and rise.
+    fn check_frequencies(&self) -> Result<(), SignalError> {
+        let mut last = f64::NEG_INFINITY;
+        for (line, &hz) in self.frequency_hz.iter().enumerate() {
+            if !(hz.is_finite() && hz > last) {
+                let what = format!(
+                    "line {line} is at {hz} Hz; needed: numbers that rise from line to line"
+                );
+                return Err(SignalError::unfit("frequency_hz", what));
+            }
+            last = hz;
+        }
+        Ok(())
+    }
+
+    /// Checks that a covariance, where there is one, has the size of vec(G) at every frequency, and no variance below 0.
     fn check_covariance(
         &self,
         name: &'static str,
@@ -95,6 +111,12 @@ impl Frf {
         let (found, needed) = (known.covariance.dim(), (lines, entries, entries));
         let shape = known.covariance.shape();
         require_shape(name, shape, found == needed, format_args!("{needed:?}"))?;
+        let variances = known.covariance.outer_iter();
+        let mut variances = variances.flat_map(|of_line| of_line.into_diag().to_vec());
+        if let Some(variance) = variances.find(|variance| variance.re < 0.0) {
+            let what = format!("holds the variance {}; needed: 0 or more", variance.re);
+            return Err(SignalError::unfit(name, what));
+        }
         let freedom = known.degrees_of_freedom;
         require("degrees of freedom", freedom, freedom >= 0.0, "0 or more")
     }

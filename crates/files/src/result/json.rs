@@ -5,11 +5,10 @@
 //! an estimate) is `null`.
 
 use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::Path;
 
 use frfid_signals::{Distortion, Frf, Uncertainty};
+use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
 use crate::atomic_write::{Overwrite, write_file};
@@ -17,6 +16,7 @@ use crate::error::FileError;
 use crate::result::harmonics_json::HarmonicsJson;
 use crate::result::json_array::{Complexes, Flaw, Reals};
 use crate::result::result_file::{Check, ResultFile, check};
+use crate::result::sealed::{Sealed, seal};
 use crate::result::verdict::Verdict;
 
 const FORMAT: &str = "frfid-result";
@@ -51,6 +51,9 @@ struct Json {
     verdicts: Vec<Verdict>,
     checks: Vec<Check>,
     provenance: BTreeMap<String, String>,
+    /// The seal, which the file ends with.
+    #[serde(default, skip_serializing)]
+    sha256: Option<IgnoredAny>,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -93,7 +96,9 @@ pub fn write_result(
     check(result).map_err(|(what, found, needed)| FileError::shape(what, found, needed))?;
     let json = Json::of(result);
     write_file(path, overwrite, |file| {
-        Ok(serde_json::to_writer(file, &json)?)
+        let mut sealed = Sealed::new(file);
+        serde_json::to_writer(&mut sealed, &json)?;
+        Ok(sealed.seal()?)
     })
 }
 
@@ -120,6 +125,7 @@ impl Json {
             verdicts: result.verdicts.clone(),
             checks: result.checks.clone(),
             provenance: result.provenance.clone(),
+            sha256: None,
         }
     }
 }
@@ -163,11 +169,16 @@ fn read_json(path: &Path) -> Result<Json, FileError> {
             "estimate it again, or give another file",
         )
     };
-    let file = File::open(path).map_err(FileError::cannot("open", path))?;
-    let json: Json =
-        serde_json::from_reader(BufReader::new(file)).map_err(|error| format(error.to_string()))?;
+    let bytes = std::fs::read(path).map_err(FileError::cannot("open", path))?;
+    let json: Json = serde_json::from_slice(&bytes).map_err(|error| format(error.to_string()))?;
     if (json.format.as_str(), json.version) != (FORMAT, VERSION) {
         return Err(format(format!("{} version {}", json.format, json.version)));
+    }
+    let is_whole = seal(&bytes).unwrap_or(json.sha256.is_none());
+    if !is_whole {
+        let found = "not the checksum of what stands before it";
+        let needed = "the file as frfid wrote it: it is damaged; if it was changed on purpose, take out this key";
+        return Err(FileError::content(path, "sha256", found, needed));
     }
     Ok(json)
 }
@@ -210,16 +221,38 @@ mod tests {
     use super::*;
     use crate::result::testing::result;
 
+    /// A result as it stands in its file.
+    fn written(path: &Path) -> String {
+        write_result(path, Overwrite::Refuse, &result()).expect("sound");
+        std::fs::read_to_string(path).expect("written")
+    }
+
+    /// What is read of a result whose text was changed on purpose, its seal taken out.
     fn rewritten(edit: impl FnOnce(String) -> String) -> Result<ResultFile, FileError> {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("r.json");
-        write_result(&path, Overwrite::Refuse, &result()).expect("sound");
-        std::fs::write(
-            &path,
-            edit(std::fs::read_to_string(&path).expect("written")),
-        )
-        .expect("written");
+        let text = written(&path);
+        let (content, _) = text.rsplit_once(",\"sha256\"").expect("sealed");
+        std::fs::write(&path, edit(format!("{content}}}"))).expect("written");
         read_result(&path)
+    }
+
+    #[test]
+    fn no_flipped_bit_is_believed() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("r.json");
+        let sound = written(&path).into_bytes();
+        let text = |result: &ResultFile| format!("{result:?}");
+        for bit in (0..8 * sound.len()).step_by(3) {
+            let mut flipped = sound.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            std::fs::write(&path, flipped).expect("written");
+            read += usize::from(read_result(&path).is_ok());
+        }
+        assert!(
+            read < 8 * 12,
+            "{read} flips were read, more than the key has"
+        );
     }
 
     #[test]

@@ -10,6 +10,7 @@ pub(crate) mod json_array;
 pub(crate) mod mat;
 pub(crate) mod npz;
 pub(crate) mod result_file;
+mod sealed;
 #[cfg(test)]
 pub(crate) mod testing;
 pub(crate) mod uff;
