@@ -108,6 +108,7 @@ impl From<FileError> for Failure {
         let exit = match error {
             FileError::Exists { .. }
             | FileError::NoFile { .. }
+            | FileError::Input { .. }
             | FileError::Leftover { .. }
             | FileError::Format { .. }
             | FileError::Content { .. }

@@ -56,6 +56,11 @@ pub(crate) struct MapOptions {
 type Lines = std::iter::StepBy<std::ops::RangeInclusive<usize>>;
 
 impl MapOptions {
+    /// The file that says which signal is which.
+    pub(crate) fn file(&self) -> Option<&PathBuf> {
+        self.map.as_ref()
+    }
+
     /// The map; `None` where nothing is said, for logs of our own.
     ///
     /// # Errors

@@ -7,7 +7,7 @@ use clap::builder::{
     FalseyValueParser, PathBufValueParser, PossibleValue, PossibleValuesParser, TypedValueParser,
 };
 use clap::{Args, ValueEnum};
-use frfid_files::{FileError, Overwrite, check_free};
+use frfid_files::{FileError, Overwrite, check_free, check_not_read};
 use schemars::{JsonSchema, SchemaGenerator};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -57,6 +57,16 @@ impl Options {
     /// Refuses an output that exists, before any work is done for it.
     pub(crate) fn check_free(&self, path: &Path) -> Result<(), FileError> {
         check_free(path, self.overwrite())
+    }
+
+    /// The same, and one that is made of itself.
+    pub(crate) fn check_output<'a>(
+        &self,
+        path: &Path,
+        inputs: impl IntoIterator<Item = &'a PathBuf>,
+    ) -> Result<(), FileError> {
+        self.check_free(path)?;
+        check_not_read(path, inputs.into_iter().map(PathBuf::as_path))
     }
 
     /// When to use colours.

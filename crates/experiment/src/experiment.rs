@@ -60,6 +60,21 @@ impl Experiment {
         Self::new(TomlText::read(path)?, folder)
     }
 
+    /// Reads the description that travelled in a log or a plan and stands alone: what came from elsewhere opens no
+    /// file here.
+    ///
+    /// # Errors
+    /// As [`Experiment::load`], and if it names a file.
+    pub(crate) fn travelled(text: TomlText) -> Result<Self, ConfigError> {
+        let config: Config = text.parse_kinds(&Config::TABLES_OF_KINDS)?;
+        if let Some(key) = config.names_file() {
+            let message = "names another file; needed in a log or a plan: a description that is complete in itself, as frfid \
+                           writes it";
+            return Err(text.error(key, message));
+        }
+        Self::new(text, Path::new(""))
+    }
+
     /// Reads a text; a robot file that it names is looked up in `folder`.
     ///
     /// # Errors
@@ -209,5 +224,24 @@ impl Experiment {
     pub fn to_toml(&self) -> String {
         toml::to_string(&self.config)
             .expect("every table of a configuration can be written as TOML")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_description_out_of_a_log_opens_no_file() {
+        for table in [
+            "[robot]\nfile = \"/dev/zero\"",
+            "[robot.urdf]\nfile = \"/dev/zero\"\nbase_link = \"a\"\ntip_link = \"b\"",
+            "[limits]\nfile = \"/dev/zero\"",
+        ] {
+            let text = format!("seed = 1\nsample_time_s = 0.001\n{table}\n");
+            let refused = Experiment::travelled(TomlText::new("log", text)).expect_err(table);
+            assert!(refused.message.contains("names another file"), "{refused}");
+            assert!(refused.place.is_some(), "{refused}");
+        }
     }
 }

@@ -101,6 +101,26 @@ pub fn check_free(path: &Path, overwrite: Overwrite) -> Result<(), FileError> {
     Err(FileError::NoFile { path, kind })
 }
 
+/// Refuses an output that is one of the files it is made of, by whatever name.
+///
+/// # Errors
+/// [`FileError::Input`].
+pub fn check_not_read<'a>(
+    output: &Path,
+    inputs: impl IntoIterator<Item = &'a Path>,
+) -> Result<(), FileError> {
+    let Ok(there) = output.canonicalize() else {
+        return Ok(());
+    };
+    let is_output = |input: &Path| input.canonicalize().is_ok_and(|input| input == there);
+    match inputs.into_iter().any(is_output) {
+        true => Err(FileError::Input {
+            path: output.into(),
+        }),
+        false => Ok(()),
+    }
+}
+
 /// Opens `part` for the writing of `path`, locked and empty.
 fn open_part(path: &Path, part: &Path, overwrite: Overwrite) -> Result<File, FileError> {
     check_free(path, overwrite)?;

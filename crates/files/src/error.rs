@@ -33,6 +33,12 @@ pub enum FileError {
         /// What is there: a symbolic link, a folder, a device, a pipe or a socket.
         kind: &'static str,
     },
+    /// The output is one of the files that it is made of.
+    #[error("{} is what is read, and would be gone: it is not replaced; choose another name", path.display())]
+    Input {
+        /// What was to be written.
+        path: PathBuf,
+    },
     /// A half-written file of an earlier, killed run lies in the way.
     #[error(
         "{} is left from a run that did not finish; salvage it (frfid recover), delete it, or say that it may be replaced (--force, in Python overwrite=True)",

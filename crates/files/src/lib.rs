@@ -55,7 +55,9 @@ mod run {
 mod sha256;
 mod visible;
 
-pub use atomic_write::{BoxError, Overwrite, check_free, create_folder, part_path, write_bytes};
+pub use atomic_write::{
+    BoxError, Overwrite, check_free, check_not_read, create_folder, part_path, write_bytes,
+};
 pub use error::FileError;
 pub use found_kind::FileKind;
 pub use log::arrays::npz::read_npz_array;

@@ -4,7 +4,9 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use frfid_estimate::{Entry, Method, Response};
-use frfid_experiment::{Average, EstimateOptions, EstimateTable, Outcome, estimate_logs};
+use frfid_experiment::{
+    Average, EstimateOptions, EstimateTable, Outcome, estimate_logs, recordings_among,
+};
 use frfid_files::{write_bytes, write_result};
 use frfid_report::result_page;
 use serde_json::{Value, json};
@@ -117,9 +119,10 @@ pub(crate) fn run(
     console: &mut Console,
 ) -> Result<Exit, Failure> {
     check_all(&arguments.logs, Needed::Logs)?;
-    options.check_free(&arguments.output)?;
-    if let Some(report) = &arguments.report {
-        options.check_free(report)?;
+    let logs = recordings_among(&arguments.logs)?;
+    for output in std::iter::once(&arguments.output).chain(&arguments.report) {
+        let others = arguments.plan.iter().chain(arguments.map.file());
+        options.check_output(output, logs.iter().chain(others))?;
     }
     let mut settings = EstimateOptions {
         estimate: arguments.estimator.table(),

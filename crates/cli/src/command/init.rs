@@ -82,6 +82,7 @@ pub(crate) fn run(
     match &arguments.output {
         None => console.data(&text)?,
         Some(path) => {
+            options.check_output(path, &arguments.source)?;
             write_bytes(path, options.overwrite(), text.as_bytes())?;
             if options.json {
                 console.json(&json!({ "output": path }))?;

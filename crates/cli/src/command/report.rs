@@ -40,7 +40,7 @@ pub(crate) fn run(
     console: &mut Console,
 ) -> Result<Exit, Failure> {
     let (paths, output) = (&arguments.results, &arguments.output);
-    options.check_free(output)?;
+    options.check_output(output, paths)?;
     check_all(paths, Needed::Result)?;
     let results: Vec<ResultFile> = paths
         .iter()

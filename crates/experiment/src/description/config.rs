@@ -56,6 +56,17 @@ impl Config {
     /// Tables whose key `kind` says what they describe, and what they describe without it.
     pub(crate) const TABLES_OF_KINDS: [(&str, &str); 1] = [("controller", "pi")];
 
+    /// The first key under which another file is named.
+    pub(crate) fn names_file(&self) -> Option<&'static [&'static str]> {
+        let keys: [(bool, &[&str]); 3] = [
+            (self.robot.file.is_some(), &["robot", "file"]),
+            (self.robot.urdf.is_some(), &["robot", "urdf"]),
+            (self.limits.file.is_some(), &["limits", "file"]),
+        ];
+        let named = keys.into_iter().find(|(is_named, _)| *is_named);
+        named.map(|(_, key)| key)
+    }
+
     /// The table of the excitation, by its name.
     pub(crate) fn excitation(&self) -> Result<(&'static str, &dyn Design), Fault> {
         let tables = self.excitations();

@@ -141,7 +141,7 @@ impl OurLogs {
     /// The description that travelled with the runs.
     fn experiment(&self) -> Result<Experiment, ExperimentError> {
         let source = self.description.clone().ok_or_else(no_description)?;
-        Ok(Experiment::new(source, Path::new(""))?)
+        Ok(Experiment::travelled(source)?)
     }
 
     /// What is there and what is not, losses by the names of their files.

@@ -32,7 +32,7 @@ impl PlannedRuns {
         let plan = PlanFile::open(path)?;
         let source = TomlText::travelled_in(path, plan.head.experiment_toml.clone());
         Ok(Self {
-            experiment: Experiment::new(source, Path::new(""))?,
+            experiment: Experiment::travelled(source)?,
             plan: Some(plan),
         })
     }

@@ -54,7 +54,7 @@ pub(super) fn run(
     let output = &arguments.output;
     let to = arguments.to.as_deref().map(named).transpose()?;
     let format = format(to, output)?;
-    options.check_free(output)?;
+    options.check_output(output, [&arguments.input])?;
     let result = read_result(&arguments.input)?;
     (format.write)(output, options.overwrite(), &result)?;
     if options.json {
