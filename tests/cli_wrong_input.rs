@@ -409,7 +409,8 @@ fn results_become_a_page_at_any_time() {
     ] {
         assert!(page.contains(shown), "{shown} is not shown");
     }
-    other = other.replace("joint_1 torque", "current");
+    let (content, _) = other.rsplit_once(",\"sha256\"").expect("sealed");
+    other = content.replace("joint_1 torque", "current") + "}";
     fs::write(here.join("other.json"), other).expect("written");
     let (exit, _, said) = run(here, "report frf.json other.json -o three.html");
     assert!(
@@ -448,5 +449,79 @@ fn a_misspelt_key_is_answered_with_the_one_that_was_meant() {
     ] {
         let (exit, _, said) = run(here, line);
         assert!(exit == 2 && said.contains(meant), "{line}: {said}");
+    }
+}
+
+/// `--force` replaces results, and nothing that the command reads.
+#[test]
+fn no_output_takes_the_place_of_what_is_read() {
+    let workshop = workshop();
+    let here = workshop.path();
+    let log = fs::read(here.join("log.mcap")).expect("there");
+    for (command, file) in [
+        (&["estimate", "log.mcap", "-o", "log.mcap"][..], "log.mcap"),
+        (
+            &["estimate", "logs", "-o", "logs/p000-m0-q0.mcap"],
+            "logs/p000-m0-q0.mcap",
+        ),
+        (
+            &[
+                "estimate",
+                "logs",
+                "-o",
+                "new.json",
+                "--report",
+                "./logs/../log.mcap",
+                "log.mcap",
+            ],
+            "log.mcap",
+        ),
+        (&["report", "frf.json", "-o", "frf.json"], "frf.json"),
+        (
+            &["export", "frf.json", "--to", "csv", "-o", "frf.json"],
+            "frf.json",
+        ),
+    ] {
+        let refused = frfid(here, &[command, &["--force"]].concat());
+        let told = stderr(&refused);
+        assert!(
+            code(&refused) == 2 && told.contains("what is read"),
+            "{file}: {told}"
+        );
+    }
+    assert!(fs::read(here.join("log.mcap")).expect("kept") == log);
+    let again = frfid(here, &["estimate", "logs", "-o", "frf.json", "--force"]);
+    assert!(matches!(code(&again), 0 | 3), "{}", stderr(&again));
+}
+
+/// Gains 1 % beyond and below the critical one: the run of a loop that grows is flawed, whatever it reached.
+#[test]
+fn an_unstable_loop_fails_its_run() {
+    let folder = tempdir().expect("a temporary folder");
+    for (gain, exit) in [(70_500.0, 3), (69_300.0, 0)] {
+        let text = format!(
+            "seed = 1\nsample_time_s = 0.001\n[robot.single_joint]\nmotor_inertia_kg_m2 = 35.0\n\
+             link_inertia_kg_m2 = 150.0\ndamping_nms_per_rad = 400.0\nstiffness_nm_per_rad = 1.5e5\n\
+             [controller]\ngain_nms_per_rad = [{gain}]\nintegral_gain_nm_per_rad = [0.0]\n\
+             [multisine]\nlow_hz = 1.0\nhigh_hz = 60.0\nresolution_hz = 2.0\npeak_rad_s = [0.01]\n\
+             [averaging]\nperiods = 2\n"
+        );
+        fs::write(folder.path().join("loop.toml"), text).expect("written");
+        let done = frfid(
+            folder.path(),
+            &["run", "loop.toml", "-o", "logs", "--force"],
+        );
+        assert_eq!(code(&done), exit, "{gain}: {}", stderr(&done));
+    }
+}
+
+#[test]
+fn frequencies_beyond_what_can_be_held_are_refused() {
+    let workshop = workshop();
+    for n in ["0", "20001", "18446744073709551615"] {
+        let command = ["estimate", "logs", "-o", "n.json", "--n-frequencies", n];
+        let refused = frfid(workshop.path(), &command);
+        let told = stderr(&refused);
+        assert!(code(&refused) == 2 && told.contains("1 to 20000"), "{told}");
     }
 }

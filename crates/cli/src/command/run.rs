@@ -68,7 +68,13 @@ pub(crate) fn run(
         return Ok(Exit::Done);
     };
     let summary = done(arguments, &planned, folder, options, console)?;
-    report(&planned.experiment, &summary, folder, options, console)
+    // a machine behind a player may be another than the model
+    let is_simulated = arguments.player.command()?.is_none();
+    let is_unstable = is_simulated && planned.experiment.instability().is_some();
+    match report(&planned.experiment, &summary, folder, options, console)? {
+        Exit::Done => Ok(Exit::flawed_unless(!is_unstable)),
+        flawed => Ok(flawed),
+    }
 }
 
 /// Does the runs, on a machine behind a command or in simulation.

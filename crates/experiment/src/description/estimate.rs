@@ -8,6 +8,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::description::fault::Fault;
 
+/// Most frequencies of a chirp: the covariances of six axes take 0.4 GB there.
+const MOST_FREQUENCIES: usize = 20_000;
+
 /// How the records become an FRF.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
@@ -100,6 +103,11 @@ impl EstimateTable {
 
     /// Refuses two answers to one question.
     pub(crate) fn check(&self) -> Result<(), Fault> {
+        if !(1..=MOST_FREQUENCIES).contains(&self.n_frequencies) {
+            let found = self.n_frequencies;
+            let message = format!("found {found}, needed: a number from 1 to {MOST_FREQUENCIES}");
+            return Err(Fault::new(&["n_frequencies"], message));
+        }
         if self.method.is_some() && (self.indirect || self.average.is_some()) {
             let message = "the method is given twice: keep `method`, and leave `average` and \
                            `indirect` out";

@@ -17,17 +17,17 @@ impl Experiment {
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = implausible(&self.config);
         warnings.extend(self.note.clone());
-        if let Some(robot) = &self.robot {
-            warnings.extend(robot.warnings());
-            warnings.extend(self.instability(&**robot));
-        }
+        warnings.extend(self.robot.iter().flat_map(|robot| robot.warnings()));
+        warnings.extend(self.instability());
         warnings
     }
 
-    /// That the linear loop is not stable.
-    fn instability(&self, robot: &dyn Robot) -> Option<String> {
-        let (controller, sample_time_s) = (self.controller.as_ref()?, self.config.sample_time_s);
-        let checked = check_stability(robot, &**controller, sample_time_s, &self.sensors);
+    /// That the linear loop of the robot's model is not stable.
+    #[must_use]
+    pub fn instability(&self) -> Option<String> {
+        let (robot, controller) = (self.robot.as_ref()?, self.controller.as_ref()?);
+        let sample_time_s = self.config.sample_time_s;
+        let checked = check_stability(&**robot, &**controller, sample_time_s, &self.sensors);
         checked.err().map(|error| error.to_string())
     }
 
