@@ -119,11 +119,7 @@ pub(crate) fn run(
     console: &mut Console,
 ) -> Result<Exit, Failure> {
     check_all(&arguments.logs, Needed::Logs)?;
-    let logs = recordings_among(&arguments.logs)?;
-    for output in std::iter::once(&arguments.output).chain(&arguments.report) {
-        let others = arguments.plan.iter().chain(arguments.map.file());
-        options.check_output(output, logs.iter().chain(others))?;
-    }
+    check_outputs(arguments, options)?;
     let mut settings = EstimateOptions {
         estimate: arguments.estimator.table(),
         map: arguments.map.log_map()?,
@@ -153,6 +149,16 @@ pub(crate) fn run(
     Ok(Exit::flawed_unless(
         passed && !estimate.is_lossy && is_complete,
     ))
+}
+
+/// Refuses outputs that exist, or that are read.
+fn check_outputs(arguments: &Arguments, options: &Options) -> Result<(), Failure> {
+    let logs = recordings_among(&arguments.logs)?;
+    for output in std::iter::once(&arguments.output).chain(&arguments.report) {
+        let others = arguments.plan.iter().chain(arguments.map.file());
+        options.check_output(output, logs.iter().chain(others))?;
+    }
+    Ok(())
 }
 
 /// Writes the report, under the name of the result.
