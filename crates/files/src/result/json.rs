@@ -247,12 +247,11 @@ mod tests {
             let mut flipped = sound.clone();
             flipped[bit / 8] ^= 1 << (bit % 8);
             std::fs::write(&path, flipped).expect("written");
-            read += usize::from(read_result(&path).is_ok());
+            if let Ok(read) = read_result(&path) {
+                // a bit in the name of the key that seals
+                assert_eq!(text(&read), text(&result()), "bit {bit}");
+            }
         }
-        assert!(
-            read < 8 * 12,
-            "{read} flips were read, more than the key has"
-        );
     }
 
     #[test]
