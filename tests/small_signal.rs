@@ -95,9 +95,8 @@ fn experiment(peak_rad_s: f64, max_step_s: Option<f64>, velocity_by_differencing
     let n = experiment.plan().period_samples().expect("sound");
     let [mut r, mut u, mut y] = [(); 3].map(|()| Array5::<f64>::zeros((1, 3, 1, 3, n)));
     for id in experiment.plan().run_ids() {
-        let (record, _) = testbed
-            .simulate(&experiment.plan().run(id).expect("sound"))
-            .expect("stable");
+        let run = experiment.plan().run(id).expect("sound");
+        let record = testbed.simulate(&run).expect("stable").record;
         for (all, signal) in [
             (&mut r, record.r.as_ref().expect("recorded")),
             (&mut u, &record.u),

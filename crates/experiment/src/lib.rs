@@ -22,6 +22,7 @@ mod description {
 /// Design: what a plan costs, and what it will ask of the robot.
 mod design {
     pub(crate) mod cost;
+    pub(crate) mod fading;
     pub(crate) mod plausible;
     pub(crate) mod predict;
     pub(crate) mod preflight;
@@ -83,6 +84,7 @@ pub use description::shape::{ShapeTable, StepName};
 pub use description::templates::{TEMPLATES, Template};
 pub use description::text::{ConfigError, TextSpan, TomlText};
 pub use design::cost::Cost;
+pub use design::fading::fading_advice;
 pub use design::predict::{Prediction, predict};
 pub use design::signal::SignalPeaks;
 pub use error::ExperimentError;

@@ -8,6 +8,7 @@ mod arm;
 /// Control: sensors, controllers of the motor velocity, and the watch over limits.
 mod control {
     pub(crate) mod biquad;
+    pub(crate) mod changes;
     pub(crate) mod controller;
     pub(crate) mod filtered_pi;
     pub(crate) mod pi;
@@ -63,4 +64,4 @@ pub use robot::Robot;
 pub use single_joint::SingleJoint;
 pub use state_space::{Hold, StateSpace};
 pub use testbed::simulate::{Torque, simulate};
-pub use testbed::simulated_robot::{Actuation, SimulatedRobot};
+pub use testbed::simulated_robot::{Actuation, Simulated, SimulatedRobot};

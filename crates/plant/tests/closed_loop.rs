@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use frfid_plant::{PiController, SimulatedRobot, SingleJoint, Torque, Watch, simulate};
+use frfid_plant::{PiController, Simulated, SimulatedRobot, SingleJoint, Torque, Watch, simulate};
 use frfid_signals::{
     Event, EventKind, Limit, Record, Run, RunId, RunKind, Testbed as _, TestbedError,
 };
@@ -51,7 +51,7 @@ fn a_constant_velocity_is_held_against_friction_from_the_first_sample() {
 fn the_recorded_torque_makes_the_recorded_motion() {
     let mut joint = SingleJoint::default();
     joint.joint.friction.coulomb_nm = 50.0;
-    let (record, truth) =
+    let Simulated { record, truth, .. } =
         SimulatedRobot::closed_loop(Arc::new(joint.clone()), Arc::new(controller()), T)
             .simulate(&run(0.0, 0.1))
             .expect("sound");

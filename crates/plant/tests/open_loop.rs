@@ -3,9 +3,10 @@
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use frfid_plant::{Actuation, Hold, Sensor, SimulatedRobot, SingleJoint, Watch};
+use frfid_plant::{Actuation, Hold, Sensor, Simulated, SimulatedRobot, SingleJoint, Watch};
 use frfid_signals::{
-    EventKind, InputKind, Limit, Run, RunId, RunKind, SignalError, Testbed as _, TestbedError,
+    Event, EventKind, InputKind, Limit, Run, RunId, RunKind, SignalError, Testbed as _,
+    TestbedError,
 };
 use ndarray::{Array2, s};
 
@@ -79,7 +80,7 @@ fn sensors_see_increments_quanta_and_noise() {
         seed: 3,
         ..SimulatedRobot::open_loop(Arc::new(joint()))
     };
-    let (record, truth) = testbed.simulate(&run(0.0, 100.0)).expect("sound");
+    let Simulated { record, truth, .. } = testbed.simulate(&run(0.0, 100.0)).expect("sound");
     assert_eq!(record.check(), Ok(()));
     assert_eq!(record.input_kind, InputKind::Measured);
     assert_eq!(
@@ -250,5 +251,49 @@ fn an_excess_takes_the_excitation_away_and_leaves_what_holds_the_robot() {
             reason.starts_with("axis 1: velocity ") && reason.ends_with("; brought to rest"),
             "{reason}"
         );
+    }
+}
+
+/// How a run of a torque ends under a limit of one of its changes.
+fn under_limit(torque_nm: &[f64], limit: Limit, allowed: f64) -> Vec<Event> {
+    let watch = Watch {
+        limits: [(limit, vec![allowed])].into_iter().collect(),
+        ramp_s: 0.05,
+    };
+    let testbed = SimulatedRobot {
+        watch: Some(watch),
+        ..SimulatedRobot::open_loop(Arc::new(joint()))
+    };
+    let reference = Array2::from_shape_fn((1, torque_nm.len()), |(_, n)| torque_nm[n]);
+    let run = Run {
+        reference,
+        ..run(0.0, 0.0)
+    };
+    testbed.run(&run).expect("stopped, not lost").events
+}
+
+#[test]
+fn steps_from_rest_and_to_rest_are_watched() {
+    let at = |events: &[Event]| events.first().map(|event| event.time_s);
+    let rate = |torque: &[f64], allowed| under_limit(torque, Limit::TorqueRate, allowed);
+    // 90 N m in the first millisecond, 90 N m back to rest after the last of 100, or gently both ways
+    let (from_rest, mut to_rest) = ([90.0; 100], [90.0; 100]);
+    let mut gently = to_rest;
+    for k in 0..10 {
+        to_rest[k] = 9.0 * k as f64;
+        (gently[k], gently[99 - k]) = (to_rest[k], to_rest[k]);
+    }
+    assert_eq!(at(&rate(&from_rest, 41e3)), Some(0.0));
+    assert_eq!(at(&rate(&to_rest, 41e3)), Some(0.1));
+    assert_eq!(rate(&gently, 41e3), []);
+    assert_eq!(rate(&from_rest, 91e3), []);
+    // what the torque does to the motion: the acceleration of a motor of 1 kg m^2 behind friction
+    let accelerated = under_limit(&from_rest, Limit::Acceleration, 1.0);
+    let jerked = under_limit(&from_rest, Limit::Jerk, 100.0);
+    for (events, limit) in [(accelerated, Limit::Acceleration), (jerked, Limit::Jerk)] {
+        let EventKind::Limit { limit: found, .. } = events[0].kind else {
+            panic!("{events:?}")
+        };
+        assert_eq!((found, events[0].time_s), (limit, 1e-3));
     }
 }

@@ -39,9 +39,9 @@ impl Peaks {
         self.0.get(&limit).map(Vec::as_slice)
     }
 
-    /// Gives the values that a limit bounds, one for each axis.
-    pub fn set(&mut self, limit: Limit, values: Vec<f64>) {
-        self.0.insert(limit, values);
+    /// Takes what others know, in the place of what was known before.
+    pub fn extend(&mut self, others: Self) {
+        self.0.extend(others.0);
     }
 
     /// The farther of two, axis by axis; what is not known of both is not known.
@@ -130,7 +130,7 @@ fn largest(row: ArrayView1<f64>) -> f64 {
 }
 
 /// Largest change of a signal from sample to sample.
-fn steepest(row: ArrayView1<f64>) -> f64 {
+pub(crate) fn steepest(row: ArrayView1<f64>) -> f64 {
     let steps = row.iter().zip(row.iter().skip(1));
     steps
         .map(|(before, after)| (after - before).abs())

@@ -6,7 +6,7 @@ use frfid_estimate::{
 };
 use frfid_experiment::Guarded;
 use frfid_signals::checks::positive;
-use frfid_signals::{Limit, Limits, Record, Testbed};
+use frfid_signals::{Injection, Limit, Limits, Record, Testbed};
 use ndarray::{Array3, Ix3};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -190,7 +190,12 @@ pub(crate) fn shape(
             let machine = PythonTestbed::new(testbed, n_axes, by_key(&options.limits), "rad/s")?;
             let kept = kept(&machine, folder.as_deref(), overwrite)?;
             let testbed = kept.as_ref().map_or(&machine as &dyn Testbed, |kept| kept);
-            let guarded = Guarded::new(testbed, &options.limits, &vec![0.0; n_axes]);
+            let guarded = Guarded::new(
+                testbed,
+                &options.limits,
+                &vec![0.0; n_axes],
+                Injection::Velocity,
+            );
             measured(py, &guarded, desired, start, options, progress)?
         }
     };

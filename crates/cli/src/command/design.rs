@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use frfid_experiment::{
-    ConfigError, Experiment, ExperimentError, PlannedRuns, Prediction, predict,
+    ConfigError, Experiment, ExperimentError, PlannedRuns, Prediction, fading_advice, predict,
 };
 use frfid_signals::format::significant;
 use frfid_signals::{Excess, Limit, Limits, Plan};
@@ -238,7 +238,10 @@ fn advice(experiment: &Experiment, prediction: &Prediction, worst: &Excess) -> S
     // rounded down, so that the advice is inside the limit
     let factor = (prediction.feasible_factor().unwrap_or(1.0) * 1000.0).floor() / 1000.0;
     if factor > 0.0 {
-        return smaller_amplitudes(experiment.plan(), factor);
+        let plan = experiment.plan();
+        let smaller = smaller_amplitudes(plan, factor);
+        let fading = fading_advice(plan, worst.limit).map(|advice| format!("; {advice}"));
+        return smaller + &fading.unwrap_or_default();
     }
     let without = significant(prediction.without_excitation(worst), 4);
     let slower = if glides(experiment.plan()) {

@@ -13,7 +13,11 @@ pub(crate) fn plan_as_text(plan: &Plan) -> Result<String, SignalError> {
     let mut entries = plan.excitation.waveform().described(plan.sample_time_s);
     let lead_in_s = significant(lead_in_s(plan), 6);
     let periods = count(plan.n_periods, "period");
-    entries.push(("each run", format!("lead-in {lead_in_s} s, {periods}")));
+    let ramps = ramps(plan);
+    entries.push((
+        "each run",
+        format!("lead-in {lead_in_s} s, {periods}{ramps}"),
+    ));
     entries.push(("runs", format!("{}: {}", cost.n_runs, runs(plan))));
     entries.push(("time on the robot", duration(cost.robot_time_s)));
     entries.extend(all_at_once(plan)?.map(|time_s| ("  all axes at once", duration(time_s))));
@@ -54,6 +58,7 @@ pub(crate) fn plan_as_json(plan: &Plan) -> Result<Value, SignalError> {
         "n_periods": plan.n_periods,
         "n_glides": plan.n_glides,
         "lead_in_s": lead_in_s(plan),
+        "ramp_s": ramp_s(plan),
         "n_runs": cost.n_runs,
         "run_samples": cost.run_samples,
         "robot_time_s": cost.robot_time_s,
@@ -70,6 +75,18 @@ pub(crate) fn plan_as_json(plan: &Plan) -> Result<Value, SignalError> {
 
 fn lead_in_s(plan: &Plan) -> f64 {
     plan.lead_in_samples as f64 * plan.sample_time_s
+}
+
+fn ramp_s(plan: &Plan) -> f64 {
+    plan.ramp_samples as f64 * plan.sample_time_s
+}
+
+/// The ramps of a run, where it has some.
+fn ramps(plan: &Plan) -> String {
+    if plan.ramp_samples == 0 {
+        return String::new();
+    }
+    format!(", ramps of {} s", significant(ramp_s(plan), 6))
 }
 
 fn runs(plan: &Plan) -> String {

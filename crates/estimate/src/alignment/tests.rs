@@ -34,6 +34,7 @@ fn plan() -> Plan {
         n_repetitions: 2,
         n_periods: 1,
         lead_in_samples: 600,
+        ramp_samples: 0,
         velocity_rad_s: vec![0.06, -0.05],
         n_glides: 2,
     }

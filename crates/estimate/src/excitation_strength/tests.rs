@@ -55,6 +55,7 @@ fn plan(excitation: Excitation, n_periods: usize) -> Plan {
         n_repetitions: 1,
         n_periods,
         lead_in_samples: 500,
+        ramp_samples: 0,
         velocity_rad_s: vec![0.0],
         n_glides: 0,
     }

@@ -115,6 +115,10 @@ pub struct AveragingTable {
     /// Time before the first measured period in s, for transients to die out. Without it one
     /// period of a multisine, and nothing before other excitations.
     pub lead_in_s: Option<f64>,
+    /// Time in s over which a multisine rises from 0, at the begin of the lead-in, and falls to 0
+    /// after the last period, so that torque rate, acceleration and jerk keep their limits from rest
+    /// to rest. At most `lead_in_s`; chirps and stepped sines have fades of their own.
+    pub ramp_s: f64,
 }
 
 impl Default for AveragingTable {
@@ -124,6 +128,7 @@ impl Default for AveragingTable {
             repetitions: 1,
             periods: 1,
             lead_in_s: None,
+            ramp_s: 0.0,
         }
     }
 }

@@ -1,6 +1,7 @@
 //! Plan that a description asks for: excitation, phasing, averaging, all checked against each
 //! other.
 
+use frfid_signals::format::significant;
 use frfid_signals::{Excitation, Phasing, Plan, SignalError, Target};
 
 use crate::description::config::{Config, ConstantVelocityTable};
@@ -49,11 +50,13 @@ fn plan_at_rest(
     phasing: Phasing,
 ) -> Result<Plan, Fault> {
     let glides = config.constant_velocity.as_ref().map(|table| table.glides);
+    let lead_in_samples = lead_in_samples(config, &excitation)?;
     Ok(Plan {
         seed: config.seed,
         sample_time_s: config.sample_time_s,
         n_inputs: target.n_inputs,
-        lead_in_samples: lead_in_samples(config, &excitation)?,
+        lead_in_samples,
+        ramp_samples: ramp_samples(config, &excitation, lead_in_samples)?,
         excitation,
         phasing,
         injection: target.injection,
@@ -88,6 +91,31 @@ fn lead_in_samples(config: &Config, excitation: &Excitation) -> Result<usize, Fa
     }
     let message = format!("lead_in_s is {lead_in_s}, needed: 0 to 10^8 samples");
     Err(Fault::new(&["averaging", "lead_in_s"], message))
+}
+
+/// Samples of the ramps before and after the periods.
+fn ramp_samples(
+    config: &Config,
+    excitation: &Excitation,
+    lead_in_samples: usize,
+) -> Result<usize, Fault> {
+    let ramp_s = config.averaging.ramp_s;
+    let fault = |message| Err(Fault::new(&["averaging", "ramp_s"], message));
+    let waveform = excitation.waveform();
+    if ramp_s != 0.0 && !waveform.is_periodic() {
+        let name = waveform.name();
+        return fault(format!(
+            "ramp_s is for a multisine, found {name}; fade it by its own keys, fade_s of a chirp, ramp_s of a stepped sine"
+        ));
+    }
+    let samples = (ramp_s / config.sample_time_s).ceil();
+    if (0.0..=lead_in_samples as f64).contains(&samples) {
+        return Ok(samples as usize);
+    }
+    let lead_in_s = significant(lead_in_samples as f64 * config.sample_time_s, 4);
+    fault(format!(
+        "ramp_s is {ramp_s}, needed: 0 to {lead_in_s}, the lead-in during which the excitation rises; make lead_in_s longer"
+    ))
 }
 
 /// The constant velocity of every axis.
@@ -208,6 +236,20 @@ mod tests {
                 "lead_in_s = -1.0",
                 "0 to 10^8 samples",
                 "-1.0",
+            ),
+            (
+                "multisine",
+                "periods = 1",
+                "ramp_s = 20.0",
+                "needed: 0 to 12.29",
+                "20.0",
+            ),
+            (
+                "chirp",
+                "[chirp]",
+                "[averaging]\nramp_s = 0.5\n[chirp]",
+                "fade_s of a chirp",
+                "0.5",
             ),
             (
                 "multisine",

@@ -2,7 +2,7 @@
 //! limits.
 
 use frfid_estimate::AxisStrength;
-use frfid_plant::SimulatedRobot;
+use frfid_plant::{Simulated, SimulatedRobot};
 use frfid_signals::{Excess, Injection, Plan, Run, RunId};
 use serde::Serialize;
 
@@ -103,10 +103,12 @@ impl Demand {
         experiment: &Experiment,
         simulator: &SimulatedRobot,
     ) -> Result<Self, ExperimentError> {
-        let (record, truth) = simulator.simulate(run)?;
+        let Simulated {
+            record, changes, ..
+        } = simulator.simulate(run)?;
         let load = Load::of(&record, &run.start_rad, &experiment.pose_rad);
         Ok(Self {
-            load: load.with_motion(&truth),
+            load: load.with_changes(changes),
             played: played(run, experiment)?,
             crest_factor: crest_factors(&record),
             strengths: experiment

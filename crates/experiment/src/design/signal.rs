@@ -3,16 +3,17 @@
 use std::iter::zip;
 
 use frfid_signals::format::significant;
-use frfid_signals::largest_by_axis;
 use frfid_signals::power::{about_mean, crest_factor, rms, sample_peak};
+use frfid_signals::{Injection, Limit, Run, largest_by_axis};
 use ndarray::{Array2, Axis};
 use serde::Serialize;
 
 use crate::description::limits::{MAX_INPUT, MAX_INPUT_RATE};
 use crate::description::text::ConfigError;
+use crate::design::fading::fading_advice;
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
-use crate::run::load::{larger, slope};
+use crate::run::load::larger;
 use crate::run::parallel::{Progress, Steps, for_each};
 use crate::run::planned_runs::{PlannedRuns, first_repetitions};
 
@@ -24,19 +25,20 @@ const ROUNDING: f64 = 1e-9;
 pub struct SignalPeaks {
     /// Largest value, in the unit of the channel.
     pub peak: Vec<f64>,
-    /// Largest change from one sample of a run to the next, in that unit per second.
+    /// Largest change from one sample of a run to the next, from and to rest included, in that unit
+    /// per second.
     pub rate: Vec<f64>,
     /// Crest factor about the mean, peak over rms of the same run.
     pub crest_factor: Vec<f64>,
 }
 
 impl SignalPeaks {
-    /// Those of one signal.
-    pub(crate) fn of(signal: &Array2<f64>, sample_time_s: f64) -> Self {
+    /// Those of one run.
+    pub(crate) fn of(run: &Run, injection: Injection) -> Self {
         Self {
-            peak: largest_by_axis(signal),
-            rate: largest_by_axis(&slope(signal, sample_time_s)),
-            crest_factor: crest_factors(signal),
+            peak: largest_by_axis(&run.reference),
+            rate: run.steepest_per_s(injection),
+            crest_factor: crest_factors(&run.reference),
         }
     }
 
@@ -84,7 +86,7 @@ impl PlannedRuns {
         };
         let peaks = for_each(&ids, jobs, steps, |id| {
             let run = self.run(*id)?;
-            Ok(SignalPeaks::of(&run.reference, run.sample_time_s))
+            Ok(SignalPeaks::of(&run, self.experiment.plan.injection))
         })?;
         Ok(peaks
             .into_iter()
@@ -136,9 +138,13 @@ impl Experiment {
             .map(|(peak, unit)| format!("{} {unit}", significant(factor * peak, 3)));
         let smaller = smaller.collect::<Vec<_>>().join(", ");
         let (name, unit) = (&self.joint_names[channel], &units[channel]);
+        let fading = fading_advice(&self.plan, Limit::TorqueRate)
+            .filter(|_| key == MAX_INPUT_RATE)
+            .map(|advice| format!("; {advice}"))
+            .unwrap_or_default();
         let message = format!(
             "{name} would reach {found} {unit}{per}, {key} is {allowed} {unit}{per}; multiply the amplitudes by {factor} or \
-             less (to {smaller}), or raise the limit"
+             less (to {smaller}), or raise the limit{fading}"
         );
         self.text.error(&["limits", key], message)
     }

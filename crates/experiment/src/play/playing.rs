@@ -2,6 +2,7 @@
 //! first rest to its last.
 
 use frfid_signals::{Excess, Injection, Peaks, Plan, Playback, Played, Player, Run, RunId};
+use ndarray::Array2;
 
 use crate::design::signal::SignalPeaks;
 use crate::error::ExperimentError;
@@ -45,7 +46,8 @@ impl Experiment {
         let playback = self.as_played(run, player)?;
         if self.robot.is_none() {
             if let Played::Torque(signal) = &playback.played {
-                self.check_signal(&SignalPeaks::of(signal, playback.sample_time_s))?;
+                let whole = at_rest(run, signal.clone(), playback.sample_time_s);
+                self.check_signal(&SignalPeaks::of(&whole, Injection::Torque))?;
             }
             let peaks = playback.peaks(&player.pose_rad);
             return Ok((playback, peaks));
@@ -81,9 +83,9 @@ impl Experiment {
     /// What the model reaches where it is given the whole playback, from rest to rest.
     fn predicted_peaks(&self, run: &Run, player: &Player) -> Result<Peaks, ExperimentError> {
         let whole = self.whole_run(run, player)?;
-        let (record, truth) = self.simulator(None)?.simulate(&whole)?;
-        let load = Load::of(&record, &whole.start_rad, &self.pose_rad).with_motion(&truth);
-        Ok(load.peaks)
+        let simulated = self.simulator(None)?.simulate(&whole)?;
+        let load = Load::of(&simulated.record, &whole.start_rad, &self.pose_rad);
+        Ok(load.with_changes(simulated.changes).peaks)
     }
 
     /// The whole playback as a run at the plan's rate, which begins at rest at the pose.
@@ -92,16 +94,11 @@ impl Experiment {
             rate_hz: 1.0 / self.plan.sample_time_s,
             ..player.clone()
         };
-        let at_rest = vec![0.0; self.plan.n_inputs];
-        Ok(Run {
-            reference: match self.plan.playback(run, &own_rate)?.played {
-                Played::Motion(motion) => motion.velocity_rad_s,
-                Played::Torque(torque) => torque,
-            },
-            velocity_rad_s: at_rest.clone(),
-            start_rad: at_rest,
-            ..run.clone()
-        })
+        let reference = match self.plan.playback(run, &own_rate)?.played {
+            Played::Motion(motion) => motion.velocity_rad_s,
+            Played::Torque(torque) => torque,
+        };
+        Ok(at_rest(run, reference, self.plan.sample_time_s))
     }
 
     fn refuse(
@@ -120,6 +117,18 @@ impl Experiment {
             joint,
             excess,
         })
+    }
+}
+
+/// A run with this reference that begins at rest at the pose.
+fn at_rest(run: &Run, reference: Array2<f64>, sample_time_s: f64) -> Run {
+    let zeros = vec![0.0; reference.nrows()];
+    Run {
+        id: run.id,
+        sample_time_s,
+        reference,
+        velocity_rad_s: zeros.clone(),
+        start_rad: zeros,
     }
 }
 

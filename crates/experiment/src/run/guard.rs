@@ -2,7 +2,9 @@
 
 use std::sync::Mutex;
 
-use frfid_signals::{Excess, InputKind, Limit, Limits, Peaks, Record, Run, Testbed, TestbedError};
+use frfid_signals::{
+    Excess, Injection, InputKind, Limit, Limits, Peaks, Record, Run, Testbed, TestbedError,
+};
 
 use crate::experiment::Experiment;
 
@@ -11,18 +13,25 @@ pub struct Guarded<'a> {
     testbed: &'a dyn Testbed,
     limits: Limits,
     pose_rad: Vec<f64>,
+    injection: Injection,
     /// What was exceeded.
     tripped: Mutex<Option<String>>,
 }
 
 impl<'a> Guarded<'a> {
-    /// The guard of a testbed, with limits about a pose in rad.
+    /// The guard of a testbed, with limits about a pose in rad, given references of a kind.
     #[must_use]
-    pub fn new(testbed: &'a dyn Testbed, limits: &Limits, pose_rad: &[f64]) -> Self {
+    pub fn new(
+        testbed: &'a dyn Testbed,
+        limits: &Limits,
+        pose_rad: &[f64],
+        injection: Injection,
+    ) -> Self {
         Self {
             testbed,
             limits: limits.clone(),
             pose_rad: pose_rad.to_vec(),
+            injection,
             tripped: Mutex::new(None),
         }
     }
@@ -30,7 +39,8 @@ impl<'a> Guarded<'a> {
     /// The same with the limits and the pose of a description.
     #[must_use]
     pub fn of(experiment: &Experiment, testbed: &'a dyn Testbed) -> Self {
-        Self::new(testbed, &experiment.limits, &experiment.pose_rad)
+        let (limits, pose_rad) = (&experiment.limits, &experiment.pose_rad);
+        Self::new(testbed, limits, pose_rad, experiment.plan.injection)
     }
 
     /// Sees the record of a run, done now or before.
@@ -60,7 +70,23 @@ impl<'a> Guarded<'a> {
     fn pass(&self, run: &Run) -> Result<(), TestbedError> {
         let tripped = self.tripped.lock().expect("no thread panics with it");
         let why = tripped.clone();
+        let why = why.or_else(|| self.too_steep(run));
         why.map_or(Ok(()), |why| Err(TestbedError::foreign(run.id, why)))
+    }
+
+    /// Why torques are not sent that change faster than they may, from rest to rest.
+    fn too_steep(&self, run: &Run) -> Option<String> {
+        if self.injection != Injection::Torque {
+            return None;
+        }
+        let rate = run.steepest_per_s(self.injection);
+        let peaks = Peaks::from_iter([(Limit::TorqueRate, rate)]);
+        let excess = *self.limits.exceeded(&peaks).first()?;
+        Some(format!(
+            "not sent to the machine: run {}: {excess}, from and to rest included; lower the amplitudes, or fade them in \
+             and out ([averaging] ramp_s of a multisine, fade_s of a chirp)",
+            run.id
+        ))
     }
 }
 

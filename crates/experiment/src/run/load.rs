@@ -1,9 +1,7 @@
 //! Load of a run: what it asked of the robot at most.
 
-use frfid_plant::Trajectory;
 use frfid_signals::power::{about_mean, crest_factor, rms, sample_peak};
-use frfid_signals::{Limit, Peaks, Record, largest_by_axis};
-use ndarray::{Array2, s};
+use frfid_signals::{Peaks, Record};
 use serde::Serialize;
 
 /// Largest values of a run or a campaign.
@@ -30,15 +28,11 @@ impl Load {
         }
     }
 
-    /// The same with acceleration and jerk, sample to sample, of the true motion: in a recording
-    /// noise would be all that is left of them.
+    /// The same with torque rate, acceleration and jerk of a simulation, from rest to rest: in a
+    /// recording noise would be all that is left of them.
     #[must_use]
-    pub fn with_motion(mut self, truth: &Trajectory) -> Self {
-        let acceleration = slope(&truth.motor_velocity_rad_s, truth.sample_time_s);
-        let jerk = slope(&acceleration, truth.sample_time_s);
-        for (limit, signal) in [(Limit::Acceleration, acceleration), (Limit::Jerk, jerk)] {
-            self.peaks.set(limit, largest_by_axis(&signal));
-        }
+    pub fn with_changes(mut self, changes: Peaks) -> Self {
+        self.peaks.extend(changes);
         self
     }
 
@@ -58,13 +52,6 @@ impl Load {
             .into_iter()
             .reduce(|largest, load| largest.larger(&load))
     }
-}
-
-/// Slope of every channel from sample to sample.
-pub(crate) fn slope(signal: &Array2<f64>, sample_time_s: f64) -> Array2<f64> {
-    let samples = signal.ncols().max(1);
-    let (after, before) = (s![.., 1..samples], s![.., ..samples - 1]);
-    (&signal.slice(after) - &signal.slice(before)) / sample_time_s
 }
 
 /// A number of the torque about its mean, one for each axis.

@@ -5,6 +5,8 @@ use std::f64::consts::PI;
 use frfid_signals::checks::positive;
 use frfid_signals::{Event, EventKind, Limit, Limits, Record, Run, SignalError};
 
+use crate::control::changes::Changes;
+
 /// Beyond this multiple of a limit no ramp helps: the run is cut off at once, as by an emergency
 /// stop.
 const CUT_OFF: f64 = 2.0;
@@ -19,9 +21,11 @@ const CUT_OFF: f64 = 2.0;
 /// care for its reference).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Watch {
-    /// What the readings are held against: torque, velocity and travel, the way from the pose by
-    /// which the position reading has changed since the start of the run. Other limits may be given
-    /// and are not watched, because no reading shows them from sample to sample.
+    /// What is held against them: the readings of torque, velocity and travel, the way from the pose
+    /// by which the position reading has changed since the start of the run; and, because noise is
+    /// all that the slopes of readings show, the rate of the torque that acts and acceleration and
+    /// jerk of the true motion, from the steady motion before the run to the one after it. Limits of
+    /// positions may be given and are not watched.
     pub limits: Limits,
     /// Time in s from the excess to rest.
     pub ramp_s: f64,
@@ -39,14 +43,9 @@ impl Watch {
 
     /// The worst excess among the readings of a sample by comparison with its limit, and on which
     /// axis it is.
-    fn excess(
-        &self,
-        start_rad: &[f64],
-        record: &Record,
-        sample: usize,
-    ) -> Option<(usize, Reached)> {
+    fn excess(&self, run: &Run, moment: Moment) -> Option<(usize, Reached)> {
         let beyond = |axis: usize, limit: Limit, allowed: f64| {
-            let value = reading(limit, record, [axis, sample], start_rad[axis])?;
+            let value = moment.of(limit, axis, run.start_rad[axis])?;
             let reached = Reached {
                 limit,
                 value,
@@ -59,26 +58,34 @@ impl Watch {
             let limits = self.limits.iter();
             limits.filter_map(move |(limit, allowed)| beyond(axis, limit, allowed[axis]))
         };
-        let excesses = (0..start_rad.len()).flat_map(of_axis);
+        let excesses = (0..run.start_rad.len()).flat_map(of_axis);
         excesses.max_by(|(_, a), (_, b)| a.share().total_cmp(&b.share()))
     }
 }
 
-/// The reading that is held against a limit, at a place (axis, sample) of a record that starts
-/// `start_rad` from the pose; `None` where there is none.
-fn reading(limit: Limit, record: &Record, place: [usize; 2], start_rad: f64) -> Option<f64> {
-    match limit {
-        Limit::Torque => Some(record.u[place]),
-        Limit::Velocity => Some(record.y[place]),
-        Limit::Travel => {
-            let position = record.position_rad.as_ref()?;
-            Some(position[place] - position[[place[0], 0]] + start_rad)
+/// What is known at a sample.
+#[derive(Clone, Copy)]
+pub(crate) struct Moment<'a> {
+    pub(crate) record: &'a Record,
+    pub(crate) sample: usize,
+    pub(crate) changes: &'a Changes,
+}
+
+impl Moment<'_> {
+    /// The value of an axis that is held against a limit, of a run that starts `start_rad` from the
+    /// pose; `None` where there is none.
+    fn of(self, limit: Limit, axis: usize, start_rad: f64) -> Option<f64> {
+        let place = [axis, self.sample];
+        match limit {
+            Limit::Torque => Some(self.record.u[place]),
+            Limit::Velocity => Some(self.record.y[place]),
+            Limit::Travel => {
+                let position = self.record.position_rad.as_ref()?;
+                Some(position[place] - position[[axis, 0]] + start_rad)
+            }
+            Limit::TorqueRate | Limit::Acceleration | Limit::Jerk => self.changes.now(limit, axis),
+            Limit::LowestPosition | Limit::HighestPosition => None,
         }
-        Limit::TorqueRate
-        | Limit::Acceleration
-        | Limit::Jerk
-        | Limit::LowestPosition
-        | Limit::HighestPosition => None,
     }
 }
 
@@ -183,28 +190,21 @@ impl<'a> Guard<'a> {
         }
     }
 
-    /// Looks at the readings of a sample and logs the first excess.
-    pub(crate) fn look(&mut self, record: &mut Record, sample: usize) {
-        let Some((axis, reached)) = self
-            .watch
-            .and_then(|watch| watch.excess(&self.run.start_rad, record, sample))
-        else {
-            return;
-        };
-        let excess = self.excess.get_or_insert_with(|| {
-            record
-                .events
-                .push(reached.event(axis, sample as f64 * self.run.sample_time_s));
-            Excess {
-                sample,
-                axis,
-                reached,
-                cut_off: None,
-            }
+    /// Looks at a sample; returns the event of the first excess.
+    pub(crate) fn look(&mut self, moment: Moment) -> Option<Event> {
+        let (axis, reached) = self.watch?.excess(self.run, moment)?;
+        let sample = moment.sample;
+        let first = self.excess.is_none();
+        let excess = self.excess.get_or_insert(Excess {
+            sample,
+            axis,
+            reached,
+            cut_off: None,
         });
         if reached.share() > CUT_OFF {
             excess.cut_off.get_or_insert(sample);
         }
+        first.then(|| reached.event(axis, sample as f64 * self.run.sample_time_s))
     }
 
     /// Whether a sample is the last of the run.

@@ -65,6 +65,14 @@ impl Command {
         }
     }
 
+    /// The reference of an axis that goes on as before the run, at a constant velocity in rad/s.
+    pub(crate) fn rest(&self, velocity_rad_s: f64) -> f64 {
+        match self {
+            Self::Torque { .. } => 0.0,
+            Self::Velocity(_) => velocity_rad_s,
+        }
+    }
+
     /// Motor torque in N m at the next sample, towards which it runs in a straight line; `None` if
     /// it is held until then.
     pub(crate) fn ahead(&self, axis: usize, next_reference: f64) -> Option<f64> {

@@ -45,9 +45,10 @@ pub(crate) fn check_run(n_axes: usize, sensors: &[Sensor], run: &Run) -> Result<
         .try_for_each(Sensor::check)
 }
 
-/// A record of the length of a run, all zeros.
-fn empty_record(sensors: &[Sensor], run: &Run) -> Record {
-    let zeros = || Array2::zeros(run.reference.dim());
+/// A record of a run and `after` more samples, all zeros.
+fn empty_record(sensors: &[Sensor], run: &Run, after: usize) -> Record {
+    let (n_axes, n_samples) = run.reference.dim();
+    let zeros = || Array2::zeros((n_axes, n_samples + after));
     let measured = sensors
         .iter()
         .any(|sensor| sensor.torque_noise_nm.is_some());
@@ -67,8 +68,15 @@ fn empty_record(sensors: &[Sensor], run: &Run) -> Record {
 }
 
 impl Recorder {
-    /// Begins the record of a run of a robot that stands at the start of it.
-    pub(crate) fn new(sensors: &[Sensor], seed: u64, run: &Run, motion: &dyn Motion) -> Self {
+    /// Begins the record of a run of a robot that stands at the start of it, with room for `after`
+    /// more samples.
+    pub(crate) fn new(
+        sensors: &[Sensor],
+        seed: u64,
+        run: &Run,
+        motion: &dyn Motion,
+        after: usize,
+    ) -> Self {
         let (position, velocity) = (motion.motor_position_rad(), motion.motor_velocity_rad_s());
         let reader = |(axis, sensor): (usize, &Sensor)| {
             Reader::new(
@@ -82,7 +90,7 @@ impl Recorder {
         };
         Self {
             readers: sensors.iter().enumerate().map(reader).collect(),
-            record: empty_record(sensors, run),
+            record: empty_record(sensors, run, after),
         }
     }
 

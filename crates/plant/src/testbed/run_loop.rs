@@ -1,16 +1,21 @@
 //! Loop of a simulated run: read the sensors, command the torques, watch, move on, sample by sample.
 
-use frfid_signals::{Record, Run};
+use frfid_signals::Run;
 
+use crate::control::changes::Changes;
 use crate::control::sensor::Sensor;
-use crate::control::watch::Guard;
+use crate::control::watch::{Guard, Moment};
 use crate::error::PlantError;
 use crate::motion::trajectory::Trajectory;
 use crate::motion::{Acting, Motion};
 use crate::testbed::command::Command;
 use crate::testbed::recorder::Recorder;
 use crate::testbed::simulate::Clock;
-use crate::testbed::simulated_robot::SimulatedRobot;
+use crate::testbed::simulated_robot::{Simulated, SimulatedRobot};
+
+/// Samples after a run for which the robot is brought back to its steady motion and watched: the
+/// answer to the last step of the reference, controller delays included.
+const AFTER: usize = 16;
 
 /// All that goes on around a robot in motion during a run.
 pub(crate) struct RunLoop<'a> {
@@ -19,6 +24,7 @@ pub(crate) struct RunLoop<'a> {
     command: Command,
     recorder: Recorder,
     guard: Guard<'a>,
+    changes: Changes,
     truth: Trajectory,
 }
 
@@ -26,70 +32,85 @@ impl<'a> RunLoop<'a> {
     /// The loop before the first sample of a run at whose start the robot is.
     pub(crate) fn new(robot: &'a SimulatedRobot, run: &'a Run, motion: &dyn Motion) -> Self {
         let (n_axes, n_samples) = run.reference.dim();
+        let (holding, velocity) = (motion.holding_nm(), motion.motor_velocity_rad_s());
         Self {
             run,
             sensors: &robot.sensors,
             command: Command::holding(&robot.actuation, motion),
-            recorder: Recorder::new(&robot.sensors, robot.seed, run, motion),
+            recorder: Recorder::new(&robot.sensors, robot.seed, run, motion, AFTER),
             guard: Guard::new(robot.watch.as_ref(), run),
-            truth: Trajectory::zeros(run.sample_time_s, n_axes, n_samples),
+            changes: Changes::steady(run.sample_time_s, &holding, velocity),
+            truth: Trajectory::zeros(run.sample_time_s, n_axes, n_samples + AFTER),
         }
     }
 
-    /// Goes through the run; returns the number of its samples, fewer than were asked for if it was
-    /// stopped.
+    /// Goes through the run and brings the robot back to its steady motion; returns the number of the
+    /// run's samples, fewer than were asked for if it was stopped.
     pub(crate) fn advance(
         &mut self,
         motion: &mut dyn Motion,
         clock: Clock,
     ) -> Result<usize, PlantError> {
         let n_samples = self.run.reference.ncols();
-        for sample in 0..n_samples {
+        for sample in 0..n_samples + AFTER {
             self.truth.set(sample, motion);
             let torque = self.acting_nm(sample, motion);
-            self.guard.look(&mut self.recorder.record, sample);
-            if self.guard.ends(sample) {
-                return Ok(sample + 1);
+            self.look(sample, &torque, motion);
+            let ends = self.guard.ends(sample);
+            if sample + 1 == n_samples || (ends && sample < n_samples) {
+                self.truth.set_stuck(motion);
             }
-            if sample + 1 < n_samples {
-                let next = self.next_nm(sample + 1);
-                let acting = next
-                    .as_ref()
-                    .map_or(Acting::Held(&torque), |next| Acting::Line(&torque, next));
-                motion.advance(clock.n_steps, clock.step_s(), acting)?;
+            if ends {
+                return Ok(n_samples.min(sample + 1));
             }
+            let next = self.next_nm(sample + 1);
+            let acting = next
+                .as_ref()
+                .map_or(Acting::Held(&torque), |next| Acting::Line(&torque, next));
+            motion.advance(clock.n_steps, clock.step_s(), acting)?;
         }
         Ok(n_samples)
     }
 
-    /// The record and the true motion of the samples that were done, under controllers of these
-    /// gains in N m s/rad.
-    pub(crate) fn finish(
-        self,
-        n_samples: usize,
-        motion: &dyn Motion,
-        gains: &[f64],
-    ) -> (Record, Trajectory) {
-        let (mut record, mut truth) = (self.recorder.record, self.truth);
-        truth.set_stuck(motion);
-        if n_samples < record.n_samples() {
-            truth.truncate(n_samples);
-            record.truncate(n_samples);
-        }
-        let last = n_samples.saturating_sub(1);
-        record.events.extend(self.guard.stopped(last, gains));
-        (record, truth)
+    /// Watches a sample from which on torques in N m act.
+    fn look(&mut self, sample: usize, torque_nm: &[f64], motion: &dyn Motion) {
+        self.changes.step(torque_nm, motion.motor_velocity_rad_s());
+        let record = &mut self.recorder.record;
+        let changes = &self.changes;
+        let event = self.guard.look(Moment {
+            record,
+            sample,
+            changes,
+        });
+        record.events.extend(event);
     }
 
-    /// What is injected on an axis at a sample.
+    /// What came of the samples that were done, under controllers of these gains in N m s/rad.
+    pub(crate) fn finish(self, n_samples: usize, gains: &[f64]) -> Simulated {
+        let (mut record, mut truth) = (self.recorder.record, self.truth);
+        truth.truncate(n_samples);
+        record.truncate(n_samples);
+        let last = n_samples.saturating_sub(1);
+        record.events.extend(self.guard.stopped(last, gains));
+        Simulated {
+            record,
+            truth,
+            changes: self.changes.largest(),
+        }
+    }
+
+    /// What is injected on an axis at a sample: rest after the last.
     fn reference(&self, axis: usize, sample: usize) -> f64 {
-        self.guard.share(sample) * self.run.reference[[axis, sample]]
+        let planned = self.run.reference.get([axis, sample]);
+        let rest = || self.command.rest(self.run.velocity_rad_s[axis]);
+        self.guard.share(sample) * planned.copied().unwrap_or_else(rest)
     }
 
     /// Reads the sensors of all axes and sets the torques in N m that act from a sample on.
     fn acting_nm(&mut self, sample: usize, motion: &dyn Motion) -> Vec<f64> {
         let (position, velocity) = (motion.motor_position_rad(), motion.motor_velocity_rad_s());
         let n_axes = self.sensors.len();
+        let in_run = sample < self.run.reference.ncols();
         let on_axis = |axis: usize| {
             let reference = self.reference(axis, sample);
             self.recorder.reference(axis, sample, reference);
@@ -99,7 +120,7 @@ impl<'a> RunLoop<'a> {
             let output = self.command.torque(axis, reference, reading);
             let acting_nm = self.sensors[axis].acting_torque(output.torque_nm);
             self.recorder
-                .torque(axis, sample, acting_nm, output.reached);
+                .torque(axis, sample, acting_nm, output.reached.filter(|_| in_run));
             acting_nm
         };
         (0..n_axes).map(on_axis).collect()

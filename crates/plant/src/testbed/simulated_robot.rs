@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use frfid_signals::{Record, Run, SignalError, Testbed, TestbedError};
+use frfid_signals::{Peaks, Record, Run, SignalError, Testbed, TestbedError};
 
 use crate::control::controller::Controller;
 use crate::control::sensor::Sensor;
@@ -56,6 +56,18 @@ pub enum Actuation {
         /// Its sample time T in s; a run on another clock is refused.
         sample_time_s: f64,
     },
+}
+
+/// What came of a simulated run.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Simulated {
+    /// What the sensors recorded.
+    pub record: Record,
+    /// The true motion.
+    pub truth: Trajectory,
+    /// Largest torque rate, acceleration and jerk, from the steady motion before the run to the one
+    /// after it.
+    pub changes: Peaks,
 }
 
 impl SimulatedRobot {
@@ -114,16 +126,17 @@ impl SimulatedRobot {
         }
     }
 
-    /// Does one run; returns the true motion beside what the sensors recorded.
+    /// Does one run; returns the true motion and its largest changes beside what the sensors
+    /// recorded.
     ///
     /// # Errors
     /// [`TestbedError`] for a run that does not fit, and one that diverges.
-    pub fn simulate(&self, run: &Run) -> Result<(Record, Trajectory), TestbedError> {
+    pub fn simulate(&self, run: &Run) -> Result<Simulated, TestbedError> {
         self.sampled(run)
             .map_err(|error| error.in_run(run.id, self.gain_nms_per_rad()))
     }
 
-    fn sampled(&self, run: &Run) -> Result<(Record, Trajectory), PlantError> {
+    fn sampled(&self, run: &Run) -> Result<Simulated, PlantError> {
         self.check(run)?;
         let mut motion = self.robot.start(&run.start_rad, &run.velocity_rad_s)?;
         let max_step_s = self.max_step_s;
@@ -133,7 +146,7 @@ impl SimulatedRobot {
         )?;
         let mut run_loop = RunLoop::new(self, run, &*motion);
         let n_samples = run_loop.advance(&mut *motion, clock)?;
-        Ok(run_loop.finish(n_samples, &*motion, self.gain_nms_per_rad()))
+        Ok(run_loop.finish(n_samples, self.gain_nms_per_rad()))
     }
 
     fn check(&self, run: &Run) -> Result<(), PlantError> {
@@ -183,6 +196,6 @@ impl Testbed for SimulatedRobot {
     }
 
     fn run(&self, run: &Run) -> Result<Record, TestbedError> {
-        Ok(self.simulate(run)?.0)
+        Ok(self.simulate(run)?.record)
     }
 }

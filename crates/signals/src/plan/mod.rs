@@ -1,5 +1,7 @@
 //! Plan of an experiment: which runs are done, and what each of them injects.
 
+mod check;
+pub(crate) mod ramp;
 pub(crate) mod run;
 pub(crate) mod testbed;
 #[cfg(test)]
@@ -10,11 +12,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
 use crate::excitation::{Draw, Excitation, Injection, Phasing};
-use crate::number::checks::{LONGEST_SIGNAL, at_most, positive, require_shape};
+use crate::plan::ramp::Ramp;
 use crate::plan::run::{Run, RunId, RunKind};
-
-/// Most runs that a plan may have: a year of them would take 30 s each.
-const MOST_RUNS: f64 = 1e6;
 
 /// A campaign: realizations x experiments x repetitions, each run a lead-in and one or more periods
 /// back to back.
@@ -45,6 +44,10 @@ pub struct Plan {
     /// Samples before the first measured period: the multisine's own continuation backwards, rest
     /// before a chirp.
     pub lead_in_samples: usize,
+    /// Samples over which a multisine rises from 0 at the begin of its lead-in, and falls to 0 after
+    /// its last measured period; 0 for none. What happens once has fades of its own.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub ramp_samples: usize,
     /// Constant velocity in rad/s beneath every run, per channel; zeros for none.
     pub velocity_rad_s: Vec<f64>,
     /// Runs of the constant velocity alone; 0 for none.
@@ -52,77 +55,6 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// Checks every number of the plan against the others.
-    ///
-    /// # Errors
-    /// [`SignalError`] naming the first value out of range.
-    pub fn check(&self) -> Result<(), SignalError> {
-        positive("sample_time_s", self.sample_time_s)?;
-        self.check_number_of_runs()?;
-        self.check_velocity()?;
-        self.check_excitation()?;
-        self.check_length()
-    }
-
-    fn check_number_of_runs(&self) -> Result<(), SignalError> {
-        let counts = [
-            ("n_inputs", self.n_inputs),
-            ("realizations", self.n_realizations),
-            ("repetitions", self.n_repetitions),
-            ("periods", self.n_periods),
-        ];
-        for (key, count) in counts {
-            positive(key, count as f64)?;
-        }
-        let runs =
-            self.n_realizations as f64 * self.n_experiments() as f64 * self.n_repetitions as f64
-                + self.n_glides as f64;
-        at_most(
-            "realizations",
-            "number of runs",
-            runs,
-            MOST_RUNS,
-            "at most 10^6: fewer realizations or repetitions",
-        )
-    }
-
-    fn check_velocity(&self) -> Result<(), SignalError> {
-        let (velocities, n_inputs) = (&self.velocity_rad_s, self.n_inputs);
-        let fits = velocities.len() == n_inputs && velocities.iter().all(|v| v.is_finite());
-        let needed = format_args!("one finite velocity for each of the {n_inputs} inputs");
-        require_shape("velocity_rad_s", &[velocities.len()], fits, needed)
-    }
-
-    fn check_excitation(&self) -> Result<(), SignalError> {
-        let waveform = self.excitation.waveform();
-        let counts = [
-            ("realizations", self.n_realizations),
-            ("periods", self.n_periods),
-        ];
-        let several = counts.into_iter().find(|(_, count)| *count != 1);
-        if let Some((key, found)) = several.filter(|_| !waveform.is_periodic()) {
-            let excitation = waveform.name();
-            return Err(SignalError::OnlyOnce {
-                key,
-                found,
-                excitation,
-            });
-        }
-        waveform.check_for(self.n_inputs)
-    }
-
-    fn check_length(&self) -> Result<(), SignalError> {
-        let samples =
-            self.lead_in_samples as f64 + self.n_periods as f64 * self.period_samples()? as f64;
-        at_most(
-            "periods",
-            "samples of a run",
-            samples,
-            LONGEST_SIGNAL,
-            "at most 2^26: fewer periods or a shorter lead-in",
-        )
-    }
-
     /// Experiments per realization: the columns of U, as many as inputs, or one for all.
     #[must_use]
     pub fn n_experiments(&self) -> usize {
@@ -139,12 +71,12 @@ impl Plan {
             .period_samples(self.sample_time_s)
     }
 
-    /// Samples of one run, lead-in included.
+    /// Samples of one run, lead-in and ramps included.
     ///
     /// # Errors
     /// As [`Plan::period_samples`].
     pub fn run_samples(&self) -> Result<usize, SignalError> {
-        Ok(self.lead_in_samples + self.n_periods * self.period_samples()?)
+        Ok(self.lead_in_samples + self.n_periods * self.period_samples()? + self.ramp_samples)
     }
 
     /// Every run, glides first, then realization by realization.
@@ -217,11 +149,12 @@ impl Plan {
         Ok(self.on_constant_velocity(id, reference))
     }
 
-    /// Lead-in and periods from one period.
+    /// Lead-in, periods and ramps from one period.
     fn extended(&self, period: &Array2<f64>) -> Array2<f64> {
         let n = period.ncols();
         let lead_in = self.lead_in_samples;
-        let mut reference = Array2::zeros((self.n_inputs, lead_in + self.n_periods * n));
+        let end = lead_in + self.n_periods * n;
+        let mut reference = Array2::zeros((self.n_inputs, end + self.ramp_samples));
         let periodic = self.excitation.waveform().is_periodic();
         for (k, mut column) in reference.axis_iter_mut(Axis(1)).enumerate() {
             if periodic || k >= lead_in {
@@ -230,7 +163,19 @@ impl Plan {
                 column.assign(&period.slice(s![.., (k + n - lead_in % n) % n]));
             }
         }
+        self.fade(&mut reference, end);
         reference
+    }
+
+    /// Lets a reference rise over its first samples and fall over those from `end` on.
+    fn fade(&self, reference: &mut Array2<f64>, end: usize) {
+        let duration_s = self.ramp_samples as f64 * self.sample_time_s;
+        let risen = |k: usize| Ramp { duration_s }.at(k as f64 * self.sample_time_s)[0];
+        for k in 0..self.ramp_samples {
+            reference.column_mut(k).mapv_inplace(|x| risen(k) * x);
+            let fallen = 1.0 - risen(k + 1);
+            reference.column_mut(end + k).mapv_inplace(|x| fallen * x);
+        }
     }
 
     /// The run of a reference, on the constant velocity beneath it.
@@ -282,4 +227,9 @@ impl Plan {
             },
         }
     }
+}
+
+/// What is left out of a description.
+fn is_zero(samples: &usize) -> bool {
+    *samples == 0
 }

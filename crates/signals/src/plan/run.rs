@@ -2,8 +2,11 @@
 
 use std::fmt;
 
-use ndarray::Array2;
+use ndarray::{Array1, Array2, ArrayView1};
 use serde::{Deserialize, Serialize};
+
+use crate::excitation::Injection;
+use crate::peaks::steepest;
 
 /// Whether a run carries the excitation or only the constant velocity beneath it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
@@ -83,4 +86,31 @@ pub struct Run {
     pub velocity_rad_s: Vec<f64>,
     /// Where the run starts, in rad from the pose, per channel.
     pub start_rad: Vec<f64>,
+}
+
+impl Run {
+    /// Largest rate of the reference of every channel, in its unit per s: from sample to sample, and
+    /// from the rest before the first to it and from the last to the rest after it. Rest is no
+    /// torque, or the constant velocity.
+    #[must_use]
+    pub fn steepest_per_s(&self, injection: Injection) -> Vec<f64> {
+        let rests = self.velocity_rad_s.iter().map(|velocity| match injection {
+            Injection::Torque => 0.0,
+            Injection::Velocity => *velocity,
+        });
+        let channels = self.reference.rows().into_iter().zip(rests);
+        channels
+            .map(|(row, rest)| steepest_from(rest, row) / self.sample_time_s)
+            .collect()
+    }
+}
+
+/// Largest change from sample to sample, with a rest before and after.
+fn steepest_from(rest: f64, row: ArrayView1<f64>) -> f64 {
+    let whole: Array1<f64> = [rest]
+        .into_iter()
+        .chain(row.iter().copied())
+        .chain([rest])
+        .collect();
+    steepest(whole.view())
 }

@@ -7,7 +7,7 @@ use crate::excitation::{
     Chirp, Excitation, GridDesign, GridKind, Injection, Multisine, Phases, Phasing, Profile,
 };
 use crate::plan::Plan;
-use crate::plan::run::{RunId, RunKind};
+use crate::plan::run::{Run, RunId, RunKind};
 
 fn plan() -> Plan {
     let design = GridDesign {
@@ -37,6 +37,7 @@ fn plan() -> Plan {
         n_repetitions: 2,
         n_periods: 2,
         lead_in_samples: 100,
+        ramp_samples: 0,
         velocity_rad_s: vec![0.0, 0.0],
         n_glides: 1,
     }
@@ -135,4 +136,43 @@ fn runs_and_numbers_that_do_not_fit_are_refused() {
         refused(|plan| plan.velocity_rad_s[0] = f64::NAN),
         "velocity_rad_s"
     );
+}
+
+#[test]
+fn ramps_lead_from_rest_into_the_lead_in_and_from_the_last_period_to_rest() {
+    let without = plan();
+    let with = Plan {
+        ramp_samples: 80,
+        ..plan()
+    };
+    let id = RunId::excitation(0, 0, 0);
+    let [plain, ramped] = [&without, &with].map(|plan| plan.run(id).expect("in the plan"));
+    let end = plain.reference.ncols();
+    assert_eq!(ramped.reference.ncols(), end + 80);
+    let steady = s![.., 80..end];
+    assert_eq!(
+        ramped.reference.slice(steady),
+        plain.reference.slice(steady)
+    );
+    // zero at both ends, half way in the middle of each ramp, and no steeper than in between
+    for (k, of) in [(0, 0), (end + 79, 279)] {
+        let factor = ramped.reference[[0, k]] / plain.reference[[0, of]];
+        assert!(factor.abs() < 1e-15, "{factor}");
+    }
+    assert!((ramped.reference[[0, 40]] / plain.reference[[0, 40]] - 0.5).abs() < 1e-12);
+    let rate = |run: &Run| run.steepest_per_s(Injection::Torque);
+    let inside: f64 = {
+        let row = plain.reference.row(0);
+        let changes = (1..end).map(|k| (row[k] - row[k - 1]).abs() / 1e-3);
+        changes.fold(0.0, f64::max)
+    };
+    assert!(rate(&ramped)[0] <= inside);
+    assert!(rate(&plain)[0] >= plain.reference[[0, 0]].abs() / 1e-3);
+    for (ramp_samples, fits) in [(100, true), (101, false)] {
+        let plan = Plan {
+            ramp_samples,
+            ..plan()
+        };
+        assert_eq!(plan.check().is_ok(), fits);
+    }
 }

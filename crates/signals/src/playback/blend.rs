@@ -7,9 +7,9 @@ use ndarray::Array2;
 
 use crate::limit::Limit;
 use crate::plan::Plan;
+use crate::plan::ramp::{MOST_BENT, MOST_JERKED, Ramp, STEEPEST};
 use crate::plan::run::Run;
 use crate::playback::oscillation::{LONGEST_RAMP_S, Oscillation};
-use crate::playback::ramp::{MOST_BENT, MOST_JERKED, Ramp, STEEPEST};
 use crate::playback::{Motion, Player};
 
 /// Shortest ramp in s.

@@ -3,7 +3,6 @@
 
 mod blend;
 mod oscillation;
-mod ramp;
 mod series;
 #[cfg(test)]
 mod tests;
@@ -48,8 +47,9 @@ pub struct Player {
 /// ```
 ///
 /// w rises from 0 to 1 before the run and falls after it, so that `p' = r` from the run's first sample to
-/// its last. `r` is the Fourier series through its samples, so that every derivative and the integral
-/// are exact line by line, at any rate. A torque, `tau(t) = w(t) r(t)`, has ramps only.
+/// its last. `r` is the Fourier series through its samples (with rest before and after where it has
+/// ramps or fades of its own), so that every derivative and the integral are exact line by line, at
+/// any rate. A torque, `tau(t) = w(t) r(t)`, has ramps only.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Playback {
     /// Which run of the plan it is.

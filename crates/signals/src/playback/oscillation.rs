@@ -74,7 +74,8 @@ fn series(
         .iter()
         .map(|value| value - beneath)
         .collect();
-    if plan.excitation.waveform().is_periodic() {
+    let goes_on = plan.excitation.waveform().is_periodic() && plan.ramp_samples == 0;
+    if goes_on {
         let from = plan.lead_in_samples;
         let period = (above.len() - from) / plan.n_periods;
         let series = Series::through(&above[from..from + period], t, planner);

@@ -25,6 +25,7 @@ fn plan(excitation: Excitation, velocity_rad_s: f64) -> Plan {
         n_repetitions: 1,
         n_periods: if is_chirp { 1 } else { 2 },
         lead_in_samples: 700,
+        ramp_samples: 0,
         velocity_rad_s: vec![velocity_rad_s, -0.5 * velocity_rad_s],
         n_glides: 1,
     }
@@ -42,6 +43,13 @@ fn multisine(velocity_rad_s: f64) -> Plan {
     };
     let signal = Multisine::flat(design.design().expect("sound"), vec![0.04, 0.02]);
     plan(Excitation::Multisine(signal), velocity_rad_s)
+}
+
+fn ramped() -> Plan {
+    Plan {
+        ramp_samples: 600,
+        ..multisine(0.06)
+    }
 }
 
 fn chirp() -> Plan {
@@ -107,7 +115,7 @@ fn inconsistency(motion: &Motion, h: f64) -> f64 {
 
 #[test]
 fn a_playback_holds_the_run_sample_by_sample() {
-    for plan in [multisine(0.0), multisine(0.06), chirp()] {
+    for plan in [multisine(0.0), multisine(0.06), ramped(), chirp()] {
         let run = first_run(&plan);
         let playback = plan.playback(&run, &player(1000.0)).expect("sound");
         let motion = motion(&playback);

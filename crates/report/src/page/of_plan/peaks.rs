@@ -30,13 +30,10 @@ pub(super) fn unlimited(exported: &Exported) -> String {
 /// The farther of what is commanded and what is predicted, and what only one of them knows.
 pub(super) fn reached(exported: &Exported) -> Peaks {
     let [commanded, predicted] = both(exported);
-    let mut reached = commanded.farther(&predicted);
-    for &limit in Limit::ALL {
-        let known = commanded.get(limit).or(predicted.get(limit));
-        if let (None, Some(values)) = (reached.get(limit), known) {
-            reached.set(limit, values.to_vec());
-        }
-    }
+    let farther = commanded.farther(&predicted);
+    let mut reached = predicted;
+    reached.extend(commanded);
+    reached.extend(farther);
     reached
 }
 

@@ -1,23 +1,23 @@
 //! Ramp from 0 to 1 with continuous jerk: the step of degree 7 with its derivatives and its integral.
 
 /// Largest slope of [`Ramp`], times its duration.
-pub(super) const STEEPEST: f64 = 35.0 / 16.0;
+pub(crate) const STEEPEST: f64 = 35.0 / 16.0;
 /// Largest second derivative, times the duration squared.
-pub(super) const MOST_BENT: f64 = 7.5132;
+pub(crate) const MOST_BENT: f64 = 7.5132;
 /// Largest third derivative, times the duration cubed.
-pub(super) const MOST_JERKED: f64 = 52.5;
+pub(crate) const MOST_JERKED: f64 = 52.5;
 
 /// `s(x) = x^4 (35 - 84 x + 70 x^2 - 20 x^3)` with `x = t/duration`, 0 before and 1 after; its first
 /// three derivatives are zero at both ends.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Ramp {
+pub(crate) struct Ramp {
     /// Duration in s; 0 for a step.
-    pub(super) duration_s: f64,
+    pub(crate) duration_s: f64,
 }
 
 impl Ramp {
     /// s and its first three derivatives by time at `time_s` after its begin.
-    pub(super) fn at(self, time_s: f64) -> [f64; 4] {
+    pub(crate) fn at(self, time_s: f64) -> [f64; 4] {
         let t = self.duration_s;
         if time_s <= 0.0 {
             return [0.0; 4];
@@ -35,7 +35,7 @@ impl Ramp {
     }
 
     /// Integral of s in s from its begin to `time_s`, past the end at slope 1.
-    pub(super) fn integral(self, time_s: f64) -> f64 {
+    pub(crate) fn integral(self, time_s: f64) -> f64 {
         let t = self.duration_s;
         if time_s <= 0.0 {
             return 0.0;
