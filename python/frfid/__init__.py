@@ -4,6 +4,7 @@ Time series are ``(channel, sample)``, responses ``(frequency, output, input)``,
 channel, sample)``. Frequencies are in Hz, everything else in SI units on the joint side of the gear.
 """
 
+from . import _frf as _frf  # loaded before any thread forks
 from ._core import (
     Chirp,
     Comparison,

@@ -7,10 +7,12 @@ use numpy::{
     Element, IntoPyArray, PyArray, PyArrayDescrMethods, PyArrayMethods, PyReadonlyArray,
     PyUntypedArray, PyUntypedArrayMethods,
 };
-use pyo3::exceptions::PyValueError;
+use pyo3::exceptions::{PyMemoryError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{PyList, PyTuple};
+
+use crate::size::{check_length, check_view};
 
 /// Names of the axes of one shape an argument may have.
 pub(crate) type Axes = &'static [&'static str];
@@ -43,12 +45,7 @@ fn numbers<'py, T: Element, D: Dimension>(
     words: &str,
 ) -> PyResult<PyReadonlyArray<'py, T, D>> {
     let numpy = value.py().import("numpy")?;
-    refuse_masked(&numpy, name, value)?;
-    let found = numpy.call_method1("asarray", (value,)).map_err(|error| {
-        let needed = needed(words, shapes);
-        PyValueError::new_err(format!("{name} is no regular array ({error}), {needed}"))
-    })?;
-    let found = found.cast_into::<PyUntypedArray>()?;
+    let found = regular(&numpy, name, value, &|| needed(words, shapes))?;
     let kind = char::from(found.dtype().kind());
     if !kinds.contains(kind) || shapes.iter().all(|axes| axes.len() != found.ndim()) {
         let is_channel = found.ndim() == 1 && shapes.iter().any(|axes| axes.len() == 2);
@@ -67,19 +64,60 @@ fn numbers<'py, T: Element, D: Dimension>(
     native(&numpy, &found)
 }
 
-/// Refuses masked entries, of an array or of arrays in a list: `numpy.asarray` would take what stands
-/// below the mask.
+/// The argument as an array of numpy that can be held, without a mask: what a list holds, and what
+/// an object says that it is.
+fn regular<'py>(
+    numpy: &Bound<'py, PyModule>,
+    name: &str,
+    value: &Bound<'py, PyAny>,
+    needed: &dyn Fn() -> String,
+) -> PyResult<Bound<'py, PyUntypedArray>> {
+    check_length(value)?;
+    refuse_masked_items(numpy, name, value)?;
+    let found = numpy
+        .call_method1("asanyarray", (value,))
+        .map_err(|error| {
+            if error.is_instance_of::<PyMemoryError>(numpy.py()) {
+                return error;
+            }
+            PyValueError::new_err(format!(
+                "{name} is no regular array ({error}), {}",
+                needed()
+            ))
+        })?;
+    refuse_masked(numpy, name, &found)?;
+    let found = numpy.call_method1("asarray", (found,))?;
+    let found = found.cast_into::<PyUntypedArray>()?;
+    check_view(name, &found)?;
+    Ok(found)
+}
+
+/// Refuses masked arrays in lists, and objects in them that say that they are such.
+fn refuse_masked_items(
+    numpy: &Bound<'_, PyModule>,
+    name: &str,
+    value: &Bound<'_, PyAny>,
+) -> PyResult<()> {
+    if !(value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>()) {
+        return Ok(());
+    }
+    for item in value.try_iter()? {
+        let item = item?;
+        if item.hasattr("__array__")? {
+            refuse_masked(numpy, name, &numpy.call_method1("asanyarray", (item,))?)?;
+        } else {
+            refuse_masked_items(numpy, name, &item)?;
+        }
+    }
+    Ok(())
+}
+
+/// Refuses masked entries: `numpy.asarray` would take what stands below the mask.
 fn refuse_masked(
     numpy: &Bound<'_, PyModule>,
     name: &str,
     value: &Bound<'_, PyAny>,
 ) -> PyResult<()> {
-    if value.is_instance_of::<PyList>() || value.is_instance_of::<PyTuple>() {
-        for item in value.try_iter()? {
-            refuse_masked(numpy, name, &item?)?;
-        }
-        return Ok(());
-    }
     let masked = numpy.getattr("ma")?;
     if !value.is_instance(&masked.getattr("MaskedArray")?)? {
         return Ok(());

@@ -2,6 +2,7 @@
 //! singular or divergent.
 
 use std::fmt::Display;
+use std::fs::File;
 use std::path::Path;
 
 use frfid_estimate::{EstimateError, ShapeError};
@@ -12,7 +13,8 @@ use frfid_report::ReportError;
 use frfid_signals::{SignalError, TestbedError};
 use pyo3::PyErr;
 use pyo3::exceptions::{
-    PyArithmeticError, PyFileExistsError, PyKeyboardInterrupt, PyOSError, PyValueError,
+    PyArithmeticError, PyFileExistsError, PyKeyboardInterrupt, PyMemoryError, PyOSError,
+    PyValueError,
 };
 
 pyo3::create_exception!(
@@ -24,20 +26,29 @@ pyo3::create_exception!(
 
 /// A file that is not there, as `open` says it: with number and name.
 pub(crate) fn check_there(path: &Path) -> Result<(), PyErr> {
-    path.metadata().map(drop).map_err(|reason| {
-        let words = reason.to_string();
-        let words = words
-            .split(" (os error")
-            .next()
-            .unwrap_or(&words)
-            .to_owned();
-        PyOSError::new_err((reason.raw_os_error(), words, path.to_path_buf()))
-    })
+    let opened = path.metadata().and_then(|found| match found.is_file() {
+        true => File::open(path).map(drop),
+        false => Ok(()), // a folder of recordings, or a pipe that waits for who writes
+    });
+    opened.map_err(|reason| refused(path, &reason.to_string()))
+}
+
+/// What the operating system refused: of the class that Python has for the number in the reason.
+fn refused(path: &Path, reason: &str) -> PyErr {
+    let (words, number) = reason.split_once(" (os error ").unwrap_or((reason, ""));
+    match number.trim_end_matches(')').parse::<i32>() {
+        Ok(number) => PyOSError::new_err((number, visible(words), path.to_path_buf())),
+        Err(_) => PyOSError::new_err(visible(&format!("{}: {reason}", path.display()))),
+    }
 }
 
 /// Bad input, in the words of the crate that found it.
 pub(crate) fn signal(error: SignalError) -> PyErr {
-    PyValueError::new_err(told(&error))
+    match error {
+        SignalError::Memory { .. } => PyMemoryError::new_err(told(&error)),
+        SignalError::Interrupted => PyKeyboardInterrupt::new_err(told(&error)),
+        _ => PyValueError::new_err(told(&error)),
+    }
 }
 
 /// A matrix that cannot be inverted is a matter of numbers, everything else of the recording that
@@ -45,6 +56,7 @@ pub(crate) fn signal(error: SignalError) -> PyErr {
 pub(crate) fn estimate(error: EstimateError) -> PyErr {
     match error {
         EstimateError::RankDeficient(_) => NumericalError::new_err(told(&error)),
+        EstimateError::Signal(error) => signal(error),
         _ => PyValueError::new_err(told(&error)),
     }
 }
@@ -63,7 +75,7 @@ pub(crate) fn shape(error: ShapeError) -> PyErr {
 pub(crate) fn testbed(error: TestbedError) -> PyErr {
     match error {
         TestbedError::Diverged { .. } => NumericalError::new_err(told(&error)),
-        TestbedError::Run(_) => PyValueError::new_err(told(&error)),
+        TestbedError::Run(error) => signal(error),
         TestbedError::Foreign { run, source } => match source.downcast::<PyErr>() {
             Ok(raised) => *raised,
             Err(source) if matches!(source.downcast_ref(), Some(PlantError::Chatter { .. })) => {
@@ -82,12 +94,17 @@ pub(crate) fn config(error: ConfigError) -> PyErr {
 /// Files that cannot be read or written are `OSError`s, files that say something wrong are not.
 pub(crate) fn file(error: FileError) -> PyErr {
     match error {
-        FileError::Exists { .. } | FileError::NoFile { .. } => {
+        FileError::Exists { .. } | FileError::NoFile { .. } | FileError::Input { .. } => {
             PyFileExistsError::new_err(told(&error))
         }
         FileError::Format { .. } | FileError::Content { .. } | FileError::Shape { .. } => {
             PyValueError::new_err(told(&error))
         }
+        FileError::Io {
+            path,
+            action,
+            reason,
+        } if reason.contains("(os error ") => refused(&path, &format!("cannot {action}: {reason}")),
         _ => PyOSError::new_err(told(&error)),
     }
 }
@@ -102,6 +119,7 @@ pub(crate) fn experiment(error: ExperimentError) -> PyErr {
     match error {
         ExperimentError::Config(error) => config(error),
         ExperimentError::File(error) => file(error),
+        ExperimentError::Signal(error) => signal(error),
         ExperimentError::Plant(
             error @ (PlantError::Diverged { .. } | PlantError::Chatter { .. }),
         ) => NumericalError::new_err(told(&error)),

@@ -25,6 +25,11 @@ impl Progress<'_> {
     /// Reports `done` of `total` and says whether to go on.
     pub(crate) fn report(&self, done: usize, total: usize) -> bool {
         let _ = self.reports.send((done, total)); // nobody listens any more once the call was interrupted: `stop` says so
+        self.goes_on()
+    }
+
+    /// Whether to go on.
+    pub(crate) fn goes_on(&self) -> bool {
         !self.stop.load(Ordering::Relaxed)
     }
 }
@@ -52,10 +57,10 @@ pub(crate) fn interruptible<T: Send>(
     })
 }
 
-/// Passes reports on until the worker has finished. Threads may report out of order: what is
-/// overtaken is left out.
+/// Passes reports on until the worker has finished. Threads may report out of order, and again while a
+/// step lasts: what is overtaken, or told already, is left out.
 fn listen(inbox: &Receiver<(usize, usize)>, callback: Option<&Py<PyAny>>) -> PyResult<()> {
-    let mut furthest = 0;
+    let mut furthest = None;
     loop {
         let report = match inbox.recv_timeout(WAKE) {
             Ok(report) => Some(report),
@@ -64,9 +69,9 @@ fn listen(inbox: &Receiver<(usize, usize)>, callback: Option<&Py<PyAny>>) -> PyR
         };
         Python::attach(|py| {
             if let (Some(callback), Some((done, total))) = (callback, report)
-                && done >= furthest
+                && Some(done) > furthest
             {
-                furthest = done;
+                furthest = Some(done);
                 callback.call1(py, (done, total))?;
             }
             py.check_signals()

@@ -16,6 +16,7 @@ mod experiment {
     pub(crate) mod description;
     mod export;
     mod import;
+    mod pickle;
     pub(crate) mod plan;
     mod planned;
 }
@@ -72,7 +73,10 @@ mod choice;
 mod cli;
 mod error;
 mod interrupt;
+mod load;
 mod pickle;
+mod size;
+mod sources;
 mod threads;
 mod warnings;
 
@@ -80,6 +84,8 @@ mod warnings;
 /// package `frfid`.
 #[pyo3::pymodule(gil_used = false)]
 mod _core {
+    use pyo3::prelude::*;
+
     #[pymodule_export]
     use crate::cli::cli;
     #[pymodule_export]
@@ -131,4 +137,9 @@ mod _core {
     #[pymodule_export]
     #[expect(non_upper_case_globals, reason = "its name in Python")]
     const __version__: &str = env!("CARGO_PKG_VERSION");
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        crate::load::load(module.py())
+    }
 }

@@ -32,6 +32,7 @@ pub(crate) fn pool(_py: Python<'_>) -> PyResult<Arc<ThreadPool>> {
             "no threads to compute on: {reason}; allow more processes, or set RAYON_NUM_THREADS=1"
         ))
     })?;
+    pool.broadcast(|_| ()); // each of its threads has then looked up what it needs, before anybody may fork
     let pool = Arc::new(pool);
     let of_parent = kept.replace((process::id(), Arc::clone(&pool)));
     std::mem::forget(of_parent); // its threads are not here: nobody would answer that it ends

@@ -126,3 +126,22 @@ def test_records_keep_the_arrays_they_are_given():
 def test_records_that_do_not_fit_are_refused(change, says):
     with pytest.raises(ValueError, match=says):
         frfid.Record(**{"sample_time_s": 1e-3, "u": np.zeros((1, 5)), "y": np.zeros((1, 5)), **change})
+
+
+class Wrapped:
+    """An array behind ``__array__``, as other packages wrap theirs."""
+
+    def __init__(self, array):
+        self.array = array
+
+    def __array__(self, dtype=None, copy=None):
+        return self.array
+
+
+def test_masks_behind_another_object_are_refused():
+    masked = np.ma.masked_greater(U, 2.0)
+    for u in (Wrapped(masked), [Wrapped(part) for part in masked], [[Wrapped(part) for part in parts] for parts in masked]):
+        with pytest.raises(ValueError, match=r"u is a masked array with \d+ masked entries"):
+            estimate(u)
+    np.testing.assert_array_equal(estimate(Wrapped(U)).response, estimate().response)
+    np.testing.assert_array_equal(estimate(Wrapped(np.ma.array(U))).response, estimate().response)

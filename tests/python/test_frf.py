@@ -1,6 +1,7 @@
 """The FRF in other packages: values, units and axes must arrive unchanged."""
 
 import copy
+import json
 import pickle
 import xml.etree.ElementTree
 
@@ -163,3 +164,38 @@ def test_two_frfs_are_compared():
         frfid.compare(soft, stiff, stronger="c")
     with pytest.raises(ValueError, match="60"):
         frfid.compare(soft, frfid.Plant.single_joint().frf(np.linspace(60.0, 70.0, 9), hold="continuous"))
+
+
+@pytest.mark.parametrize(
+    "change, says",
+    [
+        ({"frequency_hz": [-1.0, 1.0, 2.0]}, "line 0 is at -1 Hz; needed: 0 or more"),
+        ({"frequency_hz": [1.0, np.nan, 2.0]}, "line 1 is at NaN Hz"),
+        ({"frequency_hz": [2.0, 1.0, 3.0]}, "rising from line to line"),
+        ({"condition": [-1.0, 0.0, np.nan]}, "condition holds -1; needed: 1 or more, NaN where it is not known"),
+        ({"condition": [1.0, 2.0, 0.99]}, "condition holds 0.99"),
+        ({"relative_resolution": -0.1}, "relative_resolution is -0.1"),
+    ],
+)
+def test_numbers_that_cannot_be_are_refused(change, says):
+    sound = {"frequency_hz": [1.0, 2.0, 3.0], "response": np.ones((3, 1, 1)), "condition": [1.0, np.nan, np.inf]}
+    frfid.Frf(**sound)
+    with pytest.raises(ValueError, match=says):
+        frfid.Frf(**{**sound, **change})
+
+
+@pytest.mark.parametrize("lines", ["[null, 2.0, 3.0]", "[-1.0, 2.0, 3.0]", "[3.0, 2.0, 1.0]"])
+def test_files_with_such_frequencies_are_refused(tmp_path, lines):
+    path = tmp_path / "frf.json"
+    frfid.Frf(frequency_hz=[1.0, 2.0, 3.0], response=np.ones((3, 1, 1))).save(path)
+    content = json.loads(path.read_text())
+    content["frequency_hz"]["data"] = json.loads(lines)
+    content.pop("sha256", None)
+    path.write_text(json.dumps(content))
+    with pytest.raises(ValueError, match="Hz; needed: 0 or more"):
+        frfid.load(path)
+
+
+def test_frfs_from_zero_on_are_compared():
+    frf = frfid.Frf(frequency_hz=[0.0, 1.0, 2.0, 3.0], response=np.ones((4, 1, 1)))
+    assert frfid.compare(frf, frf).band_hz[1] == 3.0

@@ -97,3 +97,52 @@ except KeyboardInterrupt:
     assert child.wait(timeout=20) == 130
     assert child.stdout.read() == "interrupted\n"
     assert time.perf_counter() - sent < 5.0
+
+
+LONG = {
+    "phases for a low crest factor": "multisine.realize(seed=1)",
+    "one long run": "joint.simulate(100 * np.random.default_rng(1).standard_normal((1, 30_000_000)), sample_time_s=1e-3)",
+    "reference of a run": "plan.reference(0)",
+    "a run of a plan": "plan[0]",
+    "all runs of a plan": "plan.run()",
+    "runs on a testbed": "plan.run(machine)",
+    "a plan to a file": "plan.save(folder / 'plan.mcap')",
+    "a prediction": "plan.predict()",
+}
+
+
+@pytest.mark.skipif(os.name == "nt", reason="no SIGINT for one child process")
+@pytest.mark.parametrize("what", LONG)
+def test_ctrl_c_is_heard_in_the_middle_of_one_step(what):
+    code = f"""
+import pathlib, sys, tempfile, time, numpy as np, frfid
+from test_processes import EXPERIMENT
+folder = pathlib.Path(tempfile.mkdtemp())
+low_crest = "phases = 'low-crest'\\nn_lines = 2000\\n"
+path = folder / "experiment.toml"
+path.write_text(EXPERIMENT.replace("resolution_hz = 1.0\\nn_lines = 20\\n", "resolution_hz = 0.001\\n" + low_crest))
+class Machine:
+    def run(self, run):
+        raise RuntimeError("played")
+multisine = frfid.Multisine.design(low_hz=1, high_hz=400, sample_time_s=1e-3, resolution_hz=0.002, phases="low-crest")
+joint, machine = frfid.Plant.single_joint(coulomb_nm=50.0), Machine()
+plan = frfid.Experiment.load(path).design()
+try:
+    print("started", flush=True)
+    {LONG[what]}
+except KeyboardInterrupt:
+    print("interrupted", flush=True)
+    sys.exit(130)
+"""
+    folder = str(pathlib.Path(__file__).parent)
+    child = subprocess.Popen(
+        [sys.executable, "-W", "ignore", "-c", code], stdout=subprocess.PIPE, text=True, env={**os.environ, "PYTHONPATH": folder}
+    )
+    assert child.stdout.readline() == "started\n"
+    time.sleep(1.5)
+    child.send_signal(signal.SIGINT)
+    sent = time.perf_counter()
+    assert child.wait(timeout=60) == 130, "the call is too short to be interrupted, or deaf"
+    took = time.perf_counter() - sent
+    assert child.stdout.read() == "interrupted\n"
+    assert took < 1.0, f"heard after {took:.2f} s"

@@ -1,4 +1,7 @@
-"""Processes: what was used in the parent works in its children, however they are started, and none hangs."""
+"""Processes: what was used in the parent works in its children, however they are started, and none hangs.
+
+``python test_processes.py`` alone needs nothing but the package and numpy, for any version of Python.
+"""
 
 import multiprocessing
 import os

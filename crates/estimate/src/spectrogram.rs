@@ -11,6 +11,7 @@ use std::iter::zip;
 
 use frfid_signals::check_finite;
 use frfid_signals::checks::{positive, require};
+use frfid_signals::room::room_for;
 use frfid_transforms::TransformPlanner;
 use ndarray::{Array2, ArrayView1, Axis, s};
 
@@ -48,8 +49,8 @@ pub struct Spectrogram {
 /// Spectrogram of one channel.
 ///
 /// # Errors
-/// [`frfid_signals::SignalError`] for samples that are not finite, times that are not above 0, or a
-/// window of fewer than four samples or longer than the signal.
+/// [`frfid_signals::SignalError`] for samples that are not finite, times that are not above 0, a
+/// window of fewer than four samples or longer than the signal, or more windows than can be held.
 pub fn spectrogram(
     signal: ArrayView1<f64>,
     sample_time_s: f64,
@@ -59,6 +60,8 @@ pub fn spectrogram(
     let length = window_samples(signal.len(), sample_time_s, options)?;
     let step = (options.step_s / sample_time_s).round().max(1.0) as usize;
     let starts: Vec<usize> = (0..=signal.len() - length).step_by(step).collect();
+    let quantity = "number of values of the spectrogram";
+    room_for("step_s", quantity, &[length / 2 + 1, starts.len()])?;
     let hz = |bin: usize| bin as f64 / (length as f64 * sample_time_s);
     let centre_s = |&start: &usize| (start as f64 + 0.5 * length as f64) * sample_time_s;
     Ok(Spectrogram {
@@ -203,5 +206,15 @@ mod tests {
         }
         let said = refusal(of(&Array1::from_elem(100, f64::NAN), 0.5, 0.1));
         assert!(said.starts_with("signal: 100 samples are NaN"), "{said}");
+    }
+
+    #[test]
+    fn more_than_can_be_held_is_refused() {
+        let signal = Array1::zeros(1 << 16);
+        let said = refusal(of(&signal, 327.68, 1e-9)); // half of the signal, from every sample
+        assert!(
+            said.starts_with("number of values of the spectrogram is 536920065"),
+            "{said}"
+        );
     }
 }

@@ -60,16 +60,16 @@ impl Experiment {
         Self::new(TomlText::read(path)?, folder)
     }
 
-    /// Reads the description that travelled in a log or a plan and stands alone: what came from elsewhere opens no
-    /// file here.
+    /// Reads a description that stands alone, as [`Experiment::to_toml`] writes it, out of a log, a plan or a pickle: what
+    /// came from elsewhere opens no file here.
     ///
     /// # Errors
     /// As [`Experiment::load`], and if it names a file.
-    pub(crate) fn travelled(text: TomlText) -> Result<Self, ConfigError> {
+    pub fn travelled(text: TomlText) -> Result<Self, ConfigError> {
         let config: Config = text.parse_kinds(&Config::TABLES_OF_KINDS)?;
         if let Some(key) = config.names_file() {
-            let message = "names another file; needed in a log or a plan: a description that is complete in itself, as frfid \
-                           writes it";
+            let message = "names another file; needed here: a description that is complete in itself, as frfid writes it into \
+                           logs and plans";
             return Err(text.error(key, message));
         }
         Self::new(text, Path::new(""))

@@ -134,6 +134,15 @@ pub enum SignalError {
         /// Sample of the first one.
         sample: usize,
     },
+    /// Values for which the system has no memory.
+    #[error("no memory for {n_values} values; ask for fewer, or free some")]
+    Memory {
+        /// How many.
+        n_values: usize,
+    },
+    /// Work was ended because whoever asked for it said so.
+    #[error("interrupted")]
+    Interrupted,
     /// A plan was asked for a run that it does not hold.
     #[error(
         "the plan holds no run {id}; it has {n_realizations} realizations, {n_experiments} experiments, {n_repetitions} repetitions{glides}"
@@ -220,9 +229,11 @@ impl SignalError {
                 let within = path.iter().map(String::as_str);
                 within.chain(source.path()).collect()
             }
-            Self::LineOffGrid { .. } | Self::NotFinite { .. } | Self::NoSuchRun { .. } => {
-                Vec::new()
-            }
+            Self::LineOffGrid { .. }
+            | Self::NotFinite { .. }
+            | Self::Memory { .. }
+            | Self::Interrupted
+            | Self::NoSuchRun { .. } => Vec::new(),
         }
     }
 }

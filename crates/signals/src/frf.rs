@@ -6,7 +6,7 @@ use ndarray::{Array2, Array3, ArrayView2, Axis};
 use num_complex::Complex64;
 
 use crate::error::SignalError;
-use crate::number::checks::{of_axes, require, require_shape};
+use crate::number::checks::{not_negative, of_axes, require, require_shape};
 
 /// How well the entries of an FRF are known: variances *of the averaged FRF*, with the degrees of
 /// freedom behind them.
@@ -66,8 +66,9 @@ impl Frf {
         Ok(frf)
     }
 
-    /// Checks that every array has one entry per frequency, covariances the size of vec(G), and
-    /// degrees of freedom that are a number.
+    /// Checks that every array has one entry per frequency, covariances the size of vec(G), degrees
+    /// of freedom that are a number, frequencies of 0 or more that rise, and condition numbers of 1 or
+    /// more.
     ///
     /// # Errors
     /// [`SignalError::Shape`], [`SignalError::Parameter`].
@@ -81,21 +82,23 @@ impl Frf {
         self.check_covariance("total covariance", self.total.as_ref())?;
         if let Some(condition) = &self.condition {
             of_axes("condition", condition, lines)?;
+            check_condition(condition)?;
         }
-        Ok(())
+        self.relative_resolution
+            .map_or(Ok(()), |width| not_negative("relative_resolution", width))
     }
 
-    /// Checks that the frequencies are numbers and rise.
+    /// Checks that the frequencies are numbers from 0 on and rise.
     fn check_frequencies(&self) -> Result<(), SignalError> {
-        let mut last = f64::NEG_INFINITY;
+        let mut last = None;
         for (line, &hz) in self.frequency_hz.iter().enumerate() {
-            if !(hz.is_finite() && hz > last) {
+            if !(hz.is_finite() && hz >= 0.0 && Some(hz) > last) {
                 let what = format!(
-                    "line {line} is at {hz} Hz; needed: numbers that rise from line to line"
+                    "line {line} is at {hz} Hz; needed: 0 or more, rising from line to line"
                 );
                 return Err(SignalError::unfit("frequency_hz", what));
             }
-            last = hz;
+            last = Some(hz);
         }
         Ok(())
     }
@@ -114,7 +117,10 @@ impl Frf {
         let variances = known.covariance.outer_iter();
         let mut variances = variances.flat_map(|of_line| of_line.into_diag().to_vec());
         if let Some(variance) = variances.find(|variance| variance.re < 0.0) {
-            let what = format!("holds the variance {}; needed: 0 or more", variance.re);
+            let what = format!(
+                "{name} holds the variance {}; needed: 0 or more",
+                variance.re
+            );
             return Err(SignalError::unfit(name, what));
         }
         let freedom = known.degrees_of_freedom;
@@ -210,6 +216,18 @@ impl Frf {
     }
 }
 
+/// Checks condition numbers: 1 or more, NaN where none is known.
+fn check_condition(condition: &[f64]) -> Result<(), SignalError> {
+    match condition.iter().find(|&&number| number < 1.0) {
+        Some(number) => {
+            let what =
+                format!("condition holds {number}; needed: 1 or more, NaN where it is not known");
+            Err(SignalError::unfit("condition", what))
+        }
+        None => Ok(()),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -248,5 +266,37 @@ mod tests {
         };
         let variance = known.noise_variance().expect("was given");
         assert_eq!((variance[[0, 0, 0]], variance[[1, 1, 0]]), (0.0, 11.0));
+    }
+
+    #[test]
+    fn numbers_that_cannot_be_are_refused() {
+        let refused = |change: fn(&mut Frf)| {
+            let mut changed = frf();
+            change(&mut changed);
+            changed.check().expect_err("cannot be").path().join(".")
+        };
+        assert_eq!(refused(|frf| frf.frequency_hz[0] = -1.0), "frequency_hz");
+        assert_eq!(
+            refused(|frf| frf.frequency_hz[1] = f64::NAN),
+            "frequency_hz"
+        );
+        assert_eq!(
+            refused(|frf| frf.condition = Some(vec![-1.0, 2.0])),
+            "condition"
+        );
+        assert_eq!(
+            refused(|frf| frf.condition = Some(vec![2.0, 0.5])),
+            "condition"
+        );
+        assert_eq!(
+            refused(|frf| frf.relative_resolution = Some(f64::NAN)),
+            "relative_resolution"
+        );
+        let sound = Frf {
+            frequency_hz: vec![0.0, 2.0],
+            condition: Some(vec![f64::NAN, 1.0]),
+            ..frf()
+        };
+        assert_eq!(sound.check(), Ok(()));
     }
 }

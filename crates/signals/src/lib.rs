@@ -33,7 +33,7 @@ pub use limits::{Excess, Limits};
 pub use number::divisor::greatest_common_divisor;
 pub use number::median::median;
 pub use number::spacing::log_spaced;
-pub use number::{checks, format, power, random};
+pub use number::{checks, format, power, random, room};
 pub use peaks::{Peaks, largest_by_axis};
 pub use plan::Plan;
 pub use plan::run::{Run, RunId, RunKind};

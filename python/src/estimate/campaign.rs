@@ -16,6 +16,7 @@ use crate::choice::from_python;
 use crate::error;
 use crate::estimate::periods::Signals;
 use crate::frf::matrix::Frf;
+use crate::size::List;
 use crate::threads::detached;
 
 /// Spectra of periods in the arrays that the functions take.
@@ -69,11 +70,11 @@ pub(crate) fn estimate_loop(
     y: &Bound<'_, PyAny>,
     r: &Bound<'_, PyAny>,
     sample_time_s: f64,
-    harmonics: Vec<usize>,
+    harmonics: List<usize>,
     r#loop: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<BTreeMap<&'static str, Frf>> {
     let entry: Option<Entry> = r#loop.map(|entry| from_python("loop", entry)).transpose()?;
-    let campaign = campaign(py, [u, y], Some(r), sample_time_s, &harmonics)?;
+    let campaign = campaign(py, [u, y], Some(r), sample_time_s, &harmonics.0)?;
     let max_condition = FrfOptions::default().max_condition;
     let measured = detached(py, || campaign.closed_loop(max_condition))?;
     let measured = measured.map_err(error::estimate)?;
@@ -132,9 +133,9 @@ pub(crate) fn coherence<'py>(
     u: &Bound<'py, PyAny>,
     y: &Bound<'py, PyAny>,
     sample_time_s: f64,
-    harmonics: Vec<usize>,
+    harmonics: List<usize>,
 ) -> PyResult<[Bound<'py, PyArray2<f64>>; 3]> {
-    let campaign = campaign(py, [u, y], None, sample_time_s, &harmonics)?;
+    let campaign = campaign(py, [u, y], None, sample_time_s, &harmonics.0)?;
     let Coherence {
         value, low, high, ..
     } = campaign.coherence().map_err(error::estimate)?;
@@ -178,10 +179,10 @@ pub(crate) fn spectra_covariance<'py>(
     u: &Bound<'py, PyAny>,
     y: &Bound<'py, PyAny>,
     sample_time_s: f64,
-    harmonics: Vec<usize>,
+    harmonics: List<usize>,
     r: Option<&Bound<'py, PyAny>>,
 ) -> PyResult<Covariances<'py>> {
-    let campaign = campaign(py, [u, y], r, sample_time_s, &harmonics)?;
+    let campaign = campaign(py, [u, y], r, sample_time_s, &harmonics.0)?;
     let found = detached(py, || {
         let frf = campaign.estimate(&Method::Auto.into())?;
         campaign.spectra_covariance(&frf)

@@ -2,16 +2,20 @@
 
 use frfid_estimate::{CompareOptions, Comparison as Compared, Sides};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
 use crate::choice::{choice, to_python};
 use crate::error;
 use crate::frf::matrix::Frf;
+use crate::pickle::{Reduced, call};
 use crate::threads::detached;
 
 /// Two FRFs side by side; made by ``frfid.compare``. Printed, it is its verdict.
 #[pyclass(frozen, module = "frfid")]
 pub(crate) struct Comparison {
     compared: Compared,
+    options: CompareOptions,
+    frfs: Sides<Py<Frf>>,
 }
 
 #[pymethods]
@@ -68,6 +72,16 @@ impl Comparison {
         to_python(py, &self.compared.entries)
     }
 
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let (py, Self { options, frfs, .. }) = (slf.py(), slf.get());
+        let keywords = PyDict::new(py);
+        keywords.set_item("stronger", to_python(py, &options.stronger)?)?;
+        keywords.set_item("prominence_db", options.prominence_db)?;
+        keywords.set_item("largest_shift", options.largest_shift)?;
+        let compare = py.import("frfid")?.getattr("compare")?;
+        call(&compare, (&frfs.a, &frfs.b).into_pyobject(py)?, &keywords)
+    }
+
     fn __str__(&self) -> String {
         let agrees = self.agrees() == Some(true);
         self.verdict().unwrap_or_else(|| {
@@ -115,8 +129,8 @@ impl Comparison {
 #[pyo3(signature = (a, b, *, stronger = None, prominence_db = 3.0, largest_shift = 1.5))]
 pub(crate) fn compare(
     py: Python<'_>,
-    a: &Frf,
-    b: &Frf,
+    a: Bound<'_, Frf>,
+    b: Bound<'_, Frf>,
     stronger: Option<&str>,
     prominence_db: f64,
     largest_shift: f64,
@@ -127,8 +141,14 @@ pub(crate) fn compare(
         prominence_db,
         largest_shift,
     };
-    let (a, b) = (&a.result.frf, &b.result.frf);
-    let compared =
-        detached(py, || frfid_estimate::compare(a, b, &options))?.map_err(error::estimate)?;
-    Ok(Comparison { compared })
+    let [of_a, of_b] = [&a, &b].map(|side| &side.get().result.frf);
+    let compared = detached(py, || frfid_estimate::compare(of_a, of_b, &options))?;
+    Ok(Comparison {
+        compared: compared.map_err(error::estimate)?,
+        options,
+        frfs: Sides {
+            a: a.unbind(),
+            b: b.unbind(),
+        },
+    })
 }

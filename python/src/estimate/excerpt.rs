@@ -11,6 +11,7 @@ use crate::estimate::local::local_method;
 use crate::estimate::periods::{checked, frf_options};
 use crate::frf::matrix::Frf;
 use crate::signals::chirp::Chirp;
+use crate::size::List;
 use crate::threads::detached;
 
 const RECORDINGS: [Axes; 2] = [
@@ -65,7 +66,7 @@ pub(crate) fn estimate_chirp(
     y: &Bound<'_, PyAny>,
     chirp: &Chirp,
     sample_time_s: f64,
-    frequencies_hz: Vec<f64>,
+    frequencies_hz: List<f64>,
     method: &str,
     r: Option<&Bound<'_, PyAny>>,
     start_s: f64,
@@ -84,7 +85,7 @@ pub(crate) fn estimate_chirp(
         repeats(y.as_array())?,
         r.as_ref().map(|r| repeats(r.as_array())).transpose()?,
     );
-    let (hz, signal) = (&frequencies_hz, &chirp.signal);
+    let (hz, signal) = (&frequencies_hz.0, &chirp.signal);
     let estimate = || estimate_repeats(u, y, r, signal, sample_time_s, hz, start_s, &options);
     Ok(checked(detached(py, estimate)?.map_err(error::estimate)?))
 }

@@ -11,6 +11,7 @@ use crate::array::{Axes, real};
 use crate::error;
 use crate::estimate::periods::checked;
 use crate::frf::matrix::Frf;
+use crate::size::List;
 use crate::threads::detached;
 use crate::warnings::warn;
 
@@ -64,7 +65,7 @@ pub(crate) fn estimate_local(
     u: &Bound<'_, PyAny>,
     y: &Bound<'_, PyAny>,
     sample_time_s: f64,
-    frequencies_hz: Vec<f64>,
+    frequencies_hz: List<f64>,
     method: &str,
     r: Option<&Bound<'_, PyAny>>,
     half_width: Option<usize>,
@@ -86,7 +87,7 @@ pub(crate) fn estimate_local(
         half_width,
         ..LocalOptions::default()
     };
-    let estimate = || estimate(&pieces, sample_time_s, &frequencies_hz, &options);
+    let estimate = || estimate(&pieces, sample_time_s, &frequencies_hz.0, &options);
     let estimate = detached(py, estimate)?.map_err(error::estimate)?.estimate;
     let mut result = checked(estimate).result;
     if let Some(check) = detached(py, || pieces.iter().find_map(repeats))? {

@@ -12,6 +12,7 @@ use crate::array::{Axes, real};
 use crate::choice::from_python;
 use crate::error;
 use crate::frf::matrix::Frf;
+use crate::size::List;
 use crate::threads::detached;
 
 const CAMPAIGN: Axes = &["realization", "experiment", "period", "channel", "sample"];
@@ -64,7 +65,7 @@ pub(crate) fn estimate_bla(
     u: &Bound<'_, PyAny>,
     y: &Bound<'_, PyAny>,
     sample_time_s: f64,
-    harmonics: Vec<usize>,
+    harmonics: List<usize>,
     r: Option<&Bound<'_, PyAny>>,
     average: &str,
     max_condition: Option<f64>,
@@ -78,7 +79,7 @@ pub(crate) fn estimate_bla(
         u,
         y,
         sample_time_s,
-        &harmonics,
+        &harmonics.0,
         r,
         method,
         max_condition,
@@ -130,7 +131,7 @@ pub(crate) fn estimate(
     u: &Bound<'_, PyAny>,
     y: &Bound<'_, PyAny>,
     sample_time_s: f64,
-    harmonics: Vec<usize>,
+    harmonics: List<usize>,
     method: Option<&Bound<'_, PyAny>>,
     r: Option<&Bound<'_, PyAny>>,
     max_condition: Option<f64>,
@@ -141,7 +142,7 @@ pub(crate) fn estimate(
         u,
         y,
         sample_time_s,
-        &harmonics,
+        &harmonics.0,
         r,
         method,
         max_condition,

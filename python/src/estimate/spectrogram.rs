@@ -1,6 +1,7 @@
 //! `frfid.spectrogram`.
 
 use frfid_estimate::{SpectrogramOptions, spectrogram as of_channel};
+use frfid_signals::room::room;
 use ndarray::{Array1, Array3, Axis, Ix2};
 use numpy::{PyArray1, PyArray3};
 use pyo3::prelude::*;
@@ -51,9 +52,8 @@ pub(crate) fn spectrogram<'py>(
     window_s: f64,
     step_s: f64,
 ) -> PyResult<Density<'py>> {
-    let signal = real::<Ix2>("signal", signal, &[&["channel", "sample"]])?
-        .as_array()
-        .to_owned();
+    let signal = real::<Ix2>("signal", signal, &[&["channel", "sample"]])?;
+    let signal = signal.as_array();
     let options = SpectrogramOptions { window_s, step_s };
     let channels = detached(py, || {
         signal
@@ -66,6 +66,8 @@ pub(crate) fn spectrogram<'py>(
     let (frequency_hz, time_s) = channels.first().map_or_else(Default::default, |first| {
         (first.frequency_hz.clone(), first.time_s.clone())
     });
+    let n_values = channels.len() * frequency_hz.len() * time_s.len();
+    room::<f64>(n_values).map_err(error::signal)?;
     let mut density = Array3::zeros((channels.len(), frequency_hz.len(), time_s.len()));
     density
         .axis_iter_mut(Axis(0))

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use frfid_experiment::Experiment as Description;
+use frfid_experiment::{Experiment as Description, TomlText};
 use pyo3::prelude::*;
 
 use crate::error;
@@ -12,7 +12,7 @@ use crate::experiment::plan::Plan;
 #[pyclass(frozen, eq, module = "frfid")]
 #[derive(PartialEq)]
 pub(crate) struct Experiment {
-    description: Description,
+    pub(super) description: Description,
 }
 
 #[pymethods]
@@ -42,6 +42,29 @@ impl Experiment {
         })
     }
 
+    /// An experiment from the text of a file that stands alone, as ``to_toml`` writes it.
+    ///
+    /// Parameters
+    /// ----------
+    /// text : str
+    ///     TOML.
+    ///
+    /// Returns
+    /// -------
+    /// Experiment
+    ///
+    /// Raises
+    /// ------
+    /// ValueError
+    ///     As ``load``, and if it names another file.
+    #[staticmethod]
+    fn from_toml(text: String) -> PyResult<Self> {
+        let description = Description::travelled(TomlText::new("text of an experiment", text));
+        Ok(Self {
+            description: description.map_err(error::config)?,
+        })
+    }
+
     /// The plan of all runs.
     fn design(&self) -> Plan {
         Plan::from(self.description.clone())
@@ -50,6 +73,11 @@ impl Experiment {
     /// The description as one TOML text that stands alone.
     fn to_toml(&self) -> String {
         self.description.to_toml()
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, (String,))> {
+        let from_toml = slf.get_type().getattr("from_toml")?;
+        Ok((from_toml, (slf.get().to_toml(),)))
     }
 
     fn __repr__(&self) -> String {

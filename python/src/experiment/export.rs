@@ -12,6 +12,7 @@ use crate::choice::{choice, overwrite_if, to_python};
 use crate::error;
 use crate::experiment::plan::Plan;
 use crate::interrupt::interruptible;
+use crate::size::List;
 
 #[pymethods]
 impl Plan {
@@ -51,7 +52,7 @@ impl Plan {
     /// Raises
     /// ------
     /// FileExistsError
-    ///     If there is a file of that name.
+    ///     If there is a file of that name, or it is the one that the plan is read from.
     /// ValueError
     ///     If a run exceeds a limit or cannot be played, or the options do not fit.
     /// OSError
@@ -68,7 +69,7 @@ impl Plan {
         separator: &str,
         decimal: &str,
         angle: &str,
-        gear_ratio: Option<Vec<f64>>,
+        gear_ratio: Option<List<f64>>,
         jobs: usize,
         overwrite: bool,
         progress: Option<&Bound<'py, PyAny>>,
@@ -80,7 +81,7 @@ impl Plan {
                 separator: choice("separator", separator)?,
                 decimal: choice("decimal", decimal)?,
                 angle: choice("angle", angle)?,
-                gear_ratio: gear_ratio.unwrap_or_default(),
+                gear_ratio: gear_ratio.map_or_else(Vec::new, |List(ratios)| ratios),
             },
             is_campaign: campaign,
             jobs,
@@ -99,6 +100,9 @@ impl Plan {
         options: &PlayOptions,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        self.planned
+            .check_output(&path)
+            .map_err(error::experiment)?;
         let page = (!options.format.is_ending_of(&path)).then(|| path.join(PLAN_PAGE));
         let mut pages = page.iter();
         let free = pages.try_for_each(|page| check_free(page, options.overwrite));

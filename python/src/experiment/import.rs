@@ -59,7 +59,11 @@ impl Plan {
         overwrite: bool,
         progress: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Bound<'py, PyAny>> {
-        let recordings = recordings_among(&paths(recordings)?).map_err(error::experiment)?;
+        let recordings = paths(recordings)?;
+        recordings
+            .iter()
+            .try_for_each(|path| error::check_there(path))?;
+        let recordings = recordings_among(&recordings).map_err(error::experiment)?;
         let (map, overwrite) = (log_map(map)?, overwrite_if(overwrite));
         let options = ImportOptions { rate_hz, overwrite };
         let summary = interruptible(py, progress, |progress| {

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use frfid_experiment::{Guarded, PlannedRuns};
-use frfid_signals::{RunId, Testbed};
+use frfid_signals::{GoOn, RunId, Testbed};
 use numpy::PyArray2;
 use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
@@ -15,6 +15,7 @@ use crate::frf::matrix::Frf;
 use crate::interrupt::interruptible;
 use crate::signals::record::Record;
 use crate::signals::run::Run;
+use crate::size::List;
 use crate::testbed::runs::{measured, one_by_one, records_of};
 use crate::threads::detached;
 use crate::warnings::warn;
@@ -66,15 +67,15 @@ impl Plan {
     /// Raises
     /// ------
     /// FileExistsError
-    ///     If there is a file of that name.
+    ///     If there is a file of that name, or it is the one that the plan is read from.
     /// OSError
     ///     If it cannot be written.
     #[pyo3(signature = (path, *, overwrite = false))]
     fn save(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
         let overwrite = overwrite_if(overwrite);
-        let written = interruptible(py, None, |_| {
-            self.planned
-                .write(&path, overwrite, &frfid_experiment::silent)
+        let written = interruptible(py, None, |progress| {
+            let report = |done, total| progress.report(done, total);
+            self.planned.write(&path, overwrite, &report)
         })?;
         written.map_err(error::experiment)
     }
@@ -121,10 +122,7 @@ impl Plan {
             ))
         };
         let id = *ids.get(index).ok_or_else(needed)?;
-        Ok(c_ordered(
-            py,
-            self.planned.run(id).map_err(error::experiment)?.reference,
-        ))
+        Ok(c_ordered(py, self.drawn(py, id)?.reference))
     }
 
     /// What the runs will ask of the robot, found by doing each of them once on its model.
@@ -203,7 +201,9 @@ impl Plan {
         folder: Option<PathBuf>,
         overwrite: bool,
     ) -> PyResult<Vec<Record>> {
-        let (ids, run) = (self.ids(), |id| self.planned.run(id));
+        let (ids, run) = (self.ids(), |id, go_on: GoOn| {
+            self.planned.run_while(id, go_on)
+        });
         if testbed.is_none() {
             self.description().model().map_err(error::experiment)?;
         }
@@ -249,8 +249,8 @@ impl Plan {
     ///     For another number of records than runs, or records that do not fit the plan.
     /// NumericalError
     ///     For frequencies at which U cannot be inverted.
-    fn estimate(&self, py: Python<'_>, records: Vec<Option<Bound<'_, Record>>>) -> PyResult<Frf> {
-        let measured = measured(py, self.ids(), &records)?;
+    fn estimate(&self, py: Python<'_>, records: List<Option<Bound<'_, Record>>>) -> PyResult<Frf> {
+        let measured = measured(py, self.ids(), &records.0)?;
         let outcome = interruptible(py, None, |_| self.description().estimate(&measured))?;
         let outcome = outcome.map_err(error::experiment)?;
         warn(py, outcome.warnings)?;
@@ -269,7 +269,7 @@ impl Plan {
         let id = *id.ok_or_else(|| {
             PyIndexError::new_err(format!("{index}: the plan has {} runs", ids.len()))
         })?;
-        let planned = self.planned.run(id).map_err(error::experiment)?;
+        let planned = self.drawn(py, id)?;
         Ok(Run::of(py, planned, self.limits(), &self.reference_unit()))
     }
 

@@ -3,12 +3,13 @@
 use std::path::Path;
 
 use frfid_experiment::{Experiment as Description, KeptRuns, PlannedRuns};
-use frfid_signals::{RunId, Testbed};
+use frfid_signals::{Run as Planned, RunId, Testbed};
 use pyo3::prelude::*;
 
 use crate::choice::resume_unless;
 use crate::error;
 use crate::experiment::plan::Plan;
+use crate::interrupt::interruptible;
 use crate::signals::run::{LimitsByKey, by_key};
 use crate::testbed::python_testbed::PythonTestbed;
 
@@ -23,6 +24,14 @@ impl From<Description> for Plan {
 impl Plan {
     pub(super) fn description(&self) -> &Description {
         &self.planned.experiment
+    }
+
+    /// One run with its reference.
+    pub(super) fn drawn(&self, py: Python<'_>, id: RunId) -> PyResult<Planned> {
+        let run = interruptible(py, None, |progress| {
+            self.planned.run_while(id, &|| progress.goes_on())
+        })?;
+        run.map_err(error::experiment)
     }
 
     pub(super) fn ids(&self) -> Vec<RunId> {
@@ -50,7 +59,7 @@ impl Plan {
         let description = self.description();
         let mut limits = by_key(description.limits());
         let of_signal = description.signal_limits();
-        limits.extend(of_signal.map(|(key, values)| (key, values.to_vec())));
+        limits.extend(of_signal.map(|(key, values)| (key.to_owned(), values.to_vec())));
         limits
     }
 

@@ -10,6 +10,7 @@ use pyo3::types::PyDict;
 use crate::array::{Axes, c_ordered, complex, real};
 use crate::frf::matrix::Frf;
 use crate::frf::parts::per_frequency;
+use crate::size::{List, copied};
 
 const AMPLITUDE: Axes = &["channel", "order", "frequency"];
 
@@ -54,7 +55,7 @@ fn dict_of_amplitudes<'py>(
 
 /// Harmonics from the dict that the attribute gives, of as many channels as the FRF has.
 pub(crate) fn of_dict(given: &Bound<'_, PyAny>, frf: &Response) -> PyResult<Harmonics> {
-    let orders: Vec<usize> = item(given, "orders")?.extract()?;
+    let List(orders) = item(given, "orders")?.extract::<List<usize>>()?;
     let frequency_hz = per_frequency("harmonics frequency_hz", &item(given, "frequency_hz")?)?;
     let amplitudes = |key, n_channels| {
         let shape = [n_channels, orders.len(), frequency_hz.len()];
@@ -94,12 +95,12 @@ fn optional<'py, T>(
 
 fn of_orders(given: &Bound<'_, PyAny>) -> PyResult<Array2<Complex64>> {
     let response = complex("harmonics response", given, &[&["order", "frequency"]])?;
-    Ok(response.as_array().to_owned())
+    copied(&response.as_array())
 }
 
 fn of_shape(given: &Bound<'_, PyAny>, shape: [usize; 3]) -> PyResult<Array3<f64>> {
     let array = real("harmonics", given, &[AMPLITUDE])?;
-    let array = array.as_array().to_owned();
+    let array = copied(&array.as_array())?;
     if array.shape() == shape {
         return Ok(array);
     }

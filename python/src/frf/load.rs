@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 
 use crate::error;
 use crate::frf::matrix::Frf;
+use crate::sources::Sources;
 use crate::threads::detached;
 
 /// An FRF of which only the numbers are known: channels are numbered, their units empty.
@@ -51,9 +52,8 @@ fn numbered(word: &str, count: usize) -> [Vec<String>; 2] {
 #[pyfunction]
 pub(crate) fn load(py: Python<'_>, path: PathBuf) -> PyResult<Frf> {
     error::check_there(&path)?;
-    Ok(Frf::of(
-        detached(py, || read_result(&path))?.map_err(error::file)?,
-    ))
+    let result = detached(py, || read_result(&path))?.map_err(error::file)?;
+    Ok(Frf::read_from(result, Sources::of([path])))
 }
 
 /// Size, band and which variances are known, in one line.

@@ -12,7 +12,9 @@ use crate::frf::distortion::levels;
 use crate::frf::harmonics::of_dict;
 use crate::frf::load::described;
 use crate::frf::parts::{Arrays, PARTS, degrees_of_freedom, per_frequency, replace, uncertainty};
-use crate::pickle::{NewArguments, attributes};
+use crate::pickle::{Reduced, attributes};
+use crate::size::{List, copied};
+use crate::sources::Sources;
 
 /// A frequency response matrix with what is known about its uncertainty.
 ///
@@ -61,14 +63,21 @@ use crate::pickle::{NewArguments, attributes};
 #[pyclass(frozen, module = "frfid")]
 pub(crate) struct Frf {
     pub result: ResultFile,
+    pub sources: Sources,
     arrays: Arrays,
 }
 
 impl Frf {
     /// A result with everything that belongs to it.
     pub(crate) fn of(result: ResultFile) -> Self {
+        Self::read_from(result, Sources::default())
+    }
+
+    /// The same, made of files.
+    pub(crate) fn read_from(result: ResultFile, sources: Sources) -> Self {
         Self {
             result,
+            sources,
             arrays: Arrays::default(),
         }
     }
@@ -92,23 +101,23 @@ impl Frf {
         total_degrees_of_freedom: Option<f64>,
         condition: Option<&Bound<'_, PyAny>>,
         relative_resolution: Option<f64>,
-        torque_rms_nm: Option<Vec<f64>>,
-        flagged: Option<Vec<bool>>,
+        torque_rms_nm: Option<List<f64>>,
+        flagged: Option<List<bool>>,
         distortion: Option<&Bound<'_, PyAny>>,
         harmonics: Option<&Bound<'_, PyAny>>,
-        input_names: Option<Vec<String>>,
-        output_names: Option<Vec<String>>,
-        input_units: Option<Vec<String>>,
-        output_units: Option<Vec<String>>,
+        input_names: Option<List<String>>,
+        output_names: Option<List<String>>,
+        input_units: Option<List<String>>,
+        output_units: Option<List<String>>,
         verdicts: Option<&Bound<'_, PyAny>>,
         checks: Option<&Bound<'_, PyAny>>,
         provenance: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let frf = Response {
             frequency_hz: per_frequency("frequency_hz", frequency_hz)?,
-            response: complex("response", response, &[&["frequency", "output", "input"]])?
-                .as_array()
-                .to_owned(),
+            response: copied(
+                &complex("response", response, &[&["frequency", "output", "input"]])?.as_array(),
+            )?,
             noise: uncertainty("noise", noise_covariance, noise_degrees_of_freedom)?,
             total: uncertainty("total", total_covariance, total_degrees_of_freedom)?,
             condition: condition
@@ -287,7 +296,7 @@ impl Frf {
         described(&self.result.frf)
     }
 
-    fn __getnewargs_ex__<'py>(slf: &Bound<'py, Self>) -> PyResult<NewArguments<'py>> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         attributes(slf, &PARTS)
     }
 }

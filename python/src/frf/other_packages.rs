@@ -53,11 +53,12 @@ impl Frf {
     /// Raises
     /// ------
     /// FileExistsError
-    ///     If the file exists and may not be replaced.
+    ///     If the file exists and may not be replaced, or is one that the FRF was made of.
     /// OSError
     ///     If it cannot be written.
     #[pyo3(signature = (path, *, overwrite = false))]
     fn save(&self, py: Python<'_>, path: PathBuf, overwrite: bool) -> PyResult<()> {
+        self.sources.check(&path)?;
         let overwrite = overwrite_if(overwrite);
         detached(py, || write_result(&path, overwrite, &self.result))?.map_err(error::file)
     }

@@ -28,7 +28,7 @@ impl Frf {
     /// Raises
     /// ------
     /// FileExistsError
-    ///     If the file exists and may not be replaced.
+    ///     If the file exists and may not be replaced, or is one that the FRF was made of.
     /// OSError
     ///     If it cannot be written.
     #[pyo3(signature = (path, *, overwrite = false))]
@@ -49,7 +49,7 @@ impl Frf {
     /// Raises
     /// ------
     /// FileExistsError
-    ///     If the file exists and may not be replaced.
+    ///     If the file exists and may not be replaced, or is one that the FRF was made of.
     /// OSError
     ///     If it cannot be written.
     #[pyo3(signature = (path, *, overwrite = false))]
@@ -70,7 +70,7 @@ impl Frf {
     /// Raises
     /// ------
     /// FileExistsError
-    ///     If the file exists and may not be replaced.
+    ///     If the file exists and may not be replaced, or is one that the FRF was made of.
     /// OSError
     ///     If it cannot be written.
     #[pyo3(signature = (path, *, overwrite = false))]
@@ -91,7 +91,7 @@ impl Frf {
     /// Raises
     /// ------
     /// FileExistsError
-    ///     If the file exists and may not be replaced.
+    ///     If the file exists and may not be replaced, or is one that the FRF was made of.
     /// OSError
     ///     If it cannot be written.
     /// ValueError
@@ -118,7 +118,7 @@ impl Frf {
     /// Raises
     /// ------
     /// FileExistsError
-    ///     If the file exists and may not be replaced.
+    ///     If the file exists and may not be replaced, or is one that the FRF was made of.
     /// OSError
     ///     If it cannot be written.
     /// ValueError
@@ -132,6 +132,7 @@ impl Frf {
         note: Option<String>,
         overwrite: bool,
     ) -> PyResult<()> {
+        self.sources.check(&path)?;
         let stem = || path.file_stem().unwrap_or_default().to_string_lossy();
         let title = title.unwrap_or_else(|| stem().into_owned());
         let notes = note.into_iter().collect();
@@ -147,6 +148,7 @@ impl Frf {
 impl Frf {
     /// Writes the export of that name.
     fn export(&self, py: Python<'_>, name: &str, path: &Path, overwrite: bool) -> PyResult<()> {
+        self.sources.check(path)?;
         let export = EXPORTS.iter().find(|export| export.name == name);
         let export = export.ok_or_else(|| PyValueError::new_err(format!("no export {name}")))?;
         detached(py, || {

@@ -6,6 +6,7 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::array::{Axes, Shared, complex, real};
+use crate::size::{List, copied};
 
 const ENTRIES: Axes = &["frequency", "output * input", "output * input"];
 
@@ -54,9 +55,8 @@ pub(crate) fn uncertainty(
     match (covariance, degrees) {
         (None, None) => Ok(None),
         (Some(covariance), Some(degrees_of_freedom)) => {
-            let covariance = complex(&format!("{name}_covariance"), covariance, &[ENTRIES])?
-                .as_array()
-                .to_owned();
+            let covariance = complex(&format!("{name}_covariance"), covariance, &[ENTRIES])?;
+            let covariance = copied(&covariance.as_array())?;
             Ok(Some(Uncertainty {
                 covariance,
                 degrees_of_freedom,
@@ -74,8 +74,10 @@ pub(crate) fn degrees_of_freedom(known: &Option<Uncertainty>) -> Option<f64> {
 }
 
 /// Puts the list that is given in place of another, as long as that is.
-pub(crate) fn replace<T>(name: &str, list: &mut Vec<T>, given: Option<Vec<T>>) -> PyResult<()> {
-    let Some(given) = given else { return Ok(()) };
+pub(crate) fn replace<T>(name: &str, list: &mut Vec<T>, given: Option<List<T>>) -> PyResult<()> {
+    let Some(List(given)) = given else {
+        return Ok(());
+    };
     if given.len() != list.len() {
         let (found, needed) = (given.len(), list.len());
         return Err(PyValueError::new_err(format!(
@@ -88,7 +90,6 @@ pub(crate) fn replace<T>(name: &str, list: &mut Vec<T>, given: Option<Vec<T>>) -
 
 /// A number for every frequency.
 pub(crate) fn per_frequency(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<f64>> {
-    Ok(real::<Ix1>(name, value, &[&["frequency"]])?
-        .as_array()
-        .to_vec())
+    let values = real::<Ix1>(name, value, &[&["frequency"]])?;
+    Ok(copied(&values.as_array())?.to_vec())
 }

@@ -1,6 +1,6 @@
 //! FRFs from logs: `frfid.estimate_logs`.
 
-use frfid_experiment::{EstimateOptions, EstimateTable};
+use frfid_experiment::{EstimateOptions, EstimateTable, recordings_among};
 use pyo3::prelude::*;
 
 use crate::choice::from_python;
@@ -8,6 +8,7 @@ use crate::error;
 use crate::frf::matrix::Frf;
 use crate::interrupt::interruptible;
 use crate::logs::map::{log_map, paths};
+use crate::sources::Sources;
 use crate::warnings::warn;
 
 /// The FRF from logs, exactly as ``frfid estimate`` makes it.
@@ -50,6 +51,13 @@ pub(crate) fn estimate_logs(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Frf> {
     let paths = self::paths(paths)?;
+    paths.iter().try_for_each(|path| error::check_there(path))?;
+    let sources = Sources::of(
+        recordings_among(&paths)
+            .map_err(error::experiment)?
+            .into_iter()
+            .chain(map.and_then(|map| map.extract().ok())),
+    );
     let table = |table| from_python::<EstimateTable>("estimate", table);
     let options = EstimateOptions {
         map: map.map(log_map).transpose()?,
@@ -62,5 +70,5 @@ pub(crate) fn estimate_logs(
     })?;
     let outcome = outcome.map_err(error::experiment)?;
     warn(py, outcome.warnings)?;
-    Ok(Frf::of(outcome.result))
+    Ok(Frf::read_from(outcome.result, sources))
 }

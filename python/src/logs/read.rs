@@ -54,7 +54,7 @@ pub(crate) fn read(
     })?;
     let (record, losses, warnings): (Measured, _, Vec<String>) = read.map_err(error::file)?;
     warn(py, losses.iter().map(ToString::to_string).chain(warnings))?;
-    Record::of(py, vec![record], false)
+    Record::read_from(py, record, path)
 }
 
 /// What is in a recording, how it is sampled, what is odd about its signals, and a guessed log map.

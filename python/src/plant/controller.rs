@@ -6,7 +6,7 @@ use frfid_plant::{Controller as _, PiController as Controller, SimulatedRobot};
 use pyo3::prelude::*;
 
 use crate::error;
-use crate::pickle::{NewArguments, attributes};
+use crate::pickle::{Reduced, attributes};
 use crate::plant::robot::Plant;
 use crate::signals::profile::per_channel;
 use crate::signals::record::Record;
@@ -138,7 +138,7 @@ impl PiController {
         )
     }
 
-    fn __getnewargs_ex__<'py>(slf: &Bound<'py, Self>) -> PyResult<NewArguments<'py>> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         let limits = ["max_torque_nm", "max_torque_rate_nm_per_s"];
         let names = [
             &[

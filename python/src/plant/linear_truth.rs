@@ -1,14 +1,13 @@
 //! Linear truth of a plant: `Plant.frf`.
 
 use frfid_plant::Hold;
-use ndarray::Ix1;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
-use crate::array::real;
 use crate::choice::choice;
 use crate::error;
 use crate::frf::matrix::Frf;
+use crate::frf::parts::per_frequency;
 use crate::plant::robot::Plant;
 
 #[pymethods]
@@ -45,9 +44,7 @@ impl Plant {
         sample_time_s: Option<f64>,
         sensor: bool,
     ) -> PyResult<Frf> {
-        let hz = real::<Ix1>("hz", hz, &[&["frequency"]])?
-            .as_array()
-            .to_vec();
+        let hz = per_frequency("hz", hz)?;
         let hold: Hold = choice("hold", hold)?;
         let sample_time_s = match sample_time_s {
             Some(sample_time_s) => sample_time_s,

@@ -11,6 +11,7 @@ use pyo3::types::PyDict;
 
 use crate::choice::{from_json, from_python, json_object, json_value, to_python};
 use crate::error;
+use crate::size::List;
 
 /// A robot in software, made by ``Plant.single_joint`` or ``Plant.load``.
 #[pyclass(frozen, eq, module = "frfid")]
@@ -121,7 +122,7 @@ impl Plant {
     #[pyo3(signature = (path, *, pose_rad = None, challenges = None))]
     fn load(
         path: PathBuf,
-        pose_rad: Option<Vec<f64>>,
+        pose_rad: Option<List<f64>>,
         challenges: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         error::check_there(&path)?;
@@ -135,7 +136,7 @@ impl Plant {
             ));
         }
         Self::of(RobotTable {
-            pose_rad: pose_rad.or_else(|| table.pose_rad.clone()),
+            pose_rad: pose_rad.map_or_else(|| table.pose_rad.clone(), |List(pose)| Some(pose)),
             challenges: challenges.unwrap_or_default().or(table.challenges),
             ..table
         })

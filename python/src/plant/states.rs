@@ -8,6 +8,7 @@ use pyo3::prelude::*;
 
 use crate::array::{Axes, c_ordered, real};
 use crate::error;
+use crate::size::copied;
 use crate::threads::detached;
 
 const STATES: [Axes; 2] = [&["axis"], &["batch", "axis"]];
@@ -49,7 +50,7 @@ fn states(
     let mut states: Vec<ArrayD<f64>> = Vec::new();
     for (name, value) in arguments {
         let state = real::<IxDyn>(name, value, &STATES)?;
-        let state = state.as_array().as_standard_layout().into_owned();
+        let state = copied(&state.as_array())?;
         let shape = states.first().unwrap_or(&state).shape();
         if state.shape() != shape || shape.last() != Some(&n_axes) {
             let (found, first) = (state.shape(), arguments[0].0);

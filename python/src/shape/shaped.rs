@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use frfid_estimate::{OctaveError, Shaped as Shaping, Summary};
 use ndarray::Array1;
 use numpy::{PyArray1, PyArray2, PyArray3};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 
 use crate::array::c_ordered;
@@ -172,6 +173,21 @@ impl Shaped {
             .iter()
             .for_each(|line| text += &format!("\n{line}"));
         text
+    }
+
+    /// The same, which nothing changes.
+    fn __copy__(slf: Bound<'_, Self>) -> Bound<'_, Self> {
+        slf
+    }
+
+    fn __deepcopy__<'py>(slf: Bound<'py, Self>, _memo: &Bound<'py, PyAny>) -> Bound<'py, Self> {
+        slf
+    }
+
+    fn __reduce__(&self) -> PyResult<()> {
+        Err(PyTypeError::new_err(
+            "a shaped excitation is not pickled: pickle what is needed of it, its reference, records, iterations",
+        ))
     }
 
     fn __repr__(&self) -> String {

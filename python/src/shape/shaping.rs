@@ -21,6 +21,7 @@ use crate::shape::kept::kept;
 use crate::shape::shaped::Shaped;
 use crate::signals::profile::per_channel;
 use crate::signals::run::by_key;
+use crate::size::copied;
 use crate::testbed::python_testbed::PythonTestbed;
 
 const SIGNALS: [Axes; 1] = [&["experiment", "channel", "sample"]];
@@ -124,10 +125,8 @@ pub(crate) fn shape(
     overwrite: bool,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Shaped> {
-    let desired = real::<Ix3>("desired", desired, &SIGNALS)?
-        .as_array()
-        .to_owned();
-    let start = real::<Ix3>("start", start, &SIGNALS)?.as_array().to_owned();
+    let desired = copied(&real::<Ix3>("desired", desired, &SIGNALS)?.as_array())?;
+    let start = copied(&real::<Ix3>("start", start, &SIGNALS)?.as_array())?;
     let n_axes = start.dim().1;
     let per_axis = |name, value: Option<&Bound<'_, PyAny>>| {
         value.map(|v| per_channel(name, v, n_axes)).transpose()

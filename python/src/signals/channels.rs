@@ -2,12 +2,13 @@
 
 use frfid_signals::Event;
 use ndarray::IxDyn;
-use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::{PyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::array::{Axes, c_ordered, real};
 use crate::choice::from_python;
+use crate::size::copied;
 
 const SHAPES: [Axes; 2] = [&["channel", "sample"], &["batch", "channel", "sample"]];
 
@@ -53,6 +54,6 @@ pub(super) fn signal(name: &str, value: &Bound<'_, PyAny>) -> PyResult<Py<PyArra
     if array.is_c_contiguous() {
         Ok((*array).clone().unbind())
     } else {
-        Ok(c_ordered(value.py(), array.to_owned_array()).unbind())
+        Ok(c_ordered(value.py(), copied(&array.as_array())?).unbind())
     }
 }

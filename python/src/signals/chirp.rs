@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use crate::array::c_ordered;
 use crate::choice::choice;
 use crate::error;
-use crate::pickle::{NewArguments, attributes};
+use crate::pickle::{Reduced, attributes};
 use crate::signals::profile::{points, profiles};
 use crate::threads::detached;
 
@@ -154,7 +154,7 @@ impl Chirp {
         format!("<frfid.Chirp: {low_hz} Hz to {high_hz} Hz in {duration_s} s, tail {tail_s} s>")
     }
 
-    fn __getnewargs_ex__<'py>(slf: &Bound<'py, Self>) -> PyResult<NewArguments<'py>> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         attributes(
             slf,
             &[

@@ -3,13 +3,15 @@
 use frfid_signals::{Draw, GridDesign, LineGrid, Multisine as Signal, Profile, Waveform as _};
 use numpy::{PyArray1, PyArray3};
 use pyo3::prelude::*;
+use pyo3::types::PyFloat;
 
 use crate::array::c_ordered;
 use crate::choice::{choice, to_python};
 use crate::error;
-use crate::pickle::{NewArguments, attributes};
+use crate::interrupt::interruptible;
+use crate::pickle::{Reduced, attributes};
 use crate::signals::profile::{per_channel, points, profile};
-use crate::threads::detached;
+use crate::size::List;
 
 /// A multisine: sines on lines of the DFT of one period, with random phases.
 ///
@@ -43,12 +45,12 @@ pub(crate) struct Multisine {
 #[pymethods]
 impl Multisine {
     #[new]
-    #[pyo3(signature = (*, sample_time_s, n_samples, harmonics, detection = Vec::new(), shape = None, phases = "random"))]
+    #[pyo3(signature = (*, sample_time_s, n_samples, harmonics, detection = List(Vec::new()), shape = None, phases = "random"))]
     fn new(
         sample_time_s: f64,
         n_samples: usize,
-        harmonics: Vec<usize>,
-        detection: Vec<usize>,
+        harmonics: List<usize>,
+        detection: List<usize>,
         shape: Option<&Bound<'_, PyAny>>,
         phases: &str,
     ) -> PyResult<Self> {
@@ -56,8 +58,8 @@ impl Multisine {
             LineGrid {
                 sample_time_s,
                 n_samples,
-                excited: harmonics,
-                detection,
+                excited: harmonics.0,
+                detection: detection.0,
             },
             shape,
             phases,
@@ -163,10 +165,8 @@ impl Multisine {
         mimo: &str,
         realization: usize,
     ) -> PyResult<Bound<'py, PyArray3<f64>>> {
-        let peak = peak.map_or_else(
-            || Ok(vec![1.0; n_inputs]),
-            |peak| per_channel("peak", peak, n_inputs),
-        )?;
+        let one = PyFloat::new(py, 1.0).into_any();
+        let peak = per_channel("peak", peak.unwrap_or(&one), n_inputs)?;
         let draw = Draw {
             seed,
             realization,
@@ -176,7 +176,10 @@ impl Multisine {
             peak,
             ..self.signal.clone()
         };
-        let drawn = detached(py, || signal.realize(&draw))?.map_err(error::signal)?;
+        let drawn = interruptible(py, None, |progress| {
+            signal.realize_while(&draw, &|| progress.goes_on())
+        })?;
+        let drawn = drawn.map_err(error::signal)?;
         Ok(c_ordered(py, drawn.signal))
     }
 
@@ -246,7 +249,7 @@ impl Multisine {
         )
     }
 
-    fn __getnewargs_ex__<'py>(slf: &Bound<'py, Self>) -> PyResult<NewArguments<'py>> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         attributes(
             slf,
             &[

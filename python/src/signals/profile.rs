@@ -2,8 +2,12 @@
 //! channel.
 
 use frfid_signals::Profile;
+use frfid_signals::room::possible_inputs;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+
+use crate::error;
+use crate::size::check_length;
 
 #[derive(FromPyObject)]
 enum Amplitude {
@@ -30,6 +34,7 @@ impl From<Amplitude> for Profile {
 
 /// One profile for all channels, or one for each.
 pub(crate) fn profiles(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec<Profile>> {
+    check_length(value)?;
     match value.extract() {
         Ok(Amplitudes::Common(amplitude)) => Ok(vec![amplitude.into()]),
         Ok(Amplitudes::PerChannel(amplitudes)) => {
@@ -44,6 +49,7 @@ pub(crate) fn profiles(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Vec
 
 /// One profile, the same for all channels.
 pub(crate) fn profile(argument: &str, value: &Bound<'_, PyAny>) -> PyResult<Profile> {
+    check_length(value)?;
     value
         .extract::<Amplitude>()
         .map(Profile::from)
@@ -60,6 +66,8 @@ pub(crate) fn per_channel(
     value: &Bound<'_, PyAny>,
     n_channels: usize,
 ) -> PyResult<Vec<f64>> {
+    possible_inputs(n_channels).map_err(error::signal)?;
+    check_length(value)?;
     if let Ok(common) = value.extract::<f64>() {
         return Ok(vec![common; n_channels]);
     }

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use frfid_files::{RunFile, read_run, write_run};
+use frfid_signals::room::room;
 use frfid_signals::{Event, Injection, InputKind, Record as Run, RunId};
 use ndarray::{Array2, Axis, Ix2};
 use numpy::{PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
@@ -12,8 +13,10 @@ use pyo3::prelude::*;
 use crate::array::c_ordered;
 use crate::choice::{choice, overwrite_if, to_python};
 use crate::error;
-use crate::pickle::{NewArguments, attributes};
+use crate::pickle::{Reduced, attributes};
 use crate::signals::channels::{events_of_runs, signal, signal_like};
+use crate::size::List;
+use crate::sources::Sources;
 use crate::threads::detached;
 use crate::warnings::warn;
 
@@ -58,6 +61,7 @@ pub(crate) struct Record {
     position_rad: Option<Py<PyArrayDyn<f64>>>,
     input_kind: InputKind,
     events: Vec<Vec<Event>>,
+    sources: Sources,
 }
 
 #[pymethods]
@@ -89,6 +93,7 @@ impl Record {
                 .transpose()?,
             input_kind: choice("input_kind", input_kind)?,
             events: events_of_runs(events, batch, n_runs)?,
+            sources: Sources::default(),
             u,
         };
         let checked = record.runs(py).iter().try_for_each(Run::check);
@@ -119,7 +124,7 @@ impl Record {
         error::check_there(&path)?;
         let (run, losses) = detached(py, || read_run(&path))?.map_err(error::file)?;
         warn(py, losses.iter().map(ToString::to_string))?;
-        Self::of(py, vec![run.record], false)
+        Self::read_from(py, run.record, path)
     }
 
     /// Writes one run as ``frfid run`` does: an MCAP of JointState messages, which Foxglove and PlotJuggler open.
@@ -136,7 +141,7 @@ impl Record {
     /// Raises
     /// ------
     /// FileExistsError
-    ///     If there is a file of that name.
+    ///     If there is a file of that name, or it is the one that the record was read from.
     /// OSError
     ///     If it cannot be written.
     /// ValueError
@@ -146,9 +151,10 @@ impl Record {
         &self,
         py: Python<'_>,
         path: PathBuf,
-        joint_names: Option<Vec<String>>,
+        joint_names: Option<List<String>>,
         overwrite: bool,
     ) -> PyResult<()> {
+        self.sources.check(&path)?;
         let Ok([record]) = <[Run; 1]>::try_from(self.runs(py)) else {
             return Err(PyValueError::new_err(
                 "a batch of runs: save them one by one",
@@ -161,7 +167,7 @@ impl Record {
                 .collect()
         };
         let file = RunFile {
-            joint_names: joint_names.unwrap_or_else(numbered),
+            joint_names: joint_names.map_or_else(numbered, |List(names)| names),
             run: RunId::excitation(0, 0, 0),
             injection: Injection::default(),
             record,
@@ -206,7 +212,7 @@ impl Record {
         )
     }
 
-    fn __getnewargs_ex__<'py>(slf: &Bound<'py, Self>) -> PyResult<NewArguments<'py>> {
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
         attributes(
             slf,
             &[
@@ -236,6 +242,8 @@ impl Record {
                     return Ok(None);
                 };
                 let array = if stacked {
+                    room::<f64>(signals.iter().map(|signal| signal.len()).sum())
+                        .map_err(error::signal)?;
                     let views: Vec<_> = signals.iter().map(|signal| signal.view()).collect();
                     ndarray::stack(Axis(0), &views)
                         .map_err(|error| PyValueError::new_err(error.to_string()))?
@@ -254,6 +262,15 @@ impl Record {
             position_rad: stack(&|run| run.position_rad.as_ref())?,
             input_kind,
             events,
+            sources: Sources::default(),
+        })
+    }
+
+    /// The run of a file.
+    pub(crate) fn read_from(py: Python<'_>, run: Run, path: PathBuf) -> PyResult<Self> {
+        Ok(Self {
+            sources: Sources::of([path]),
+            ..Self::of(py, vec![run], false)?
         })
     }
 

@@ -3,10 +3,14 @@
 use std::collections::BTreeMap;
 
 use frfid_signals::{Limits, Run as Planned};
+use ndarray::Ix2;
 use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 
-use crate::array::c_ordered;
+use crate::array::{c_ordered, real};
+use crate::choice::{from_python, to_python};
+use crate::pickle::Reduced;
+use crate::size::{List, copied};
 
 /// One run of a plan: what is injected, where it starts, and what it must not exceed; given to the
 /// ``run(run)`` of a testbed, and by ``plan[index]``.
@@ -22,13 +26,13 @@ pub(crate) struct Run {
 }
 
 /// Limits by their keys in ``[limits]``, a value for each axis.
-pub(crate) type LimitsByKey = BTreeMap<&'static str, Vec<f64>>;
+pub(crate) type LimitsByKey = BTreeMap<String, Vec<f64>>;
 
 /// The limits of a robot by their keys.
 pub(crate) fn by_key(limits: &Limits) -> LimitsByKey {
     let limits = limits.iter();
     limits
-        .map(|(limit, values)| (limit.key(), values.to_vec()))
+        .map(|(limit, values)| (limit.key().to_owned(), values.to_vec()))
         .collect()
 }
 
@@ -96,6 +100,49 @@ impl Run {
     #[getter]
     fn limits(&self) -> LimitsByKey {
         self.limits.clone()
+    }
+
+    /// The run of these parts, out of a pickle.
+    #[staticmethod]
+    fn _of(
+        id: &Bound<'_, PyAny>,
+        sample_time_s: f64,
+        reference: &Bound<'_, PyAny>,
+        velocity_rad_s: List<f64>,
+        start_rad: List<f64>,
+        limits: LimitsByKey,
+        reference_unit: &str,
+    ) -> PyResult<Self> {
+        let array = real::<Ix2>("reference", reference, &[&["channel", "sample"]])?;
+        let planned = Planned {
+            id: from_python("id", id)?,
+            sample_time_s,
+            reference: copied(&array.as_array())?,
+            velocity_rad_s: velocity_rad_s.0,
+            start_rad: start_rad.0,
+        };
+        Ok(Self::of(id.py(), planned, limits, reference_unit))
+    }
+
+    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<Reduced<'py>> {
+        let (py, run) = (slf.py(), slf.get());
+        let Planned {
+            id,
+            sample_time_s,
+            velocity_rad_s,
+            start_rad,
+            ..
+        } = &run.planned;
+        let parts = (
+            to_python(py, id)?,
+            sample_time_s,
+            &run.reference,
+            velocity_rad_s,
+            start_rad,
+            &run.limits,
+            &run.reference_unit,
+        );
+        Ok((slf.get_type().getattr("_of")?, parts.into_pyobject(py)?))
     }
 
     fn __repr__(&self) -> String {

@@ -1,6 +1,6 @@
 //! Simulating one run or a batch of runs.
 
-use frfid_signals::{Run, RunId, Testbed, check_finite};
+use frfid_signals::{GoOn, Run, RunId, Testbed, check_finite};
 use ndarray::{Array2, ArrayView3, Axis, Ix3, IxDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -42,7 +42,7 @@ pub(crate) fn simulate(
     let start_rad = or_zeros("start_rad", start_rad)?;
     let numbers = 0..array.len_of(Axis(0));
     let ids: Vec<RunId> = numbers.map(|run| RunId::excitation(0, 0, run)).collect();
-    let run = |id: RunId| {
+    let run = |id: RunId, _: GoOn| {
         let reference: Array2<f64> = array.index_axis(Axis(0), id.repetition).to_owned();
         Ok(Run {
             id,

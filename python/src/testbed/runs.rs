@@ -3,7 +3,7 @@
 
 use frfid_experiment::ExperimentError;
 use frfid_experiment::{Steps, for_each};
-use frfid_signals::{Record, Run, RunId, Testbed};
+use frfid_signals::{GoOn, Record, Run, RunId, Testbed};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
@@ -15,7 +15,7 @@ use crate::signals::record::Record as PyRecord;
 pub(crate) fn records_of(
     py: Python<'_>,
     ids: &[RunId],
-    reference: &(dyn Fn(RunId) -> Result<Run, ExperimentError> + Sync),
+    reference: &(dyn Fn(RunId, GoOn) -> Result<Run, ExperimentError> + Sync),
     testbed: &dyn Testbed,
     jobs: usize,
     progress: Option<&Bound<'_, PyAny>>,
@@ -26,7 +26,9 @@ pub(crate) fn records_of(
             before: 0,
             total: ids.len(),
         };
-        for_each(ids, jobs, steps, |id| Ok(testbed.run(&reference(*id)?)?))
+        for_each(ids, jobs, steps, |id, go_on| {
+            Ok(testbed.run_while(&reference(*id, go_on)?, go_on)?)
+        })
     })?
     .map_err(error::experiment)
 }
@@ -36,7 +38,7 @@ pub(crate) fn records_of(
 pub(crate) fn one_by_one(
     py: Python<'_>,
     ids: &[RunId],
-    reference: &(dyn Fn(RunId) -> Result<Run, ExperimentError> + Sync),
+    reference: &(dyn Fn(RunId, GoOn) -> Result<Run, ExperimentError> + Sync),
     testbed: &dyn Testbed,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Vec<Record>> {
@@ -48,8 +50,10 @@ pub(crate) fn one_by_one(
     tell(0)?;
     let mut records = Vec::new();
     for &id in ids {
-        let record = py.detach(|| reference(id).and_then(|run| Ok(testbed.run(&run)?)));
-        records.push(record.map_err(error::experiment)?);
+        let run = interruptible(py, None, |progress| reference(id, &|| progress.goes_on()))?;
+        let run = run.map_err(error::experiment)?;
+        let record = py.detach(|| testbed.run(&run));
+        records.push(record.map_err(error::testbed)?);
         tell(records.len())?;
     }
     Ok(records)

@@ -78,7 +78,7 @@ impl Found {
             before: 0,
             total: files.len(),
         };
-        let looked = for_each(&files, 1, steps, |path| Looked::of(path))?;
+        let looked = for_each(&files, 1, steps, |path, _| Looked::of(path))?;
         let mut found = Self {
             files,
             looked,

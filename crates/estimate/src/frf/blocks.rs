@@ -24,7 +24,7 @@ use crate::frf::excitation::Excitation;
 use crate::frf::freedom::Freedom;
 use crate::frf::glide_noise::GlideNoise;
 use crate::frf::line_estimate::{LineEstimate, LineResult, assemble, left_out, with_gaps};
-use crate::frf::matrices::{Matrix, vector};
+use crate::frf::matrices::{Matrix, room_for_covariances, vector};
 use crate::frf::noise_bias::{NoiseSeen, noise_bias};
 use crate::frf::right_division::{check_excited, check_rank, right_divide};
 use crate::frf::{FrfEstimate, FrfMethod, FrfOptions};
@@ -112,6 +112,10 @@ impl<'a> Blocks<'a> {
         max_condition: f64,
     ) -> Result<Self, EstimateError> {
         let realizations = campaign.realizations()?;
+        let n_lines = campaign.frequency_hz().len();
+        if let Some(run) = realizations.iter().flatten().flatten().next() {
+            room_for_covariances(n_lines, run.y.nrows(), run.u.nrows())?;
+        }
         Ok(Self {
             excitation: Excitation::of(&realizations, M::NEEDS_REFERENCE, M::DIVIDES_BY_OUTPUT),
             realizations,

@@ -2,13 +2,25 @@
 
 use std::borrow::Borrow;
 
-use frfid_signals::Frf;
+use frfid_signals::room::room_for;
+use frfid_signals::{Frf, SignalError};
 use nalgebra::{DMatrix, DVector};
 use ndarray::{Array3, ArrayView1, ArrayView2};
 use num_complex::Complex64;
 
 /// A complex matrix: channels of one line, or entries of an FRF.
 pub(crate) type Matrix = DMatrix<Complex64>;
+
+/// Refuses FRFs whose covariances, of all entries with each other, cannot be held.
+pub(crate) fn room_for_covariances(
+    n_lines: usize,
+    n_outputs: usize,
+    n_inputs: usize,
+) -> Result<(), SignalError> {
+    let n_entries = n_outputs.saturating_mul(n_inputs);
+    let quantity = "number of values of the covariances of all outputs and inputs on all lines";
+    room_for("channels", quantity, &[2, n_lines, n_entries, n_entries])
+}
 
 /// Matrices of one shape, at least one, as an array `(line, row, column)`.
 pub(crate) fn stacked(matrices: &[impl Borrow<Matrix>]) -> Array3<Complex64> {

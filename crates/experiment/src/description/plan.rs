@@ -24,9 +24,7 @@ pub(crate) fn design(config: &Config) -> Result<Plan, Fault> {
         .ride(&mut plan.excitation, &plan.velocity_rad_s)
         .map_err(located(name))?;
     check_estimate(&config.estimate, &plan)?;
-    // one draw shows whether amplitudes, phasing and inputs fit together; its numbers are thrown
-    // away
-    plan.period(0).map_err(located(name))?;
+    plan.check_draw().map_err(located(name))?;
     config.limits.check(plan.n_inputs)?;
     Ok(plan)
 }

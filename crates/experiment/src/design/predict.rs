@@ -3,13 +3,13 @@
 
 use frfid_estimate::AxisStrength;
 use frfid_plant::{Simulated, SimulatedRobot};
-use frfid_signals::{Excess, Injection, Plan, Run, RunId};
+use frfid_signals::{Excess, GoOn, Injection, Plan, Run, RunId};
 use serde::Serialize;
 
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::load::{Load, crest_factors, larger};
-use crate::run::parallel::{Progress, Steps, for_each};
+use crate::run::parallel::{Progress, Steps, for_each, is_interruption};
 use crate::run::planned_runs::{PlannedRuns, first_repetitions};
 use crate::run::strength::Strength;
 
@@ -54,15 +54,22 @@ impl PlannedRuns {
         let experiment = &self.experiment;
         let simulator = experiment.simulator(None)?;
         let plan = &experiment.plan;
-        let baseline = Demand::of(&glide(plan)?, experiment, &simulator)?.load;
         let ids = first_repetitions(plan);
+        let total = ids.len();
+        let go_on = || progress(0, total);
+        let baseline = Demand::of(&glide(plan)?, experiment, &simulator, &go_on);
+        let baseline = baseline.map_err(|error| match is_interruption(&error) {
+            true => ExperimentError::Interrupted { done: 0, total },
+            false => error,
+        })?;
+        let baseline = baseline.load;
         let steps = Steps {
             progress,
             before: 0,
             total: ids.len(),
         };
-        let demands = for_each(&ids, jobs, steps, |id| {
-            Demand::of(&self.run(*id)?, experiment, &simulator)
+        let demands = for_each(&ids, jobs, steps, |id, go_on| {
+            Demand::of(&self.run_while(*id, go_on)?, experiment, &simulator, go_on)
         })?;
         let largest = demands.into_iter().reduce(Demand::larger);
         let largest = largest.expect("a plan has runs");
@@ -102,10 +109,11 @@ impl Demand {
         run: &Run,
         experiment: &Experiment,
         simulator: &SimulatedRobot,
+        go_on: GoOn,
     ) -> Result<Self, ExperimentError> {
         let Simulated {
             record, changes, ..
-        } = simulator.simulate(run)?;
+        } = simulator.simulate_while(run, go_on)?;
         let load = Load::of(&record, &run.start_rad, &experiment.pose_rad);
         Ok(Self {
             load: load.with_changes(changes),

@@ -84,8 +84,8 @@ impl PlannedRuns {
             before: 0,
             total: ids.len(),
         };
-        let peaks = for_each(&ids, jobs, steps, |id| {
-            let run = self.run(*id)?;
+        let peaks = for_each(&ids, jobs, steps, |id, go_on| {
+            let run = self.run_while(*id, go_on)?;
             Ok(SignalPeaks::of(&run, self.experiment.plan.injection))
         })?;
         Ok(peaks

@@ -180,7 +180,7 @@ impl<'a> Gathering<'a> {
         places: &[usize],
         before: usize,
     ) -> Result<Vec<ReadRecord<'a>>, ExperimentError> {
-        for_each(places, self.jobs, self.steps(before), |&place| {
+        for_each(places, self.jobs, self.steps(before), |&place, _| {
             self.read_one(place)
         })
     }
@@ -218,7 +218,7 @@ impl<'a> Gathering<'a> {
         let digest = |read: &ReadRecord| read.digest(self.experiment, estimators);
         let mut digests = first.iter().map(digest).collect::<Result<Vec<_>, _>>()?;
         let steps = self.steps(known.len());
-        digests.extend(for_each(&rest, self.jobs, steps, |&place| {
+        digests.extend(for_each(&rest, self.jobs, steps, |&place, _| {
             digest(&self.read_one(place)?)
         })?);
         digests.sort_by_key(|digest| digest.run);

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use frfid_files::Rehearsal;
-use frfid_signals::{Playback, Player, RunId};
+use frfid_signals::{GoOn, Playback, Player, RunId};
 
 use crate::error::ExperimentError;
 use crate::run::parallel::{Progress, Steps, for_each};
@@ -38,8 +38,8 @@ impl PlannedRuns {
             before: 0,
             total: references.len(),
         };
-        for_each(&references, jobs, steps, |&reference| {
-            self.rehearse_one(reference, player)
+        for_each(&references, jobs, steps, |&reference, go_on| {
+            self.rehearse_one(reference, player, go_on)
         })
     }
 
@@ -47,8 +47,11 @@ impl PlannedRuns {
         &self,
         (id, n_repetitions): (RunId, usize),
         player: &Player,
+        go_on: GoOn,
     ) -> Result<Rehearsal, ExperimentError> {
-        let (playback, predicted) = self.experiment.rehearsed(&self.run(id)?, player)?;
+        let (playback, predicted) = self
+            .experiment
+            .rehearsed(&self.run_while(id, go_on)?, player)?;
         Ok(Rehearsal {
             id,
             n_repetitions,

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use frfid_estimate::{AxisStrength, standing_share};
 use frfid_files::{Overwrite, create_folder, read_run, read_run_label, write_run};
-use frfid_signals::{Event, EventKind, Record, RunId, Testbed};
+use frfid_signals::{Event, EventKind, GoOn, Record, RunId, Testbed};
 use serde::Serialize;
 
 use crate::error::ExperimentError;
@@ -90,7 +90,9 @@ pub fn run_to_folder(
         before: n_skipped,
         total: ids.len(),
     };
-    let done = for_each(&open, options.jobs, steps, |id| writer.done(*id, testbed))?;
+    let done = for_each(&open, options.jobs, steps, |id, go_on| {
+        writer.done(*id, testbed, go_on)
+    })?;
     let (written, strength) = summarized(experiment, done);
     Ok(RunSummary {
         written,
@@ -219,10 +221,10 @@ impl<'a> Writer<'a> {
     }
 
     /// Does a run and writes it.
-    fn done(&self, id: RunId, testbed: &dyn Testbed) -> Result<Done, ExperimentError> {
+    fn done(&self, id: RunId, testbed: &dyn Testbed, go_on: GoOn) -> Result<Done, ExperimentError> {
         let experiment = &self.planned.experiment;
-        let run = self.planned.run(id)?;
-        let record = self.write(id, testbed.run(&run)?)?;
+        let run = self.planned.run_while(id, go_on)?;
+        let record = self.write(id, testbed.run_while(&run, go_on)?)?;
         let load = Load::of(&record, &run.start_rad, &experiment.pose_rad);
         let report = report(self.path_of(id), load, &record);
         Ok((report, experiment.strength_of(id, &record)))

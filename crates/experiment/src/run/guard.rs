@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 
 use frfid_signals::{
-    Excess, Injection, InputKind, Limit, Limits, Peaks, Record, Run, Testbed, TestbedError,
+    Excess, GoOn, Injection, InputKind, Limit, Limits, Peaks, Record, Run, Testbed, TestbedError,
 };
 
 use crate::experiment::Experiment;
@@ -100,8 +100,12 @@ impl Testbed for Guarded<'_> {
     }
 
     fn run(&self, run: &Run) -> Result<Record, TestbedError> {
+        self.run_while(run, &|| true)
+    }
+
+    fn run_while(&self, run: &Run, go_on: GoOn) -> Result<Record, TestbedError> {
         self.pass(run)?;
-        let record = self.testbed.run(run)?;
+        let record = self.testbed.run_while(run, go_on)?;
         self.see(run, &record);
         Ok(record)
     }

@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use frfid_files::{Overwrite, create_folder};
-use frfid_signals::{Record, Run, Testbed, TestbedError};
+use frfid_signals::{GoOn, Record, Run, Testbed, TestbedError};
 
 use crate::error::ExperimentError;
 use crate::run::folder::Writer;
@@ -44,11 +44,15 @@ impl Testbed for KeptRuns<'_> {
     }
 
     fn run(&self, run: &Run) -> Result<Record, TestbedError> {
+        self.run_while(run, &|| true)
+    }
+
+    fn run_while(&self, run: &Run, go_on: GoOn) -> Result<Record, TestbedError> {
         if let Some(record) = self.writer.record_of(run.id) {
             self.testbed.see(run, &record);
             return Ok(record);
         }
-        let record = self.testbed.run(run)?;
+        let record = self.testbed.run_while(run, go_on)?;
         let kept = self.writer.write(run.id, record);
         kept.map_err(|error| TestbedError::foreign(run.id, error))
     }

@@ -3,11 +3,12 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
+use frfid_signals::{GoOn, SignalError, TestbedError};
 use rayon::prelude::*;
 
 use crate::error::ExperimentError;
 
-/// Called after each step with how many of how many are done; returns whether to go on.
+/// Called after each step, and while long ones last, with how many of how many are done; returns whether to go on.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) -> bool + Sync);
 
 /// A progress that nobody watches.
@@ -28,16 +29,16 @@ pub struct Steps<'a> {
 }
 
 /// Does `work` for each of `items` on `jobs` threads (0: one for each core), a step each; the
-/// results are in the order of the items.
+/// results are in the order of the items. Long steps ask whether to go on.
 ///
 /// # Errors
 /// The first error of `work`, or [`ExperimentError::Interrupted`] when the progress said so. Work
-/// that was already under way is finished.
+/// that was already under way, and does not ask, is finished.
 pub fn for_each<I: Sync, T: Send>(
     items: &[I],
     jobs: usize,
     steps: Steps,
-    work: impl Fn(&I) -> Result<T, ExperimentError> + Sync,
+    work: impl Fn(&I, GoOn) -> Result<T, ExperimentError> + Sync,
 ) -> Result<Vec<T>, ExperimentError> {
     let Steps {
         progress,
@@ -48,18 +49,36 @@ pub fn for_each<I: Sync, T: Send>(
         AtomicUsize::new(before),
         AtomicBool::new(!progress(before, total)),
     );
+    let interrupted = || ExperimentError::Interrupted {
+        done: done.load(Ordering::Relaxed),
+        total,
+    };
+    let go_on = || !stop.load(Ordering::Relaxed) && progress(done.load(Ordering::Relaxed), total);
     let one = |item: &I| {
         if stop.load(Ordering::Relaxed) {
-            let done = done.load(Ordering::Relaxed);
-            return Err(ExperimentError::Interrupted { done, total });
+            return Err(interrupted());
         }
-        let result = work(item)?;
+        let result = work(item, &go_on).map_err(|error| match is_interruption(&error) {
+            true => interrupted(),
+            false => error,
+        })?;
         if !progress(1 + done.fetch_add(1, Ordering::Relaxed), total) {
             stop.store(true, Ordering::Relaxed);
         }
         Ok(result)
     };
-    in_pool(jobs, || items.par_iter().map(one).collect())
+    in_pool(jobs.min(items.len()), || {
+        items.par_iter().map(one).collect()
+    })
+}
+
+/// Whether work ended in the middle of a step because it was told to.
+pub(crate) fn is_interruption(error: &ExperimentError) -> bool {
+    matches!(
+        error,
+        ExperimentError::Signal(SignalError::Interrupted)
+            | ExperimentError::Testbed(TestbedError::Run(SignalError::Interrupted))
+    )
 }
 
 /// Runs `work` in a pool of `jobs` threads (0: the common pool, one for each core).

@@ -3,8 +3,10 @@
 
 use std::path::Path;
 
-use frfid_files::{BoxError, Overwrite, PlanFile, PlanHead, PlannedRun, write_plan};
-use frfid_signals::{Plan, Run, RunId, RunKind};
+use frfid_files::{
+    BoxError, Overwrite, PlanFile, PlanHead, PlannedRun, check_not_read, write_plan,
+};
+use frfid_signals::{GoOn, Plan, Run, RunId, RunKind};
 
 use crate::description::text::TomlText;
 use crate::error::ExperimentError;
@@ -46,6 +48,12 @@ impl PlannedRuns {
         }
     }
 
+    /// The plan file that the references are in, if they are in one.
+    #[must_use]
+    pub fn path(&self) -> Option<&Path> {
+        self.plan.as_ref().map(PlanFile::path)
+    }
+
     /// Every run, in the order in which they are done.
     #[must_use]
     pub fn run_ids(&self) -> Vec<RunId> {
@@ -60,9 +68,17 @@ impl PlannedRuns {
     /// # Errors
     /// [`ExperimentError`] if there is no such run, or the plan file is damaged there.
     pub fn run(&self, id: RunId) -> Result<Run, ExperimentError> {
+        self.run_while(id, &|| true)
+    }
+
+    /// The same as long as `go_on` says so: phases for a low crest factor take a while.
+    ///
+    /// # Errors
+    /// As [`PlannedRuns::run`]; [`frfid_signals::SignalError::Interrupted`].
+    pub fn run_while(&self, id: RunId, go_on: GoOn) -> Result<Run, ExperimentError> {
         match &self.plan {
             Some(plan) => Ok(plan.run(id)?),
-            None => Ok(self.experiment.plan.run(id)?),
+            None => Ok(self.experiment.plan.run_while(id, go_on)?),
         }
     }
 
@@ -70,13 +86,15 @@ impl PlannedRuns {
     /// send.
     ///
     /// # Errors
-    /// [`ExperimentError::File`], also when `progress` said to stop.
+    /// [`ExperimentError::File`], also when `progress` said to stop, and as
+    /// [`PlannedRuns::check_output`].
     pub fn write(
         &self,
         path: &Path,
         overwrite: Overwrite,
         progress: Progress,
     ) -> Result<(), ExperimentError> {
+        self.check_output(path)?;
         let ids = first_repetitions(&self.experiment.plan);
         let total = ids.len();
         let runs = ids.iter().enumerate().map(|(done, &id)| {
@@ -84,9 +102,22 @@ impl PlannedRuns {
                 let interrupted = ExperimentError::Interrupted { done, total };
                 return Err(BoxError::from(interrupted));
             }
-            Ok(self.planned_run(id)?)
+            Ok(self.planned_run(id, &|| progress(done, total))?)
         });
         Ok(write_plan(path, overwrite, &self.head()?, runs)?)
+    }
+
+    /// Refuses an output in the place of the file that the references, or the description, were read
+    /// from.
+    ///
+    /// # Errors
+    /// [`ExperimentError::File`].
+    pub fn check_output(&self, path: &Path) -> Result<(), ExperimentError> {
+        let description = Path::new(&self.experiment.text.name);
+        Ok(check_not_read(
+            path,
+            self.path().into_iter().chain([description]),
+        )?)
     }
 
     /// What all runs of the plan file have in common.
@@ -109,14 +140,14 @@ impl PlannedRuns {
     }
 
     /// A run with the number of its repetitions.
-    fn planned_run(&self, id: RunId) -> Result<PlannedRun, ExperimentError> {
+    fn planned_run(&self, id: RunId, go_on: GoOn) -> Result<PlannedRun, ExperimentError> {
         let plan = &self.experiment.plan;
         let n_repetitions = match id.kind {
             RunKind::Glide => plan.n_glides,
             RunKind::Excitation => plan.n_repetitions,
         };
         Ok(PlannedRun {
-            run: self.run(id)?,
+            run: self.run_while(id, go_on)?,
             n_repetitions,
         })
     }

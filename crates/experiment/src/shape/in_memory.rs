@@ -59,7 +59,9 @@ impl Driver for Model<'_, '_> {
             before: 0,
             total: runs.len(),
         };
-        for_each(&runs, self.jobs, steps, |run| Ok(self.testbed.run(run)?))
+        for_each(&runs, self.jobs, steps, |run, _| {
+            Ok(self.testbed.run(run)?)
+        })
     }
 
     fn iterated(&mut self, iteration: &Iteration) -> Result<bool, ExperimentError> {

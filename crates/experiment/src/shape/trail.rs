@@ -97,7 +97,7 @@ impl<'a> Trail<'a> {
             before: (iteration - 1) * runs.len() + records.len(),
             total: self.report.n_iterations * runs.len(),
         };
-        let done = for_each(&open, self.jobs, steps, |&run| {
+        let done = for_each(&open, self.jobs, steps, |&run, _| {
             let record = self.done(run, testbed, &folder)?;
             Ok((run.id, record))
         });

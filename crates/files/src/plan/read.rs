@@ -33,6 +33,12 @@ impl PlanFile {
         })
     }
 
+    /// The file.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
     /// Every run, repetition by repetition, in the order in which they are done.
     pub fn run_ids(&self) -> impl Iterator<Item = RunId> + '_ {
         self.runs.iter().flat_map(|entry| {

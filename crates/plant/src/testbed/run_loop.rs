@@ -1,6 +1,6 @@
 //! Loop of a simulated run: read the sensors, command the torques, watch, move on, sample by sample.
 
-use frfid_signals::Run;
+use frfid_signals::{GoOn, Run, SignalError};
 
 use crate::control::changes::Changes;
 use crate::control::sensor::Sensor;
@@ -16,6 +16,9 @@ use crate::testbed::simulated_robot::{Simulated, SimulatedRobot};
 /// Samples after a run for which the robot is brought back to its steady motion and watched: the
 /// answer to the last step of the reference, controller delays included.
 const AFTER: usize = 16;
+
+/// How many samples are done before it is asked again whether to go on.
+const SAMPLES_BETWEEN: usize = 256;
 
 /// All that goes on around a robot in motion during a run.
 pub(crate) struct RunLoop<'a> {
@@ -46,13 +49,20 @@ impl<'a> RunLoop<'a> {
 
     /// Goes through the run and brings the robot back to its steady motion; returns the number of the
     /// run's samples, fewer than were asked for if it was stopped.
+    ///
+    /// # Errors
+    /// Those of the motion; [`SignalError::Interrupted`] where `go_on` says so.
     pub(crate) fn advance(
         &mut self,
         motion: &mut dyn Motion,
         clock: Clock,
+        go_on: GoOn,
     ) -> Result<usize, PlantError> {
         let n_samples = self.run.reference.ncols();
         for sample in 0..n_samples + AFTER {
+            if sample % SAMPLES_BETWEEN == 0 && !go_on() {
+                return Err(SignalError::Interrupted.into());
+            }
             self.truth.set(sample, motion);
             let torque = self.acting_nm(sample, motion);
             self.look(sample, &torque, motion);

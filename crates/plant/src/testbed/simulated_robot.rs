@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use frfid_signals::{Peaks, Record, Run, SignalError, Testbed, TestbedError};
+use frfid_signals::{GoOn, Peaks, Record, Run, SignalError, Testbed, TestbedError};
 
 use crate::control::controller::Controller;
 use crate::control::sensor::Sensor;
@@ -132,11 +132,19 @@ impl SimulatedRobot {
     /// # Errors
     /// [`TestbedError`] for a run that does not fit, and one that diverges.
     pub fn simulate(&self, run: &Run) -> Result<Simulated, TestbedError> {
-        self.sampled(run)
+        self.simulate_while(run, &|| true)
+    }
+
+    /// The same as long as `go_on` says so.
+    ///
+    /// # Errors
+    /// As [`SimulatedRobot::simulate`]; [`SignalError::Interrupted`] as [`TestbedError::Run`].
+    pub fn simulate_while(&self, run: &Run, go_on: GoOn) -> Result<Simulated, TestbedError> {
+        self.sampled(run, go_on)
             .map_err(|error| error.in_run(run.id, self.gain_nms_per_rad()))
     }
 
-    fn sampled(&self, run: &Run) -> Result<Simulated, PlantError> {
+    fn sampled(&self, run: &Run, go_on: GoOn) -> Result<Simulated, PlantError> {
         self.check(run)?;
         let mut motion = self.robot.start(&run.start_rad, &run.velocity_rad_s)?;
         let max_step_s = self.max_step_s;
@@ -145,7 +153,7 @@ impl SimulatedRobot {
             max_step_s.unwrap_or_else(|| self.robot.default_step_s()),
         )?;
         let mut run_loop = RunLoop::new(self, run, &*motion);
-        let n_samples = run_loop.advance(&mut *motion, clock)?;
+        let n_samples = run_loop.advance(&mut *motion, clock, go_on)?;
         Ok(run_loop.finish(n_samples, self.gain_nms_per_rad()))
     }
 
@@ -197,5 +205,9 @@ impl Testbed for SimulatedRobot {
 
     fn run(&self, run: &Run) -> Result<Record, TestbedError> {
         Ok(self.simulate(run)?.record)
+    }
+
+    fn run_while(&self, run: &Run, go_on: GoOn) -> Result<Record, TestbedError> {
+        Ok(self.simulate_while(run, go_on)?.record)
     }
 }

@@ -6,7 +6,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
-use crate::number::checks::{LONGEST_SIGNAL, below_nyquist, positive, require};
+use crate::number::checks::{LONGEST_SIGNAL, at_most, below_nyquist, positive, require};
 use crate::number::random;
 
 /// No grid needs more lines than this.
@@ -200,9 +200,12 @@ impl LineGrid {
     /// Nyquist.
     ///
     /// # Errors
-    /// [`SignalError::LineOffGrid`] or [`SignalError::Parameter`].
+    /// [`SignalError::LineOffGrid`], [`SignalError::Parameter`] or [`SignalError::Derived`].
     pub fn check(&self) -> Result<(), SignalError> {
         positive("sample_time_s", self.sample_time_s)?;
+        let (key, quantity) = ("n_samples", "number of samples of the period");
+        let needed = "at most 2^26";
+        at_most(key, quantity, self.n_samples as f64, LONGEST_SIGNAL, needed)?;
         let highest = self.n_samples.saturating_sub(1) / 2;
         let mut last = 0;
         for &line in &self.excited {

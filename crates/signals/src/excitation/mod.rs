@@ -20,7 +20,7 @@ pub use multisine::{Multisine, MultisineDesign, Phases, Realization};
 pub use phasing::Phasing;
 pub use profile::{Amplitude, Profile};
 pub use stepped_sine::{Dwell, SteppedSine, SteppedSineDesign};
-pub use waveform::{Draw, Fact, Waveform};
+pub use waveform::{Draw, Fact, GoOn, Waveform};
 
 /// What excites the machine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -29,15 +29,17 @@ pub trait Waveform {
     /// [`SignalError`] for an impossible length.
     fn period_samples(&self, sample_time_s: f64) -> Result<usize, SignalError>;
 
-    /// One period of every experiment and input, `(experiment, input, sample)`.
+    /// One period of every experiment and input, `(experiment, input, sample)`, as long as `go_on`
+    /// says so.
     ///
     /// # Errors
-    /// [`SignalError`] if the numbers do not fit together.
+    /// [`SignalError`] if the numbers do not fit together; [`SignalError::Interrupted`].
     fn period(
         &self,
         sample_time_s: f64,
         n_inputs: usize,
         draw: &Draw,
+        go_on: GoOn,
     ) -> Result<Array3<f64>, SignalError>;
 
     /// Lowest and highest frequency excited, in Hz.
@@ -62,6 +64,20 @@ pub trait Waveform {
 
     /// Numbers of it that other kinds do not have, for machines, by their keys.
     fn facts(&self) -> Vec<(&'static str, Fact)>;
+}
+
+/// Asked between the steps of work that takes a while; `false` ends it.
+pub type GoOn<'a> = &'a dyn Fn() -> bool;
+
+/// Whether work goes on.
+///
+/// # Errors
+/// [`SignalError::Interrupted`].
+pub(crate) fn check_on(go_on: GoOn) -> Result<(), SignalError> {
+    if go_on() {
+        return Ok(());
+    }
+    Err(SignalError::Interrupted)
 }
 
 /// Which realization is drawn.

@@ -1,4 +1,4 @@
-//! Numbers: ranges that parameters must lie in, named random streams, power, median and divisor.
+//! Numbers: ranges that parameters must lie in, room for arrays, named random streams, power, median and divisor.
 
 pub mod checks;
 pub(crate) mod divisor;
@@ -6,4 +6,5 @@ pub mod format;
 pub(crate) mod median;
 pub mod power;
 pub mod random;
+pub mod room;
 pub(crate) mod spacing;

@@ -2,6 +2,7 @@
 
 use crate::error::SignalError;
 use crate::number::checks::{LONGEST_SIGNAL, at_most, positive, require, require_shape};
+use crate::number::room::{possible_inputs, room_for};
 use crate::plan::Plan;
 
 /// Most runs that a plan may have: a year of them would take 30 s each.
@@ -21,6 +22,18 @@ impl Plan {
         self.check_length()
     }
 
+    /// Checks whether amplitudes, phasing and inputs fit together, as a draw shows; where a draw takes
+    /// a while it is not done.
+    ///
+    /// # Errors
+    /// Those of [`Plan::period`].
+    pub fn check_draw(&self) -> Result<(), SignalError> {
+        match self.period_while(0, &|| false) {
+            Ok(_) | Err(SignalError::Interrupted) => Ok(()),
+            Err(error) => Err(error),
+        }
+    }
+
     fn check_number_of_runs(&self) -> Result<(), SignalError> {
         let counts = [
             ("n_inputs", self.n_inputs),
@@ -31,6 +44,7 @@ impl Plan {
         for (key, count) in counts {
             positive(key, count as f64)?;
         }
+        possible_inputs(self.n_inputs)?;
         let runs =
             self.n_realizations as f64 * self.n_experiments() as f64 * self.n_repetitions as f64
                 + self.n_glides as f64;
@@ -89,6 +103,8 @@ impl Plan {
             samples,
             LONGEST_SIGNAL,
             "at most 2^26: fewer periods or a shorter lead-in",
-        )
+        )?;
+        let quantity = "number of values of a run";
+        room_for("periods", quantity, &[self.n_inputs, samples as usize])
     }
 }

@@ -11,7 +11,7 @@ use ndarray::{Array2, Array3, Axis, s};
 use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
-use crate::excitation::{Draw, Excitation, Injection, Phasing};
+use crate::excitation::{Draw, Excitation, GoOn, Injection, Phasing};
 use crate::plan::ramp::Ramp;
 use crate::plan::run::{Run, RunId, RunKind};
 
@@ -112,6 +112,15 @@ impl Plan {
     /// # Errors
     /// [`SignalError`] if the plan's numbers do not fit together.
     pub fn period(&self, realization: usize) -> Result<Array3<f64>, SignalError> {
+        self.period_while(realization, &|| true)
+    }
+
+    /// The same as long as `go_on` says so.
+    pub(crate) fn period_while(
+        &self,
+        realization: usize,
+        go_on: GoOn,
+    ) -> Result<Array3<f64>, SignalError> {
         self.check()?;
         let draw = Draw {
             seed: self.seed,
@@ -120,7 +129,7 @@ impl Plan {
         };
         self.excitation
             .waveform()
-            .period(self.sample_time_s, self.n_inputs, &draw)
+            .period(self.sample_time_s, self.n_inputs, &draw, go_on)
     }
 
     /// The run of this name, with its reference from lead-in to end.
@@ -128,6 +137,14 @@ impl Plan {
     /// # Errors
     /// [`SignalError::NoSuchRun`], or [`SignalError`] if the plan's numbers do not fit together.
     pub fn run(&self, id: RunId) -> Result<Run, SignalError> {
+        self.run_while(id, &|| true)
+    }
+
+    /// The same as long as `go_on` says so: phases for a low crest factor take a while.
+    ///
+    /// # Errors
+    /// As [`Plan::run`]; [`SignalError::Interrupted`].
+    pub fn run_while(&self, id: RunId, go_on: GoOn) -> Result<Run, SignalError> {
         let count = match id.kind {
             RunKind::Excitation => [
                 self.n_realizations,
@@ -141,7 +158,7 @@ impl Plan {
         }
         let reference = match id.kind {
             RunKind::Excitation => {
-                let experiments = self.period(id.realization)?;
+                let experiments = self.period_while(id.realization, go_on)?;
                 self.extended(&experiments.index_axis_move(Axis(0), id.experiment))
             }
             RunKind::Glide => Array2::zeros((self.n_inputs, self.run_samples()?)),

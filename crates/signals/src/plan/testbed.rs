@@ -3,6 +3,7 @@
 use thiserror::Error;
 
 use crate::error::SignalError;
+use crate::excitation::GoOn;
 use crate::plan::run::{Run, RunId};
 use crate::record::Record;
 
@@ -30,6 +31,15 @@ pub trait Testbed: Sync {
     /// # Errors
     /// [`TestbedError`].
     fn run(&self, run: &Run) -> Result<Record, TestbedError>;
+
+    /// The same as long as `go_on` says so, on testbeds that can be asked in the middle of a run;
+    /// others finish it.
+    ///
+    /// # Errors
+    /// As [`Testbed::run`]; [`SignalError::Interrupted`] as [`TestbedError::Run`].
+    fn run_while(&self, run: &Run, _go_on: GoOn) -> Result<Record, TestbedError> {
+        self.run(run)
+    }
 }
 
 /// Why a testbed could not do a run.

@@ -44,7 +44,7 @@ use crate::frf::local::fitted::Fitted;
 use crate::frf::local::pieces::Pieces;
 use crate::frf::local::widths::{Choice, chosen};
 use crate::frf::local::window::Window;
-use crate::frf::matrices::Matrix;
+use crate::frf::matrices::{Matrix, room_for_covariances};
 use crate::spectra::campaign::Campaign;
 
 /// A piece of a record without holes, as it was measured.
@@ -162,6 +162,8 @@ fn of_pieces(
     frequency_hz: &[f64],
     options: &LocalOptions,
 ) -> Result<LocalEstimate, EstimateError> {
+    let [n_outputs, n_inputs] = pieces.size();
+    room_for_covariances(frequency_hz.len(), n_outputs, n_inputs)?;
     let choices = chosen(pieces, frequency_hz, options)?;
     let mut frf = empty(pieces, frequency_hz, &choices)?;
     for (line, choice) in choices.iter().enumerate() {

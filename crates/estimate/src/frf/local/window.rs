@@ -157,6 +157,7 @@ impl<'p> Part<'p> {
     /// As many lines as fit within `half_hz` to either side of a frequency, those that are nearest.
     fn of(piece: &'p PieceSpectra, hz: f64, half_hz: f64) -> Self {
         let half = (half_hz / piece.spacing_hz() * (1.0 + 1e-9)) as usize;
+        let half = half.min(piece.n_lines()); // a width may be any number
         let above = piece.line_hz.partition_point(|line| *line < hz);
         let is_nearer_below = above > 0
             && (above == piece.n_lines()

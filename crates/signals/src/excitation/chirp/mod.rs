@@ -10,9 +10,10 @@ use serde::{Deserialize, Serialize};
 use crate::error::SignalError;
 use crate::excitation::phasing::Phasing;
 use crate::excitation::profile::{Profile, check_one_or_each};
-use crate::excitation::waveform::{Draw, Fact, Waveform};
+use crate::excitation::waveform::{Draw, Fact, GoOn, Waveform};
 use crate::number::checks::{LONGEST_SIGNAL, below_nyquist, not_negative, positive, require};
 use crate::number::format::{band, significant};
+use crate::number::room::{possible_inputs, zeros};
 
 pub use design::ChirpDesign;
 
@@ -119,8 +120,8 @@ impl Chirp {
     /// ```
     ///
     /// # Errors
-    /// A parameter out of range, a band that reaches Nyquist, or neither one profile nor `n_inputs`
-    /// of them.
+    /// A parameter out of range, a band that reaches Nyquist, neither one profile nor `n_inputs`
+    /// of them, or more than can be held.
     pub fn sample(
         &self,
         sample_time_s: f64,
@@ -131,7 +132,9 @@ impl Chirp {
         positive("sample_time_s", sample_time_s)?;
         below_nyquist(self.high_hz, sample_time_s)?;
         phasing.check_for_one_sine("a chirp", "`orthogonal` or `sign-flip`")?;
-        let mut signal = Array3::zeros((n_inputs, n_inputs, self.period_samples(sample_time_s)?));
+        possible_inputs(n_inputs)?;
+        let n_samples = self.period_samples(sample_time_s)?;
+        let mut signal = zeros("n_inputs", [n_inputs, n_inputs, n_samples])?;
         for (k, now) in signal.axis_iter_mut(Axis(2)).enumerate() {
             self.put_instant(k as f64 * sample_time_s, phasing, now);
         }
@@ -186,6 +189,7 @@ impl Waveform for Chirp {
         sample_time_s: f64,
         n_inputs: usize,
         draw: &Draw,
+        _go_on: GoOn,
     ) -> Result<Array3<f64>, SignalError> {
         self.sample(sample_time_s, n_inputs, draw.phasing)
     }

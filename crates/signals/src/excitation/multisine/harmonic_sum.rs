@@ -78,6 +78,12 @@ impl HarmonicSum<'_> {
     }
 }
 
+/// Points per sample of the grid on which a sum shows its peaks.
+pub(crate) fn oversampling(lines: &[usize], n_samples: usize) -> usize {
+    let highest = lines.last().copied().unwrap_or(1);
+    (POINTS_PER_PERIOD * highest).div_ceil(n_samples)
+}
+
 impl<'a> TurnedSum<'a> {
     /// The sum on `n_samples` or, where these are too few to find peaks, on a multiple of them.
     pub(crate) fn new(
@@ -85,8 +91,7 @@ impl<'a> TurnedSum<'a> {
         n_samples: usize,
         planner: &mut TransformPlanner,
     ) -> Self {
-        let highest = sum.lines.last().copied().unwrap_or(1);
-        let oversampling = (POINTS_PER_PERIOD * highest).div_ceil(n_samples);
+        let oversampling = oversampling(sum.lines, n_samples);
         let inverse = planner.inverse(oversampling * n_samples);
         let [in_phase, quadrature] =
             [Complex64::ONE, Complex64::I].map(|turn| sum.period(turn, &*inverse));

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::error::SignalError;
 use crate::excitation::grid::LineGrid;
 use crate::excitation::profile::Profile;
-use crate::excitation::waveform::{Draw, Fact, Waveform};
+use crate::excitation::waveform::{Draw, Fact, GoOn, Waveform};
 use crate::number::checks::{positive, require_shape};
 use crate::number::format::{band, count, significant};
 
@@ -92,8 +92,9 @@ impl Waveform for Multisine {
         _sample_time_s: f64,
         _n_inputs: usize,
         draw: &Draw,
+        go_on: GoOn,
     ) -> Result<Array3<f64>, SignalError> {
-        Ok(self.realize(draw)?.signal)
+        Ok(self.realize_while(draw, go_on)?.signal)
     }
 
     fn band_hz(&self) -> [f64; 2] {

@@ -7,12 +7,13 @@ use ndarray::{Array3, indices};
 use num_complex::Complex64;
 
 use crate::error::SignalError;
-use crate::excitation::multisine::harmonic_sum::{HarmonicSum, TurnedSum};
+use crate::excitation::multisine::harmonic_sum::{HarmonicSum, TurnedSum, oversampling};
 use crate::excitation::multisine::low_crest::low_crest_phases;
 use crate::excitation::multisine::{Multisine, Phases};
 use crate::excitation::phasing::Phasing;
-use crate::excitation::waveform::{Draw, Waveform};
+use crate::excitation::waveform::{Draw, GoOn, Waveform, check_on};
 use crate::number::random;
+use crate::number::room::{possible_inputs, room_for, zeros};
 
 /// One draw of the random phases: one period for every experiment and channel.
 #[derive(Debug, Clone, PartialEq)]
@@ -51,42 +52,76 @@ impl Multisine {
     /// ```
     ///
     /// # Errors
-    /// A grid, shape or peak that is out of range.
+    /// A grid, shape or peak that is out of range; more than can be held.
     pub fn realize(&self, draw: &Draw) -> Result<Realization, SignalError> {
-        let amplitudes = self.line_amplitudes(draw)?;
+        self.realize_while(draw, &|| true)
+    }
+
+    /// The same as long as `go_on` says so: phases for a low crest factor take a while.
+    ///
+    /// # Errors
+    /// As [`Multisine::realize`]; [`SignalError::Interrupted`].
+    pub fn realize_while(&self, draw: &Draw, go_on: GoOn) -> Result<Realization, SignalError> {
+        self.check_for(self.peak.len())?;
+        self.check_room(draw.phasing)?;
+        let amplitudes = self.line_amplitudes(draw, go_on)?;
         let drawn = self.turned_sums(&amplitudes);
-        let true_peaks = true_peaks(&drawn, draw.phasing, self.peak.len());
+        let true_peaks = true_peaks(&drawn, draw.phasing, self.peak.len(), go_on)?;
         let factor = 1.0 / true_peaks.iter().flatten().copied().fold(0.0, f64::max);
         let peak = true_peaks
             .iter()
             .zip(&self.peak)
             .map(|(peaks, limit)| factor * limit * peaks.iter().copied().fold(0.0, f64::max));
         Ok(Realization {
-            signal: self.scaled(&drawn, draw.phasing, factor),
+            signal: self.scaled(&drawn, draw.phasing, factor)?,
             factor,
             peak: peak.collect(),
         })
     }
 
+    /// Refuses signals, and sums on the grid of their peaks, that cannot be held.
+    fn check_room(&self, phasing: Phasing) -> Result<(), SignalError> {
+        let n_inputs = self.peak.len();
+        possible_inputs(n_inputs)?;
+        let signals = [
+            phasing.n_experiments(n_inputs),
+            n_inputs,
+            self.grid.n_samples,
+        ];
+        room_for("n_inputs", "number of values of the signals", &signals)?;
+        let n_draws = if phasing.draws_each_channel() {
+            n_inputs
+        } else {
+            1
+        };
+        let n_points = self.grid.n_samples * oversampling(&self.grid.excited, self.grid.n_samples);
+        let quantity = "number of points on which peaks are sought";
+        room_for("n_samples", quantity, &[2 * n_draws, n_points])
+    }
+
     /// Complex amplitudes of the lines before the phases between channels and experiments: drawn
     /// once for all channels, or for each by itself.
-    fn line_amplitudes(&self, draw: &Draw) -> Result<Vec<Vec<Complex64>>, SignalError> {
-        self.check_for(self.peak.len())?;
+    fn line_amplitudes(
+        &self,
+        draw: &Draw,
+        go_on: GoOn,
+    ) -> Result<Vec<Vec<Complex64>>, SignalError> {
         self.check_phasing(draw.phasing)?;
         let magnitudes = self.line_magnitudes()?;
         let draws = match draw.phasing.draws_each_channel() {
             true => self.peak.len(),
             false => 1,
         };
-        let of_channel = |channel: u64| {
-            let magnitudes = self.of_channel(&magnitudes, draw.phasing, channel as usize)?;
-            let phases = self.line_phases(&magnitudes, draw, channel);
+        let dealt = |channel| self.of_channel(&magnitudes, draw.phasing, channel);
+        let dealt = (0..draws).map(dealt).collect::<Result<Vec<_>, _>>()?;
+        let of_channel = |(channel, magnitudes): (usize, &Vec<f64>)| {
+            let phases = self.line_phases(magnitudes, draw, channel as u64, go_on)?;
             let lines = magnitudes.iter().zip(phases);
             Ok(lines
                 .map(|(&magnitude, phase)| Complex64::from_polar(magnitude, phase))
                 .collect())
         };
-        (0..draws as u64).map(of_channel).collect()
+        dealt.iter().enumerate().map(of_channel).collect()
     }
 
     /// Amplitudes of the lines that a channel is excited on, 0 of the others.
@@ -134,16 +169,22 @@ impl Multisine {
     }
 
     /// Phase in rad of every excited line.
-    fn line_phases(&self, magnitudes: &[f64], draw: &Draw, channel: u64) -> Vec<f64> {
+    fn line_phases(
+        &self,
+        magnitudes: &[f64],
+        draw: &Draw,
+        channel: u64,
+        go_on: GoOn,
+    ) -> Result<Vec<f64>, SignalError> {
         if self.phases == Phases::LowCrest {
-            return low_crest_phases(&self.grid.excited, magnitudes);
+            return low_crest_phases(&self.grid.excited, magnitudes, go_on);
         }
         let realization = draw.realization as u64;
         let mut rng = match draw.phasing.draws_each_channel() {
             true => random::stream(draw.seed, "phases", &[realization, channel]),
             false => random::stream(draw.seed, "phases", &[realization]),
         };
-        magnitudes.iter().map(|_| random::phase(&mut rng)).collect()
+        Ok(magnitudes.iter().map(|_| random::phase(&mut rng)).collect())
     }
 
     /// The sum of the lines for every draw of their amplitudes.
@@ -159,10 +200,16 @@ impl Multisine {
 
     /// The sums as `(experiment, input, sample)`, turned by the phasing and scaled by a factor and
     /// the peak of each channel.
-    fn scaled(&self, drawn: &[TurnedSum], phasing: Phasing, factor: f64) -> Array3<f64> {
+    fn scaled(
+        &self,
+        drawn: &[TurnedSum],
+        phasing: Phasing,
+        factor: f64,
+    ) -> Result<Array3<f64>, SignalError> {
         let n_inputs = self.peak.len();
         let n_experiments = phasing.n_experiments(n_inputs);
-        let mut signal = Array3::zeros((n_experiments, n_inputs, self.grid.n_samples));
+        let shape = [n_experiments, n_inputs, self.grid.n_samples];
+        let mut signal = zeros("n_inputs", shape)?;
         for ((experiment, channel), row) in indices((n_experiments, n_inputs))
             .into_iter()
             .zip(signal.rows_mut())
@@ -174,22 +221,28 @@ impl Multisine {
                 .zip(drawn[channel % drawn.len()].samples(turn))
                 .for_each(|(sample, value)| *sample = value);
         }
-        signal
+        Ok(signal)
     }
 }
 
 /// True peak per channel and experiment.
-fn true_peaks(drawn: &[TurnedSum], phasing: Phasing, n_inputs: usize) -> Vec<Vec<f64>> {
+fn true_peaks(
+    drawn: &[TurnedSum],
+    phasing: Phasing,
+    n_inputs: usize,
+    go_on: GoOn,
+) -> Result<Vec<Vec<f64>>, SignalError> {
     let mut search = PeakSearch {
         drawn,
         found: Vec::new(),
     };
     let mut peak = |channel: usize, experiment: usize| {
+        check_on(go_on)?;
         if phasing.weight(channel, experiment) == 0.0 {
-            return 0.0;
+            return Ok(0.0);
         }
         let turn_rad = phasing.phase_rad(channel, experiment, n_inputs);
-        search.peak(channel % drawn.len(), turn_rad)
+        Ok(search.peak(channel % drawn.len(), turn_rad))
     };
     (0..n_inputs)
         .map(|channel| {

@@ -1,5 +1,6 @@
 //! Multisine: one factor for all channels, power on the excited lines alone, and what is refused.
 
+use std::cell::Cell;
 use std::f64::consts::TAU;
 
 use ndarray::{Axis, indices, s};
@@ -186,4 +187,38 @@ fn bad_peaks_and_shapes_are_refused() {
         silent.realize(&DRAW),
         Err(SignalError::Derived { key: "shape", .. })
     ));
+}
+
+#[test]
+fn phases_for_a_low_crest_factor_end_where_somebody_says_so() {
+    let low_crest = Multisine {
+        phases: Phases::LowCrest,
+        ..multisine(&[150.0])
+    };
+    let asked = Cell::new(0);
+    let go_on = || {
+        asked.set(asked.get() + 1);
+        asked.get() < 7
+    };
+    let ended = low_crest.realize_while(&DRAW, &go_on);
+    assert_eq!(ended.expect_err("ended"), SignalError::Interrupted);
+    assert_eq!(asked.get(), 7);
+}
+
+#[test]
+fn signals_that_cannot_be_held_are_refused() {
+    let refused = |multisine: &Multisine, phasing| {
+        let error = multisine.realize(&Draw { phasing, ..DRAW });
+        let error = error.expect_err("cannot be held");
+        error.path().join(".")
+    };
+    let many = multisine(&vec![1.0; 1001]);
+    assert_eq!(refused(&many, Phasing::Orthogonal), "n_inputs");
+    let wide = multisine(&[1.0; 200]);
+    assert_eq!(refused(&wide, Phasing::Orthogonal), "n_inputs");
+    let mut long = multisine(&[1.0; 3]);
+    long.grid.n_samples = 1 << 26;
+    assert_eq!(refused(&long, Phasing::AllAtOnce), "n_samples");
+    long.grid.n_samples = 1 << 27;
+    assert_eq!(refused(&long, Phasing::Orthogonal), "n_samples");
 }

@@ -13,9 +13,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
 use crate::excitation::profile::{Profile, check_one_or_each};
-use crate::excitation::waveform::{Draw, Fact, Waveform};
+use crate::excitation::waveform::{Draw, Fact, GoOn, Waveform};
 use crate::number::checks::{not_negative, positive, require};
 use crate::number::format::{band, count, significant};
+use crate::number::room::{possible_inputs, zeros};
 
 pub use design::SteppedSineDesign;
 pub use dwell::Dwell;
@@ -89,6 +90,7 @@ impl Waveform for SteppedSine {
         sample_time_s: f64,
         n_inputs: usize,
         draw: &Draw,
+        _go_on: GoOn,
     ) -> Result<Array3<f64>, SignalError> {
         self.check_for(n_inputs)?;
         draw.phasing.check_for_one_sine(
@@ -96,7 +98,8 @@ impl Waveform for SteppedSine {
             "`sign-flip`, `one-at-a-time` or `orthogonal`",
         )?;
         let n_samples = self.period_samples(sample_time_s)?;
-        let mut signal = Array3::zeros((n_inputs, n_inputs, n_samples));
+        possible_inputs(n_inputs)?;
+        let mut signal = zeros("n_inputs", [n_inputs, n_inputs, n_samples])?;
         let mut put = |sample: usize, phase_rad: f64, amplitudes: &[f64]| {
             let mut now = signal.slice_mut(s![.., .., sample]);
             for ((experiment, channel), value) in now.indexed_iter_mut() {

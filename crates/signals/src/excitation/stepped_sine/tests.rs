@@ -7,10 +7,11 @@ use ndarray::s;
 use crate::excitation::phasing::Phasing;
 use crate::excitation::profile::Profile;
 use crate::excitation::stepped_sine::SteppedSine;
-use crate::excitation::waveform::{Draw, Waveform};
+use crate::excitation::waveform::{Draw, GoOn, Waveform};
 use crate::number::spacing::log_spaced;
 
 const T: f64 = 1e-3;
+const GO_ON: GoOn = &|| true;
 const DRAW: Draw = Draw {
     seed: 0,
     realization: 0,
@@ -33,7 +34,10 @@ fn stepped() -> SteppedSine {
 
 #[test]
 fn every_frequency_is_measured_over_whole_periods_at_its_amplitude() {
-    let (stepped, signal) = (stepped(), stepped().period(T, 1, &DRAW).expect("sound"));
+    let (stepped, signal) = (
+        stepped(),
+        stepped().period(T, 1, &DRAW, GO_ON).expect("sound"),
+    );
     let dwells = stepped.dwells(T).expect("sound");
     assert_eq!(dwells.len(), 17);
     for (dwell, asked) in dwells.iter().zip(log_spaced(1.0, 60.0, 17).expect("sound")) {
@@ -59,7 +63,7 @@ fn every_frequency_is_measured_over_whole_periods_at_its_amplitude() {
 #[test]
 fn it_starts_and_ends_at_rest_and_never_jumps() {
     let stepped = stepped();
-    let signal = stepped.period(T, 1, &DRAW).expect("sound");
+    let signal = stepped.period(T, 1, &DRAW, GO_ON).expect("sound");
     let signal = signal.slice(s![0, 0, ..]).to_vec();
     assert_eq!(Some(signal.len()), stepped.period_samples(T).ok());
     assert_eq!(signal[0], 0.0);
@@ -76,7 +80,7 @@ fn it_starts_and_ends_at_rest_and_never_jumps() {
 fn inputs_differ_by_the_phasing() {
     let of = |phasing| {
         stepped()
-            .period(T, 3, &Draw { phasing, ..DRAW })
+            .period(T, 3, &Draw { phasing, ..DRAW }, GO_ON)
             .expect("sound")
     };
     let (flipped, single) = (of(Phasing::SignFlip), of(Phasing::OneAtATime));
@@ -94,6 +98,7 @@ fn inputs_differ_by_the_phasing() {
             phasing: Phasing::Independent,
             ..DRAW
         },
+        GO_ON,
     );
     assert_eq!(error.expect_err("no lines").path(), ["mimo"]);
 }
@@ -115,7 +120,9 @@ fn what_cannot_be_is_refused_by_name() {
     let refused = |change: &dyn Fn(&mut SteppedSine)| {
         let mut stepped = stepped();
         change(&mut stepped);
-        let error = stepped.period(T, 1, &DRAW).expect_err("out of range");
+        let error = stepped
+            .period(T, 1, &DRAW, GO_ON)
+            .expect_err("out of range");
         error
             .path()
             .last()
