@@ -62,6 +62,10 @@ fn a_run_of_another_robot_is_not_used_and_stops_nothing() {
     assert_eq!(code(&two), 2);
     let said = stderr(&two);
     assert!(said.contains("of another experiment or robot"), "{said}");
+    assert!(
+        said.contains(&logs[0]) && said.contains(&others[1]),
+        "{said}"
+    );
 }
 
 #[test]
@@ -76,4 +80,40 @@ fn a_run_of_another_sample_time_is_not_used() {
         said.contains("sampled every 0.002 s, the others every 0.001 s"),
         "{said}"
     );
+}
+
+/// Changes the first digit of a value in the metadata of a file, which no checksum covers.
+fn damage(path: &Path, key: &str) {
+    let mut bytes = fs::read(path).expect("readable");
+    let place = bytes
+        .windows(key.len())
+        .position(|window| window == key.as_bytes());
+    let digit = place.expect("its metadata") + key.len() + 4;
+    bytes[digit] = if bytes[digit] == b'0' { b'1' } else { b'0' };
+    fs::write(path, bytes).expect("written");
+}
+
+#[test]
+fn of_two_runs_the_one_whose_record_is_damaged_is_not_used() {
+    let folder = campaigns("coulomb_nm = 50.0", "coulomb_nm = 80.0");
+    let here = folder.path();
+    let (logs, others) = (runs(here, "logs"), runs(here, "others"));
+    for (key, damaged, sound) in [
+        ("config_sha256", &logs[0], &logs[1]),
+        ("design_sha256", &others[1], &others[0]),
+    ] {
+        damage(&here.join(damaged), key);
+        let both = estimate(here, &[damaged, sound]);
+        let said = stderr(&both);
+        assert_eq!(code(&both), 3, "{said}");
+        assert!(
+            said.contains(&format!("{damaged}: not used: of another")),
+            "{said}"
+        );
+        assert!(
+            said.contains("its metadata record frfid is damaged"),
+            "{said}"
+        );
+        assert!(!said.contains(&format!("{sound}: not used")), "{said}");
+    }
 }

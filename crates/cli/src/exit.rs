@@ -113,7 +113,9 @@ impl From<FileError> for Failure {
             | FileError::Format { .. }
             | FileError::Content { .. }
             | FileError::Shape { .. }
+            | FileError::TooLarge { .. }
             | FileError::Io { action: "open", .. } => Exit::Usage,
+            FileError::Stopped { .. } => Exit::Interrupted,
             _ => Exit::Failed,
         };
         Self::of(exit, &error)

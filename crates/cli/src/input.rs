@@ -37,7 +37,7 @@ impl Needed {
             (Self::Runs | Self::Exportable, FileKind::Plan | FileKind::Recording) => true,
             (Self::Runs | Self::Exportable, FileKind::Text | FileKind::Empty) => is_toml,
             (Self::Runs | Self::Exportable, _) => false,
-            (Self::Log, FileKind::Folder) => false,
+            (_, FileKind::Stream) | (Self::Log, FileKind::Folder) => false,
             (Self::Any, FileKind::Plan | FileKind::Result) => true,
             (Self::Any, FileKind::Empty) => false,
             (Self::Logs | Self::Any, FileKind::Text) => !is_toml,
@@ -91,6 +91,7 @@ impl Needed {
                 )
             }
             (FileKind::Folder, _) => "name a file in it".into(),
+            (FileKind::Stream, _) => "write it to a file first: it is read more than once".into(),
             (FileKind::Text, Self::Any) => format!("frfid check {path} looks into a description"),
             (FileKind::Plan, _) => format!("frfid run {path} -o logs does its runs"),
             (FileKind::Run, _) => format!("frfid estimate {path} -o frf.json makes a result of it"),

@@ -3,6 +3,7 @@
 use std::io::IsTerminal;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -10,7 +11,7 @@ use frfid_experiment::Progress;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::console::Console;
-use crate::interrupt;
+use crate::{interrupt, threads};
 
 /// How often the display is renewed.
 const TICK: Duration = Duration::from_millis(100);
@@ -33,17 +34,44 @@ pub(crate) fn watched<T: Send>(
         !interrupt::asked()
     };
     let mut display = Display::new(console, what, unit);
-    let watcher = thread::current();
+    if threads::are_refused() {
+        return work(&report);
+    }
+    apart(
+        thread::Builder::new(),
+        || work(&report),
+        || {
+            let (done, total) = steps.done_of_total();
+            display.show(console, done, total);
+        },
+    )
+}
+
+/// Does `work` on a thread of its own while this one looks after it every tick; or on this one,
+/// where the system gives no other.
+fn apart<T: Send>(
+    thread: thread::Builder,
+    work: impl FnOnce() -> T + Send,
+    mut look: impl FnMut(),
+) -> T {
+    let (watcher, work) = (thread::current(), Mutex::new(Some(work)));
+    let take = || {
+        let mut work = work.lock().unwrap_or_else(PoisonError::into_inner);
+        work.take()
+            .expect("taken once, by the one thread that works")
+    };
     thread::scope(|scope| {
-        let worker = scope.spawn(|| {
-            let result = work(&report);
+        let worker = thread.spawn_scoped(scope, || {
+            let result = take()();
             watcher.unpark();
             result
         });
+        let Ok(worker) = worker else {
+            return take()();
+        };
         while !worker.is_finished() {
             thread::park_timeout(TICK);
-            let (done, total) = steps.done_of_total();
-            display.show(console, done, total);
+            look();
         }
         worker.join().unwrap_or_else(|panic| resume_unwind(panic))
     })
@@ -138,6 +166,14 @@ impl Drop for Display {
 mod tests {
     use super::*;
     use anstream::ColorChoice;
+
+    #[test]
+    fn where_no_thread_is_given_the_work_is_done_on_this_one() {
+        let here = || thread::current().id();
+        let refused = thread::Builder::new().stack_size(usize::MAX >> 1);
+        assert_eq!(apart(refused, here, || ()), here());
+        assert_ne!(apart(thread::Builder::new(), here, || ()), here());
+    }
 
     #[test]
     fn the_result_of_the_work_comes_back_and_a_line_is_due_after_ten_seconds() {

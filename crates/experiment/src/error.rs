@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use frfid_estimate::{EstimateError, ShapeError};
-use frfid_files::FileError;
+use frfid_files::{FileError, Loss};
 use frfid_plant::PlantError;
 use frfid_signals::format::significant;
 use frfid_signals::{Excess, RunId, SignalError, TestbedError};
@@ -138,6 +138,20 @@ impl ExperimentError {
             found: found.into(),
             needed: needed.into(),
             advice,
+        }
+    }
+
+    /// The error of an estimate; that no run is left is said with the first of what was lost.
+    pub(crate) fn beside(self, lost: Option<&(usize, Loss)>) -> Self {
+        let is_empty = matches!(self, Self::Estimate(EstimateError::EmptyList("runs")));
+        match lost {
+            Some((_, lost)) if is_empty => Self::logs(
+                "periods of the logs",
+                format!("none that is whole; {lost}"),
+                "one at least without a lost sample, in every experiment of a realization",
+                "do the runs again, or look into the logs by frfid inspect",
+            ),
+            _ => self,
         }
     }
 

@@ -134,6 +134,7 @@ impl Experiment {
             note,
             config,
         };
+        experiment.check_work()?;
         experiment.check_feasible()?;
         Ok(experiment)
     }

@@ -90,6 +90,24 @@ pub enum FileError {
         /// What was needed.
         needed: String,
     },
+    /// What a file holds, or says that it holds, would take more memory than it may.
+    #[error("{}: {what} would take {size}; {reason}", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+        /// Which part of it.
+        what: String,
+        /// How much memory it would take.
+        size: String,
+        /// How much it may take, and what to do.
+        reason: String,
+    },
+    /// Somebody asked to stop.
+    #[error("{}: stopped while it was read", path.display())]
+    Stopped {
+        /// The file.
+        path: PathBuf,
+    },
     /// What was to be written does not fit together.
     #[error("{what}: found {found}, needed {needed}")]
     Shape {
@@ -115,10 +133,25 @@ impl FileError {
     /// The error under the name of another file: the one that was given, where a copy of it was read.
     pub(crate) fn of_file(mut self, given: &Path) -> Self {
         match &mut self {
-            Self::Io { path, .. } | Self::Format { path, .. } | Self::Content { path, .. } => {
+            Self::Io { path, .. }
+            | Self::Format { path, .. }
+            | Self::Content { path, .. }
+            | Self::TooLarge { path, .. }
+            | Self::Stopped { path } => {
                 *path = given.into();
             }
             _ => {}
+        }
+        self
+    }
+
+    /// The error of a file that is damaged, too, which may be the reason; each is told once.
+    pub(crate) fn beside(mut self, damage: Option<&str>) -> Self {
+        if let (Self::Content { found, .. } | Self::Format { found, .. }, Some(reason)) =
+            (&mut self, damage)
+            && !found.contains(reason)
+        {
+            *found += &format!(" (the file is damaged: {reason})");
         }
         self
     }

@@ -17,6 +17,8 @@ const START: u64 = 4096;
 pub enum FileKind {
     /// A folder.
     Folder,
+    /// A pipe, a socket or a device: what was read of it cannot be read again.
+    Stream,
     /// Nothing is in it.
     Empty,
     /// A plan of `frfid design`.
@@ -49,8 +51,12 @@ impl FileKind {
     /// # Errors
     /// The operating system's, where it cannot be read.
     pub fn of(path: &Path) -> io::Result<Self> {
-        if path.metadata()?.is_dir() {
+        let metadata = path.metadata()?;
+        if metadata.is_dir() {
             return Ok(Self::Folder);
+        }
+        if !metadata.is_file() {
+            return Ok(Self::Stream);
         }
         let mut start = Vec::new();
         File::open(path)?.take(START).read_to_end(&mut start)?;
@@ -102,6 +108,7 @@ impl FileKind {
     pub fn name(self) -> &'static str {
         match self {
             Self::Folder => "a folder",
+            Self::Stream => "a pipe, a socket or a device",
             Self::Empty => "an empty file",
             Self::Plan => "a plan (MCAP)",
             Self::Run => "a log of frfid run (MCAP)",

@@ -2,6 +2,7 @@
 //! for.
 
 mod alone;
+mod claims;
 mod recordings;
 
 use std::io::Cursor;

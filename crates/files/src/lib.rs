@@ -5,6 +5,7 @@
 //! limit, and nothing lost without a [`Loss`] that says which samples are gone and why.
 
 mod atomic_write;
+mod budget;
 mod bytes;
 mod error;
 mod file_kind;
@@ -25,6 +26,7 @@ mod mcap {
     pub(crate) mod walk;
     pub(crate) mod write;
 }
+mod path_text;
 mod plan;
 mod playback;
 mod result;
@@ -58,6 +60,7 @@ mod visible;
 pub use atomic_write::{
     BoxError, Overwrite, check_free, check_not_read, create_folder, part_path, write_bytes,
 };
+pub use budget::{limit_memory, stop_reading};
 pub use error::FileError;
 pub use found_kind::FileKind;
 pub use log::arrays::npz::read_npz_array;
@@ -71,6 +74,7 @@ pub use log::units::si_unit;
 pub use log::{ClockFit, Log, read_log};
 pub use loss::Loss;
 pub use mcap::recover::{Recovered, recover};
+pub use path_text::{path_text, serialize_path, serialize_paths};
 pub use plan::write::write_plan;
 pub use plan::{PlanEntry, PlanFile, PlanHead, PlannedRun};
 pub use playback::PlaybackFile;

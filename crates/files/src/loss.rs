@@ -25,18 +25,18 @@ pub struct Loss {
     pub reason: String,
 }
 
-/// For people: `/joint_states 1.024 s to 2.048 s: 1024 samples are missing`.
+/// For people: `/joint_states 1.024 s to 2.048 s: 1024 samples are missing`, `file at 1.024 s: ...`, and
+/// `file: ...` where no time is known.
 impl fmt::Display for Loss {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let microseconds = |time_s: f64| (time_s * 1e6).round() / 1e6;
-        write!(
-            f,
-            "{} {} s to {} s: {}",
-            self.topic,
-            microseconds(self.from_s),
-            microseconds(self.to_s),
-            self.reason
-        )
+        let [from_s, to_s] = [self.from_s, self.to_s].map(microseconds);
+        let Self { topic, reason, .. } = self;
+        match (from_s, to_s) {
+            (0.0, 0.0) => write!(f, "{topic}: {reason}"),
+            _ if from_s == to_s => write!(f, "{topic} at {from_s} s: {reason}"),
+            _ => write!(f, "{topic} {from_s} s to {to_s} s: {reason}"),
+        }
     }
 }
 
@@ -100,5 +100,10 @@ mod tests {
         let ranges: Vec<_> = gaps.iter().map(|gap| (gap.from_s, gap.to_s)).collect();
         assert_eq!(ranges, [(0.0, 0.5), (1.0, 2.0), (2.5, 3.0)]);
         assert_eq!(gaps[1].to_string(), "/t 1 s to 2 s: 2 samples are missing");
+        let told = |at_s| of_no_sample("file", at_s, "it was cut").to_string();
+        assert_eq!(
+            [0.0, 1.5].map(told),
+            ["file: it was cut", "file at 1.5 s: it was cut"]
+        );
     }
 }

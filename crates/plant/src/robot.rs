@@ -21,6 +21,10 @@ pub trait Robot: Debug + Send + Sync {
     /// [`SignalError`] naming the first parameter that is not finite or out of range.
     fn check(&self) -> Result<(), SignalError>;
 
+    /// The fastest rate at which it moves by itself in rad/s: of its stiffest resonance, or of a
+    /// decay; NaN for an unsound robot.
+    fn fastest_rad_s(&self) -> f64;
+
     /// A step of the integrator in s that keeps its error far below that of any measurement.
     fn default_step_s(&self) -> f64;
 

@@ -67,9 +67,7 @@ impl Robot for SingleJoint {
         self.joint.check()
     }
 
-    /// 0.0075 over the fastest rate of the joint, 1e-4 s for the paper's, which keeps the linear FRF
-    /// within about 1e-10 of the truth: RK4 errs by (rate step)^4 / 120 of a state.
-    fn default_step_s(&self) -> f64 {
+    fn fastest_rad_s(&self) -> f64 {
         let FlexibleJoint {
             motor_inertia_kg_m2,
             damping_nms_per_rad,
@@ -81,7 +79,13 @@ impl Robot for SingleJoint {
         let resonance = (spring.stiffest_nm_per_rad() * compliance).sqrt();
         let viscous = friction.viscous_nms_per_rad / motor_inertia_kg_m2;
         let decay = damping_nms_per_rad * compliance + viscous;
-        0.0075 / resonance.max(decay)
+        resonance.max(decay)
+    }
+
+    /// 0.0075 over the fastest rate of the joint, 1e-4 s for the paper's, which keeps the linear FRF
+    /// within about 1e-10 of the truth: RK4 errs by (rate step)^4 / 120 of a state.
+    fn default_step_s(&self) -> f64 {
+        0.0075 / self.fastest_rad_s()
     }
 
     /// Its pose is position 0.

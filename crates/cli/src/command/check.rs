@@ -25,6 +25,9 @@ pub(crate) struct Arguments {
     experiment: PathBuf,
 }
 
+const SOUND: &str = "is sound";
+const UNSTABLE: &str = "is not sound: the loop of the robot's model is not stable";
+
 pub(crate) fn run(
     arguments: &Arguments,
     options: &Options,
@@ -40,14 +43,20 @@ pub(crate) fn run(
     if experiment.robot().is_none() {
         console.note(NO_MODEL);
     }
+    let is_sound = experiment.instability().is_none();
     if options.json {
-        console.json(&plan_as_json(experiment.plan())?)?;
+        let mut value = plan_as_json(experiment.plan())?;
+        value["is_sound"] = is_sound.into();
+        console.json(&value)?;
     } else {
+        let verdict = if is_sound { SOUND } else { UNSTABLE };
         console.data(&format!(
-            "{} is sound\n{}",
+            "{} {verdict}\n{}",
             experiment.text().name,
             plan_as_text(experiment.plan())?
         ))?;
+    }
+    if is_sound && !options.json {
         let path = arguments.experiment.display();
         console.hint(if is_shaped {
             format!("frfid shape {path} -o shaped")
@@ -55,5 +64,5 @@ pub(crate) fn run(
             format!("frfid design {path} -o plan.mcap")
         });
     }
-    Ok(Exit::Done)
+    Ok(Exit::flawed_unless(is_sound))
 }

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
-use frfid_files::{Overwrite, create_folder, write_bytes, write_result};
+use frfid_files::{Overwrite, create_folder, path_text, write_bytes, write_result};
 use frfid_paper::{Named, Paper, Section6, Section7};
 use frfid_report::Claim;
 use frfid_signals::format::significant;
@@ -47,7 +47,7 @@ pub(crate) fn run(
     let files = write(&paper, folder, &page, options.overwrite())?;
     let claims = paper.claims();
     if options.json {
-        console.json(&json!({ "report": page, "claims": claims }))?;
+        console.json(&json!({ "report": path_text(&page), "claims": claims }))?;
     } else {
         console.data(&claims.iter().map(in_words).collect::<String>())?;
     }

@@ -7,7 +7,7 @@ use frfid_estimate::{Entry, Method, Response};
 use frfid_experiment::{
     Average, EstimateOptions, EstimateTable, Outcome, estimate_logs, recordings_among,
 };
-use frfid_files::{write_bytes, write_result};
+use frfid_files::{path_text, write_bytes, write_result};
 use frfid_report::result_page;
 use serde_json::{Value, json};
 
@@ -16,7 +16,9 @@ use crate::command::report::name;
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::input::{Needed, check_all};
+use crate::interrupt;
 use crate::log_map::MapOptions;
+use crate::memory::MemoryOption;
 use crate::options::{Options, existing_path, named};
 use crate::progress::watched;
 use crate::text::checks::{checks_as_text, warn_of_failed};
@@ -54,6 +56,8 @@ pub(crate) struct Arguments {
     plan: Option<PathBuf>,
     #[command(flatten)]
     estimator: EstimatorOptions,
+    #[command(flatten)]
+    memory: MemoryOption,
     #[command(flatten)]
     map: MapOptions,
 }
@@ -118,6 +122,7 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
+    arguments.memory.apply();
     check_all(&arguments.logs, Needed::Logs)?;
     check_outputs(arguments, options)?;
     let mut settings = EstimateOptions {
@@ -137,9 +142,11 @@ pub(crate) fn run(
             imported(&arguments.logs, &import, &arguments.map, options, console)?.is_complete();
         (logs, settings.map) = (vec![folder.into()], None);
     }
+    interrupt::ends_reading();
     let estimate = watched(console, "reading", "logs", |progress| {
         estimate_logs(&logs, &settings, progress)
     })?;
+    interrupt::check()?;
     write_result(&arguments.output, options.overwrite(), &estimate.result)?;
     if let Some(path) = &arguments.report {
         write_report(path, &arguments.output, &estimate, options)?;
@@ -204,8 +211,8 @@ fn as_json(arguments: &Arguments, estimate: &Outcome) -> Value {
     let (result, frf) = (&estimate.result, &estimate.result.frf);
     let [noise, total] = Spread::noise_and_total(frf);
     json!({
-        "output": arguments.output,
-        "report": arguments.report,
+        "output": path_text(&arguments.output),
+        "report": arguments.report.as_ref().map(path_text),
         "inputs": result.input_names,
         "outputs": result.output_names,
         "n_frequencies": frf.n_frequencies(),

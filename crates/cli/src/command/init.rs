@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf, absolute};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use frfid_experiment::{GuessedMap, TEMPLATES, Template, description_of_urdf, inspect_recording};
-use frfid_files::write_bytes;
+use frfid_files::{path_text, write_bytes};
 use serde_json::json;
 
 use crate::console::Console;
@@ -85,7 +85,7 @@ pub(crate) fn run(
             options.check_output(path, &arguments.source)?;
             write_bytes(path, options.overwrite(), text.as_bytes())?;
             if options.json {
-                console.json(&json!({ "output": path }))?;
+                console.json(&json!({ "output": path_text(path) }))?;
             }
             console.wrote(path);
             console.hint(format_args!("{next} {}", path.display()));

@@ -13,7 +13,9 @@ use serde_json::{Value, json};
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::input::{Needed, check_all};
+use crate::interrupt;
 use crate::log_map::MapOptions;
+use crate::memory::MemoryOption;
 use crate::options::{Options, existing_path};
 use crate::progress::watched;
 use crate::text::looked::{Looked, estimate_as_text};
@@ -32,6 +34,8 @@ pub(crate) struct Arguments {
     #[arg(value_name = "FILES", required = true, value_parser = existing_path())]
     files: Vec<PathBuf>,
     #[command(flatten)]
+    memory: MemoryOption,
+    #[command(flatten)]
     map: MapOptions,
 }
 
@@ -40,12 +44,15 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
+    arguments.memory.apply();
     check_all(&arguments.files, Needed::Any)?;
     let stated = arguments.map.log_map()?;
     let files = recordings_among(&arguments.files)?;
+    interrupt::ends_reading();
     let found = watched(console, "looking", "files", |progress| {
         Found::of(files, stated, progress)
     })?;
+    interrupt::check()?;
     if options.json {
         console.json(&found.as_json())?;
         return Ok(Exit::Done);

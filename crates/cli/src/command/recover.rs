@@ -4,12 +4,13 @@ use frfid_signals::format::count;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use frfid_files::{Recovered, recover};
+use frfid_files::{Recovered, path_text, recover};
 use serde_json::json;
 
 use crate::console::Console;
 use crate::exit::{Exit, Failure};
 use crate::input::{Needed, check};
+use crate::memory::MemoryOption;
 use crate::options::{Options, existing_path};
 
 /// Salvage a damaged or half-written log: everything readable goes into a new file
@@ -25,6 +26,8 @@ pub(crate) struct Arguments {
     /// The file to write; NAME.recovered.mcap without it
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
+    #[command(flatten)]
+    memory: MemoryOption,
 }
 
 pub(crate) fn run(
@@ -32,6 +35,7 @@ pub(crate) fn run(
     options: &Options,
     console: &mut Console,
 ) -> Result<Exit, Failure> {
+    arguments.memory.apply();
     check(&arguments.input, Needed::Log)?;
     let named = arguments.output.clone();
     let output = named.unwrap_or_else(|| beside(&arguments.input));
@@ -40,7 +44,7 @@ pub(crate) fn run(
     console.warnings(lost);
     if options.json {
         console.json(&json!({
-            "output": output,
+            "output": path_text(&output),
             "n_messages": recovered.n_messages,
             "n_attachments": recovered.n_attachments,
             "n_metadata": recovered.n_metadata,

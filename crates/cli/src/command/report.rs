@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use frfid_files::{ResultFile, read_result, write_bytes};
+use frfid_files::{ResultFile, path_text, read_result, write_bytes};
 use frfid_report::{ReportError, results_page};
 use serde_json::json;
 
@@ -54,7 +54,7 @@ pub(crate) fn run(
     let page = page.map_err(|error| failure(&error))?;
     write_bytes(output, options.overwrite(), page.as_bytes())?;
     if options.json {
-        console.json(&json!({ "output": output, "results": paths, "title": title }))?;
+        console.json(&json!({ "output": path_text(output), "results": paths.iter().map(path_text).collect::<Vec<_>>(), "title": title }))?;
     }
     console.wrote(output);
     Ok(Exit::Done)

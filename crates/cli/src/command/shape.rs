@@ -9,7 +9,7 @@ use frfid_experiment::{
     Awaited, Experiment, ExperimentError, FilesTestbed, IterationReport, ShapeFolderOptions,
     ShapeReport, shape_to_folder,
 };
-use frfid_files::LogMap;
+use frfid_files::{LogMap, path_text};
 use frfid_signals::Testbed;
 use frfid_signals::format::significant;
 use serde_json::json;
@@ -22,7 +22,7 @@ use crate::options::Options;
 use crate::player::{PlayerOptions, machine};
 use crate::progress::watched;
 use crate::text::checks::{checks_as_text, warn_of_failed};
-use crate::text::table::{or_dash, row, side_by_side, table};
+use crate::text::table::{or_dash, row, side_by_side, titled};
 
 /// Shape the reference of a chirp in closed loop until the motor torque is as desired, with an
 /// audit trail
@@ -126,7 +126,9 @@ fn await_recordings(
             recordings,
             ..
         } = awaited;
-        return console.json(&json!({ "references": references, "recordings": recordings }));
+        return console.json(
+            &json!({ "references": path_text(references), "recordings": path_text(recordings) }),
+        );
     }
     let (references, recordings) = (awaited.references.display(), awaited.recordings.display());
     console.data(&format!(
@@ -161,7 +163,7 @@ fn tell(
     warn_of_failed(&report.checks, console);
     let folder = arguments.output.display();
     if options.json {
-        return console.json(&json!({ "output": arguments.output, "shape": report }));
+        return console.json(&json!({ "output": path_text(&arguments.output), "shape": report }));
     }
     console.data(&format!("{folder}\n{}", as_text(report)))?;
     console.hint(format_args!(
@@ -200,7 +202,7 @@ fn octaves(report: &ShapeReport) -> String {
     if octaves.is_empty() {
         String::new()
     } else {
-        table(&rows)
+        titled(&rows)
     }
 }
 
@@ -216,7 +218,7 @@ fn iterations(report: &ShapeReport) -> String {
     ];
     let mut rows = vec![row(title)];
     rows.extend(report.iterations.iter().map(row_of));
-    table(&rows)
+    titled(&rows)
 }
 
 fn row_of(iteration: &IterationReport) -> Vec<String> {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use frfid_experiment::{ExperimentError, GuessedMap, Inspection, Outcome, inspect_recording};
 use frfid_files::{
-    FileError, FileKind, PlanFile, ResultFile, RunLabel, read_result, read_run_label,
+    FileError, FileKind, PlanFile, ResultFile, RunLabel, path_text, read_result, read_run_label,
 };
 use serde_json::{Value, json};
 
@@ -97,7 +97,7 @@ impl Looked {
             }),
             Self::Recording(inspection) => json!(inspection),
         };
-        json!({"file": path, "kind": self.kind(), "found": facts})
+        json!({"file": path_text(path), "kind": self.kind(), "found": facts})
     }
 }
 

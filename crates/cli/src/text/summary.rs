@@ -85,13 +85,16 @@ fn known(spread: Option<Spread>, needed: &str) -> String {
     let Some(spread) = spread else {
         return format!("not available: it takes at least {needed}");
     };
-    let degrees = significant(spread.degrees_of_freedom, 3);
+    let degrees = match significant(spread.degrees_of_freedom, 3).as_str() {
+        "1" => "1 degree of freedom".to_owned(),
+        degrees => format!("{degrees} degrees of freedom"),
+    };
     match spread.median_relative_deviation {
         Some(deviation) => {
             let percent = significant(100.0 * deviation, 2);
-            format!("{percent} % of |G| (median), {degrees} degrees of freedom")
+            format!("{percent} % of |G| (median), {degrees}")
         }
-        None => format!("not a number, {degrees} degrees of freedom"),
+        None => format!("not a number, {degrees}"),
     }
 }
 

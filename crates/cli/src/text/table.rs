@@ -23,6 +23,28 @@ pub(crate) fn table(rows: &[Vec<String>]) -> String {
     text
 }
 
+/// Wider tables are written row by row.
+const MOST_COLUMNS: usize = 100;
+
+/// A table whose first row has the titles; where it is wider than a page, a list for each of the other
+/// rows.
+pub(crate) fn titled(rows: &[Vec<String>]) -> String {
+    let text = table(rows);
+    let Some((titles, rows)) = rows.split_first() else {
+        return text;
+    };
+    if width(text.lines()) <= MOST_COLUMNS {
+        return text;
+    }
+    rows.iter().map(|cells| stacked(titles, cells)).collect()
+}
+
+/// The cells of a row below each other, behind their titles.
+fn stacked(titles: &[String], cells: &[String]) -> String {
+    let entries = titles.iter().map(String::as_str).zip(cells.iter().cloned());
+    list(&entries.collect::<Vec<_>>()) + "\n"
+}
+
 /// Names and values, both flush left.
 pub(crate) fn list(entries: &[(&str, String)]) -> String {
     let width = width(entries.iter().map(|(name, _)| name));
@@ -92,6 +114,24 @@ mod tests {
         assert_eq!(
             text,
             "             peak  limit\n  torque  150 N m\n  é             1  22222\n"
+        );
+    }
+
+    #[test]
+    fn a_table_wider_than_a_page_is_written_row_by_row() {
+        let narrow = [row(["iteration", "error"]), row(["1", "2"])];
+        assert_eq!(titled(&narrow), table(&narrow));
+        let six = vec!["12.34"; 20].join(" | ");
+        let wide = [
+            row(["iteration", "error"]),
+            row(["1", &six]),
+            row(["2", "-"]),
+        ];
+        let text = titled(&wide);
+        assert_eq!(text.lines().next(), Some("  iteration  1"));
+        assert!(
+            text.ends_with("\n\n  iteration  2\n  error      -\n\n"),
+            "{text}"
         );
     }
 

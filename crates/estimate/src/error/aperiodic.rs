@@ -2,6 +2,19 @@
 
 use std::fmt;
 
+/// What the best period leaves unexplained; where that is little enough, too little of the recording
+/// has it.
+pub(super) fn tried(period: usize, residual: f64, limit: f64) -> String {
+    if residual <= limit {
+        return format!(
+            "what can be compared repeats after {period} samples, but that is too little of the recording"
+        );
+    }
+    format!(
+        "the best period tried ({period} samples) leaves {residual:.1e} of the power unexplained, at most {limit:.1e} is allowed"
+    )
+}
+
 /// Why a recording is not periodic.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Aperiodic {

@@ -7,7 +7,7 @@ pub(crate) mod unlined;
 use frfid_signals::SignalError;
 use thiserror::Error;
 
-use crate::error::aperiodic::Aperiodic;
+use crate::error::aperiodic::{Aperiodic, tried};
 use crate::error::deficient_line::DeficientLine;
 use crate::error::unlined::Unlined;
 use crate::period_index::PeriodIndex;
@@ -85,8 +85,7 @@ pub enum EstimateError {
     ),
     /// A recording that had to be periodic is not.
     #[error(
-        "not periodic: the best period tried ({period} samples) leaves {residual:.1e} of the power unexplained, at most {limit:.1e} is allowed; \
-             {cause}"
+        "not periodic: {}; {cause}", tried(*period, *residual, *limit)
     )]
     NotPeriodic {
         /// The best period found, in samples; 0 if there was no candidate.

@@ -30,6 +30,12 @@ pub(super) fn why(channels: &[Channel], given: Option<f64>) -> EstimateError {
     }
 }
 
+/// The period after which most repeats, whatever there is of it; `None` where nothing tells.
+pub(super) fn likeliest_period(channels: &[Channel]) -> Option<usize> {
+    let (period, _) = least_residual(channels, &candidates(channels));
+    (period > 0).then_some(period)
+}
+
 /// The period after which most repeats, and what does not.
 fn least_residual(channels: &[Channel], periods: &[usize]) -> (usize, f64) {
     let rate = |&period: &usize| (period, residual(channels, period));

@@ -2,6 +2,7 @@
 //! the rests around them.
 
 mod aperiodic;
+mod bridged;
 mod candidate;
 mod holes;
 pub(crate) mod period;
@@ -22,7 +23,8 @@ use crate::correlation::autocorrelation::SHORTEST;
 use crate::correlation::channel::Channel;
 use crate::correlation::long_lags::Pairs;
 use crate::error::EstimateError;
-use crate::repetition::aperiodic::why;
+use crate::repetition::aperiodic::{likeliest_period, why};
+use crate::repetition::bridged::bridged;
 use crate::repetition::candidate::{Candidate, stride};
 use crate::repetition::period_search::{Repeating, shortest_period};
 use crate::repetition::rests::{find_rests, single_periods};
@@ -92,6 +94,7 @@ pub fn find_repetition(
 fn search(channels: &[Channel]) -> Result<Repetition, EstimateError> {
     let repeating: Vec<Repeating> = channels.iter().filter_map(Repeating::new).collect();
     let found = shortest_period(repeating).and_then(|(channels, period)| found(&channels, period));
+    let found = found.or_else(|| bridged(channels, likeliest_period(channels)? as f64));
     found.ok_or_else(|| why(channels, None))
 }
 
@@ -134,6 +137,9 @@ fn given(channels: &[Channel], period: f64) -> Result<Repetition, EstimateError>
     if let Some(candidate) = Candidate::new(&excited, period) {
         let found = found(&excited, candidate.runs.period);
         return found.ok_or_else(|| why(channels, Some(period)));
+    }
+    if let Some(found) = bridged(channels, period) {
+        return Ok(found);
     }
     let runs = single_periods(channels, period);
     if runs.is_empty() || runs.iter().any(|run| run.len() as f64 >= 2.0 * period) {

@@ -10,7 +10,7 @@ use num_complex::Complex64;
 use rayon::prelude::*;
 
 use crate::period_index::PeriodIndex;
-use crate::spectra::campaign::{Campaign, places_of};
+use crate::spectra::campaign::Campaign;
 use crate::spectra::delay::{DelaySearch, Shift};
 use crate::spectra::draw_match::{Drawn, Repeat};
 use crate::spectra::equal_draws::EqualDraws;
@@ -98,10 +98,8 @@ impl Campaign {
     /// A number for each period of a realization that is the same only if u and y are, bit for bit.
     fn fingerprints(&self, realization: usize) -> BTreeMap<usize, u64> {
         let mut hashers: BTreeMap<usize, DefaultHasher> = BTreeMap::new();
-        for (place, run) in &self.runs {
-            if place.realization == realization {
-                run.hash_bits(hashers.entry(place.period).or_default());
-            }
+        for (place, run) in self.of_realization(realization) {
+            run.hash_bits(hashers.entry(place.period).or_default());
         }
         let hashers = hashers.into_iter();
         hashers
@@ -111,16 +109,18 @@ impl Campaign {
 
     /// Takes the runs of a period out.
     fn take(&mut self, realization: usize, period: usize) -> Vec<(usize, RunSpectra)> {
-        let places = places_of((realization, period), self.n_experiments());
-        let runs = places.filter_map(|place| Some((place.experiment, self.runs.remove(&place)?)));
+        let of_period = self.of_realization(realization);
+        let places = of_period.map(|(place, _)| *place);
+        let places: Vec<PeriodIndex> = places.filter(|place| place.period == period).collect();
+        let runs = places.into_iter();
+        let runs = runs.filter_map(|place| Some((place.experiment, self.runs.remove(&place)?)));
         runs.collect()
     }
 
     /// The first period that a realization does not have yet.
     fn next_period(&self, realization: usize) -> usize {
-        let places = self.runs.keys();
-        let own = places.filter(|place| place.realization == realization);
-        own.map(|place| place.period + 1).max().unwrap_or(0)
+        let last = self.of_realization(realization).next_back();
+        last.map_or(0, |(place, _)| place.period + 1)
     }
 
     /// Adds the runs of a repetition as the last period of a realization.

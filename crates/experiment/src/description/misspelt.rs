@@ -1,11 +1,33 @@
-//! Misspelt keys: the known one that was meant.
+//! Complaints of the reader of TOML in plain words: the known key that was meant, types by their names in TOML.
 
 /// A reader's complaint about a key or a word that it does not know, with the one that was meant
-/// behind it, where a known one is near.
+/// behind it, where a known one is near; about a type, in plain words.
 pub(crate) fn with_suggestion(message: &str) -> String {
     match meant(message) {
         Some(known) => format!("{message}; did you mean `{known}`?"),
-        None => message.to_owned(),
+        None => plain(message),
+    }
+}
+
+/// What the reader says of types, and how people say it.
+const PLAIN: [(&str, &str); 10] = [
+    ("invalid type: floating point `", "found the number `"),
+    ("invalid type: integer `", "found the number `"),
+    ("invalid type: boolean `", "found `"),
+    ("invalid type: string ", "found the text "),
+    ("invalid type: sequence", "found a list"),
+    ("invalid type: map", "found a table"),
+    (", expected a sequence", ", needed a list: [...]"),
+    (", expected f64", ", needed a number"),
+    (", expected usize", ", needed a whole number, 0 or above"),
+    (", expected u64", ", needed a whole number, 0 or above"),
+];
+
+fn plain(message: &str) -> String {
+    let replaced = |text: String, (word, plain): &(&str, &str)| text.replace(word, plain);
+    match message.starts_with("invalid type: ") {
+        true => PLAIN.iter().fold(message.to_owned(), replaced),
+        false => message.to_owned(),
     }
 }
 
@@ -50,6 +72,10 @@ mod tests {
             assert_eq!(meant(&message), expected, "{message}");
         }
         assert_eq!(with_suggestion("missing field `u`"), "missing field `u`");
+        assert_eq!(
+            with_suggestion("invalid type: floating point `150.0`, expected a sequence"),
+            "found the number `150.0`, needed a list: [...]"
+        );
         assert_eq!(meant("unknown field `a`, there are no fields"), None);
     }
 }

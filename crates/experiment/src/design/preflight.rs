@@ -1,7 +1,10 @@
 //! Checks of an experiment before it is simulated: limits that leave no amplitude, and what looks
 //! like a mistake.
 
+use std::f64::consts::TAU;
+
 use frfid_plant::{Robot, check_stability};
+use frfid_signals::format::significant;
 use frfid_signals::{Excess, Limit, Peaks};
 
 use crate::description::text::ConfigError;
@@ -9,6 +12,9 @@ use crate::design::plausible::implausible;
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::load::larger;
+
+/// Most steps of the integrator in a run: minutes of a single joint, an hour of an arm.
+const MOST_STEPS: f64 = 1e9;
 
 impl Experiment {
     /// What is possible but looks like a mistake: joints without limits, other units than meant, inertias that no body
@@ -29,6 +35,25 @@ impl Experiment {
         let sample_time_s = self.config.sample_time_s;
         let checked = check_stability(&**robot, &**controller, sample_time_s, &self.sensors);
         checked.err().map(|error| error.to_string())
+    }
+
+    /// Refuses a robot so stiff that a run of it takes hours to simulate.
+    ///
+    /// # Errors
+    /// [`ConfigError`] at the robot.
+    pub(crate) fn check_work(&self) -> Result<(), ConfigError> {
+        let (Some(robot), Ok(n_samples)) = (&self.robot, self.plan.run_samples()) else {
+            return Ok(());
+        };
+        let in_sample = (self.plan.sample_time_s / robot.default_step_s()).max(1.0);
+        let n_steps = in_sample * n_samples as f64;
+        if n_steps > MOST_STEPS {
+            let hz = robot.fastest_rad_s() / TAU;
+            return Err(self
+                .text
+                .error(&["robot"], too_stiff(n_steps, in_sample, hz)));
+        }
+        Ok(())
     }
 
     /// Refuses a limit that friction, gravity and the constant velocity exceed without any
@@ -129,6 +154,15 @@ impl Experiment {
         let at_end = robot.start(&end_rad, velocity)?.holding_nm();
         Ok(larger(&sizes(&at_start), &sizes(&at_end)))
     }
+}
+
+fn too_stiff(n_steps: f64, in_sample: f64, hz: f64) -> String {
+    let [n_steps, in_sample, hz] = [n_steps, in_sample, hz].map(|number| significant(number, 3));
+    let most = significant(MOST_STEPS, 3);
+    format!(
+        "a run takes {n_steps} steps of the integrator, {in_sample} in each sample, at most {most} are taken: the robot's \
+         fastest resonance or decay is at {hz} Hz; lower its stiffness or damping, or raise its inertias"
+    )
 }
 
 fn sizes(values: &[f64]) -> Vec<f64> {

@@ -7,14 +7,14 @@ use frfid_files::{FORMATS, FileError, Format, is_bag_folder, recording_parts};
 
 use crate::error::ExperimentError;
 
-/// The recordings among `paths` in the order given, those of a folder by name, each once.
+/// The recordings among `paths` in the order given, those of a folder by name.
 ///
 /// A folder that rosbag2 recorded into is one recording. The recordings of any other folder are the bag
 /// folders in it, or else files of one format: the first of [`FORMATS`] that it holds.
 ///
 /// # Errors
 /// [`ExperimentError::File`] for a path that does not exist or cannot be listed,
-/// [`ExperimentError::Logs`] for none.
+/// [`ExperimentError::Logs`] for none, and for one that is named twice.
 pub fn recordings_among(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentError> {
     let mut found: Vec<PathBuf> = Vec::new();
     for path in paths {
@@ -28,7 +28,23 @@ pub fn recordings_among(paths: &[PathBuf]) -> Result<Vec<PathBuf>, ExperimentErr
     if found.is_empty() {
         return Err(no_recordings());
     }
-    whole_bags(each_once(found))
+    check_each_once(&found)?;
+    whole_bags(found)
+}
+
+/// Refuses a recording that is named twice: it would be taken for another experiment, or a second
+/// measurement.
+fn check_each_once(paths: &[PathBuf]) -> Result<(), ExperimentError> {
+    let mut seen = BTreeSet::new();
+    let twice = paths.iter().find(|path| !seen.insert(*path));
+    twice.map_or(Ok(()), |path| {
+        Err(ExperimentError::logs(
+            "recordings",
+            format!("{} twice", path.display()),
+            "each recording once",
+            "name it once; a folder stands for the recordings in it",
+        ))
+    })
 }
 
 /// The folder in place of its files, where all files of a split bag are given one by one.
@@ -122,6 +138,17 @@ mod tests {
         std::fs::create_dir(&bag).expect("made");
         std::fs::write(bag.join("metadata.yaml"), "").expect("written");
         assert_eq!(names(), ["bag"]);
+    }
+
+    #[test]
+    fn a_recording_that_is_named_twice_is_refused() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let file = folder.path().join("a.csv");
+        std::fs::write(&file, "x").expect("written");
+        for twice in [[&file, &file], [&folder.path().to_owned(), &file]] {
+            let error = recordings_among(&twice.map(Clone::clone)).expect_err("twice");
+            assert!(error.to_string().contains("a.csv twice"), "{error}");
+        }
     }
 
     #[test]

@@ -100,7 +100,9 @@ impl Experiment {
         let estimates = zip(estimators, spectra);
         let estimated = estimates.map(|(estimator, spectra)| estimator.estimate(spectra));
         Ok(Gathered {
-            estimated: estimated.collect::<Result<_, _>>()?,
+            estimated: estimated
+                .collect::<Result<_, _>>()
+                .map_err(|error| error.beside(losses.first()))?,
             load: Load::largest(loads),
             strength: self.strength(&strengths),
             clipped: clipped

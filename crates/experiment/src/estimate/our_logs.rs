@@ -6,7 +6,7 @@ use std::iter::zip;
 use std::path::{Path, PathBuf};
 
 use frfid_files::{
-    FORMATS, Format, Loss, RunLabel, is_bag_folder, read_run, read_run_label, sha256_hex,
+    FORMATS, FileError, Format, Loss, RunLabel, is_bag_folder, read_run, read_run_label, sha256_hex,
 };
 use frfid_signals::RunId;
 
@@ -18,7 +18,7 @@ use crate::estimate::majority::majority;
 use crate::estimate::outcome::{Inventory, Outcome, log_hashes};
 use crate::experiment::Experiment;
 use crate::run::parallel::Progress;
-use crate::run::provenance::{CONFIG, DESIGN};
+use crate::run::provenance::{CONFIG, DESIGN, PLAN};
 
 /// Estimates the FRF from the files of one plan, in any order; `options` replaces the `[estimate]`
 /// table that travelled with them. Memory is that of `jobs` records and of the spectra, whatever
@@ -91,6 +91,7 @@ impl OurLogs {
         for path in paths {
             match read_run_label(path) {
                 Ok(label) => labelled.push((path.clone(), label)),
+                Err(stopped @ FileError::Stopped { .. }) => return Err(stopped.into()),
                 Err(error) => {
                     unused.push((path.clone(), error.to_string()));
                     first_error.get_or_insert(error);
@@ -112,8 +113,7 @@ impl OurLogs {
             .iter()
             .map(|(_, label)| Origin::of(label))
             .collect();
-        let kept =
-            majority(&origins, Origin::eq).ok_or_else(|| no_majority(&labelled, &origins))?;
+        let kept = believed(&origins).ok_or_else(|| no_majority(&labelled, &origins))?;
         let mut logs = Self {
             paths: Vec::new(),
             runs: Vec::new(),
@@ -170,11 +170,22 @@ impl OurLogs {
 }
 
 /// What a run was made with: runs that differ in it do not belong together.
-#[derive(PartialEq)]
 struct Origin {
     design: String,
     config: String,
     sample_time_s: f64,
+    /// Whether the hashes are those of the plan and the description beside them.
+    is_sealed: bool,
+}
+
+/// Place of an origin that most of the sealed ones share, or most of all where none is sealed.
+fn believed(origins: &[Origin]) -> Option<usize> {
+    let mut candidates: Vec<usize> = (0..origins.len()).collect();
+    if origins.iter().any(|origin| origin.is_sealed) {
+        candidates.retain(|place| origins[*place].is_sealed);
+    }
+    let are_alike = |a: &usize, b: &usize| origins[*a].difference(&origins[*b]).is_none();
+    majority(&candidates, are_alike).map(|place| candidates[place])
 }
 
 impl Origin {
@@ -184,6 +195,7 @@ impl Origin {
             design: hash(DESIGN),
             config: hash(CONFIG),
             sample_time_s: label.sample_time_s,
+            is_sealed: is_sealed(label),
         }
     }
 
@@ -195,12 +207,30 @@ impl Origin {
                 "sampled every {found} s, the others every {needed} s"
             ));
         }
+        self.other_hash(others).map(|other| match self.is_sealed {
+            true => other,
+            false => format!("{other}; its metadata record frfid is damaged"),
+        })
+    }
+
+    fn other_hash(&self, others: &Self) -> Option<String> {
         if self.design != others.design {
             return Some(other_hash("plan", &self.design, &others.design));
         }
         (self.config != others.config)
             .then(|| other_hash("experiment or robot", &self.config, &others.config))
     }
+}
+
+/// Whether the hashes of a run are those of the plan and the description that travel with it. The
+/// record that they stand in has no checksum of its own.
+fn is_sealed(label: &RunLabel) -> bool {
+    let is_hash_of = |key: &str, text: Option<&String>| {
+        text.is_none_or(|text| label.metadata.get(key) == Some(&sha256_hex(text.as_bytes())))
+    };
+    let description = label.experiment_toml.as_ref();
+    is_hash_of(DESIGN, label.metadata.get(PLAN))
+        && is_hash_of(CONFIG, description.filter(|text| !text.is_empty()))
 }
 
 /// Says by the first digits of their hashes that something is not the same.
@@ -221,7 +251,11 @@ fn no_majority(labelled: &[(PathBuf, RunLabel)], origins: &[Origin]) -> Experime
     let (path, difference) = others.next().expect("all alike would be a majority");
     ExperimentError::logs(
         "logs",
-        format!("{} {difference}", path.display()),
+        format!(
+            "{} {difference}, as {}",
+            path.display(),
+            labelled[0].0.display()
+        ),
         "runs of one plan on one robot",
         "estimate the runs of one plan at a time",
     )

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use frfid_estimate::NoiseBias;
 use frfid_files::{Cause, Check, ResultFile, sha256_file};
+use frfid_signals::format::count;
 use frfid_signals::{Frf, Limit};
 
 use crate::error::ExperimentError;
@@ -181,8 +182,12 @@ fn warnings(
 
 fn missing_warning(n_missing: usize) -> Option<String> {
     (n_missing > 0).then(|| {
+        let (periods, are, their) = match n_missing {
+            1 => ("1 period".to_owned(), "is", "its"),
+            n => (count(n, "period"), "are", "their"),
+        };
         format!(
-            "{n_missing} periods are not in the estimate, because not all of their experiments are whole"
+            "{periods} {are} not in the estimate, because not all of {their} experiments are whole"
         )
     })
 }

@@ -37,6 +37,7 @@ pub struct RunSummary {
     pub n_skipped: usize,
     /// Files among these whose run was stopped before its end; [`Overwrite::Replace`] does such
     /// runs again.
+    #[serde(serialize_with = "frfid_files::serialize_paths")]
     pub stopped_before: Vec<PathBuf>,
     /// How the axes were driven and moved in the runs done now; `None` of none.
     pub strength: Option<Strength>,
@@ -46,6 +47,7 @@ pub struct RunSummary {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RunReport {
     /// Its file.
+    #[serde(serialize_with = "frfid_files::serialize_path")]
     pub path: PathBuf,
     /// Largest values.
     #[serde(rename = "peaks")]

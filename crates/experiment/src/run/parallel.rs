@@ -28,8 +28,8 @@ pub struct Steps<'a> {
     pub total: usize,
 }
 
-/// Does `work` for each of `items` on `jobs` threads (0: one for each core), a step each; the
-/// results are in the order of the items. Long steps ask whether to go on.
+/// Does `work` for each of `items` on `jobs` threads (0: one for each core; never more than items),
+/// a step each; the results are in the order of the items. Long steps ask whether to go on.
 ///
 /// # Errors
 /// The first error of `work`, or [`ExperimentError::Interrupted`] when the progress said so. Work

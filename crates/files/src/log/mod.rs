@@ -24,8 +24,10 @@ pub(crate) mod units;
 use std::path::Path;
 
 use frfid_signals::Record;
+use frfid_signals::format::count;
 use ndarray::Array2;
 
+use crate::budget::Budget;
 use crate::error::FileError;
 use crate::log::alignment::Grid;
 use crate::log::alignment::pairing::{Paced, delay_warnings, stamp_warnings, two_clocks};
@@ -204,6 +206,9 @@ impl<'s> Source<'s> {
     /// Room for the values of all signals; refuses more than a file may hold.
     fn no_values(&self, n_samples: usize) -> Result<Array2<f64>, FileError> {
         let shape = (self.signals.len(), n_samples);
+        let n_bytes = 8 * n_samples.saturating_mul(shape.0) as u64;
+        let what = format_args!("{n_samples} samples of {}", count(shape.0, "signal"));
+        Budget::allowed(self.path).check(what, n_bytes)?;
         if n_samples.saturating_mul(shape.0) <= header::MOST_VALUES {
             return Ok(Array2::from_elem(shape, f64::NAN));
         }

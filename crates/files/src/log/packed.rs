@@ -1,22 +1,19 @@
 //! Zstandard-compressed recordings (`.zst` of any format), unpacked into a temporary file while they are read.
 
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use tempfile::NamedTempFile;
 use zstd::Decoder;
 
+use crate::budget::Budget;
 use crate::error::FileError;
 use crate::file_kind::start_of;
 
 const ZSTD: &[u8] = &[0x28, 0xb5, 0x2f, 0xfd];
-/// More than this is no recording but a file that fills a disk: 64 GiB.
-const MOST_BYTES: u64 = 64 << 30;
-/// A compressed file may be this many times longer when unpacked.
-const MOST_RATIO: u64 = 2000;
-/// As long as this any ratio is fine: 64 MiB.
-const ANY_RATIO: u64 = 64 << 20;
+/// As much is unpacked at once.
+const BLOCK: u64 = 1 << 20;
 
 /// A file, or what was compressed in it.
 pub(crate) struct Unpacked<'p> {
@@ -50,15 +47,11 @@ impl<'p> Unpacked<'p> {
         let path = self.original;
         let failed = FileError::cannot("unpack", path);
         let file = File::open(path).map_err(failed)?;
-        let limit = limit(file.metadata().map_err(failed)?.len());
-        let mut bytes = Decoder::new(file).map_err(failed)?.take(limit);
+        let budget = Budget::on_disk(path, file.metadata().map_err(failed)?.len());
+        let mut bytes = Decoder::new(file).map_err(failed)?;
         let mut temporary = NamedTempFile::new().map_err(failed)?;
-        let copied = io::copy(&mut bytes, &mut temporary);
-        if bytes.limit() == 0 {
-            return Err(too_long(path, limit));
-        }
-        if let Err(error) = copied {
-            let n_bytes = temporary.as_file().metadata().map_err(failed)?.len();
+        let (n_bytes, ended) = copy(&mut bytes, &mut temporary, budget)?;
+        if let Err(error) = ended {
             if n_bytes == 0 {
                 return Err(failed(error));
             }
@@ -89,17 +82,21 @@ impl<'p> Unpacked<'p> {
     }
 }
 
-/// What a file of so many bytes may unpack to.
-fn limit(n_bytes: u64) -> u64 {
-    n_bytes
-        .saturating_mul(MOST_RATIO)
-        .clamp(ANY_RATIO, MOST_BYTES)
-}
-
-fn too_long(path: &Path, limit: u64) -> FileError {
-    let found = format!("more than {limit} bytes in a small compressed file");
-    let advice = "if it is one, unpack it yourself and give what was in it";
-    FileError::format(path, found, "a recording", advice)
+/// Copies block by block within the budget; returns how many bytes, and why there are no more.
+fn copy(
+    from: &mut impl Read,
+    to: &mut impl Write,
+    mut budget: Budget,
+) -> Result<(u64, io::Result<()>), FileError> {
+    let mut n_bytes = 0;
+    loop {
+        budget.take("what is packed in it", BLOCK)?;
+        match io::copy(&mut from.by_ref().take(BLOCK), to) {
+            Ok(0) => return Ok((n_bytes, Ok(()))),
+            Ok(n) => n_bytes += n,
+            Err(error) => return Ok((n_bytes, Err(error))),
+        }
+    }
 }
 
 #[cfg(test)]
@@ -124,10 +121,14 @@ mod tests {
     fn what_grows_without_end_is_refused_and_of_what_is_cut_the_beginning_is_kept() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("log.mcap.zst");
-        let bomb = zstd::encode_all(io::repeat(0).take(ANY_RATIO + 1), 3).expect("packed");
+        let bomb = zstd::encode_all(io::repeat(0).take(65 << 20), 3).expect("packed");
         std::fs::write(&path, &bomb).expect("written");
         let error = Unpacked::of(&path).map(|_| ()).expect_err("a bomb");
-        assert!(error.to_string().contains("in a small compressed file"));
+        assert!(
+            error
+                .to_string()
+                .contains("what is packed in it would take")
+        );
         std::fs::write(&path, &bomb[..bomb.len() / 2]).expect("written");
         let unpacked = Unpacked::of(&path).expect("the first half");
         assert!(unpacked.damage.is_some());

@@ -66,9 +66,6 @@ pub(crate) struct Recording {
 }
 
 /// The error of a file, with the first damage to it: that may be the reason.
-pub(crate) fn of_damaged(mut error: FileError, damages: &[TimedDamage]) -> FileError {
-    if let (FileError::Content { found, .. }, Some((_, reason))) = (&mut error, damages.first()) {
-        *found += &format!(" (the file is damaged: {reason})");
-    }
-    error
+pub(crate) fn of_damaged(error: FileError, damages: &[TimedDamage]) -> FileError {
+    error.beside(damages.first().map(|(_, reason)| reason.as_str()))
 }

@@ -72,6 +72,12 @@ impl Table {
         self.series.stamps_ns.len()
     }
 
+    /// Bytes of its rows, at most: lists grow by twice.
+    pub(crate) fn n_bytes(&self) -> u64 {
+        let width = size_of::<u64>() * (2 + self.series.columns.len()) + 1;
+        2 * (self.n_rows() * width) as u64
+    }
+
     /// The last stamp.
     pub(crate) fn last_ns(&self) -> Option<i64> {
         self.series.stamps_ns.last().copied()

@@ -7,9 +7,10 @@ use std::path::Path;
 
 use mcap::records::op;
 
+use crate::budget::Budget;
 use crate::error::FileError;
 use crate::loss::Damage;
-use crate::mcap::chunk::{Topics, Visit, unpack};
+use crate::mcap::chunk::{Topics, Visit, unpack, unpacked_bytes};
 use crate::mcap::open::open_mcap;
 use crate::mcap::record::RawRecord;
 use crate::mcap::walk::Walk;
@@ -55,8 +56,13 @@ pub(crate) fn scan<R: Read + Seek>(
 ) -> Result<Vec<Damage>, FileError> {
     let failed = FileError::cannot("read", path);
     let (mut walk, mut topics) = Walk::begin(file, part).map_err(failed)?;
+    let budget = Budget::allowed(path);
     while let Some(record) = walk.next_record(part).map_err(failed)? {
-        deliver(&record, &mut walk, &mut topics, visit)?;
+        let n_bytes = record.bytes.len() as u64 + unpacked_bytes(&record);
+        budget.check("one of its records", n_bytes)?;
+        let delivered = deliver(&record, &mut walk, &mut topics, visit);
+        delivered
+            .map_err(|error| error.beside(walk.damages.first().map(|damage| &*damage.reason)))?;
     }
     if let Some(reason) = topics.orphaned() {
         walk.damaged(None, reason);
@@ -78,10 +84,10 @@ fn deliver<R>(
                 format!("the chunk before byte {} cannot be read: {reason}", walk.at),
             );
         }
-    } else if let Err(short) = topics.take(record.opcode(), record.body(), visit)? {
+    } else if let Err(reason) = topics.take(record.opcode(), record.body(), visit)? {
         walk.damaged(
             None,
-            format!("the record before byte {} is broken: {short}", walk.at),
+            format!("the record before byte {} is broken: {reason}", walk.at),
         );
     }
     Ok(())

@@ -40,12 +40,18 @@ pub struct Recovered {
 pub fn recover(input: &Path, output: &Path, overwrite: Overwrite) -> Result<Recovered, FileError> {
     check_apart(input, output)?;
     let file = open_mcap(input)?;
-    let mut recovered = Recovered::default();
-    write_file(output, overwrite, |out| {
-        recovered = copy(file, input, out)?;
+    let (mut recovered, mut refused) = (Recovered::default(), None);
+    let written = write_file(output, overwrite, |out| {
+        match copy(file, input, out) {
+            Ok(copied) => recovered = copied,
+            Err(error) => return Err(refused.insert(error).to_string().into()),
+        }
         Ok(())
-    })?;
-    Ok(recovered)
+    });
+    match refused {
+        Some(error @ (FileError::TooLarge { .. } | FileError::Stopped { .. })) => Err(error),
+        _ => written.map(|()| recovered),
+    }
 }
 
 /// Refuses an output that would be written over the input on the way.

@@ -6,7 +6,7 @@ use std::io::{self, Read, Seek, SeekFrom};
 use mcap::records::op;
 
 use crate::loss::Damage;
-use crate::mcap::chunk::Topics;
+use crate::mcap::chunk::{Topics, check_schema};
 use crate::mcap::read::Part;
 use crate::mcap::record::{self, ChunkIndex, HEAD, LENGTH_LIMIT, RawRecord};
 use crate::mcap::summary::{self, Summary};
@@ -112,17 +112,29 @@ impl<R: Read + Seek> Walk<R> {
                 Ok(Step::End)
             }
             op::CHUNK if !self.is_in(part)? => self.step_over_chunk(size, part),
-            _ if size > LENGTH_LIMIT => {
-                let reason = format!(
-                    "the record at byte {} claims {size} bytes; the limit is {LENGTH_LIMIT}",
-                    self.at
-                );
-                self.damaged(None, reason);
-                self.step_over(size)
-            }
             op::MESSAGE_INDEX if self.crc.is_none() => self.step_over(size),
-            _ => self.read_record(head, size, false).map(Step::Record),
+            opcode => match self.check_size(opcode, size) {
+                Ok(()) => self.read_record(head, size, false).map(Step::Record),
+                Err(reason) => {
+                    self.damaged(None, reason);
+                    self.step_over(size)
+                }
+            },
         }
+    }
+
+    /// Refuses a record by its size, before it is read.
+    fn check_size(&self, opcode: u8, size: u64) -> Result<(), String> {
+        if size > LENGTH_LIMIT {
+            let at = self.at;
+            return Err(format!(
+                "the record at byte {at} claims {size} bytes; the limit is {LENGTH_LIMIT}"
+            ));
+        }
+        if opcode == op::SCHEMA {
+            return check_schema(size);
+        }
+        Ok(())
     }
 
     /// Leaves out a record of this size, and with it the checksum over the whole file.

@@ -7,6 +7,7 @@ use std::path::Path;
 use frfid_signals::{Injection, Run, RunId};
 use ndarray::{Array2, ArrayView1};
 
+use crate::budget::Budget;
 use crate::error::FileError;
 use crate::mcap::chunk::Entry;
 use crate::mcap::read::{Part, scan_file};
@@ -81,6 +82,9 @@ impl PlanFile {
         if n == 0 || n.saturating_mul(joints) > header::MOST_VALUES {
             return Err(self.refused(entry, &format!("{n} samples")));
         }
+        let what = format_args!("the reference of run {}", entry.id);
+        let n_bytes = (joints * n * size_of::<f64>()) as u64;
+        Budget::of_file(&self.path)?.check(what, n_bytes)?;
         let mut reference = Array2::from_elem((joints, n), f64::NAN);
         self.read_commands(entry, &mut reference)?;
         let missing = reference.iter().filter(|value| !value.is_finite()).count();

@@ -15,12 +15,15 @@ use crate::atomic_write::{Overwrite, write_file};
 use crate::error::FileError;
 use crate::result::harmonics_json::HarmonicsJson;
 use crate::result::json_array::{Complexes, Flaw, Reals};
+use crate::result::packed_numbers::is_packed;
 use crate::result::result_file::{Check, ResultFile, check};
 use crate::result::sealed::{Sealed, seal};
 use crate::result::verdict::Verdict;
 
 const FORMAT: &str = "frfid-result";
-const VERSION: u32 = 1;
+/// Version of results whose arrays are all plain, and of those with packed ones.
+const PLAIN: u32 = 1;
+const PACKED: u32 = 2;
 
 #[derive(Serialize, Deserialize)]
 struct Json {
@@ -107,7 +110,7 @@ impl Json {
         let frf = &result.frf;
         Self {
             format: FORMAT.into(),
-            version: VERSION,
+            version: version_of(result),
             input_names: result.input_names.clone(),
             output_names: result.output_names.clone(),
             input_units: result.input_units.clone(),
@@ -127,6 +130,20 @@ impl Json {
             provenance: result.provenance.clone(),
             sha256: None,
         }
+    }
+}
+
+/// The version of a result: older frfids refuse one that they cannot read.
+fn version_of(result: &ResultFile) -> u32 {
+    let frf = &result.frf;
+    let covariances = [&frf.noise, &frf.total].into_iter().flatten();
+    let covariances = covariances.map(|known| known.covariance.len());
+    let harmonics = result.harmonics.iter().flat_map(|known| &known.response);
+    let harmonics = harmonics.map(|response| response.len());
+    let mut counts = covariances.chain(harmonics).chain([frf.response.len()]);
+    match counts.any(is_packed) {
+        true => PACKED,
+        false => PLAIN,
     }
 }
 
@@ -161,7 +178,7 @@ pub fn read_result(path: &Path) -> Result<ResultFile, FileError> {
 /// The JSON as it stands in the file, if it is a result in the version that is read.
 fn read_json(path: &Path) -> Result<Json, FileError> {
     let format = |found: String| {
-        let needed = "a result written by frfid (JSON, frfid-result version 1)";
+        let needed = "a result written by frfid (JSON, frfid-result version 1 or 2)";
         FileError::format(
             path,
             found,
@@ -171,7 +188,7 @@ fn read_json(path: &Path) -> Result<Json, FileError> {
     };
     let bytes = std::fs::read(path).map_err(FileError::cannot("open", path))?;
     let json: Json = serde_json::from_slice(&bytes).map_err(|error| format(error.to_string()))?;
-    if (json.format.as_str(), json.version) != (FORMAT, VERSION) {
+    if json.format != FORMAT || !(PLAIN..=PACKED).contains(&json.version) {
         return Err(format(format!("{} version {}", json.format, json.version)));
     }
     let is_whole = seal(&bytes).unwrap_or(json.sha256.is_none());
@@ -218,6 +235,9 @@ fn torque_of_old(provenance: &BTreeMap<String, String>) -> Option<Vec<f64>> {
 
 #[cfg(test)]
 mod tests {
+    use ndarray::Array3;
+    use num_complex::Complex64;
+
     use super::*;
     use crate::result::testing::result;
 
@@ -285,6 +305,36 @@ mod tests {
     }
 
     #[test]
+    fn many_numbers_are_packed_and_come_back_to_the_last_bit() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let path = folder.path().join("r.json");
+        let n_lines = 2000;
+        let number = |k: usize| Complex64::new((k as f64).sin() / 3.0, (k as f64).cos());
+        let covariance = |(k, row, column)| match row / 6 == column / 6 {
+            true => number(k + row.min(column) * row.max(column)),
+            false => Complex64::ZERO,
+        };
+        let known = Uncertainty {
+            covariance: Array3::from_shape_fn((n_lines, 36, 36), covariance),
+            degrees_of_freedom: 7.5,
+        };
+        let frf = Frf {
+            frequency_hz: (1..=n_lines).map(|k| k as f64 / 3.0).collect(),
+            response: Array3::from_shape_fn((n_lines, 6, 6), |(k, o, i)| number(k * o + i)),
+            noise: Some(known.clone()),
+            total: Some(known),
+            condition: None,
+            relative_resolution: None,
+        };
+        let names: Vec<String> = (1..=6).map(|k| format!("joint_{k}")).collect();
+        let result = ResultFile::torque_to_velocity(frf, &names);
+        write_result(&path, Overwrite::Refuse, &result).expect("sound");
+        let n_bytes = std::fs::metadata(&path).expect("written").len();
+        assert!(n_bytes < 15_000_000, "{n_bytes} bytes");
+        assert!(read_result(&path).expect("sound") == result);
+    }
+
+    #[test]
     fn contradictions_are_named() {
         for (from, to, told) in [
             ("\"shape\":[4,2,1]", "\"shape\":[4,1,1]", "response"),
@@ -295,7 +345,7 @@ mod tests {
                 "response",
             ),
             ("[\"torque\"]", "[]", "input_names"),
-            ("\"version\":1", "\"version\":2", "version 2"),
+            ("\"version\":1", "\"version\":3", "version 3"),
             ("frfid-result", "other", "other version 1"),
             (
                 "\"frequency_hz\"",

@@ -9,6 +9,7 @@ pub(crate) mod json;
 pub(crate) mod json_array;
 pub(crate) mod mat;
 pub(crate) mod npz;
+pub(crate) mod packed_numbers;
 pub(crate) mod result_file;
 mod sealed;
 #[cfg(test)]

@@ -2,11 +2,12 @@
 //! why.
 
 use std::collections::BTreeMap;
-use std::io::{Read, Seek};
+use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use frfid_signals::RunId;
 
+use crate::budget::Budget;
 use crate::error::FileError;
 use crate::loss::{self, Damage, Loss};
 use crate::mcap::chunk::Entry;
@@ -69,12 +70,16 @@ pub fn read_run_label(path: &Path) -> Result<RunLabel, FileError> {
 
 /// Reads a run from bytes that go by the name `path`.
 pub(crate) fn read_from<R: Read + Seek>(
-    file: R,
+    mut file: R,
     path: &Path,
 ) -> Result<(RunFile, Vec<Loss>), FileError> {
+    let length = file
+        .seek(SeekFrom::End(0))
+        .map_err(FileError::cannot("read", path))?;
+    let budget = Budget::of(path, length);
     let mut reading = Reading::default();
     let damages = scan(file, path, Part::All, &mut |entry| {
-        reading.take(entry, path)
+        reading.take(entry, path, &budget)
     })?;
     reading.finish(damages, path)
 }
@@ -103,12 +108,14 @@ struct Reading {
 }
 
 impl Reading {
-    fn take(&mut self, entry: Entry, path: &Path) -> Result<(), FileError> {
+    fn take(&mut self, entry: Entry, path: &Path, budget: &Budget) -> Result<(), FileError> {
         match self.origin.take(entry) {
             Some(Entry::Metadata { name, values })
                 if name == header::RUN && self.samples.is_none() =>
             {
-                let samples = Samples::new(structure(&values, path)?);
+                let structure = structure(&values, path)?;
+                budget.check("the samples that it says it holds", structure.n_bytes())?;
+                let samples = Samples::new(structure);
                 self.samples = Some(samples.map_err(|found| not_a_run(path, found))?);
                 Ok(())
             }

@@ -61,6 +61,22 @@ pub(crate) struct RunStructure {
     pub(crate) n_events: usize,
 }
 
+impl RunStructure {
+    /// Bytes of all its signals.
+    pub(crate) fn n_bytes(&self) -> u64 {
+        let n_inputs = self
+            .n_inputs
+            .saturating_mul(1 + usize::from(self.has_reference));
+        let n_outputs = self
+            .n_outputs
+            .saturating_mul(1 + usize::from(self.has_position));
+        let n_values = n_inputs
+            .saturating_add(n_outputs)
+            .saturating_mul(self.n_samples);
+        n_values.saturating_mul(size_of::<f64>()) as u64
+    }
+}
+
 /// Version of the layout above.
 pub(crate) const VERSION: u32 = 1;
 
@@ -110,7 +126,7 @@ fn check_shape(
     }
 }
 
-fn structure_of(run: &RunFile) -> RunStructure {
+pub(crate) fn structure_of(run: &RunFile) -> RunStructure {
     let record = &run.record;
     RunStructure {
         version: VERSION,

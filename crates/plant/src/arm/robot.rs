@@ -177,11 +177,8 @@ impl Robot for Arm {
         self.check()
     }
 
-    /// 0.0445 over the fastest rate at the pose (gears beyond their knees), 0.167 ms for the
-    /// Manutec r3, whose linear FRF it keeps within 1e-6 of the truth: RK4 shifts a resonance by
-    /// (rate step)^4 / 120 of its frequency, which its damping magnifies. (0.25 ms leave 4e-6, 0.1
-    /// ms 1e-7, 0.05 ms 6e-9.) NaN for an unsound arm.
-    fn default_step_s(&self) -> f64 {
+    /// At the pose, gears beyond their knees.
+    fn fastest_rad_s(&self) -> f64 {
         let Ok(mechanics) = self.mechanics() else {
             return f64::NAN;
         };
@@ -194,7 +191,15 @@ impl Robot for Arm {
         let stiffness = |joint: &FlexibleJoint| joint.spring.stiffest_nm_per_rad();
         let decay =
             |joint: &FlexibleJoint| joint.damping_nms_per_rad + joint.friction.viscous_nms_per_rad;
-        0.0445 / fastest(&stiffness).sqrt().max(fastest(&decay))
+        fastest(&stiffness).sqrt().max(fastest(&decay))
+    }
+
+    /// 0.0445 over the fastest rate at the pose (gears beyond their knees), 0.167 ms for the
+    /// Manutec r3, whose linear FRF it keeps within 1e-6 of the truth: RK4 shifts a resonance by
+    /// (rate step)^4 / 120 of its frequency, which its damping magnifies. (0.25 ms leave 4e-6, 0.1
+    /// ms 1e-7, 0.05 ms 6e-9.) NaN for an unsound arm.
+    fn default_step_s(&self) -> f64 {
+        0.0445 / self.fastest_rad_s()
     }
 
     /// The links start at the pose plus `start_rad`.

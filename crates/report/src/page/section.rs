@@ -1,8 +1,5 @@
 //! Part of a report: paragraphs, tables, an interactive diagram and figures.
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
-
 use crate::diagrams::curve::Curve;
 use crate::diagrams::labels::Labels;
 use crate::figure::Figure;
@@ -89,12 +86,26 @@ fn responses_html(responses: &Responses) -> String {
     )
 }
 
+/// A text within a `data:` URL in quotes: a quarter shorter than base64.
+fn in_url(text: &str) -> String {
+    let mut url = String::with_capacity(text.len() + text.len() / 16);
+    for letter in text.chars() {
+        match letter {
+            '%' | '#' | '<' | '>' | '"' | '\'' | '&' | '\n' | '\r' | '\t' => {
+                url += &format!("%{:02X}", u32::from(letter));
+            }
+            _ => url.push(letter),
+        }
+    }
+    url
+}
+
 /// A picture as an image: it cannot run scripts, and the ids inside one cannot meet those of
 /// another.
 fn figure_html((caption, figure): &(String, Figure)) -> String {
-    let (image, caption) = (STANDARD.encode(figure.svg()), escaped(caption));
+    let (image, caption) = (in_url(&figure.svg()), escaped(caption));
     format!(
-        "<figure><img src=\"data:image/svg+xml;base64,{image}\" alt=\"{caption}\">\
+        "<figure><img src=\"data:image/svg+xml;charset=utf-8,{image}\" alt=\"{caption}\">\
          <figcaption>{caption}</figcaption></figure>\n"
     )
 }

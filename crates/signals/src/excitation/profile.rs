@@ -4,7 +4,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
-use crate::number::checks::{not_negative, positive, require_shape};
+use crate::number::checks::{at_most_largest, not_negative, positive, require_shape};
 
 /// Amplitude over frequency: constant outside its points, between two points a smoothstep in the
 /// logarithm of the frequency, `A = A_i + (A_{i+1} - A_i) x^2 (3 - 2x)`,
@@ -41,6 +41,7 @@ impl Profile {
         for &(hz, amplitude) in &self.points {
             positive("points", hz)?;
             not_negative("amplitude", amplitude)?;
+            at_most_largest("amplitude", amplitude)?;
         }
         match self.points.windows(2).find(|pair| pair[1].0 <= pair[0].0) {
             Some(pair) => Err(SignalError::derived(

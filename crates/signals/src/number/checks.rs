@@ -16,6 +16,25 @@ pub fn positive(key: &'static str, found: f64) -> Result<(), SignalError> {
     require(key, found, found > 0.0, "a finite number above 0")
 }
 
+/// The largest value of a signal, in any unit: its powers and sums of them stay numbers.
+const LARGEST_AMPLITUDE: f64 = 1e12;
+
+/// A largest value of a signal, which must be a finite number above zero that can be squared and
+/// summed.
+///
+/// # Errors
+/// [`SignalError::Parameter`] with the name and the value found.
+pub fn amplitude(key: &'static str, found: f64) -> Result<(), SignalError> {
+    positive(key, found)?;
+    at_most_largest(key, found)
+}
+
+/// A value of a signal, which must not be beyond all signals.
+pub(crate) fn at_most_largest(key: &'static str, found: f64) -> Result<(), SignalError> {
+    let fits = found <= LARGEST_AMPLITUDE;
+    require(key, found, fits, "at most 1e12")
+}
+
 /// A parameter that must be a finite number, zero or above.
 ///
 /// # Errors

@@ -5,7 +5,7 @@ use std::path::Path;
 use clap::Args;
 use frfid_experiment::{ExperimentError, PlannedRuns, PlayOptions};
 use frfid_files::{
-    AngleUnit, DecimalMark, Exported, PlayFormat, Separator, TableForm, write_bytes,
+    AngleUnit, DecimalMark, Exported, PlayFormat, Separator, TableForm, path_text, write_bytes,
 };
 use frfid_report::{PLAN_PAGE, plan_page};
 use frfid_signals::format::{count, significant};
@@ -197,8 +197,8 @@ fn in_words(exported: &Exported) -> String {
 
 fn as_json(exported: &Exported, output: &Path) -> Value {
     json!({
-        "output": output,
-        "files": exported.files,
+        "output": path_text(output),
+        "files": exported.files.iter().map(path_text).collect::<Vec<_>>(),
         "plan_id": exported.plan_id,
         "rate_hz": exported.player.rate_hz,
         "n_runs": exported.n_runs(),

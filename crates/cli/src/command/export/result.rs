@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use frfid_files::{EXPORTS, Export, read_result};
+use frfid_files::{EXPORTS, Export, path_text, read_result};
 use serde_json::json;
 
 use crate::command::export::{Arguments, ending, unfit};
@@ -58,7 +58,7 @@ pub(super) fn run(
     let result = read_result(&arguments.input)?;
     (format.write)(output, options.overwrite(), &result)?;
     if options.json {
-        console.json(&json!({ "output": output }))?;
+        console.json(&json!({ "output": path_text(output) }))?;
     }
     console.wrote(output);
     Ok(Exit::Done)

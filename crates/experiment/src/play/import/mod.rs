@@ -99,6 +99,7 @@ pub struct ImportedRun {
     /// Its name.
     pub run: String,
     /// The recording it is in.
+    #[serde(serialize_with = "frfid_files::serialize_path")]
     pub recording: PathBuf,
     /// When its first sample was played, in s by the recorder's clock after its first sample.
     pub start_s: f64,

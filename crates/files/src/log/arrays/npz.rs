@@ -7,6 +7,7 @@ use std::path::Path;
 use ndarray::{ArrayD, Axis};
 use npyz::npz::NpzArchive;
 
+use crate::budget::Budget;
 use crate::error::FileError;
 use crate::log::arrays::npy::{parse_npy, parse_npy_integers};
 use crate::log::arrays::{self, Arrays, bad_array, name_and_channel};
@@ -60,7 +61,14 @@ fn entry_bytes(path: &Path, name: &str) -> Result<Vec<u8>, FileError> {
         )
     };
     let damaged = |error: io::Error| bad_array(path, name, error.to_string(), "an undamaged array");
-    all_bytes(entry.map_err(no_such)?).map_err(damaged)
+    let entry = entry.map_err(no_such)?;
+    let (budget, what) = (Budget::of_file(path)?, format!("array {name}"));
+    budget.check(&what, entry.size())?;
+    // packed numbers, numbers, and a copy of them in order
+    Budget::allowed(path).check(&what, entry.size().saturating_mul(3))?;
+    let bytes = all_bytes(entry, budget.most()).map_err(damaged)?;
+    budget.check(&what, bytes.len() as u64)?;
+    Ok(bytes)
 }
 
 fn array_names(archive: &NpzArchive<BufReader<File>>) -> String {
@@ -69,9 +77,11 @@ fn array_names(archive: &NpzArchive<BufReader<File>>) -> String {
     names.join(", ")
 }
 
-fn all_bytes(entry: impl Read) -> io::Result<Vec<u8>> {
+/// The bytes of an entry, up to one more than `most`: its size may be none of its own.
+fn all_bytes(entry: impl Read, most: u64) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    entry.take(LARGEST_ARRAY_BYTES).read_to_end(&mut bytes)?;
+    let most = most.min(LARGEST_ARRAY_BYTES);
+    entry.take(most.saturating_add(1)).read_to_end(&mut bytes)?;
     Ok(bytes)
 }
 

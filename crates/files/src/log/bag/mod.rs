@@ -9,6 +9,7 @@ pub(crate) mod message;
 use std::collections::BTreeSet;
 use std::path::Path;
 
+use crate::budget::Budget;
 use crate::error::FileError;
 use crate::log::bag::message::{Received, header_stamp, stamp_ns};
 use crate::log::map::{Signal, Signals};
@@ -52,7 +53,11 @@ pub(crate) fn read(
     scan: impl FnOnce(&mut Take) -> Result<Vec<TimedDamage>, FileError>,
 ) -> Result<Recording, FileError> {
     let mut topics = Topics::of(path, signals)?;
-    let damages = scan(&mut |received| topics.take(received))?;
+    let budget = Budget::allowed(path);
+    let damages = scan(&mut |received| {
+        topics.take(received)?;
+        budget.check("what is mapped of its messages", topics.n_bytes())
+    })?;
     let checked = topics.check_there(path);
     checked.map_err(|error| of_damaged(error, &damages))?;
     Ok(Recording {
@@ -103,6 +108,10 @@ impl Topics {
             .map_or(Ok(()), |place| self.mapped[place].take(received))
     }
 
+    fn n_bytes(&self) -> u64 {
+        self.mapped.iter().map(|topic| topic.table.n_bytes()).sum()
+    }
+
     fn see(&mut self, name: &str) {
         if !self.seen.contains(name) {
             self.seen.insert(name.to_owned());
@@ -120,7 +129,10 @@ impl Topics {
     }
 
     fn no_messages(&self, path: &Path, topic: &Topic) -> FileError {
-        let needed = format!("one of {}", self.seen().join(", "));
+        let needed = match self.seen.is_empty() {
+            true => "a recording with messages of it; there are none of any topic".into(),
+            false => format!("one of {}", self.seen().join(", ")),
+        };
         FileError::content(path, topic.table.topic(), "no messages", needed)
     }
 

@@ -5,6 +5,7 @@ use std::path::Path;
 
 use csv::StringRecord;
 
+use crate::budget::Budget;
 use crate::error::FileError;
 use crate::log::csv::cells::reader_of;
 use crate::log::csv::dialect::{COMMENTS, Dialect};
@@ -35,6 +36,11 @@ pub(super) struct Rows<'d> {
     /// How the file breaks off.
     broken_off: Option<String>,
     warnings: Vec<String>,
+    /// For the text, packed or not.
+    text: Budget,
+    /// For the rows, and the bytes of each.
+    rows: Budget,
+    row_bytes: u64,
 }
 
 /// Rows without a time.
@@ -68,6 +74,9 @@ impl<'d> Rows<'d> {
             is_last: false,
             end: SharedEnd::default(),
             broken_off: None,
+            text: Budget::of_file(path)?,
+            rows: Budget::allowed(path),
+            row_bytes: 2 * 8 * (2 + signals.len() as u64),
         })
     }
 
@@ -83,6 +92,7 @@ impl<'d> Rows<'d> {
         let mut is_there = self.next(&mut reader, &mut record)?;
         while is_there && self.broken_off.is_none() {
             is_there = self.next(&mut reader, &mut next)?;
+            self.text.check("its text", reader.position().byte())?;
             self.line = record.position().map_or(0, |place| place.line() as usize);
             self.is_last = !is_there;
             if self.is_end(&record) {
@@ -155,6 +165,8 @@ impl<'d> Rows<'d> {
 
     /// Refuses more rows than a recording may have.
     fn check_count(&self) -> Result<(), FileError> {
+        self.rows
+            .check("its rows", self.number as u64 * self.row_bytes)?;
         if self.number <= self.most_rows {
             return Ok(());
         }

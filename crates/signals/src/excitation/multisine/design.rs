@@ -10,7 +10,7 @@ use crate::excitation::multisine::{Multisine, Phases};
 use crate::excitation::phasing::Phasing;
 use crate::excitation::profile::Profile;
 use crate::excitation::{Excitation, Injection};
-use crate::number::checks::positive;
+use crate::number::checks::amplitude;
 
 /// A random-phase multisine (SK15 section 4): the table `[multisine]`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
@@ -103,7 +103,7 @@ impl MultisineDesign {
             ("peak", &self.peak),
         ];
         if self.peak_of_velocity.is_none() {
-            return target.of_injection(keys, |key, &peak| positive(key, peak));
+            return target.of_injection(keys, |key, &peak| amplitude(key, peak));
         }
         let is_closed = target.injection == Injection::Velocity && !target.is_of_channels;
         if is_closed && keys.iter().all(|(_, peak)| peak.is_none()) {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use frfid_files::{Log, LogMap, read_log, recording_parts, sha256_file};
+use frfid_files::{FileError, Log, LogMap, read_log, recording_parts, sha256_file};
 
 use crate::error::ExperimentError;
 use crate::estimate::others::recording::cut::cut;
@@ -28,6 +28,7 @@ pub(in crate::estimate::others) fn read(
         let name = path.display().to_string();
         match read_one(path, map) {
             Ok(log) => recordings.push(Recording::new(place, name, log)),
+            Err(stopped @ ExperimentError::File(FileError::Stopped { .. })) => return Err(stopped),
             Err(error) => {
                 unused.push(Unused::new(place, name, error.to_string()));
                 first_error.get_or_insert(error);

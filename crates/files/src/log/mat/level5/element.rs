@@ -4,6 +4,7 @@ use std::io::Read;
 
 use flate2::read::ZlibDecoder;
 
+use crate::budget::most_of;
 use crate::bytes::{Bytes, Short};
 use crate::run::header::MOST_VALUES;
 
@@ -73,7 +74,8 @@ impl<'a> Elements<'a> {
 impl Element<'_> {
     /// What a packed element holds, or its beginning.
     pub(super) fn unpacked(&self, whole: bool) -> Vec<u8> {
-        let limit = if whole { LARGEST_BYTES } else { BEGINNING };
+        let most = most_of(self.data.len() as u64).min(LARGEST_BYTES);
+        let limit = if whole { most } else { BEGINNING };
         let mut bytes = Vec::new();
         // what cannot be unpacked will be missing, and told
         let _ = ZlibDecoder::new(self.data)

@@ -2,11 +2,9 @@
 
 use hdf5_pure::{Dataset, Layout};
 
+use crate::budget::most_of;
 use crate::log::mat::level73::told;
 use crate::run::header::MOST_VALUES;
-
-/// Most bytes that a packed one stands for, by DEFLATE (RFC 1951).
-const MOST_PACKED: u64 = 1032;
 
 /// How many elements a dataset has; refuses more than the file can hold.
 pub(super) fn check_stored(dataset: &Dataset, path: &str, size: u64) -> Result<usize, String> {
@@ -22,7 +20,7 @@ pub(super) fn check_stored(dataset: &Dataset, path: &str, size: u64) -> Result<u
     let stored = stored(dataset, size)?;
     let unpacked = match dataset.filters()[..] {
         [] => stored,
-        _ => stored.saturating_mul(MOST_PACKED),
+        _ => most_of(stored),
     };
     if count > MOST_VALUES as u64 || declared > unpacked {
         return Err(format!(
