@@ -75,7 +75,7 @@ pub fn main(
         Ok(arguments) => arguments,
         Err(told) => return told_by_clap(&told, as_json, stdout, stderr) as i32,
     };
-    threads::are_refused();
+    threads::settle();
     let options = arguments.options;
     let mut console = Console::new(stdout, stderr, options.quiet, options.colour());
     let exit = arguments.run(&mut console).unwrap_or_else(|mut failure| {

@@ -3,22 +3,22 @@
 use std::io::IsTerminal;
 use std::panic::resume_unwind;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use frfid_experiment::Progress;
+use frfid_experiment::{Progress, on_threads};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::console::Console;
-use crate::{interrupt, threads};
+use crate::interrupt;
 
 /// How often the display is renewed.
 const TICK: Duration = Duration::from_millis(100);
 /// How often a line is written where there is no terminal.
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
-/// Does `work` on a thread of its own, while this one shows its progress and listens for Ctrl-C.
+/// Does `work` on a thread of its own, while this one shows its progress and listens for Ctrl-C; where the system refuses
+/// threads, on this one, without a word on the way.
 ///
 /// `what` names the work and `unit` its steps, as in "simulating: 3 of 30 runs".
 pub(crate) fn watched<T: Send>(
@@ -34,47 +34,35 @@ pub(crate) fn watched<T: Send>(
         !interrupt::asked()
     };
     let mut display = Display::new(console, what, unit);
-    if threads::are_refused() {
-        return work(&report);
-    }
-    apart(
-        thread::Builder::new(),
-        || work(&report),
-        || {
-            let (done, total) = steps.done_of_total();
-            display.show(console, done, total);
-        },
-    )
+    let show = || {
+        let (done, total) = steps.done_of_total();
+        display.show(console, done, total);
+    };
+    beside(|| on_threads(|| work(&report)), show)
 }
 
-/// Does `work` on a thread of its own while this one looks after it every tick; or on this one,
-/// where the system gives no other.
-fn apart<T: Send>(
-    thread: thread::Builder,
-    work: impl FnOnce() -> T + Send,
-    mut look: impl FnMut(),
-) -> T {
-    let (watcher, work) = (thread::current(), Mutex::new(Some(work)));
-    let take = || {
-        let mut work = work.lock().unwrap_or_else(PoisonError::into_inner);
-        work.take()
-            .expect("taken once, by the one thread that works")
+/// Does `work` on another thread and calls `tick` meanwhile; on this thread where there is no other.
+fn beside<T: Send>(work: impl FnOnce() -> T + Send, mut tick: impl FnMut()) -> T {
+    let watcher = thread::current();
+    let (mut work, mut done) = (Some(work), None);
+    let mut begin = || {
+        if let Some(work) = work.take() {
+            done = Some(work());
+            watcher.unpark();
+        }
     };
     thread::scope(|scope| {
-        let worker = thread.spawn_scoped(scope, || {
-            let result = take()();
-            watcher.unpark();
-            result
-        });
-        let Ok(worker) = worker else {
-            return take()();
+        let Ok(worker) = thread::Builder::new().spawn_scoped(scope, &mut begin) else {
+            return;
         };
         while !worker.is_finished() {
             thread::park_timeout(TICK);
-            look();
+            tick();
         }
-        worker.join().unwrap_or_else(|panic| resume_unwind(panic))
-    })
+        worker.join().unwrap_or_else(|panic| resume_unwind(panic));
+    });
+    begin();
+    done.expect("done by one of the two")
 }
 
 /// How far the work is.
@@ -166,14 +154,6 @@ impl Drop for Display {
 mod tests {
     use super::*;
     use anstream::ColorChoice;
-
-    #[test]
-    fn where_no_thread_is_given_the_work_is_done_on_this_one() {
-        let here = || thread::current().id();
-        let refused = thread::Builder::new().stack_size(usize::MAX >> 1);
-        assert_eq!(apart(refused, here, || ()), here());
-        assert_ne!(apart(thread::Builder::new(), here, || ()), here());
-    }
 
     #[test]
     fn the_result_of_the_work_comes_back_and_a_line_is_due_after_ten_seconds() {

@@ -105,7 +105,7 @@ pub use run::folder::{RunOptions, RunReport, RunSummary, run_to_folder};
 pub use run::guard::Guarded;
 pub use run::kept::KeptRuns;
 pub use run::load::Load;
-pub use run::parallel::{Progress, Steps, for_each, silent};
+pub use run::parallel::{Progress, Steps, for_each, on_threads, silent};
 pub use run::planned_runs::PlannedRuns;
 pub use run::strength::Strength;
 pub use shape::folder::{ShapeFolderOptions, shape_to_folder};

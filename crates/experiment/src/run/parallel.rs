@@ -81,7 +81,20 @@ pub(crate) fn is_interruption(error: &ExperimentError) -> bool {
     )
 }
 
-/// Runs `work` in a pool of `jobs` threads (0: the common pool, one for each core).
+/// Runs `work` with a pool of its own, a thread for each core; where the system refuses threads, on this thread alone.
+pub fn on_threads<T: Send>(work: impl FnOnce() -> T + Send) -> T {
+    let this_thread = || {
+        let alone = rayon::ThreadPoolBuilder::new().num_threads(1);
+        alone.use_current_thread().build()
+    };
+    let pool = rayon::ThreadPoolBuilder::new().build();
+    match pool.or_else(|_| this_thread()) {
+        Ok(pool) => pool.install(work),
+        Err(_) => work(), // this thread is in a pool already, which is then used
+    }
+}
+
+/// Runs `work` in a pool of `jobs` threads (0: the pool of this thread, or the common one).
 fn in_pool<T: Send>(
     jobs: usize,
     work: impl FnOnce() -> Result<T, ExperimentError> + Send,
