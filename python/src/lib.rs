@@ -60,6 +60,7 @@ mod signals {
     pub(crate) mod multisine;
     pub(crate) mod profile;
     pub(crate) mod record;
+    mod recorded_runs;
     pub(crate) mod run;
 }
 /// Runs done on simulated machines and on those of Python.

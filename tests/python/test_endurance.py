@@ -1,7 +1,7 @@
 """Endurance: eight threads call whatever computes, over and over, and the memory of the process stays where it is.
 
 ``FRFID_CALLS=100000 pytest tests/python/test_endurance.py -s`` is the whole of it; the suite does a few thousand calls. The forks
-after use are in ``test_processes.py``, which also runs as a script, with a count of children: ``python test_processes.py 100``.
+after use are in ``test_processes.py``.
 """
 
 import gc

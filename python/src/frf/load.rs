@@ -8,8 +8,25 @@ use pyo3::prelude::*;
 
 use crate::error;
 use crate::frf::matrix::Frf;
+use crate::frf::parts::Arrays;
 use crate::sources::Sources;
 use crate::threads::detached;
+
+impl Frf {
+    /// A result with everything that belongs to it.
+    pub(crate) fn of(result: ResultFile) -> Self {
+        Self::read_from(result, Sources::default())
+    }
+
+    /// The same, made of files.
+    pub(crate) fn read_from(result: ResultFile, sources: Sources) -> Self {
+        Self {
+            result,
+            sources,
+            arrays: Arrays::default(),
+        }
+    }
+}
 
 /// An FRF of which only the numbers are known: channels are numbered, their units empty.
 impl From<Response> for Frf {

@@ -64,23 +64,7 @@ use crate::sources::Sources;
 pub(crate) struct Frf {
     pub result: ResultFile,
     pub sources: Sources,
-    arrays: Arrays,
-}
-
-impl Frf {
-    /// A result with everything that belongs to it.
-    pub(crate) fn of(result: ResultFile) -> Self {
-        Self::read_from(result, Sources::default())
-    }
-
-    /// The same, made of files.
-    pub(crate) fn read_from(result: ResultFile, sources: Sources) -> Self {
-        Self {
-            result,
-            sources,
-            arrays: Arrays::default(),
-        }
-    }
+    pub(super) arrays: Arrays,
 }
 
 #[pymethods]

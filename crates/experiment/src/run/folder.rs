@@ -226,7 +226,7 @@ impl<'a> Writer<'a> {
     fn done(&self, id: RunId, testbed: &dyn Testbed, go_on: GoOn) -> Result<Done, ExperimentError> {
         let experiment = &self.planned.experiment;
         let run = self.planned.run_while(id, go_on)?;
-        let record = self.write(id, testbed.run_while(&run, go_on)?)?;
+        let record = self.write(id, testbed.run(&run)?)?;
         let load = Load::of(&record, &run.start_rad, &experiment.pose_rad);
         let report = report(self.path_of(id), load, &record);
         Ok((report, experiment.strength_of(id, &record)))
