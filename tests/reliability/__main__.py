@@ -1,4 +1,4 @@
-"""The loops over faults, whole: `python tests/reliability`, from the root of the project, with the command frfid or its path in FRFID.
+"""The loops over faults, whole: `python tests/reliability`, from the root of the project, with the command that cargo built.
 
     python tests/reliability                  everything, half an hour or more on two cores
     python tests/reliability --share 0.1      a tenth of the damages, calls and kills
@@ -15,12 +15,12 @@ import hostile
 import kills
 import recovered
 import syscalls
-from command import FRFID
+from command import FRFID, NEEDS
 from materials import materials
 
 MOST_FLIPS = 1500  # of each material
 MOST_CUTS = 1000  # but of a run, which is cut at every byte
-MOST_CALLS = 400  # of a call with more, as reads and allocations
+MOST_CALLS = 200  # of a call with more, as reads and allocations
 KILLS = 40
 
 
@@ -46,7 +46,7 @@ def all_conformance(share):
 
 
 def all_hostile(share):
-    return hostile.loop(int(share * 6000))
+    return hostile.loop(int(share * 3000))
 
 
 LOOPS = {"damage": all_damage, "syscalls": all_syscalls, "kills": all_kills, "conformance": all_conformance, "hostile": all_hostile}
@@ -54,7 +54,7 @@ LOOPS = {"damage": all_damage, "syscalls": all_syscalls, "kills": all_kills, "co
 
 def main():
     if FRFID is None:
-        raise SystemExit("the command frfid is not installed: pip install ., or its path in FRFID")
+        raise SystemExit(NEEDS)
     parser = argparse.ArgumentParser(description="The loops over faults, whole.")
     parser.add_argument("loops", nargs="*", metavar="LOOP", help="which ones; all without")
     parser.add_argument("--share", type=float, default=1.0, help="of the cases")

@@ -12,8 +12,22 @@ import threading
 import time
 from dataclasses import dataclass
 
-FRFID = os.environ.get("FRFID") or shutil.which("frfid")
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 LONGEST_S = 10
+
+
+def program():
+    """The command as Rust builds it: FRFID, else the newest in target/, else the installed one; not the wheel's, which starts a Python."""
+    built = [ROOT / "target" / profile / "frfid" for profile in ("debug", "release")]
+    built = sorted((path for path in built if path.exists()), key=lambda path: path.stat().st_mtime, reverse=True)
+    for path in [os.environ.get("FRFID"), *built, shutil.which("frfid")]:
+        if path and pathlib.Path(path).read_bytes()[:2] != b"#!":
+            return str(path)
+    return None
+
+
+FRFID = program()
+NEEDS = "needs the command frfid as Rust builds it: cargo build, or its path in FRFID"
 
 
 @dataclass

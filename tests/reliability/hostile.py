@@ -146,7 +146,7 @@ BOMBS = {
     "MCAP with a stamp 11 h late": ("a.mcap", lambda: late_stamp(11), FIELDS),
     "MCAP with a stamp 36 h late": ("a.mcap", lambda: late_stamp(36), FIELDS),
     "MCAP of 4 chunks of 32 MiB": ("a.mcap", lambda: packed_chunks(4, 32 * MIB), FIELDS),
-    "MCAP with a schema of 100 MB": ("a.mcap", lambda: large_schema(10**8), FIELDS),
+    "MCAP with a schema of 200 MB": ("a.mcap", lambda: large_schema(2 * 10**8), FIELDS),
     "MCAP.zst of 256 MiB": ("a.mcap.zst", lambda: zst(MAGIC + bytes(256 * MIB)), FIELDS),
     "result JSON of 10 MB of brackets": ("frf.json", lambda: b'{"format":"frfid-result","version":' + b"[" * 10**7, None),
     "description of 1 MB of brackets": ("x.toml", lambda: b"seed = " + b"[" * 10**6, None),

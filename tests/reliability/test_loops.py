@@ -7,11 +7,11 @@ import kills
 import pytest
 import recovered
 import syscalls
-from command import FRFID
+from command import FRFID, NEEDS
 from conformance import upstream_sums, variations
 from materials import materials
 
-pytestmark = pytest.mark.skipif(FRFID is None, reason="needs the command frfid: pip install ., or its path in FRFID")
+pytestmark = pytest.mark.skipif(FRFID is None, reason=NEEDS)
 
 
 def clean(tally):
