@@ -310,7 +310,7 @@ mod tests {
         let path = folder.path().join("r.json");
         let n_lines = 2000;
         let number = |k: usize| Complex64::new((k as f64).sin() / 3.0, (k as f64).cos());
-        let covariance = |(k, row, column)| match row / 6 == column / 6 {
+        let covariance = |(k, row, column): (usize, usize, usize)| match row / 6 == column / 6 {
             true => number(k + row.min(column) * row.max(column)),
             false => Complex64::ZERO,
         };
