@@ -33,6 +33,8 @@ pub enum Aperiodic {
     },
     /// A period that was given is not that of the recording.
     OtherPeriod,
+    /// A period that was given, of which less than one is there to be compared.
+    TooLittle,
     /// Nothing repeats.
     Nothing,
 }
@@ -61,6 +63,10 @@ impl fmt::Display for Aperiodic {
             Self::OtherPeriod => write!(
                 f,
                 "the period that was given is not that of the recording; without --period it is searched for"
+            ),
+            Self::TooLittle => write!(
+                f,
+                "most of its periods are lost in part; record it again, or longer"
             ),
             Self::Nothing => write!(
                 f,

@@ -26,7 +26,10 @@ pub(super) fn why(channels: &[Channel], given: Option<f64>) -> EstimateError {
         period,
         residual,
         limit: LIMIT,
-        cause: cause(channels, given, &periods),
+        cause: match given {
+            Some(_) if residual <= LIMIT && !channels.is_empty() => Aperiodic::TooLittle,
+            _ => cause(channels, given, &periods),
+        },
     }
 }
 

@@ -75,7 +75,6 @@ impl Compared {
 mod tests {
     use ndarray::Array2;
 
-    use super::*;
     use crate::repetition::find_repetition;
 
     /// Five periods of 250 samples, of which a stretch is lost.

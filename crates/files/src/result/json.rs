@@ -320,7 +320,9 @@ mod tests {
         };
         let frf = Frf {
             frequency_hz: (1..=n_lines).map(|k| k as f64 / 3.0).collect(),
-            response: Array3::from_shape_fn((n_lines, 6, 6), |(k, o, i)| number(k * o + i)),
+            response: Array3::from_shape_fn((n_lines, 6, 6), |(k, o, i): (usize, usize, usize)| {
+                number(k * o + i)
+            }),
             noise: Some(known.clone()),
             total: Some(known),
             condition: None,
