@@ -12,6 +12,7 @@ use proptest::prelude::*;
 
 use crate::atomic_write::Overwrite;
 use crate::log::arrays::npz::read_npz_array;
+use crate::mcap::chunk::Entry;
 use crate::mcap::read::{Part, scan};
 use crate::mcap::record::LENGTH_LIMIT;
 use crate::mcap::recover::recover;
@@ -103,6 +104,21 @@ fn absurd_lengths_are_refused_by_number() {
         );
     }
     assert_eq!(LENGTH_LIMIT, 268_435_456);
+}
+
+/// What stands behind the records of a chunk that is not packed is no part of a record in it.
+#[test]
+fn a_record_longer_than_its_chunk_is_damage() {
+    let unknown = |claimed: u64| [&[0x7f][..], &claimed.to_le_bytes(), &[0; 20]].concat();
+    let records = [unknown(20), unknown(24)].concat();
+    let head = [&[0; 32][..], &(records.len() as u64).to_le_bytes()].concat();
+    let body = [&head[..], &records, &[0; 8]].concat();
+    let chunk = [&[6][..], &(body.len() as u64).to_le_bytes(), &body].concat();
+    let file = [mcap::MAGIC, &chunk].concat();
+    let (path, visit) = (Path::new("x.mcap"), &mut |_: Entry<'_>| Ok(()));
+    let damages = scan(Cursor::new(&file), path, Part::All, visit).expect("readable");
+    let mut reasons = damages.iter().map(|damage| damage.reason.as_str());
+    assert!(reasons.any(|reason| reason.contains("needs 24 bytes at offset 38, 20 are left")));
 }
 
 /// The names of attachments come from the file; recovering one copies it as content and touches no

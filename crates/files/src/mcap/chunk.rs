@@ -9,6 +9,7 @@ use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOp
 use crate::budget::by_length;
 use crate::bytes::Short;
 use crate::error::{FileError, chain};
+use crate::mcap::plain_chunk::{plain, read_plain};
 use crate::mcap::record::{self, Attachment, Channel, LENGTH_LIMIT, Message, RawRecord, Schema};
 
 /// What a file holds, in the order of the file.
@@ -124,6 +125,9 @@ pub(crate) type Take<'t> = dyn FnMut(u8, &[u8]) -> Taken + 't;
 /// Unpacks a chunk into `take`, after its checksum was verified. Of a chunk whose end is cut off,
 /// which no checksum covers, it delivers what comes before the cut.
 pub(crate) fn unpack(chunk: &RawRecord, take: &mut Take) -> Taken {
+    if let Some((crc, records)) = plain(chunk) {
+        return read_plain(crc, records, take);
+    }
     let limit = limit_of(chunk);
     let mut reader = reader_of(chunk, limit);
     let mut left = &chunk.bytes[..];
