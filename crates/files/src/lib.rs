@@ -18,8 +18,8 @@ mod mat_write;
 /// MCAP containers: read with every checksum, written, recovered.
 mod mcap {
     pub(crate) mod chunk;
-    pub(crate) mod plain_chunk;
     pub(crate) mod open;
+    pub(crate) mod plain_chunk;
     pub(crate) mod read;
     pub(crate) mod record;
     pub(crate) mod recover;

@@ -1,19 +1,24 @@
-//! Guard of a machine: once it went beyond a limit, it is not sent another run.
+//! Guard of a machine: it is not sent a reference beyond a limit, nor another run once it went beyond one.
 
 use std::sync::Mutex;
 
 use frfid_signals::{
     Excess, GoOn, Injection, InputKind, Limit, Limits, Peaks, Record, Run, Testbed, TestbedError,
+    largest_by_axis,
 };
 
+use crate::design::signal::SignalPeaks;
 use crate::experiment::Experiment;
 
-/// A testbed that is given no further run after one in which it exceeded a limit.
+/// A testbed that is given no reference beyond its limits, and no further run after one in which it
+/// exceeded a limit.
 pub struct Guarded<'a> {
     testbed: &'a dyn Testbed,
     limits: Limits,
     pose_rad: Vec<f64>,
     injection: Injection,
+    /// What is described, where it is: the signals of channels have limits of their own.
+    experiment: Option<&'a Experiment>,
     /// What was exceeded.
     tripped: Mutex<Option<String>>,
 }
@@ -32,15 +37,19 @@ impl<'a> Guarded<'a> {
             limits: limits.clone(),
             pose_rad: pose_rad.to_vec(),
             injection,
+            experiment: None,
             tripped: Mutex::new(None),
         }
     }
 
     /// The same with the limits and the pose of a description.
     #[must_use]
-    pub fn of(experiment: &Experiment, testbed: &'a dyn Testbed) -> Self {
+    pub fn of(experiment: &'a Experiment, testbed: &'a dyn Testbed) -> Self {
         let (limits, pose_rad) = (&experiment.limits, &experiment.pose_rad);
-        Self::new(testbed, limits, pose_rad, experiment.plan.injection)
+        Self {
+            experiment: Some(experiment),
+            ..Self::new(testbed, limits, pose_rad, experiment.plan.injection)
+        }
     }
 
     /// Sees the record of a run, done now or before.
@@ -70,23 +79,26 @@ impl<'a> Guarded<'a> {
     fn pass(&self, run: &Run) -> Result<(), TestbedError> {
         let tripped = self.tripped.lock().expect("no thread panics with it");
         let why = tripped.clone();
-        let why = why.or_else(|| self.too_steep(run));
+        let why = why.or_else(|| self.beyond(run));
         why.map_or(Ok(()), |why| Err(TestbedError::foreign(run.id, why)))
     }
 
-    /// Why torques are not sent that change faster than they may, from rest to rest.
-    fn too_steep(&self, run: &Run) -> Option<String> {
-        if self.injection != Injection::Torque {
-            return None;
-        }
-        let rate = run.steepest_per_s(self.injection);
-        let peaks = Peaks::from_iter([(Limit::TorqueRate, rate)]);
-        let excess = *self.limits.exceeded(&peaks).first()?;
-        Some(format!(
-            "not sent to the machine: run {}: {excess}, from and to rest included; lower the amplitudes, or fade them in \
-             and out ([averaging] ramp_s of a multisine, fade_s of a chirp)",
-            run.id
-        ))
+    /// Why a reference is not sent that is beyond a limit by itself, changes from and to rest
+    /// included.
+    fn beyond(&self, run: &Run) -> Option<String> {
+        let exceeded = self.limits.exceeded(&of_reference(run, self.injection));
+        let of_signal = |experiment: &Experiment| {
+            let peaks = SignalPeaks::of(run, self.injection);
+            Some(experiment.check_signal(&peaks).err()?.message)
+        };
+        let excess = exceeded.first().map(|excess| {
+            format!(
+                "the reference of {excess}, from and to rest; lower the amplitudes, or fade them in and out ([averaging] \
+                 ramp_s of a multisine, fade_s of a chirp)"
+            )
+        });
+        let why = excess.or_else(|| self.experiment.and_then(of_signal))?;
+        Some(format!("not sent to the machine: run {}: {why}", run.id))
     }
 }
 
@@ -108,6 +120,18 @@ impl Testbed for Guarded<'_> {
         let record = self.testbed.run_while(run, go_on)?;
         self.see(run, &record);
         Ok(record)
+    }
+}
+
+/// What a reference reaches by itself.
+fn of_reference(run: &Run, injection: Injection) -> Peaks {
+    let largest = largest_by_axis(&run.reference);
+    match injection {
+        Injection::Torque => Peaks::from_iter([
+            (Limit::Torque, largest),
+            (Limit::TorqueRate, run.steepest_per_s(injection)),
+        ]),
+        Injection::Velocity => Peaks::from_iter([(Limit::Velocity, largest)]),
     }
 }
 
