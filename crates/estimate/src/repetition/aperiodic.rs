@@ -33,12 +33,6 @@ pub(super) fn why(channels: &[Channel], given: Option<f64>) -> EstimateError {
     }
 }
 
-/// The period after which most repeats, whatever there is of it; `None` where nothing tells.
-pub(super) fn likeliest_period(channels: &[Channel]) -> Option<usize> {
-    let (period, _) = least_residual(channels, &candidates(channels));
-    (period > 0).then_some(period)
-}
-
 /// The period after which most repeats, and what does not.
 fn least_residual(channels: &[Channel], periods: &[usize]) -> (usize, f64) {
     let rate = |&period: &usize| (period, residual(channels, period));
@@ -71,7 +65,7 @@ fn most_partly(channels: &[Channel], periods: &[usize]) -> Aperiodic {
 }
 
 /// The highest peaks of each channel's correlation.
-fn candidates(channels: &[Channel]) -> Vec<usize> {
+pub(super) fn candidates(channels: &[Channel]) -> Vec<usize> {
     let of_channel = |channel| highest_peaks(&autocorrelation(channel));
     channels.iter().flat_map(of_channel).collect()
 }

@@ -23,7 +23,7 @@ use crate::correlation::autocorrelation::SHORTEST;
 use crate::correlation::channel::Channel;
 use crate::correlation::long_lags::Pairs;
 use crate::error::EstimateError;
-use crate::repetition::aperiodic::{likeliest_period, why};
+use crate::repetition::aperiodic::{candidates, why};
 use crate::repetition::bridged::bridged;
 use crate::repetition::candidate::{Candidate, stride};
 use crate::repetition::period_search::{Repeating, shortest_period};
@@ -94,7 +94,13 @@ pub fn find_repetition(
 fn search(channels: &[Channel]) -> Result<Repetition, EstimateError> {
     let repeating: Vec<Repeating> = channels.iter().filter_map(Repeating::new).collect();
     let found = shortest_period(repeating).and_then(|(channels, period)| found(&channels, period));
-    let found = found.or_else(|| bridged(channels, likeliest_period(channels)? as f64));
+    let bridged = || {
+        let mut periods = candidates(channels);
+        periods.sort_unstable();
+        let mut periods = periods.into_iter();
+        periods.find_map(|period| bridged(channels, period as f64))
+    };
+    let found = found.or_else(bridged);
     found.ok_or_else(|| why(channels, None))
 }
 

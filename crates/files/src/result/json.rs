@@ -310,9 +310,10 @@ mod tests {
         let path = folder.path().join("r.json");
         let n_lines = 2000;
         let number = |k: usize| Complex64::new((k as f64).sin() / 3.0, (k as f64).cos());
-        let covariance = |(k, row, column): (usize, usize, usize)| match row / 6 == column / 6 {
-            true => number(k + row.min(column) * row.max(column)),
-            false => Complex64::ZERO,
+        let covariance = |(k, row, column): (usize, usize, usize)| match row.abs_diff(column) {
+            0 => Complex64::new(2.0 + (k as f64).sin(), 0.0),
+            _ if row / 6 == column / 6 => number(k + row.min(column) * row.max(column)),
+            _ => Complex64::ZERO,
         };
         let known = Uncertainty {
             covariance: Array3::from_shape_fn((n_lines, 36, 36), covariance),
