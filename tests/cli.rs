@@ -109,7 +109,7 @@ fn what_is_wrong_in_a_description_is_shown_with_its_place() {
             "sample_time_s = 0.001",
             "sample_time_s = \"1 ms\"",
             "^^^^^^",
-            "expected f64",
+            "needed a number",
         ),
         ("[limits]", "[limit]", "^^^^^", "unknown field `limit`"),
         ("grid = \"odd\"", "grid = \"even\"", "^^^^^^", "odd-random"),

@@ -147,7 +147,7 @@ fn what_is_wrong_in_a_controller_is_underlined() {
             FILTERED,
             "width_hz = [3.0]",
             "width_hz = 3.0",
-            "expected a sequence",
+            "needed a list",
             "3.0",
         ),
         (
