@@ -22,7 +22,6 @@ mod description {
 /// Design: what a plan costs, and what it will ask of the robot.
 mod design {
     pub(crate) mod cost;
-    pub(crate) mod fading;
     pub(crate) mod plausible;
     pub(crate) mod predict;
     pub(crate) mod preflight;
@@ -45,6 +44,7 @@ mod play {
 }
 /// Runs: done on a testbed, several at once, and kept.
 mod run {
+    pub(crate) mod fading;
     pub(crate) mod folder;
     pub(crate) mod guard;
     pub(crate) mod kept;
@@ -53,6 +53,7 @@ mod run {
     pub(crate) mod planned_runs;
     pub(crate) mod provenance;
     pub(crate) mod run_file;
+    pub(crate) mod signal;
     pub(crate) mod simulated;
     pub(crate) mod strength;
 }
@@ -84,9 +85,7 @@ pub use description::shape::{ShapeTable, StepName};
 pub use description::templates::{TEMPLATES, Template};
 pub use description::text::{ConfigError, TextSpan, TomlText};
 pub use design::cost::Cost;
-pub use design::fading::fading_advice;
 pub use design::predict::{Prediction, predict};
-pub use design::signal::SignalPeaks;
 pub use error::ExperimentError;
 pub use estimate::estimator::{Estimator, Spectra};
 pub use estimate::find_logs::recordings_among;
@@ -101,12 +100,14 @@ pub use play::command::{CommandTestbed, PlayerCommand};
 pub use play::export::PlayOptions;
 pub use play::import::{ImportOptions, ImportSummary, ImportedRun, import_recordings};
 pub use play::process::end_player;
+pub use run::fading::fading_advice;
 pub use run::folder::{RunOptions, RunReport, RunSummary, run_to_folder};
 pub use run::guard::Guarded;
 pub use run::kept::KeptRuns;
 pub use run::load::Load;
 pub use run::parallel::{Progress, Steps, for_each, on_threads, silent};
 pub use run::planned_runs::PlannedRuns;
+pub use run::signal::SignalPeaks;
 pub use run::strength::Strength;
 pub use shape::folder::{ShapeFolderOptions, shape_to_folder};
 pub use shape::kept_references::KeptReferences;

@@ -4,11 +4,11 @@
 use frfid_signals::{Excess, Injection, Peaks, Plan, Playback, Played, Player, Run, RunId};
 use ndarray::Array2;
 
-use crate::design::signal::SignalPeaks;
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::load::Load;
 use crate::run::planned_runs::PlannedRuns;
+use crate::run::signal::SignalPeaks;
 
 /// Rest before and after every run in s: long enough to be recognised.
 const REST_S: f64 = 0.5;

@@ -7,8 +7,8 @@ use frfid_signals::{
     largest_by_axis,
 };
 
-use crate::design::signal::SignalPeaks;
 use crate::experiment::Experiment;
+use crate::run::signal::SignalPeaks;
 
 /// A testbed that is given no reference beyond its limits, and no further run after one in which it
 /// exceeded a limit.
