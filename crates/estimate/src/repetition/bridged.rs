@@ -109,7 +109,7 @@ mod tests {
         ] {
             let found = find_repetition(holed(lost, mixture).view(), period).expect("it repeats");
             assert!((found.period - 250.0).abs() < 1e-6, "{}", found.period);
-            assert_eq!(found.runs, [0..1250]);
+            assert_eq!(found.runs, std::slice::from_ref(&(0..1250)));
         }
         for period in [None, Some(250.0)] {
             assert!(find_repetition(holed(220..741, endless).view(), period).is_err());

@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use frfid_signals::{Distortion, Frf, Uncertainty};
+use ndarray::ArrayBase;
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 
@@ -139,7 +140,7 @@ fn version_of(result: &ResultFile) -> u32 {
     let covariances = [&frf.noise, &frf.total].into_iter().flatten();
     let covariances = covariances.map(|known| known.covariance.len());
     let harmonics = result.harmonics.iter().flat_map(|known| &known.response);
-    let harmonics = harmonics.map(|response| response.len());
+    let harmonics = harmonics.map(ArrayBase::len);
     let mut counts = covariances.chain(harmonics).chain([frf.response.len()]);
     match counts.any(is_packed) {
         true => PACKED,
