@@ -259,18 +259,14 @@ fn four_times_the_realizations_take_no_more_memory() {
             &[&SHORT[..], &[("realizations = 10", &realizations)]].concat(),
             &[],
         );
-        let peak = |arguments: &[&str]| peak_memory_kb(folder.path(), arguments);
-        [
-            peak(&[
-                "run",
-                "six_axis_multisine.toml",
-                "-o",
-                "logs",
-                "--jobs",
-                "2",
-            ]),
-            peak(&["estimate", "logs", "-o", "frf.json", "--jobs", "2"]),
-        ]
+        let peak = |line: &str| {
+            let arguments: Vec<&str> = line.split(' ').collect();
+            peak_memory_kb(folder.path(), &arguments)
+        };
+        let run = peak("run six_axis_multisine.toml -o logs --jobs 2");
+        // the least of three: what threads happen to do at once comes on top
+        let estimates = (0..3).map(|_| peak("estimate logs -o frf.json --jobs 2 --force"));
+        [run, estimates.min().expect("three")]
     });
     println!("kB of run and estimate with 2 and 8 realizations: {peaks:?}");
     for (few, many) in peaks[0].iter().zip(peaks[1]) {
