@@ -19,7 +19,7 @@ use std::path::Path;
 use crate::error::FileError;
 use crate::log::csv::dialect::Dialect;
 use crate::log::csv::rows::Rows;
-use crate::log::csv::text::Text;
+use crate::log::csv::text::{Text, check_length};
 use crate::log::map::{LogMap, Signals};
 use crate::log::recording::Recording;
 
@@ -27,6 +27,7 @@ use crate::log::recording::Recording;
 /// damage.
 pub(crate) fn read(path: &Path, map: &LogMap, signals: &Signals) -> Result<Recording, FileError> {
     let stated = map.csv.clone().unwrap_or_default();
+    check_length(path)?;
     let text = Text::open(path, stated.encoding.as_deref())?;
     let mapped = signals.iter().copied().chain(&map.time);
     let mapped: Vec<&str> = mapped.map(|signal| signal.source.as_str()).collect();

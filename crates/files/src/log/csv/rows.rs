@@ -36,8 +36,6 @@ pub(super) struct Rows<'d> {
     /// How the file breaks off.
     broken_off: Option<String>,
     warnings: Vec<String>,
-    /// For the text, packed or not.
-    text: Budget,
     /// For the rows, and the bytes of each.
     rows: Budget,
     row_bytes: u64,
@@ -74,7 +72,6 @@ impl<'d> Rows<'d> {
             is_last: false,
             end: SharedEnd::default(),
             broken_off: None,
-            text: Budget::of_file(path)?,
             rows: Budget::allowed(path),
             row_bytes: 2 * 8 * (2 + signals.len() as u64),
         })
@@ -92,7 +89,6 @@ impl<'d> Rows<'d> {
         let mut is_there = self.next(&mut reader, &mut record)?;
         while is_there && self.broken_off.is_none() {
             is_there = self.next(&mut reader, &mut next)?;
-            self.text.check("its text", reader.position().byte())?;
             self.line = record.position().map_or(0, |place| place.line() as usize);
             self.is_last = !is_there;
             if self.is_end(&record) {

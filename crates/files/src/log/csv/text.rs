@@ -10,6 +10,7 @@ use encoding_rs::{Encoding, UTF_8, UTF_16BE, UTF_16LE, WINDOWS_1252};
 use encoding_rs_io::{DecodeReaderBytes, DecodeReaderBytesBuilder};
 use flate2::read::MultiGzDecoder;
 
+use crate::budget::Budget;
 use crate::error::FileError;
 
 /// First bytes of a gzipped file.
@@ -132,6 +133,25 @@ impl Read for Watched {
             }
         }
     }
+}
+
+/// Refuses a text by the length that it unpacks to, before a row of it is read.
+///
+/// # Errors
+/// As [`Budget::check`]; what cannot be unpacked is told where it is read.
+pub(super) fn check_length(path: &Path) -> Result<(), FileError> {
+    let budget = Budget::of_file(path)?;
+    let mut text = unpacked(path).map_err(FileError::cannot("open", path))?;
+    let mut n_bytes = 0;
+    while let Ok(block) = text.fill_buf()
+        && !block.is_empty()
+    {
+        let length = block.len();
+        text.consume(length);
+        n_bytes += length as u64;
+        budget.check("its text", n_bytes)?;
+    }
+    Ok(())
 }
 
 /// Reader of a file that may be gzipped.
