@@ -30,7 +30,6 @@ mod memory;
 mod options;
 mod player;
 mod progress;
-mod threads;
 /// Texts for people: tables of what was designed, reached and checked.
 mod text {
     pub(crate) mod checks;
@@ -75,7 +74,6 @@ pub fn main(
         Ok(arguments) => arguments,
         Err(told) => return told_by_clap(&told, as_json, stdout, stderr) as i32,
     };
-    threads::settle();
     let options = arguments.options;
     let mut console = Console::new(stdout, stderr, options.quiet, options.colour());
     let exit = arguments.run(&mut console).unwrap_or_else(|mut failure| {

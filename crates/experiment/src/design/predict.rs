@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::load::{Load, crest_factors, larger};
-use crate::run::parallel::{Progress, Steps, for_each, is_interruption};
+use crate::run::parallel::{Progress, Steps, for_each, told};
 use crate::run::planned_runs::{PlannedRuns, first_repetitions};
 use crate::run::strength::Strength;
 
@@ -58,11 +58,8 @@ impl PlannedRuns {
         let total = ids.len();
         let go_on = || progress(0, total);
         let baseline = Demand::of(&glide(plan)?, experiment, &simulator, &go_on);
-        let baseline = baseline.map_err(|error| match is_interruption(&error) {
-            true => ExperimentError::Interrupted { done: 0, total },
-            false => error,
-        })?;
-        let baseline = baseline.load;
+        let interrupted = ExperimentError::Interrupted { done: 0, total };
+        let baseline = baseline.map_err(|error| told(error, interrupted))?.load;
         let steps = Steps {
             progress,
             before: 0,

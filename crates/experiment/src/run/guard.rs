@@ -8,6 +8,7 @@ use frfid_signals::{
 };
 
 use crate::experiment::Experiment;
+use crate::run::fading::fading_advice;
 use crate::run::signal::SignalPeaks;
 
 /// A testbed that is given no reference beyond its limits, and no further run after one in which it
@@ -92,10 +93,10 @@ impl<'a> Guarded<'a> {
             Some(experiment.check_signal(&peaks).err()?.message)
         };
         let excess = exceeded.first().map(|excess| {
-            format!(
-                "the reference of {excess}, from and to rest; lower the amplitudes, or fade them in and out ([averaging] \
-                 ramp_s of a multisine, fade_s of a chirp)"
-            )
+            let plan = self.experiment.map(|experiment| &experiment.plan);
+            let fading = plan.and_then(|plan| fading_advice(plan, excess.limit));
+            let fading = fading.map_or_else(String::new, |advice| format!("; {advice}"));
+            format!("the reference of {excess}, from and to rest; lower the amplitudes{fading}")
         });
         let why = excess.or_else(|| self.experiment.and_then(of_signal))?;
         Some(format!("not sent to the machine: run {}: {why}", run.id))

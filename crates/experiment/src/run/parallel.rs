@@ -58,10 +58,7 @@ pub fn for_each<I: Sync, T: Send>(
         if stop.load(Ordering::Relaxed) {
             return Err(interrupted());
         }
-        let result = work(item, &go_on).map_err(|error| match is_interruption(&error) {
-            true => interrupted(),
-            false => error,
-        })?;
+        let result = work(item, &go_on).map_err(|error| told(error, interrupted()))?;
         if !progress(1 + done.fetch_add(1, Ordering::Relaxed), total) {
             stop.store(true, Ordering::Relaxed);
         }
@@ -72,13 +69,13 @@ pub fn for_each<I: Sync, T: Send>(
     })
 }
 
-/// Whether work ended in the middle of a step because it was told to.
-pub(crate) fn is_interruption(error: &ExperimentError) -> bool {
-    matches!(
-        error,
+/// The error of a step; `interrupted` if it ended in the middle because it was told to.
+pub(crate) fn told(error: ExperimentError, interrupted: ExperimentError) -> ExperimentError {
+    match error {
         ExperimentError::Signal(SignalError::Interrupted)
-            | ExperimentError::Testbed(TestbedError::Run(SignalError::Interrupted))
-    )
+        | ExperimentError::Testbed(TestbedError::Run(SignalError::Interrupted)) => interrupted,
+        error => error,
+    }
 }
 
 /// Runs `work` with a pool of its own, a thread for each core; where the system refuses threads, on this thread alone.

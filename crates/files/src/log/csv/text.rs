@@ -15,6 +15,8 @@ use crate::error::FileError;
 
 /// First bytes of a gzipped file.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
+/// Bytes that are read at once.
+const BUFFER: usize = 1 << 16;
 /// How much of a text is looked at before it is read: some hundred rows, or the header of some hundred channels.
 const HEAD: u64 = 256 << 10;
 
@@ -135,13 +137,16 @@ impl Read for Watched {
     }
 }
 
-/// Refuses a text by the length that it unpacks to, before a row of it is read.
+/// Refuses a gzipped text by the length that it unpacks to, before a row of it is read.
 ///
 /// # Errors
 /// As [`Budget::check`]; what cannot be unpacked is told where it is read.
 pub(super) fn check_length(path: &Path) -> Result<(), FileError> {
     let budget = Budget::of_file(path)?;
-    let mut text = unpacked(path).map_err(FileError::cannot("open", path))?;
+    let file = buffered(path).map_err(FileError::cannot("open", path))?;
+    let Ok(mut text) = gzipped(file) else {
+        return Ok(()); // as long as it is
+    };
     let mut n_bytes = 0;
     while let Ok(block) = text.fill_buf()
         && !block.is_empty()
@@ -156,12 +161,27 @@ pub(super) fn check_length(path: &Path) -> Result<(), FileError> {
 
 /// Reader of a file that may be gzipped.
 fn unpacked(path: &Path) -> io::Result<Box<dyn BufRead>> {
-    let mut file = BufReader::with_capacity(1 << 16, File::open(path)?);
-    if !file.fill_buf()?.starts_with(&GZIP) {
-        return Ok(Box::new(file));
+    Ok(match gzipped(buffered(path)?) {
+        Ok(text) => Box::new(text),
+        Err(plain) => Box::new(plain),
+    })
+}
+
+/// The beginning of a file, looked at once so that what cannot be read is told.
+fn buffered(path: &Path) -> io::Result<BufReader<File>> {
+    let mut file = BufReader::with_capacity(BUFFER, File::open(path)?);
+    file.fill_buf()?;
+    Ok(file)
+}
+
+/// The text of a gzipped file; another comes back as it is.
+fn gzipped(
+    file: BufReader<File>,
+) -> Result<BufReader<MultiGzDecoder<BufReader<File>>>, BufReader<File>> {
+    if file.buffer().starts_with(&GZIP) {
+        return Ok(BufReader::with_capacity(BUFFER, MultiGzDecoder::new(file)));
     }
-    let unpacked = MultiGzDecoder::new(file);
-    Ok(Box::new(BufReader::with_capacity(1 << 16, unpacked)))
+    Err(file)
 }
 
 fn by_name(path: &Path, name: &str) -> Result<&'static Encoding, FileError> {

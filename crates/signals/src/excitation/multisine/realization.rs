@@ -89,14 +89,18 @@ impl Multisine {
             self.grid.n_samples,
         ];
         room_for("n_inputs", "number of values of the signals", &signals)?;
-        let n_draws = if phasing.draws_each_channel() {
-            n_inputs
-        } else {
-            1
-        };
+        let n_draws = self.n_draws(phasing);
         let n_points = self.grid.n_samples * oversampling(&self.grid.excited, self.grid.n_samples);
         let quantity = "number of points on which peaks are sought";
         room_for("n_samples", quantity, &[2 * n_draws, n_points])
+    }
+
+    /// Sets of phases that are drawn.
+    fn n_draws(&self, phasing: Phasing) -> usize {
+        match phasing.draws_each_channel() {
+            true => self.peak.len(),
+            false => 1,
+        }
     }
 
     /// Complex amplitudes of the lines before the phases between channels and experiments: drawn
@@ -108,10 +112,7 @@ impl Multisine {
     ) -> Result<Vec<Vec<Complex64>>, SignalError> {
         self.check_phasing(draw.phasing)?;
         let magnitudes = self.line_magnitudes()?;
-        let draws = match draw.phasing.draws_each_channel() {
-            true => self.peak.len(),
-            false => 1,
-        };
+        let draws = self.n_draws(draw.phasing);
         let dealt = |channel| self.of_channel(&magnitudes, draw.phasing, channel);
         let dealt = (0..draws).map(dealt).collect::<Result<Vec<_>, _>>()?;
         let of_channel = |(channel, magnitudes): (usize, &Vec<f64>)| {
