@@ -80,7 +80,7 @@ def judge(material, sound, what, content):
         if said.code == 0:
             outcome = "silently another" if is_other else "as it was"
         if said.code in (1, 2) and written is not None and command[0] != "run":  # which keeps the runs before
-            fault = fault or "refused, and an output is there"
+            fault = fault or f"refused, and an output is there: {said.first_line}"
         if is_other and material.is_checked:
             fault = fault or "exit code 0 with another output"
         if halves:

@@ -37,7 +37,12 @@ ERRORS = {
     "alloc": [errno.ENOMEM],
 }
 # how Rust and libc end; the second is a thread's
-NO_MEMORY = ("memory allocation of", "failed to allocate an alternative stack", "Fatal glibc error: failed to register TLS destructor")
+NO_MEMORY = (
+    "memory allocation of",
+    "failed to allocate an alternative stack",
+    "Fatal glibc error: failed to register TLS destructor",
+    "returned null pointer when creating new context",  # the library of zstd
+)
 HARMLESS = (errno.EINTR, SHORT)  # the program goes on as if nothing had been: once, as no system does it for good
 COMMANDS = {
     "design": ["design", "x.toml", "-o", "new.mcap"],

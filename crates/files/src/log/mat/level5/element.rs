@@ -2,7 +2,7 @@
 
 use std::io::Read;
 
-use flate2::read::ZlibDecoder;
+use flate2::read::{DeflateDecoder, ZlibDecoder};
 
 use crate::budget::most_of;
 use crate::bytes::{Bytes, Short};
@@ -14,6 +14,8 @@ pub(super) const COMPRESSED: u32 = 15;
 const LARGEST_BYTES: u64 = 8 * MOST_VALUES as u64 + 4096;
 /// Enough of a packed array to tell its name.
 const BEGINNING: u64 = 4096;
+/// Length of what comes before the packed bytes.
+const ZLIB_HEADER: usize = 2;
 
 /// An element and its bytes.
 #[derive(Clone, Copy)]
@@ -72,16 +74,23 @@ impl<'a> Elements<'a> {
 }
 
 impl Element<'_> {
-    /// What a packed element holds, or its beginning.
-    pub(super) fn unpacked(&self, whole: bool) -> Vec<u8> {
-        let most = most_of(self.data.len() as u64).min(LARGEST_BYTES);
-        let limit = if whole { most } else { BEGINNING };
+    /// The beginning of what a packed element holds, as far as it can be unpacked: without a look at the
+    /// checksum, so that an array has its name even where its numbers are damaged.
+    pub(super) fn beginning(&self) -> Vec<u8> {
         let mut bytes = Vec::new();
-        // what cannot be unpacked will be missing, and told
-        let _ = ZlibDecoder::new(self.data)
-            .take(limit)
+        let deflated = self.data.get(ZLIB_HEADER..).unwrap_or_default();
+        let _ = DeflateDecoder::new(deflated)
+            .take(BEGINNING)
             .read_to_end(&mut bytes);
         bytes
+    }
+
+    /// What a packed element holds; `None` where its checksum says that it is not what was packed.
+    pub(super) fn unpacked(&self) -> Option<Vec<u8>> {
+        let most = most_of(self.data.len() as u64).min(LARGEST_BYTES);
+        let (mut bytes, unpacking) = (Vec::new(), ZlibDecoder::new(self.data));
+        unpacking.take(most).read_to_end(&mut bytes).ok()?;
+        Some(bytes)
     }
 
     /// The text of names.

@@ -34,7 +34,7 @@ pub(super) fn variables(bytes: &[u8], wanted: Option<&[String]>) -> Result<Vec<V
 fn variable(element: &Element, wanted: Option<&[String]>) -> Option<Variable> {
     let is_packed = element.kind == COMPRESSED;
     let beginning = if is_packed {
-        element.unpacked(false)
+        element.beginning()
     } else {
         Vec::new()
     };
@@ -50,9 +50,11 @@ fn variable(element: &Element, wanted: Option<&[String]>) -> Option<Variable> {
     if !is_packed {
         return Some((name, value_of(element, 0)));
     }
-    let whole = element.unpacked(true);
-    let inner = Elements::of(&whole, element.is_big).next().ok().flatten();
-    Some((name, inner.and_then(|inner| value_of(&inner, 0))))
+    let value = element.unpacked().and_then(|whole| {
+        let inner = Elements::of(&whole, element.is_big).next().ok().flatten();
+        value_of(&inner?, 0)
+    });
+    Some((name, value))
 }
 
 /// A variable while its parts are read.

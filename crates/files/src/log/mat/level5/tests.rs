@@ -2,6 +2,9 @@
 
 use std::io::Write;
 
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
+
 use crate::log::map::{LogMap, Signal};
 use crate::log::mat::level5::HEADER;
 use crate::log::read_log;
@@ -105,4 +108,27 @@ proptest::proptest! {
         }
         let _ = refused(&bytes);
     }
+}
+
+#[test]
+fn a_packed_array_whose_checksum_fails_is_not_believed() {
+    let packed = |array: &[u8]| {
+        let mut pack = ZlibEncoder::new(Vec::new(), Compression::none());
+        pack.write_all(array).expect("in memory");
+        let data = pack.finish().expect("in memory");
+        let mut bytes = [15_u32.to_le_bytes(), (data.len() as u32).to_le_bytes()].concat();
+        bytes.extend(data);
+        bytes
+    };
+    let field = matrix(6, &[3, 1], "", &doubles(&[1.0, 2.0, 3.0]));
+    let names = [element(5, &2_i32.to_le_bytes()), element(1, b"u\0"), field].concat();
+    let u = matrix(2, &[1, 1], "s", &names);
+    let numbers = doubles(&[4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
+    let y = packed(&matrix(6, &[3, 2], "y", &numbers));
+    assert_eq!(refused(&[u.clone(), y.clone()].concat()), "");
+    let mut flipped = y;
+    let number = flipped.len() - 7; // a byte of the last number, before the checksum
+    flipped[number] ^= 1;
+    let text = refused(&[u, flipped].concat());
+    assert!(text.contains("cannot be unpacked"), "{text}");
 }
