@@ -29,6 +29,7 @@ mod linear {
     pub(crate) mod loop_frf;
     pub(crate) mod loop_poles;
 }
+mod lanes;
 mod motion;
 mod robot;
 mod scalar;
@@ -39,6 +40,7 @@ mod testbed {
     pub(crate) mod command;
     pub(crate) mod recorder;
     pub(crate) mod run_loop;
+    pub(crate) mod runs;
     pub(crate) mod simulate;
     pub(crate) mod simulated_robot;
 }

@@ -1,5 +1,5 @@
-//! Number type of the dynamics: one f64 today, several realizations side by side when batching
-//! comes.
+//! Number type of the dynamics: one f64, or the numbers of several machines side by side
+//! ([`Lanes`](crate::lanes::Lanes)).
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -26,7 +26,18 @@ pub(crate) trait Scalar:
     fn sin_cos(self) -> (Self, Self);
 }
 
+/// A number of each axis or lane; `array::from_fn` is not always inlined.
+#[inline(always)]
+pub(crate) fn each<L: Scalar, const N: usize>(number: impl Fn(usize) -> L) -> [L; N] {
+    let mut numbers = [L::splat(0.0); N];
+    for (index, slot) in numbers.iter_mut().enumerate() {
+        *slot = number(index);
+    }
+    numbers
+}
+
 impl Scalar for f64 {
+    #[inline(always)]
     fn splat(value: f64) -> Self {
         value
     }

@@ -2,7 +2,7 @@
 //! Python one by one.
 
 use frfid_experiment::ExperimentError;
-use frfid_experiment::{Steps, for_each};
+use frfid_experiment::{Steps, for_each_group};
 use frfid_signals::{GoOn, Record, Run, RunId, Testbed};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -26,8 +26,11 @@ pub(crate) fn records_of(
             before: 0,
             total: ids.len(),
         };
-        for_each(ids, jobs, steps, |id, go_on| {
-            Ok(testbed.run_while(&reference(*id, go_on)?, go_on)?)
+        for_each_group(ids, testbed.n_at_once(), jobs, steps, |ids, go_on| {
+            let runs = ids.iter().map(|id| reference(*id, go_on));
+            let runs: Vec<Run> = runs.collect::<Result<_, _>>()?;
+            let records = testbed.run_each(&runs, go_on).into_iter();
+            records.map(|record| Ok(record?)).collect()
         })
     })?
     .map_err(error::experiment)

@@ -99,8 +99,13 @@ impl Driver for Watched<'_, '_> {
     type Error = ShapeError;
 
     fn records(&mut self, shaper: &Shaper) -> Result<Vec<Record>, ShapeError> {
-        let runs = shaper.runs().into_par_iter();
-        runs.map(|run| Ok(self.testbed.run(&run)?)).collect()
+        let runs = shaper.runs();
+        let groups = runs.par_chunks(self.testbed.n_at_once());
+        let records: Vec<Vec<_>> = groups
+            .map(|runs| self.testbed.run_each(runs, &|| true))
+            .collect();
+        let records = records.into_iter().flatten();
+        records.map(|record| Ok(record?)).collect()
     }
 
     fn iterated(&mut self, iteration: &Iteration) -> Result<bool, ShapeError> {

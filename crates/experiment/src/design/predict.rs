@@ -9,7 +9,7 @@ use serde::Serialize;
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::load::{Load, crest_factors, larger};
-use crate::run::parallel::{Progress, Steps, for_each, told};
+use crate::run::parallel::{Progress, Steps, for_each_group, n_at_once, told};
 use crate::run::planned_runs::{PlannedRuns, first_repetitions};
 use crate::run::strength::Strength;
 
@@ -57,16 +57,25 @@ impl PlannedRuns {
         let ids = first_repetitions(plan);
         let total = ids.len();
         let go_on = || progress(0, total);
-        let baseline = Demand::of(&glide(plan)?, experiment, &simulator, &go_on);
+        let glide = glide(plan)?;
+        let baseline = simulator.simulate_while(&glide, &go_on);
         let interrupted = ExperimentError::Interrupted { done: 0, total };
-        let baseline = baseline.map_err(|error| told(error, interrupted))?.load;
+        let baseline = baseline.map_err(|error| told(error.into(), interrupted))?;
+        let baseline = Demand::of(&glide, baseline, experiment)?.load;
         let steps = Steps {
             progress,
             before: 0,
             total: ids.len(),
         };
-        let demands = for_each(&ids, jobs, steps, |id, go_on| {
-            Demand::of(&self.run_while(*id, go_on)?, experiment, &simulator, go_on)
+        let n_at_once = n_at_once(experiment, &simulator)?;
+        let demands = for_each_group(&ids, n_at_once, jobs, steps, |ids, go_on| {
+            let runs = ids.iter().map(|id| self.run_while(*id, go_on));
+            Demand::of_each(
+                &runs.collect::<Result<Vec<_>, _>>()?,
+                experiment,
+                &simulator,
+                go_on,
+            )
         })?;
         let largest = demands.into_iter().reduce(Demand::larger);
         let largest = largest.expect("a plan has runs");
@@ -101,16 +110,28 @@ struct Demand {
 }
 
 impl Demand {
-    /// Does the run in simulation.
-    fn of(
-        run: &Run,
+    /// Does runs in simulation.
+    fn of_each(
+        runs: &[Run],
         experiment: &Experiment,
         simulator: &SimulatedRobot,
         go_on: GoOn,
+    ) -> Result<Vec<Self>, ExperimentError> {
+        let simulated = simulator.simulate_each(runs, go_on).into_iter();
+        let demands = simulated
+            .zip(runs)
+            .map(|(simulated, run)| Self::of(run, simulated?, experiment));
+        demands.collect()
+    }
+
+    fn of(
+        run: &Run,
+        simulated: Simulated,
+        experiment: &Experiment,
     ) -> Result<Self, ExperimentError> {
         let Simulated {
             record, changes, ..
-        } = simulator.simulate_while(run, go_on)?;
+        } = simulated;
         let load = Load::of(&record, &run.start_rad, &experiment.pose_rad);
         Ok(Self {
             load: load.with_changes(changes),

@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 
 use frfid_estimate::{AxisStrength, standing_share};
 use frfid_files::{Overwrite, create_folder, read_run, read_run_label, write_run};
-use frfid_signals::{Event, EventKind, GoOn, Record, RunId, Testbed};
+use frfid_signals::{Event, EventKind, GoOn, Record, Run, RunId, Testbed};
 use serde::Serialize;
 
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::guard::Guarded;
 use crate::run::load::Load;
-use crate::run::parallel::{Progress, Steps, for_each};
+use crate::run::parallel::{Progress, Steps, for_each_group, n_at_once};
 use crate::run::planned_runs::PlannedRuns;
 use crate::run::provenance::{CONFIG, Metadata};
 use crate::run::run_file::run_file;
@@ -92,8 +92,9 @@ pub fn run_to_folder(
         before: n_skipped,
         total: ids.len(),
     };
-    let done = for_each(&open, options.jobs, steps, |id, go_on| {
-        writer.done(*id, testbed, go_on)
+    let n_at_once = n_at_once(experiment, testbed)?;
+    let done = for_each_group(&open, n_at_once, options.jobs, steps, |ids, go_on| {
+        writer.done(ids, testbed, go_on)
     })?;
     let (written, strength) = summarized(experiment, done);
     Ok(RunSummary {
@@ -222,14 +223,30 @@ impl<'a> Writer<'a> {
         Ok(file.record)
     }
 
-    /// Does a run and writes it.
-    fn done(&self, id: RunId, testbed: &dyn Testbed, go_on: GoOn) -> Result<Done, ExperimentError> {
+    /// Does runs and writes them; what is written stays, whatever comes of the others.
+    fn done(
+        &self,
+        ids: &[RunId],
+        testbed: &dyn Testbed,
+        go_on: GoOn,
+    ) -> Result<Vec<Done>, ExperimentError> {
+        let runs = ids.iter().map(|&id| self.planned.run_while(id, go_on));
+        let runs: Vec<Run> = runs.collect::<Result<_, _>>()?;
+        let records = testbed.run_each(&runs, go_on);
+        let written = runs.iter().zip(records);
+        let written: Vec<_> = written
+            .map(|(run, record)| self.written(run, record?))
+            .collect();
+        written.into_iter().collect()
+    }
+
+    /// Writes what came of a run.
+    fn written(&self, run: &Run, record: Record) -> Result<Done, ExperimentError> {
         let experiment = &self.planned.experiment;
-        let run = self.planned.run_while(id, go_on)?;
-        let record = self.write(id, testbed.run(&run)?)?;
+        let record = self.write(run.id, record)?;
         let load = Load::of(&record, &run.start_rad, &experiment.pose_rad);
-        let report = report(self.path_of(id), load, &record);
-        Ok((report, experiment.strength_of(id, &record)))
+        let report = report(self.path_of(run.id), load, &record);
+        Ok((report, experiment.strength_of(run.id, &record)))
     }
 }
 

@@ -3,10 +3,11 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use frfid_signals::{GoOn, SignalError, TestbedError};
+use frfid_signals::{GoOn, SignalError, Testbed, TestbedError};
 use rayon::prelude::*;
 
 use crate::error::ExperimentError;
+use crate::experiment::Experiment;
 
 /// Called after each step, and while long ones last, with how many of how many are done; returns whether to go on.
 pub type Progress<'a> = &'a (dyn Fn(usize, usize) -> bool + Sync);
@@ -40,6 +41,23 @@ pub fn for_each<I: Sync, T: Send>(
     steps: Steps,
     work: impl Fn(&I, GoOn) -> Result<T, ExperimentError> + Sync,
 ) -> Result<Vec<T>, ExperimentError> {
+    for_each_group(items, 1, jobs, steps, |group, go_on| {
+        group.iter().map(|item| work(item, go_on)).collect()
+    })
+}
+
+/// The same with work on up to `n_at_once` neighbouring items at a time, as many as keep all threads
+/// busy; a step each is an item still.
+///
+/// # Errors
+/// As [`for_each`].
+pub fn for_each_group<I: Sync, T: Send>(
+    items: &[I],
+    n_at_once: usize,
+    jobs: usize,
+    steps: Steps,
+    work: impl Fn(&[I], GoOn) -> Result<Vec<T>, ExperimentError> + Sync,
+) -> Result<Vec<T>, ExperimentError> {
     let Steps {
         progress,
         before,
@@ -54,19 +72,43 @@ pub fn for_each<I: Sync, T: Send>(
         total,
     };
     let go_on = || !stop.load(Ordering::Relaxed) && progress(done.load(Ordering::Relaxed), total);
-    let one = |item: &I| {
+    let of_group = |group: &[I]| {
         if stop.load(Ordering::Relaxed) {
             return Err(interrupted());
         }
-        let result = work(item, &go_on).map_err(|error| told(error, interrupted()))?;
-        if !progress(1 + done.fetch_add(1, Ordering::Relaxed), total) {
-            stop.store(true, Ordering::Relaxed);
+        let results = work(group, &go_on).map_err(|error| told(error, interrupted()))?;
+        for _ in group {
+            if !progress(1 + done.fetch_add(1, Ordering::Relaxed), total) {
+                stop.store(true, Ordering::Relaxed);
+            }
         }
-        Ok(result)
+        Ok(results)
     };
     in_pool(jobs.min(items.len()), || {
-        items.par_iter().map(one).collect()
+        let for_threads = items.len().div_ceil(rayon::current_num_threads());
+        let groups = items.par_chunks(n_at_once.min(for_threads).max(1));
+        let results: Vec<Vec<T>> = groups.map(of_group).collect::<Result<_, _>>()?;
+        Ok(results.into_iter().flatten().collect())
     })
+}
+
+/// Most samples of all axes together in the runs that a thread does at once: their records are in
+/// memory until they are written.
+const SAMPLES_AT_ONCE: usize = 1_000_000;
+
+/// How many runs of an experiment a thread does at once on a testbed.
+pub(crate) fn n_at_once(
+    experiment: &Experiment,
+    testbed: &dyn Testbed,
+) -> Result<usize, ExperimentError> {
+    let of_a_run = experiment
+        .plan
+        .run_samples()?
+        .saturating_mul(testbed.n_inputs());
+    Ok(testbed
+        .n_at_once()
+        .min(SAMPLES_AT_ONCE / of_a_run.max(1))
+        .max(1))
 }
 
 /// The error of a step; `interrupted` if it ended in the middle because it was told to.

@@ -13,7 +13,7 @@ use crate::arm::composite::Composite;
 use crate::arm::positive_definite::solve;
 use crate::arm::stance::Stance;
 use crate::arm::wrench::Wrench;
-use crate::motion::equations::Links;
+use crate::motion::equations::{Acceleration, Links};
 use crate::scalar::Scalar;
 
 impl Link {
@@ -134,21 +134,18 @@ impl<const A: usize> Chain<A> {
     }
 }
 
-impl<const A: usize> Links<A> for Chain<A> {
+impl<L: Scalar, const A: usize> Acceleration<L, A> for Chain<A> {
     /// Not inlined: it is long, is called from many places, and its call costs less than a
     /// hundredth of its time.
     #[inline(never)]
-    fn acceleration<L: Scalar>(
-        &self,
-        position: [L; A],
-        velocity: [L; A],
-        torque: [L; A],
-    ) -> [L; A] {
+    fn acceleration(&self, position: [L; A], velocity: [L; A], torque: [L; A]) -> [L; A] {
         let stances = self.stances(position);
         let bias = self.bias(&stances, velocity);
         solve(&self.lower_mass(&stances), from_fn(|i| torque[i] - bias[i]))
     }
+}
 
+impl<const A: usize> Links<A> for Chain<A> {
     fn holding(&self, position: [f64; A], velocity: [f64; A]) -> [f64; A] {
         self.bias(&self.stances(position), velocity)
     }

@@ -2,7 +2,7 @@
 
 use std::array::from_fn;
 
-use crate::motion::equations::Links;
+use crate::motion::equations::{Acceleration, Links};
 use crate::scalar::Scalar;
 
 /// Links with the mass matrix of a pose, no Coriolis torques and gravity that changes linearly
@@ -55,18 +55,15 @@ impl<const A: usize> LinksAtPose<A> {
     }
 }
 
-impl<const A: usize> Links<A> for LinksAtPose<A> {
+impl<L: Scalar, const A: usize> Acceleration<L, A> for LinksAtPose<A> {
     #[inline(always)]
-    fn acceleration<L: Scalar>(
-        &self,
-        position: [L; A],
-        _velocity: [L; A],
-        torque: [L; A],
-    ) -> [L; A] {
+    fn acceleration(&self, position: [L; A], _velocity: [L; A], torque: [L; A]) -> [L; A] {
         let gravity = self.gravity_nm(position);
         product(&self.mobility, &from_fn(|i| torque[i] - gravity[i]))
     }
+}
 
+impl<const A: usize> Links<A> for LinksAtPose<A> {
     fn holding(&self, position: [f64; A], _velocity: [f64; A]) -> [f64; A] {
         self.gravity_nm(position)
     }

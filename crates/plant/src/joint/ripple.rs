@@ -32,10 +32,29 @@ impl Ripple {
         not_negative("amplitude_nm", self.amplitude_nm)?;
         finite("phase_rad", self.phase_rad)
     }
+}
+
+/// A harmonic in the numbers of one joint, or of several side by side.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Wave<L> {
+    cycles_per_turn: L,
+    amplitude_nm: L,
+    phase_rad: L,
+}
+
+impl<L: Scalar> Wave<L> {
+    /// A harmonic of each joint, `None` of one that has none.
+    pub(crate) fn of(mut number: impl FnMut(fn(&Ripple) -> f64) -> L) -> Self {
+        Self {
+            cycles_per_turn: number(|ripple| ripple.cycles_per_turn),
+            amplitude_nm: number(|ripple| ripple.amplitude_nm),
+            phase_rad: number(|ripple| ripple.phase_rad),
+        }
+    }
 
     /// Torque in N m at a motor position in rad on the joint side.
-    pub(crate) fn torque<L: Scalar>(&self, position_rad: L) -> L {
-        L::splat(self.amplitude_nm)
-            * (L::splat(self.cycles_per_turn) * position_rad + L::splat(self.phase_rad)).sin()
+    #[inline(always)]
+    pub(crate) fn torque(&self, position_rad: L) -> L {
+        self.amplitude_nm * (self.cycles_per_turn * position_rad + self.phase_rad).sin()
     }
 }

@@ -1,20 +1,36 @@
 //! Equations of motion of motors, gears and links, one formula within a mode.
 //!
-//! Always inlined: a call would send the state through memory, which costs a sixth of the time of a
-//! simulation with friction.
+//! Always inlined, and in loops instead of closures, which are not: a call would send the state through
+//! memory, which costs a sixth of the time of a simulation with friction, and would cost machines side
+//! by side their vector instructions.
 
 use std::array::from_fn;
+use std::fmt::Debug;
 
 use crate::joint::flexible_joint::{FlexibleJoint, Regime};
+use crate::joint::ripple::{Ripple, Wave};
+use crate::lanes::{LANES, Lanes};
+use crate::motion::fleet::Fleet;
+use crate::motion::integrator::Integrator;
+use crate::motion::side_by_side::SideBySide;
 use crate::scalar::Scalar;
 
 /// What the gears drive: given link positions, velocities and the torques that the gears transmit,
-/// the accelerations.
-pub(crate) trait Links<const A: usize> {
+/// the accelerations, of one machine or of several side by side.
+pub(crate) trait Acceleration<L, const A: usize> {
     /// Accelerations in rad/s^2 of the links at positions in rad and velocities in rad/s under
     /// torques in N m.
-    fn acceleration<L: Scalar>(&self, position: [L; A], velocity: [L; A], torque: [L; A])
-    -> [L; A];
+    fn acceleration(&self, position: [L; A], velocity: [L; A], torque: [L; A]) -> [L; A];
+}
+
+/// The links of one machine.
+pub(crate) trait Links<const A: usize>:
+    Acceleration<f64, A> + Clone + Debug + 'static
+{
+    /// A fleet of a machine with these links, which others may join; `None` if it moves alone.
+    fn fleet(_machine: &Integrator<Self, A>) -> Option<Box<dyn Fleet>> {
+        None
+    }
 
     /// Torques in N m that keep the links at constant velocities in rad/s when they pass positions
     /// in rad.
@@ -31,22 +47,42 @@ pub(crate) trait Links<const A: usize> {
     fn potential_j(&self, position: [f64; A]) -> f64;
 }
 
+/// Links whose accelerations are computed side by side.
+pub(crate) trait LinksSideBySide<const A: usize>: Links<A> {
+    /// Those of several machines.
+    type InLanes: Acceleration<Lanes, A> + Debug;
+
+    /// The links of a machine for each lane.
+    fn in_lanes(each: [&Self; LANES]) -> Self::InLanes;
+}
+
 /// A single link on a fixed axis: J_o qo'' = torque (SK15 eq. (22)).
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct SingleLink {
+pub(crate) struct SingleLink<L = f64> {
     /// 1/J_o in 1/(kg m^2).
-    pub mobility: f64,
+    pub mobility: L,
+}
+
+impl<L: Scalar> Acceleration<L, 1> for SingleLink<L> {
+    #[inline(always)]
+    fn acceleration(&self, _position: [L; 1], _velocity: [L; 1], [torque]: [L; 1]) -> [L; 1] {
+        [torque * self.mobility]
+    }
+}
+
+impl LinksSideBySide<1> for SingleLink {
+    type InLanes = SingleLink<Lanes>;
+
+    fn in_lanes(each: [&Self; LANES]) -> SingleLink<Lanes> {
+        SingleLink {
+            mobility: Lanes::of(|lane| each[lane].mobility),
+        }
+    }
 }
 
 impl Links<1> for SingleLink {
-    #[inline(always)]
-    fn acceleration<L: Scalar>(
-        &self,
-        _position: [L; 1],
-        _velocity: [L; 1],
-        [torque]: [L; 1],
-    ) -> [L; 1] {
-        [torque * L::splat(self.mobility)]
+    fn fleet(machine: &Integrator<Self, 1>) -> Option<Box<dyn Fleet>> {
+        Some(Box::new(SideBySide::of(machine.clone())))
     }
 
     fn holding(&self, _position: [f64; 1], _velocity: [f64; 1]) -> [f64; 1] {
@@ -75,6 +111,66 @@ pub(crate) struct Machine<K, const A: usize> {
     pub links: K,
 }
 
+/// What no mode changes about a motor and its gear, in numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Drive<L> {
+    damping_nms_per_rad: L,
+    viscous_nms_per_rad: L,
+    ripple: Vec<Wave<L>>,
+}
+
+impl<L: Scalar> Drive<L> {
+    /// Of joints with so many harmonics of ripple at most.
+    fn of(n_waves: usize, number: impl Fn(&dyn Fn(&FlexibleJoint) -> f64) -> L) -> Self {
+        let of_ripple = |index: usize, of: fn(&Ripple) -> f64| {
+            number(&|joint| joint.ripple.get(index).map_or(0.0, of))
+        };
+        let wave = |index| Wave::of(|of| of_ripple(index, of));
+        Self {
+            damping_nms_per_rad: number(&|joint| joint.damping_nms_per_rad),
+            viscous_nms_per_rad: number(&|joint| joint.friction.viscous_nms_per_rad),
+            ripple: (0..n_waves).map(wave).collect(),
+        }
+    }
+}
+
+/// The right-hand side of the equations of motion: of one machine, or of several side by side, as
+/// wide as its numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Equations<L, K, const A: usize> {
+    drives: [Drive<L>; A],
+    links: K,
+}
+
+impl<K: Links<A>, const A: usize> Equations<f64, K, A> {
+    /// Those of one machine.
+    pub(crate) fn of(joints: &[FlexibleJoint; A], links: K) -> Self {
+        let drives = joints
+            .each_ref()
+            .map(|joint| Drive::of(joint.ripple.len(), |number| number(joint)));
+        Self { drives, links }
+    }
+}
+
+impl<K, const A: usize> Equations<Lanes, K, A> {
+    /// Those of machines with these joints and links.
+    pub(crate) fn side_by_side<M: LinksSideBySide<A, InLanes = K>>(
+        joints: [&[FlexibleJoint; A]; LANES],
+        equations: [&Equations<f64, M, A>; LANES],
+    ) -> Self {
+        let drive = |axis: usize| {
+            let n_waves = joints.map(|joints| joints[axis].ripple.len());
+            Drive::of(n_waves.into_iter().fold(0, usize::max), |number| {
+                Lanes::of(|lane| number(&joints[lane][axis]))
+            })
+        };
+        Self {
+            drives: from_fn(drive),
+            links: M::in_lanes(equations.map(|equations| &equations.links)),
+        }
+    }
+}
+
 /// The state of a machine of `A` axes, or its derivative. The deflection is a state of its own,
 /// instead of the link position, so that it keeps its digits however far the machine has travelled.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -100,26 +196,25 @@ impl<L: Scalar, const A: usize> State<L, A> {
     #[inline(always)]
     #[must_use]
     pub(crate) fn along(&self, derivative: &Self, step: L) -> Self {
-        let add = |x: &[L; A], dx: &[L; A]| from_fn(|axis| x[axis] + step * dx[axis]);
-        Self {
-            motor_position: add(&self.motor_position, &derivative.motor_position),
-            deflection: add(&self.deflection, &derivative.deflection),
-            motor_velocity: add(&self.motor_velocity, &derivative.motor_velocity),
-            link_velocity: add(&self.link_velocity, &derivative.link_velocity),
+        let (mut moved, rates) = (*self, derivative);
+        for axis in 0..A {
+            moved.motor_position[axis] =
+                moved.motor_position[axis] + step * rates.motor_position[axis];
+            moved.deflection[axis] = moved.deflection[axis] + step * rates.deflection[axis];
+            moved.motor_velocity[axis] =
+                moved.motor_velocity[axis] + step * rates.motor_velocity[axis];
+            moved.link_velocity[axis] =
+                moved.link_velocity[axis] + step * rates.link_velocity[axis];
         }
+        moved
     }
 }
 
-impl<K: Links<A>, const A: usize> Machine<K, A> {
+impl<L: Scalar, K: Acceleration<L, A>, const A: usize> Equations<L, K, A> {
     /// Torque tau_s(dq) + d dq' in N m that an axis' gear transmits to its link.
     #[inline(always)]
-    pub(crate) fn transmitted<L: Scalar>(
-        &self,
-        axis: usize,
-        regime: &Regime<L>,
-        x: &State<L, A>,
-    ) -> L {
-        let damping = L::splat(self.joints[axis].damping_nms_per_rad);
+    pub(crate) fn transmitted(&self, axis: usize, regime: &Regime<L>, x: &State<L, A>) -> L {
+        let damping = self.drives[axis].damping_nms_per_rad;
         regime.slope_nm_per_rad * x.deflection[axis]
             + regime.offset_nm
             + damping * x.deflection_rate(axis)
@@ -129,59 +224,65 @@ impl<K: Links<A>, const A: usize> Machine<K, A> {
     /// What changes last within a step is subtracted last: the steps wait for each other, and this
     /// shortens the wait.
     #[inline(always)]
-    pub(crate) fn net_torque<L: Scalar>(
+    pub(crate) fn net_torque(
         &self,
         axis: usize,
         regime: &Regime<L>,
         torque: L,
         x: &State<L, A>,
     ) -> L {
-        let joint = &self.joints[axis];
-        let position = x.motor_position[axis];
-        let net = joint
-            .ripple
-            .iter()
-            .fold(torque - regime.offset_nm, |net, ripple| {
-                net - ripple.torque(position)
-            });
+        let drive = &self.drives[axis];
+        let mut net = torque - regime.offset_nm;
+        for wave in &drive.ripple {
+            net = net - wave.torque(x.motor_position[axis]);
+        }
         net - regime.slope_nm_per_rad * x.deflection[axis]
-            - L::splat(joint.damping_nms_per_rad) * x.deflection_rate(axis)
+            - drive.damping_nms_per_rad * x.deflection_rate(axis)
+    }
+
+    /// Rate in N m/s of the same on a motor at rest, whose torque changes at a rate in N m/s: the
+    /// torques of motor and gear change, the ripple does not.
+    #[inline(always)]
+    pub(crate) fn net_torque_rate(
+        &self,
+        axis: usize,
+        regime: &Regime<L>,
+        torque_rate: L,
+        derivative: &State<L, A>,
+    ) -> L {
+        torque_rate - regime.slope_nm_per_rad * derivative.deflection[axis]
+            + self.drives[axis].damping_nms_per_rad * derivative.link_velocity[axis]
     }
 
     /// Time derivative of the state under motor torques in N m (SK15 eqs. (20)-(22)).
     #[inline(always)]
-    pub(crate) fn derivative<L: Scalar>(
+    pub(crate) fn derivative(
         &self,
         regimes: &[Regime<L>; A],
         torque: &[L; A],
         x: &State<L, A>,
     ) -> State<L, A> {
-        let transmitted = from_fn(|axis| self.transmitted(axis, &regimes[axis], x));
-        let link_position = from_fn(|axis| x.motor_position[axis] - x.deflection[axis]);
-        State {
-            motor_position: x.motor_velocity,
-            deflection: from_fn(|axis| x.deflection_rate(axis)),
-            motor_velocity: from_fn(|axis| {
-                let viscous = L::splat(self.joints[axis].friction.viscous_nms_per_rad)
-                    * x.motor_velocity[axis];
-                let net = self.net_torque(
-                    axis,
-                    &regimes[axis],
-                    torque[axis] - regimes[axis].coulomb_nm,
-                    x,
-                );
-                regimes[axis].mobility * (net - viscous)
-            }),
-            link_velocity: self
-                .links
-                .acceleration(link_position, x.link_velocity, transmitted),
+        let (mut transmitted, mut link_position, mut derivative) = (x.deflection, x.deflection, *x);
+        for axis in 0..A {
+            let regime = &regimes[axis];
+            transmitted[axis] = self.transmitted(axis, regime, x);
+            link_position[axis] = x.motor_position[axis] - x.deflection[axis];
+            let viscous = self.drives[axis].viscous_nms_per_rad * x.motor_velocity[axis];
+            let net = self.net_torque(axis, regime, torque[axis] - regime.coulomb_nm, x);
+            derivative.motor_position[axis] = x.motor_velocity[axis];
+            derivative.deflection[axis] = x.deflection_rate(axis);
+            derivative.motor_velocity[axis] = regime.mobility * (net - viscous);
         }
+        derivative.link_velocity =
+            self.links
+                .acceleration(link_position, x.link_velocity, transmitted);
+        derivative
     }
 
     /// One classical Runge-Kutta step of `step` s from `x`, whose derivative is `first`, under the
     /// torques in N m at the step's middle and end.
     #[inline(always)]
-    pub(crate) fn rk4<L: Scalar>(
+    pub(crate) fn rk4(
         &self,
         regimes: &[Regime<L>; A],
         [middle, end]: [&[L; A]; 2],

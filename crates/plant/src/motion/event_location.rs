@@ -86,7 +86,7 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
             &self.torque.at(self.share(theta)),
         ];
         let motion = self.motion;
-        motion.machine.rk4(
+        motion.equations.rk4(
             &motion.regimes,
             torques,
             &motion.state,
@@ -98,9 +98,11 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
     /// Time derivative of a state at a share of the trial.
     #[inline(always)]
     pub(crate) fn derivative(&self, theta: f64, x: &State<f64, A>) -> State<f64, A> {
-        self.motion
-            .machine
-            .derivative(&self.motion.regimes, &self.torque.at(self.share(theta)), x)
+        self.motion.equations.derivative(
+            &self.motion.regimes,
+            &self.torque.at(self.share(theta)),
+            x,
+        )
     }
 
     /// The first end of a mode within the trial, whose end state and its derivative are given.
@@ -130,7 +132,7 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
 
     /// The ends of the intervals in which an axis' mode holds, the infinite ones included.
     fn bounds(&self, axis: usize) -> [Bound; 4] {
-        let (joint, mode) = (&self.motion.machine.joints[axis], self.motion.modes[axis]);
+        let (joint, mode) = (&self.motion.joints[axis], self.motion.modes[axis]);
         let signal = if mode.slip == Slip::Stuck {
             Signal::NetTorque
         } else {
@@ -235,7 +237,7 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
             Signal::NetTorque => {
                 let torque = self.torque.at(self.share(theta))[axis];
                 self.motion
-                    .machine
+                    .equations
                     .net_torque(axis, &self.motion.regimes[axis], torque, x)
             }
         };
@@ -254,12 +256,9 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
             Signal::Velocity => derivative.motor_velocity[axis],
             Signal::Deflection => derivative.deflection[axis],
             Signal::NetTorque => {
-                // at rest the motor torque and the gear's change, the ripple does not
-                let stiffness = self.motion.regimes[axis].slope_nm_per_rad;
-                let damping = self.motion.machine.joints[axis].damping_nms_per_rad;
-                self.torque.slope(axis, self.share(theta)) / self.step_s
-                    - stiffness * derivative.deflection[axis]
-                    + damping * derivative.link_velocity[axis]
+                let torque_rate = self.torque.slope(axis, self.share(theta)) / self.step_s;
+                let (equations, regime) = (&self.motion.equations, &self.motion.regimes[axis]);
+                equations.net_torque_rate(axis, regime, torque_rate, derivative)
             }
         };
         if bound.upwards { -rate } else { rate }

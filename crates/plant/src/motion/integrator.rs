@@ -7,9 +7,9 @@
 use std::array::from_fn;
 
 use crate::error::PlantError;
-use crate::joint::flexible_joint::{Mode, Regime};
+use crate::joint::flexible_joint::{FlexibleJoint, Mode, Regime};
 use crate::joint::friction::Slip;
-use crate::motion::equations::{Links, Machine, State};
+use crate::motion::equations::{Equations, Links, Machine, State};
 use crate::motion::event_location::{ModeChange, Signal, Trial};
 use crate::motion::segment::Segment;
 
@@ -19,15 +19,16 @@ const CHANGES_PER_AXIS: usize = 64;
 /// A machine in motion.
 #[derive(Debug, Clone)]
 pub(crate) struct Integrator<K, const A: usize> {
-    pub(crate) machine: Machine<K, A>,
+    pub(crate) joints: [FlexibleJoint; A],
+    pub(crate) equations: Equations<f64, K, A>,
     pub(crate) state: State<f64, A>,
     pub(crate) modes: [Mode; A],
     pub(crate) regimes: [Regime<f64>; A],
     /// Time in s since the start.
-    time_s: f64,
-    stuck_s: [f64; A],
+    pub(crate) time_s: f64,
+    pub(crate) stuck_s: [f64; A],
     /// Whether any axis has a mode that can end.
-    watched: bool,
+    pub(crate) watched: bool,
 }
 
 impl<K: Links<A>, const A: usize> Integrator<K, A> {
@@ -52,7 +53,8 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
             .iter()
             .any(|joint| joint.friction.coulomb_nm > 0.0 || !joint.spring.is_linear());
         Self {
-            machine,
+            equations: Equations::of(&machine.joints, machine.links),
+            joints: machine.joints,
             state,
             modes,
             regimes,
@@ -81,12 +83,12 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
     /// Motor torque in N m that holds the present velocity of an axis against friction and against
     /// what the gear transmits.
     pub(crate) fn axis_holding_nm(&self, axis: usize) -> f64 {
-        let friction = self.machine.joints[axis]
+        let friction = self.joints[axis]
             .friction
             .holding_nm(self.state.motor_velocity[axis]);
         friction
             + self
-                .machine
+                .equations
                 .transmitted(axis, &self.regimes[axis], &self.state)
     }
 
@@ -103,7 +105,9 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
     ) -> Result<(), PlantError> {
         let start = torque(0).at(0.0);
         self.release(&start);
-        let mut derivative = self.machine.derivative(&self.regimes, &start, &self.state);
+        let mut derivative = self
+            .equations
+            .derivative(&self.regimes, &start, &self.state);
         for step in 0..n_steps {
             derivative = self.step(&torque(step), step_s, derivative)?;
         }
@@ -111,7 +115,7 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
     }
 
     /// Decides again for motors at rest, whose torque may have jumped.
-    fn release(&mut self, torque: &[f64; A]) {
+    pub(crate) fn release(&mut self, torque: &[f64; A]) {
         for axis in 0..A {
             if self.state.motor_velocity[axis] == 0.0 {
                 self.enter(
@@ -128,19 +132,19 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
     /// The branch of friction of a motor at rest.
     fn at_rest(&self, axis: usize, torque: &[f64; A]) -> Slip {
         let net = self
-            .machine
+            .equations
             .net_torque(axis, &self.regimes[axis], torque[axis], &self.state);
-        self.machine.joints[axis].friction.at_rest(net)
+        self.joints[axis].friction.at_rest(net)
     }
 
     fn enter(&mut self, axis: usize, mode: Mode) {
         self.modes[axis] = mode;
-        self.regimes[axis] = self.machine.joints[axis].regime(mode);
+        self.regimes[axis] = self.joints[axis].regime(mode);
     }
 
     /// One step, in as many pieces as modes end within it; takes and returns the derivative at its
     /// ends.
-    fn step(
+    pub(crate) fn step(
         &mut self,
         torque: &Segment<A>,
         step_s: f64,
@@ -172,7 +176,9 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
             from = share;
             let torque = torque.at(from);
             self.change(exit, &torque);
-            derivative = self.machine.derivative(&self.regimes, &torque, &self.state);
+            derivative = self
+                .equations
+                .derivative(&self.regimes, &torque, &self.state);
         }
         Err(PlantError::Chatter {
             limit: CHANGES_PER_AXIS * A,
@@ -223,7 +229,11 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
         }
     }
 
-    fn check(&self) -> Result<(), PlantError> {
+    /// Checks that the machine is somewhere.
+    ///
+    /// # Errors
+    /// [`PlantError::Diverged`] if the state is no longer finite.
+    pub(crate) fn check(&self) -> Result<(), PlantError> {
         let x = &self.state;
         let quantities = [
             ("motor velocity", &x.motor_velocity),

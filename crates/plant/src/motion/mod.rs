@@ -3,20 +3,26 @@
 
 pub(crate) mod equations;
 pub(crate) mod event_location;
+pub(crate) mod fleet;
+mod in_lanes;
 pub(crate) mod integrator;
 pub(crate) mod mechanics;
+mod modes;
 pub(crate) mod root;
 pub(crate) mod segment;
+mod side_by_side;
 #[cfg(test)]
 mod tests;
 pub(crate) mod trajectory;
 
+use std::any::Any;
 use std::array::from_fn;
 
 use frfid_signals::checks::channels;
 
 use crate::error::PlantError;
 use crate::motion::equations::{Links, State};
+use crate::motion::fleet::Fleet;
 use crate::motion::integrator::Integrator;
 use crate::motion::segment::Segment;
 
@@ -33,7 +39,7 @@ pub enum Acting<'a> {
 
 /// A robot in motion. Slices hold one value for each axis, positions and torques on the joint side
 /// of the gear.
-pub trait Motion {
+pub trait Motion: Any {
     /// Moves on by `n_steps` steps of `step_s` under motor torques that may jump before the first
     /// step but not between.
     ///
@@ -63,6 +69,11 @@ pub trait Motion {
 
     /// Time in s since the start.
     fn time_s(&self) -> f64;
+
+    /// A fleet of it, which others like it may join; `None` if it always moves alone.
+    fn fleet(&self) -> Option<Box<dyn Fleet>> {
+        None
+    }
 }
 
 impl<K: Links<A>, const A: usize> Motion for Integrator<K, A> {
@@ -76,10 +87,7 @@ impl<K: Links<A>, const A: usize> Motion for Integrator<K, A> {
                 let [from, to]: [[f64; A]; 2] =
                     [channels("torque", from)?, channels("torque", to)?];
                 self.steps(n_steps, step_s, |step| {
-                    Segment::of(|share| {
-                        let share = (step as f64 + share) / n_steps as f64;
-                        from_fn(|axis| (1.0 - share) * from[axis] + share * to[axis])
-                    })
+                    Segment::line(&from, &to, step, n_steps)
                 })
             }
             Acting::Function(torque) => self.steps(n_steps, step_s, |step| {
@@ -121,5 +129,9 @@ impl<K: Links<A>, const A: usize> Motion for Integrator<K, A> {
 
     fn time_s(&self) -> f64 {
         self.time()
+    }
+
+    fn fleet(&self) -> Option<Box<dyn Fleet>> {
+        K::fleet(self)
     }
 }

@@ -1,121 +1,162 @@
-//! Several realizations side by side: the lanes that batching will use.
+//! Machines side by side against the same machines alone: every digit is the same.
 
-use std::array::from_fn;
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::f64::consts::TAU;
 
-use crate::joint::flexible_joint::{Mode, Regime};
-use crate::joint::friction::Slip;
+use frfid_signals::random::stream;
+use rand::RngExt as _;
+
 use crate::joint::ripple::Ripple;
-use crate::joint::spring::Branch;
-use crate::motion::equations::State;
-use crate::scalar::Scalar;
+use crate::lanes::LANES;
+use crate::motion::fleet::{Fleet, fleets};
+use crate::motion::{Acting, Motion};
+use crate::robot::Robot;
 use crate::single_joint::SingleJoint;
 
-/// Four realizations side by side.
-#[derive(Debug, Clone, Copy, PartialEq)]
-struct Four([f64; 4]);
+const SAMPLE_TIME_S: f64 = 1e-3;
 
-impl Add for Four {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self(from_fn(|lane| self.0[lane] + other.0[lane]))
-    }
+/// Joints that stick, slip and stiffen, each with numbers of its own.
+fn joints(count: usize) -> Vec<SingleJoint> {
+    let mut random = stream(1, "joints side by side", &[]);
+    let mut between = |low: f64, high: f64| random.random_range(low..high);
+    let joint = |index: usize| {
+        let mut joint = SingleJoint {
+            link_inertia_kg_m2: between(50.0, 200.0),
+            ..SingleJoint::default()
+        };
+        joint.joint.motor_inertia_kg_m2 = between(20.0, 60.0);
+        joint.joint.damping_nms_per_rad = between(100.0, 800.0);
+        joint.joint.friction.viscous_nms_per_rad = between(0.0, 100.0);
+        joint.joint.friction.coulomb_nm = [60.0, 20.0, 0.0][index % 3];
+        if index % 2 == 1 {
+            joint.joint.spring.stiffness_beyond_nm_per_rad = 2.55e5;
+            joint.joint.spring.knee_rad = between(1e-4, 1e-3);
+        }
+        let ripple = |order: usize| Ripple {
+            cycles_per_turn: 12.0 * order as f64,
+            amplitude_nm: 3.0,
+            phase_rad: 0.1,
+        };
+        joint.joint.ripple = (1..=index % 4).map(ripple).collect();
+        joint
+    };
+    (0..count).map(joint).collect()
 }
 
-impl Sub for Four {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        Self(from_fn(|lane| self.0[lane] - other.0[lane]))
-    }
+/// Where a robot is and for how long it stuck.
+fn place(motion: &dyn Motion) -> Vec<f64> {
+    [
+        motion.motor_position_rad(),
+        motion.motor_velocity_rad_s(),
+        motion.deflection_rad(),
+        motion.link_velocity_rad_s(),
+        motion.stuck_s(),
+        &[motion.time_s()],
+    ]
+    .concat()
 }
 
-impl Mul for Four {
-    type Output = Self;
-    fn mul(self, other: Self) -> Self {
-        Self(from_fn(|lane| self.0[lane] * other.0[lane]))
-    }
+/// Robots side by side.
+fn together(robots: &[impl Robot]) -> Vec<Box<dyn Fleet>> {
+    let started = start(robots).into_iter().map(|motion| ((), motion));
+    fleets(started)
+        .into_iter()
+        .map(|(_, fleet)| fleet)
+        .collect()
 }
 
-impl Div for Four {
-    type Output = Self;
-    fn div(self, other: Self) -> Self {
-        Self(from_fn(|lane| self.0[lane] / other.0[lane]))
-    }
+fn start(robots: &[impl Robot]) -> Vec<Box<dyn Motion>> {
+    let axes = |robot: &dyn Robot| vec![0.0; robot.n_axes()];
+    let started = robots.iter().map(|robot| {
+        let rest = axes(robot);
+        robot.start(&rest, &rest).expect("sound")
+    });
+    started.collect()
 }
 
-impl Neg for Four {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Self(self.0.map(Neg::neg))
-    }
+/// A torque in N m of three sines on every axis, others for every robot.
+fn torque(robot: usize, axes: usize, sample: usize) -> Vec<f64> {
+    let time_s = sample as f64 * SAMPLE_TIME_S;
+    let sine = |k: usize| (TAU * (3.0 + 4.1 * k as f64) * time_s + (robot * k) as f64).sin();
+    vec![50.0 * (0..3).map(sine).sum::<f64>(); axes]
 }
 
-impl Scalar for Four {
-    fn splat(value: f64) -> Self {
-        Self([value; 4])
+/// Moves robots for a second, together and each alone; robot 2 is left out after a while.
+fn assert_alike(robots: &[impl Robot], is_line: bool) {
+    let (mut alone, mut together) = (start(robots), together(robots));
+    let axes = robots[0].n_axes();
+    for sample in 0..1000 {
+        let torques: Vec<[Vec<f64>; 2]> = (0..robots.len())
+            .map(|robot| [sample, sample + 1].map(|sample| torque(robot, axes, sample)))
+            .collect();
+        let acting = |robot: usize| {
+            let [from, to] = &torques[robot];
+            let acting = if is_line {
+                Acting::Line(from, to)
+            } else {
+                Acting::Held(from)
+            };
+            (robot != 2 || sample < 300).then_some(acting)
+        };
+        for (robot, motion) in alone.iter_mut().enumerate() {
+            if let Some(acting) = acting(robot) {
+                motion.advance(10, 1e-4, acting).expect("sound");
+            }
+        }
+        let mut first = 0;
+        for fleet in &mut together {
+            let range = first..first + fleet.n_robots();
+            let found = fleet.advance(10, 1e-4, &range.clone().map(acting).collect::<Vec<_>>());
+            assert!(found.iter().all(Result::is_ok));
+            first = range.end;
+        }
+        let moved = together
+            .iter()
+            .flat_map(|fleet| (0..fleet.n_robots()).map(|robot| fleet.motion(robot)));
+        for (robot, (together, alone)) in moved.zip(&alone).enumerate() {
+            let same = place(together) == place(&**alone);
+            assert!(same, "robot {robot}, sample {sample}");
+        }
     }
-    fn sin(self) -> Self {
-        Self(self.0.map(f64::sin))
-    }
-    fn sin_cos(self) -> (Self, Self) {
-        (self.sin(), Self(self.0.map(f64::cos)))
+    let stuck = alone.iter().map(|motion| motion.stuck_s()[0]);
+    assert!(stuck.sum::<f64>() > 0.01);
+}
+
+#[test]
+fn joints_side_by_side_move_as_each_does_alone_to_the_last_digit() {
+    for count in [2, 5, LANES, LANES + 3] {
+        for is_line in [false, true] {
+            assert_alike(&joints(count), is_line);
+        }
     }
 }
 
 #[test]
-fn lanes_in_different_modes_step_together_as_they_would_alone() {
-    let ripple = vec![Ripple {
-        cycles_per_turn: 12.0,
-        amplitude_nm: 3.0,
-        phase_rad: 0.1,
-    }];
-    let mut joint = SingleJoint::default();
-    joint.joint.friction.coulomb_nm = 50.0;
-    joint.joint.spring.stiffness_beyond_nm_per_rad = 2.55e5;
-    joint.joint.ripple = ripple;
-    let machine = joint.machine();
-    let modes = [
-        (Slip::Stuck, Branch::Within),
-        (Slip::Forward, Branch::Above),
-        (Slip::Backward, Branch::Below),
-        (Slip::Forward, Branch::Within),
-    ];
-    let regimes = modes.map(|(slip, branch)| machine.joints[0].regime(Mode { slip, branch }));
-    let velocities = [0.0, 0.1, -0.2, 0.3];
-    let states = velocities.map(|v| State {
-        motor_position: [v],
-        deflection: [2e-3 * v],
-        motor_velocity: [v],
-        link_velocity: [0.5 * v],
-    });
-    let (torques, steps) = ([10.0, 60.0, -70.0, 150.0], [1e-4, 3e-5, 0.0, 7e-5]);
-    let alone: [State<f64, 1>; 4] = from_fn(|lane| {
-        let (regime, torque, x) = ([regimes[lane]], [torques[lane]], &states[lane]);
-        machine.rk4(
-            &regime,
-            [&torque; 2],
-            x,
-            &machine.derivative(&regime, &torque, x),
-            steps[lane],
-        )
-    });
-    let four = |f: &dyn Fn(usize) -> f64| Four(from_fn(f));
-    let regime = [Regime {
-        mobility: four(&|lane| regimes[lane].mobility),
-        coulomb_nm: four(&|lane| regimes[lane].coulomb_nm),
-        slope_nm_per_rad: four(&|lane| regimes[lane].slope_nm_per_rad),
-        offset_nm: four(&|lane| regimes[lane].offset_nm),
-    }];
-    let side_by_side = |states: &[State<f64, 1>; 4]| State {
-        motor_position: [four(&|lane| states[lane].motor_position[0])],
-        deflection: [four(&|lane| states[lane].deflection[0])],
-        motor_velocity: [four(&|lane| states[lane].motor_velocity[0])],
-        link_velocity: [four(&|lane| states[lane].link_velocity[0])],
-    };
-    let (x, torque) = (side_by_side(&states), [Four(torques)]);
-    let first = machine.derivative(&regime, &torque, &x);
-    assert_eq!(
-        machine.rk4(&regime, [&torque; 2], &x, &first, Four(steps)),
-        side_by_side(&alone)
-    );
+fn a_joint_that_diverges_does_not_touch_those_beside_it() {
+    let (mut alone, together) = (start(&joints(4)), &mut together(&joints(4))[0]);
+    for sample in 0..20 {
+        let torques: Vec<f64> = (0..4)
+            .map(|robot| {
+                if robot == 1 {
+                    f64::MAX
+                } else {
+                    torque(robot, 1, sample)[0]
+                }
+            })
+            .collect();
+        let acting = |robot: usize| Acting::Held(std::slice::from_ref(&torques[robot]));
+        let acting: Vec<_> = (0..4)
+            .map(|robot| (robot != 1 || sample == 0).then(|| acting(robot)))
+            .collect();
+        let found = together.advance(10, 1e-4, &acting);
+        for (robot, found) in found.into_iter().enumerate() {
+            let Some(acting) = acting[robot] else {
+                continue;
+            };
+            let expected = alone[robot].advance(10, 1e-4, acting);
+            assert_eq!(found, expected, "robot {robot}, sample {sample}");
+        }
+        for robot in [0, 2, 3] {
+            assert_eq!(place(together.motion(robot)), place(&*alone[robot]));
+        }
+    }
 }

@@ -47,11 +47,9 @@ impl Trajectory {
             (&mut self.link_velocity_rad_s, motion.link_velocity_rad_s()),
         ];
         for (signal, values) in signals {
-            signal
-                .column_mut(sample)
-                .iter_mut()
-                .zip(values)
-                .for_each(|(x, value)| *x = *value);
+            for (axis, value) in values.iter().enumerate() {
+                signal[[axis, sample]] = *value;
+            }
         }
     }
 

@@ -1,24 +1,19 @@
-//! Loop of a simulated run: read the sensors, command the torques, watch, move on, sample by sample.
+//! Loop of a simulated run: read the sensors, command the torques, watch, sample by sample.
 
-use frfid_signals::{GoOn, Run, SignalError};
+use frfid_signals::Run;
 
 use crate::control::changes::Changes;
 use crate::control::sensor::Sensor;
 use crate::control::watch::{Guard, Moment};
-use crate::error::PlantError;
 use crate::motion::trajectory::Trajectory;
 use crate::motion::{Acting, Motion};
 use crate::testbed::command::Command;
 use crate::testbed::recorder::Recorder;
-use crate::testbed::simulate::Clock;
 use crate::testbed::simulated_robot::{Simulated, SimulatedRobot};
 
 /// Samples after a run for which the robot is brought back to its steady motion and watched: the
 /// answer to the last step of the reference, controller delays included.
 const AFTER: usize = 16;
-
-/// How many samples are done before it is asked again whether to go on.
-const SAMPLES_BETWEEN: usize = 256;
 
 /// All that goes on around a robot in motion during a run.
 pub(crate) struct RunLoop<'a> {
@@ -29,6 +24,10 @@ pub(crate) struct RunLoop<'a> {
     guard: Guard<'a>,
     changes: Changes,
     truth: Trajectory,
+    /// Torques in N m that act from the last sample on.
+    torque_nm: Vec<f64>,
+    /// Those at the next sample towards which they run in a straight line; empty if they are held.
+    ahead_nm: Vec<f64>,
 }
 
 impl<'a> RunLoop<'a> {
@@ -44,47 +43,45 @@ impl<'a> RunLoop<'a> {
             guard: Guard::new(robot.watch.as_ref(), run),
             changes: Changes::steady(run.sample_time_s, &holding, velocity),
             truth: Trajectory::zeros(run.sample_time_s, n_axes, n_samples + AFTER),
+            torque_nm: vec![0.0; n_axes],
+            ahead_nm: Vec::with_capacity(n_axes),
         }
     }
 
-    /// Goes through the run and brings the robot back to its steady motion; returns the number of the
-    /// run's samples, fewer than were asked for if it was stopped.
-    ///
-    /// # Errors
-    /// Those of the motion; [`SignalError::Interrupted`] where `go_on` says so.
-    pub(crate) fn advance(
-        &mut self,
-        motion: &mut dyn Motion,
-        clock: Clock,
-        go_on: GoOn,
-    ) -> Result<usize, PlantError> {
+    /// Takes a sample, the run's or one of those after it, which bring the robot back to its steady
+    /// motion. Returns the number of the run's samples once it has ended, fewer than were asked for
+    /// if it was stopped.
+    pub(crate) fn sample(&mut self, sample: usize, motion: &dyn Motion) -> Option<usize> {
         let n_samples = self.run.reference.ncols();
-        for sample in 0..n_samples + AFTER {
-            if sample % SAMPLES_BETWEEN == 0 && !go_on() {
-                return Err(SignalError::Interrupted.into());
-            }
-            self.truth.set(sample, motion);
-            let torque = self.acting_nm(sample, motion);
-            self.look(sample, &torque, motion);
-            let ends = self.guard.ends(sample);
-            if sample + 1 == n_samples || (ends && sample < n_samples) {
-                self.truth.set_stuck(motion);
-            }
-            if ends {
-                return Ok(n_samples.min(sample + 1));
-            }
-            let next = self.next_nm(sample + 1);
-            let acting = next
-                .as_ref()
-                .map_or(Acting::Held(&torque), |next| Acting::Line(&torque, next));
-            motion.advance(clock.n_steps, clock.step_s(), acting)?;
+        if sample == n_samples + AFTER {
+            return Some(n_samples);
         }
-        Ok(n_samples)
+        self.truth.set(sample, motion);
+        self.set_torques(sample, motion);
+        self.look(sample, motion);
+        let ends = self.guard.ends(sample);
+        if sample + 1 == n_samples || (ends && sample < n_samples) {
+            self.truth.set_stuck(motion);
+        }
+        if ends {
+            return Some(n_samples.min(sample + 1));
+        }
+        self.look_ahead(sample + 1);
+        None
     }
 
-    /// Watches a sample from which on torques in N m act.
-    fn look(&mut self, sample: usize, torque_nm: &[f64], motion: &dyn Motion) {
-        self.changes.step(torque_nm, motion.motor_velocity_rad_s());
+    /// What acts until the next sample.
+    pub(crate) fn acting(&self) -> Acting<'_> {
+        match &self.ahead_nm[..] {
+            [] => Acting::Held(&self.torque_nm),
+            ahead_nm => Acting::Line(&self.torque_nm, ahead_nm),
+        }
+    }
+
+    /// Watches a sample.
+    fn look(&mut self, sample: usize, motion: &dyn Motion) {
+        let velocity = motion.motor_velocity_rad_s();
+        self.changes.step(&self.torque_nm, velocity);
         let record = &mut self.recorder.record;
         let changes = &self.changes;
         let event = self.guard.look(Moment {
@@ -117,33 +114,31 @@ impl<'a> RunLoop<'a> {
     }
 
     /// Reads the sensors of all axes and sets the torques in N m that act from a sample on.
-    fn acting_nm(&mut self, sample: usize, motion: &dyn Motion) -> Vec<f64> {
+    fn set_torques(&mut self, sample: usize, motion: &dyn Motion) {
         let (position, velocity) = (motion.motor_position_rad(), motion.motor_velocity_rad_s());
-        let n_axes = self.sensors.len();
         let in_run = sample < self.run.reference.ncols();
-        let on_axis = |axis: usize| {
+        for (axis, sensor) in self.sensors.iter().enumerate() {
             let reference = self.reference(axis, sample);
             self.recorder.reference(axis, sample, reference);
             let reading = self
                 .recorder
                 .motion(axis, sample, position[axis], velocity[axis]);
             let output = self.command.torque(axis, reference, reading);
-            let acting_nm = self.sensors[axis].acting_torque(output.torque_nm);
+            let acting_nm = sensor.acting_torque(output.torque_nm);
             self.recorder
                 .torque(axis, sample, acting_nm, output.reached.filter(|_| in_run));
-            acting_nm
-        };
-        (0..n_axes).map(on_axis).collect()
+            self.torque_nm[axis] = acting_nm;
+        }
     }
 
-    /// The torques in N m at the next sample towards which those of this one run in a straight
-    /// line; `None` if they are held.
-    fn next_nm(&self, next_sample: usize) -> Option<Vec<f64>> {
-        let on_axis = |(axis, sensor): (usize, &Sensor)| {
+    /// Sets the torques at the next sample, unless those of this one are held until then.
+    fn look_ahead(&mut self, next_sample: usize) {
+        self.ahead_nm.clear();
+        for (axis, sensor) in self.sensors.iter().enumerate() {
             let reference = self.reference(axis, next_sample);
-            let torque_nm = self.command.ahead(axis, reference)?;
-            Some(sensor.acting_torque(torque_nm))
-        };
-        self.sensors.iter().enumerate().map(on_axis).collect()
+            if let Some(torque_nm) = self.command.ahead(axis, reference) {
+                self.ahead_nm.push(sensor.acting_torque(torque_nm));
+            }
+        }
     }
 }

@@ -9,11 +9,13 @@ use crate::control::controller::Controller;
 use crate::control::sensor::Sensor;
 use crate::control::watch::Watch;
 use crate::error::PlantError;
+use crate::lanes::LANES;
 use crate::motion::trajectory::Trajectory;
 use crate::robot::Robot;
 use crate::state_space::Hold;
 use crate::testbed::recorder::check_run;
 use crate::testbed::run_loop::RunLoop;
+use crate::testbed::runs::{Begun, go_through};
 use crate::testbed::simulate::Clock;
 
 /// A robot in software with all that is around it: controller, sensors, and a watch over its
@@ -140,21 +142,45 @@ impl SimulatedRobot {
     /// # Errors
     /// As [`SimulatedRobot::simulate`]; [`SignalError::Interrupted`] as [`TestbedError::Run`].
     pub fn simulate_while(&self, run: &Run, go_on: GoOn) -> Result<Simulated, TestbedError> {
-        self.sampled(run, go_on)
-            .map_err(|error| error.in_run(run.id, self.gain_nms_per_rad()))
+        let mut simulated = self.simulate_each(std::slice::from_ref(run), go_on);
+        simulated.remove(0)
     }
 
-    fn sampled(&self, run: &Run, go_on: GoOn) -> Result<Simulated, PlantError> {
+    /// Does runs side by side, which takes less time than one after the other, as long as `go_on`
+    /// says so. Each comes out as it does alone, to the last digit.
+    ///
+    /// # Errors
+    /// Of each run, as [`SimulatedRobot::simulate_while`].
+    pub fn simulate_each(&self, runs: &[Run], go_on: GoOn) -> Vec<Result<Simulated, TestbedError>> {
+        let begun = runs.iter().map(|run| self.begun(run));
+        let gains = self.gain_nms_per_rad();
+        let named = runs
+            .iter()
+            .zip(go_through(begun, go_on))
+            .map(|(run, done)| {
+                let (run_loop, n_samples) = done.map_err(|error| error.in_run(run.id, gains))?;
+                Ok(run_loop.finish(n_samples, gains))
+            });
+        named.collect()
+    }
+
+    /// A run at its beginning.
+    fn begun<'a>(&'a self, run: &'a Run) -> Result<Begun<'a>, PlantError> {
         self.check(run)?;
-        let mut motion = self.robot.start(&run.start_rad, &run.velocity_rad_s)?;
+        let motion = self.robot.start(&run.start_rad, &run.velocity_rad_s)?;
+        Ok(Begun {
+            clock: self.clock(run)?,
+            run_loop: RunLoop::new(self, run, &*motion),
+            motion,
+        })
+    }
+
+    fn clock(&self, run: &Run) -> Result<Clock, SignalError> {
         let max_step_s = self.max_step_s;
-        let clock = Clock::new(
+        Clock::new(
             run.sample_time_s,
             max_step_s.unwrap_or_else(|| self.robot.default_step_s()),
-        )?;
-        let mut run_loop = RunLoop::new(self, run, &*motion);
-        let n_samples = run_loop.advance(&mut *motion, clock, go_on)?;
-        Ok(run_loop.finish(n_samples, self.gain_nms_per_rad()))
+        )
     }
 
     fn check(&self, run: &Run) -> Result<(), PlantError> {
@@ -209,5 +235,17 @@ impl Testbed for SimulatedRobot {
 
     fn run_while(&self, run: &Run, go_on: GoOn) -> Result<Record, TestbedError> {
         Ok(self.simulate_while(run, go_on)?.record)
+    }
+
+    fn n_at_once(&self) -> usize {
+        let rest = vec![0.0; self.robot.n_axes()];
+        let motion = self.robot.start(&rest, &rest);
+        let goes_side_by_side = motion.is_ok_and(|motion| motion.fleet().is_some());
+        if goes_side_by_side { LANES } else { 1 }
+    }
+
+    fn run_each(&self, runs: &[Run], go_on: GoOn) -> Vec<Result<Record, TestbedError>> {
+        let simulated = self.simulate_each(runs, go_on).into_iter();
+        simulated.map(|run| Ok(run?.record)).collect()
     }
 }

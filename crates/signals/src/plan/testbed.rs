@@ -40,6 +40,21 @@ pub trait Testbed: Sync {
     fn run_while(&self, run: &Run, _go_on: GoOn) -> Result<Record, TestbedError> {
         self.run(run)
     }
+
+    /// How many runs it does at once in hardly more time than one.
+    fn n_at_once(&self) -> usize {
+        1
+    }
+
+    /// Does several runs, which must not depend on each other: [`Testbed::n_at_once`] at a time take
+    /// the least time.
+    ///
+    /// # Errors
+    /// Of each run, as [`Testbed::run_while`].
+    fn run_each(&self, runs: &[Run], go_on: GoOn) -> Vec<Result<Record, TestbedError>> {
+        let each = runs.iter().map(|run| self.run_while(run, go_on));
+        each.collect()
+    }
 }
 
 /// Why a testbed could not do a run.

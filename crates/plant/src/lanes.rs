@@ -1,0 +1,66 @@
+//! Lanes: a number of each of several machines side by side, for the vector instructions of the machine.
+//!
+//! Each lane is computed as an f64 alone would be, operation by operation (never fused), so that a
+//! machine moves to the last digit as it does alone. What is inlined into a function that
+//! `pulp::Arch` dispatches becomes vector instructions.
+
+use std::ops::{Add, Div, Mul, Neg, Sub};
+
+use crate::scalar::{Scalar, each};
+
+/// Machines side by side: two registers of the widest kind, so that one waits less for the other.
+pub(crate) const LANES: usize = 16;
+
+/// A number of each machine.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[repr(align(64))]
+pub(crate) struct Lanes(pub(crate) [f64; LANES]);
+
+impl Lanes {
+    /// The number that a function of the lane gives.
+    #[inline(always)]
+    pub(crate) fn of(number: impl Fn(usize) -> f64) -> Self {
+        Self(each(number))
+    }
+}
+
+macro_rules! lane_by_lane {
+    ($($operation:ident $name:ident),*) => {$(
+        impl $operation for Lanes {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $name(self, other: Self) -> Self {
+                Self::of(|lane| self.0[lane].$name(other.0[lane]))
+            }
+        }
+    )*};
+}
+
+lane_by_lane!(Add add, Sub sub, Mul mul, Div div);
+
+impl Neg for Lanes {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::of(|lane| -self.0[lane])
+    }
+}
+
+impl Scalar for Lanes {
+    #[inline(always)]
+    fn splat(value: f64) -> Self {
+        Self([value; LANES])
+    }
+
+    #[inline(always)]
+    fn sin(self) -> Self {
+        Self::of(|lane| self.0[lane].sin())
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        (self.sin(), Self::of(|lane| self.0[lane].cos()))
+    }
+}

@@ -1,0 +1,248 @@
+//! Machines in lanes: their equations, modes and states as numbers side by side, and their RK4 steps.
+
+use std::array::from_fn;
+
+use crate::error::PlantError;
+use crate::lanes::{LANES, Lanes};
+use crate::motion::equations::{Equations, LinksSideBySide, State};
+use crate::motion::integrator::Integrator;
+use crate::motion::modes::{Course, Modes};
+use crate::motion::segment::Segment;
+use crate::scalar::{Scalar, each};
+
+/// Where machines are.
+#[derive(Debug, Clone, Copy)]
+struct Moment<const A: usize> {
+    state: State<Lanes, A>,
+    derivative: State<Lanes, A>,
+    time_s: Lanes,
+    stuck_s: [Lanes; A],
+}
+
+/// Equations, modes and motion of machines, one a lane; lanes beyond the last machine are at rest.
+#[derive(Debug)]
+pub(crate) struct InLanes<K: LinksSideBySide<A>, const A: usize> {
+    equations: Equations<Lanes, K::InLanes, A>,
+    modes: Modes<A>,
+    now: Moment<A>,
+    /// Whether any machine has a mode that can end.
+    watched: bool,
+}
+
+impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
+    /// Of machines, one at least.
+    pub(crate) fn of(machines: &[Integrator<K, A>]) -> Self {
+        let each: [&Integrator<K, A>; LANES] =
+            from_fn(|lane| machines.get(lane).unwrap_or(&machines[0]));
+        let zero = Lanes::splat(0.0);
+        let mut lanes = Self {
+            equations: Equations::side_by_side(
+                each.map(|machine| &machine.joints),
+                each.map(|machine| &machine.equations),
+            ),
+            modes: Modes::endless(),
+            now: Moment {
+                state: State::zero(),
+                derivative: State::zero(),
+                time_s: zero,
+                stuck_s: [zero; A],
+            },
+            watched: machines.iter().any(|machine| machine.watched),
+        };
+        for (lane, machine) in machines.iter().enumerate() {
+            lanes.now.set(lane, machine);
+            lanes.modes.set(lane, &machine.joints, &machine.modes);
+        }
+        lanes
+    }
+
+    /// Prepares a machine for torques in N m that may have jumped.
+    pub(crate) fn release(
+        &mut self,
+        lane: usize,
+        machine: &mut Integrator<K, A>,
+        torque: &[f64; A],
+    ) {
+        if machine.state.motor_velocity.contains(&0.0) {
+            machine.release(torque);
+            self.modes.set(lane, &machine.joints, &machine.modes);
+        }
+    }
+
+    /// Lets a machine drift, of which nobody hears any more.
+    pub(crate) fn forget(&mut self, lane: usize) {
+        self.modes.keep(lane);
+    }
+
+    /// Tells a machine where it is.
+    pub(crate) fn tell(&self, lane: usize, machine: &mut Integrator<K, A>) {
+        machine.state = self.now.state.lane(lane);
+        machine.time_s = self.now.time_s.0[lane];
+        machine.stuck_s = self.now.stuck_s.map(|stuck| stuck.0[lane]);
+    }
+
+    /// Sets the derivatives before the first of several steps.
+    #[inline(always)]
+    pub(crate) fn begin(&mut self, torque: &[Lanes; A]) {
+        let (regimes, state) = (&self.modes.regimes, &self.now.state);
+        self.now.derivative = self.equations.derivative(regimes, torque, state);
+    }
+
+    /// One step of `step_s` of all machines; what goes wrong with one is put where it is `found`.
+    #[inline(always)]
+    pub(crate) fn step(
+        &mut self,
+        machines: &mut [Integrator<K, A>],
+        torque: &Segment<A, Lanes>,
+        step_s: f64,
+        found: &mut [Result<(), PlantError>],
+    ) {
+        let mut next = self.next(torque, step_s);
+        if self.watched {
+            let mut any = false;
+            for axis in 0..A {
+                let courses = self.courses(axis, torque, step_s, &next);
+                for lane in 0..LANES {
+                    any |= self.modes.may_end(axis, lane, &courses);
+                }
+            }
+            if any {
+                self.alone(machines, torque, step_s, &mut next, found);
+            }
+        }
+        self.now = next;
+    }
+
+    /// The end of a step in which no mode ends.
+    #[inline(always)]
+    fn next(&self, torque: &Segment<A, Lanes>, step_s: f64) -> Moment<A> {
+        let (now, regimes, step) = (&self.now, &self.modes.regimes, Lanes::splat(step_s));
+        let (middle, end) = (torque.at(0.5), torque.at(1.0));
+        let state = self
+            .equations
+            .rk4(regimes, [&middle, &end], &now.state, &now.derivative, step);
+        Moment {
+            state,
+            derivative: self.equations.derivative(regimes, &end, &state),
+            time_s: now.time_s + step,
+            stuck_s: each(|axis| now.stuck_s[axis] + self.modes.stuck[axis] * step),
+        }
+    }
+
+    /// What decides on the modes of an axis over a step: the velocity, which is 0 when stuck, and
+    /// then the net torque; the deflection.
+    #[inline(always)]
+    fn courses(
+        &self,
+        axis: usize,
+        torque: &Segment<A, Lanes>,
+        step_s: f64,
+        next: &Moment<A>,
+    ) -> [Course; 2] {
+        let [before, after] = [&self.now.derivative, &next.derivative];
+        let (regime, stuck) = (&self.modes.regimes[axis], self.modes.stuck[axis]);
+        let net = self
+            .equations
+            .net_torque(axis, regime, torque.at(1.0)[axis], &next.state);
+        let rates = [torque.slope(axis, 0.0), torque.slope(axis, 1.0)];
+        [
+            Course {
+                before: self.slip_rate(axis, rates[0] / Lanes::splat(step_s), before),
+                after: self.slip_rate(axis, rates[1] / Lanes::splat(step_s), after),
+                end: next.state.motor_velocity[axis] + stuck * net,
+            },
+            Course {
+                before: before.deflection[axis],
+                after: after.deflection[axis],
+                end: next.state.deflection[axis],
+            },
+        ]
+    }
+
+    /// Rate of change of what decides on the slip of an axis, under a torque that changes at a rate
+    /// in N m/s.
+    #[inline(always)]
+    fn slip_rate(&self, axis: usize, torque_rate: Lanes, derivative: &State<Lanes, A>) -> Lanes {
+        let regime = &self.modes.regimes[axis];
+        let of_net = self
+            .equations
+            .net_torque_rate(axis, regime, torque_rate, derivative);
+        derivative.motor_velocity[axis] + self.modes.stuck[axis] * of_net
+    }
+
+    /// Takes the step with each machine's own integrator where a mode may end within it.
+    #[cold]
+    #[inline(never)]
+    fn alone(
+        &mut self,
+        machines: &mut [Integrator<K, A>],
+        torque: &Segment<A, Lanes>,
+        step_s: f64,
+        next: &mut Moment<A>,
+        found: &mut [Result<(), PlantError>],
+    ) {
+        let courses: [[Course; 2]; A] = from_fn(|axis| self.courses(axis, torque, step_s, next));
+        for (lane, machine) in machines.iter_mut().enumerate() {
+            let ends = |axis: usize| self.modes.may_end(axis, lane, &courses[axis]);
+            if !(0..A).any(ends) {
+                continue;
+            }
+            self.tell(lane, machine);
+            let derivative = self.now.derivative.lane(lane);
+            match machine.step(&torque.lane(lane), step_s, derivative) {
+                Ok(derivative) => {
+                    next.set(lane, machine);
+                    next.derivative.set(lane, &derivative);
+                    self.modes.set(lane, &machine.joints, &machine.modes);
+                }
+                Err(error) => {
+                    found[lane] = Err(error);
+                    self.forget(lane);
+                }
+            }
+        }
+    }
+}
+
+impl<const A: usize> Moment<A> {
+    /// Puts a machine into its lane.
+    fn set<K: LinksSideBySide<A>>(&mut self, lane: usize, machine: &Integrator<K, A>) {
+        self.state.set(lane, &machine.state);
+        self.time_s.0[lane] = machine.time_s;
+        for (stuck, of_machine) in self.stuck_s.iter_mut().zip(machine.stuck_s) {
+            stuck.0[lane] = of_machine;
+        }
+    }
+}
+
+impl<const A: usize> State<Lanes, A> {
+    fn zero() -> Self {
+        let zero = [Lanes::splat(0.0); A];
+        Self {
+            motor_position: zero,
+            deflection: zero,
+            motor_velocity: zero,
+            link_velocity: zero,
+        }
+    }
+
+    /// That of one machine.
+    fn lane(&self, lane: usize) -> State<f64, A> {
+        let of = |x: &[Lanes; A]| x.map(|x| x.0[lane]);
+        State {
+            motor_position: of(&self.motor_position),
+            deflection: of(&self.deflection),
+            motor_velocity: of(&self.motor_velocity),
+            link_velocity: of(&self.link_velocity),
+        }
+    }
+
+    fn set(&mut self, lane: usize, machine: &State<f64, A>) {
+        for axis in 0..A {
+            self.motor_position[axis].0[lane] = machine.motor_position[axis];
+            self.deflection[axis].0[lane] = machine.deflection[axis];
+            self.motor_velocity[axis].0[lane] = machine.motor_velocity[axis];
+            self.link_velocity[axis].0[lane] = machine.link_velocity[axis];
+        }
+    }
+}

@@ -1,0 +1,112 @@
+//! Modes of machines side by side, in numbers: their regimes, and the intervals in which they hold.
+
+use crate::joint::flexible_joint::{FlexibleJoint, Mode, Regime};
+use crate::joint::friction::Slip;
+use crate::lanes::{LANES, Lanes};
+use crate::scalar::Scalar;
+
+/// A signal that decides on a mode, over a step: its rates at both ends, and its value at the last.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Course {
+    pub(crate) before: Lanes,
+    pub(crate) after: Lanes,
+    pub(crate) end: Lanes,
+}
+
+/// An interval of each machine.
+#[derive(Debug, Clone, Copy)]
+struct Interval {
+    lower: Lanes,
+    upper: Lanes,
+}
+
+/// The modes of every axis of machines side by side.
+#[derive(Debug, Clone)]
+pub(crate) struct Modes<const A: usize> {
+    pub(crate) regimes: [Regime<Lanes>; A],
+    /// 1 while a motor is stuck, else 0.
+    pub(crate) stuck: [Lanes; A],
+    /// Of the velocities while slipping, of the net torques when stuck.
+    slip: [Interval; A],
+    /// Of the deflections.
+    branch: [Interval; A],
+}
+
+impl<const A: usize> Modes<A> {
+    /// Of machines whose modes never end, until they are [set](Self::set).
+    pub(crate) fn endless() -> Self {
+        let zero = Lanes::splat(0.0);
+        let regime = Regime {
+            mobility: zero,
+            coulomb_nm: zero,
+            slope_nm_per_rad: zero,
+            offset_nm: zero,
+        };
+        Self {
+            regimes: [regime; A],
+            stuck: [zero; A],
+            slip: [Interval::everything(); A],
+            branch: [Interval::everything(); A],
+        }
+    }
+
+    /// Sets the modes of one machine.
+    pub(crate) fn set(&mut self, lane: usize, joints: &[FlexibleJoint; A], modes: &[Mode; A]) {
+        for axis in 0..A {
+            let (joint, mode) = (&joints[axis], modes[axis]);
+            self.regimes[axis].set(lane, &joint.regime(mode));
+            self.stuck[axis].0[lane] = f64::from(u8::from(mode.slip == Slip::Stuck));
+            self.slip[axis].set(lane, joint.friction.interval(mode.slip));
+            self.branch[axis].set(lane, joint.spring.interval(mode.branch));
+        }
+    }
+
+    /// Leaves a machine in the modes that it has for good.
+    pub(crate) fn keep(&mut self, lane: usize) {
+        for interval in self.slip.iter_mut().chain(&mut self.branch) {
+            interval.set(lane, (f64::NEG_INFINITY, f64::INFINITY));
+        }
+    }
+
+    /// Whether the mode of an axis may end within a step, given what decides on its slip and on its
+    /// branch of the spring.
+    #[inline(always)]
+    pub(crate) fn may_end(&self, axis: usize, lane: usize, courses: &[Course; 2]) -> bool {
+        self.slip[axis].may_leave(lane, &courses[0])
+            | self.branch[axis].may_leave(lane, &courses[1])
+    }
+}
+
+impl Regime<Lanes> {
+    fn set(&mut self, lane: usize, regime: &Regime<f64>) {
+        self.mobility.0[lane] = regime.mobility;
+        self.coulomb_nm.0[lane] = regime.coulomb_nm;
+        self.slope_nm_per_rad.0[lane] = regime.slope_nm_per_rad;
+        self.offset_nm.0[lane] = regime.offset_nm;
+    }
+}
+
+impl Interval {
+    fn everything() -> Self {
+        Self {
+            lower: Lanes([f64::NEG_INFINITY; LANES]),
+            upper: Lanes([f64::INFINITY; LANES]),
+        }
+    }
+
+    fn set(&mut self, lane: usize, (lower, upper): (f64, f64)) {
+        (self.lower.0[lane], self.upper.0[lane]) = (lower, upper);
+    }
+
+    /// Whether a signal is outside at the end of a step, or may have been within: it turned.
+    #[inline(always)]
+    fn may_leave(&self, lane: usize, course: &Course) -> bool {
+        let (lower, upper, end) = (self.lower.0[lane], self.upper.0[lane], course.end.0[lane]);
+        let (before, after) = (course.before.0[lane], course.after.0[lane]);
+        // a signal that is not a number is inside nothing
+        let inside = [end >= lower, end <= upper];
+        let below = !inside[0] | ((before < 0.0) & (after > 0.0));
+        let above = !inside[1] | ((before > 0.0) & (after < 0.0));
+        ((lower > f64::NEG_INFINITY) & below) | ((upper < f64::INFINITY) & above)
+    }
+}

@@ -1,0 +1,186 @@
+//! Machines side by side: those of a fleet, which move in lanes, or each alone where their torques are of
+//! different kinds.
+
+use std::any::Any;
+
+use pulp::{Arch, Simd, WithSimd};
+
+use crate::error::PlantError;
+use crate::lanes::{LANES, Lanes};
+use crate::motion::equations::LinksSideBySide;
+use crate::motion::fleet::Fleet;
+use crate::motion::in_lanes::InLanes;
+use crate::motion::integrator::Integrator;
+use crate::motion::segment::Segment;
+use crate::motion::{Acting, Motion};
+use crate::scalar::Scalar;
+
+/// Machines in motion, each with its own integrator.
+#[derive(Debug)]
+pub(crate) struct SideBySide<K: LinksSideBySide<A>, const A: usize> {
+    machines: Vec<Integrator<K, A>>,
+    /// All of them in lanes; `None` until they move together.
+    lanes: Option<Box<InLanes<K, A>>>,
+    arch: Arch,
+}
+
+impl<K: LinksSideBySide<A>, const A: usize> SideBySide<K, A> {
+    /// A machine that others may join.
+    pub(crate) fn of(machine: Integrator<K, A>) -> Self {
+        Self {
+            machines: vec![machine],
+            lanes: None,
+            arch: Arch::new(),
+        }
+    }
+
+    /// Moves each machine on by itself.
+    fn each_alone(
+        &mut self,
+        n_steps: usize,
+        step_s: f64,
+        acting: &[Option<Acting>],
+    ) -> Vec<Result<(), PlantError>> {
+        self.lanes = None;
+        let each = self.machines.iter_mut().zip(acting);
+        let alone = each.map(|(machine, acting)| match acting {
+            Some(acting) => machine.advance(n_steps, step_s, *acting),
+            None => Ok(()),
+        });
+        alone.collect()
+    }
+}
+
+impl<K: LinksSideBySide<A>, const A: usize> Fleet for SideBySide<K, A> {
+    fn join(&mut self, motion: Box<dyn Motion>) -> Option<Box<dyn Motion>> {
+        let machine: &dyn Any = &*motion;
+        let machine = machine.downcast_ref::<Integrator<K, A>>();
+        match machine {
+            Some(machine) if self.machines.len() < LANES => self.machines.push(machine.clone()),
+            _ => return Some(motion),
+        }
+        self.lanes = None;
+        None
+    }
+
+    fn n_robots(&self) -> usize {
+        self.machines.len()
+    }
+
+    fn motion(&self, robot: usize) -> &dyn Motion {
+        &self.machines[robot]
+    }
+
+    fn advance(
+        &mut self,
+        n_steps: usize,
+        step_s: f64,
+        acting: &[Option<Acting>],
+    ) -> Vec<Result<(), PlantError>> {
+        let several = acting.iter().flatten().count() > 1;
+        let Some(torques) = Torques::of(acting).filter(|_| several) else {
+            return self.each_alone(n_steps, step_s, acting);
+        };
+        let machines = &mut self.machines[..];
+        let lanes = self
+            .lanes
+            .get_or_insert_with(|| Box::new(InLanes::of(machines)));
+        let start = torques.segment(0, n_steps).at(0.0);
+        for (lane, machine) in machines.iter_mut().enumerate() {
+            match acting[lane] {
+                Some(_) => lanes.release(lane, machine, &start.map(|torque| torque.0[lane])),
+                None => lanes.forget(lane),
+            }
+        }
+        let mut found: Vec<_> = machines.iter().map(|_| Ok(())).collect();
+        self.arch.dispatch(Steps {
+            lanes,
+            machines,
+            torques: &torques,
+            n_steps,
+            step_s,
+            found: &mut found,
+        });
+        for (lane, machine) in machines.iter_mut().enumerate() {
+            if acting[lane].is_some() && found[lane].is_ok() {
+                lanes.tell(lane, machine);
+                found[lane] = machine.check();
+            }
+        }
+        found
+    }
+}
+
+/// Steps of machines in lanes.
+struct Steps<'a, K: LinksSideBySide<A>, const A: usize> {
+    lanes: &'a mut InLanes<K, A>,
+    machines: &'a mut [Integrator<K, A>],
+    torques: &'a Torques<A>,
+    n_steps: usize,
+    step_s: f64,
+    found: &'a mut [Result<(), PlantError>],
+}
+
+impl<K: LinksSideBySide<A>, const A: usize> WithSimd for Steps<'_, K, A> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) {
+        let segment = |step| self.torques.segment(step, self.n_steps);
+        self.lanes.begin(&segment(0).at(0.0));
+        for step in 0..self.n_steps {
+            self.lanes
+                .step(self.machines, &segment(step), self.step_s, self.found);
+        }
+    }
+}
+
+/// Torques in N m of machines side by side from one sample to the next.
+enum Torques<const A: usize> {
+    Held([Lanes; A]),
+    Line([Lanes; A], [Lanes; A]),
+}
+
+impl<const A: usize> Torques<A> {
+    /// Those that act, if all are held or all are lines; 0 where none acts.
+    fn of(acting: &[Option<Acting>]) -> Option<Self> {
+        let zero = [Lanes::splat(0.0); A];
+        let (mut from, mut to, mut n_lines) = (zero, zero, 0);
+        for (lane, acting) in acting.iter().enumerate() {
+            match acting {
+                None => {}
+                Some(Acting::Held(torque)) => set(&mut from, lane, torque)?,
+                Some(Acting::Line(start, end)) => {
+                    n_lines += 1;
+                    set(&mut from, lane, start)?;
+                    set(&mut to, lane, end)?;
+                }
+                Some(Acting::Function(_)) => return None,
+            }
+        }
+        let n_acting = acting.iter().flatten().count();
+        match n_lines {
+            0 => Some(Self::Held(from)),
+            _ if n_lines == n_acting => Some(Self::Line(from, to)),
+            _ => None,
+        }
+    }
+
+    /// The torques within one of the steps.
+    #[inline(always)]
+    fn segment(&self, step: usize, n_steps: usize) -> Segment<A, Lanes> {
+        match self {
+            Self::Held(torque) => Segment::constant(*torque),
+            Self::Line(from, to) => Segment::line(from, to, step, n_steps),
+        }
+    }
+}
+
+/// Puts the torques of one machine into its lane; `None` if there are not as many as axes.
+fn set<const A: usize>(lanes: &mut [Lanes; A], lane: usize, torque: &[f64]) -> Option<()> {
+    let torque: &[f64; A] = torque.try_into().ok()?;
+    for axis in 0..A {
+        lanes[axis].0[lane] = torque[axis];
+    }
+    Some(())
+}
