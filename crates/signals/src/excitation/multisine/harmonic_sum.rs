@@ -1,16 +1,15 @@
-//! Sums of harmonics: synthesis of a period by inverse FFT, with all phases turned at will, and the
-//! true peak between its samples.
+//! Sums of harmonics: synthesis of a period by inverse FFT, with all phases turned at will.
 
-use std::f64::consts::{PI, TAU};
+use std::borrow::Cow;
+use std::f64::consts::TAU;
+use std::sync::Arc;
 
 use frfid_transforms::{ComplexToReal, TransformPlanner};
 use num_complex::Complex64;
 
-use crate::number::power::sample_peak;
-
 /// Least points per shortest period when the peak is searched: between two of them the sum rises by
 /// at most 1/cos(pi/16).
-const POINTS_PER_PERIOD: usize = 16;
+pub(super) const POINTS_PER_PERIOD: usize = 16;
 
 /// `x(t) = sum_s |a_s| sin(2 pi line_s t / T + arg a_s)`.
 #[derive(Debug, Clone, Copy)]
@@ -21,34 +20,50 @@ pub(crate) struct HarmonicSum<'a> {
     pub amplitudes: &'a [Complex64],
 }
 
+/// Synthesis of periods of one length, with the memory that each of them takes.
+pub(crate) struct Synthesis {
+    inverse: Arc<dyn ComplexToReal<f64>>,
+    spectrum: Vec<Complex64>,
+    scratch: Vec<Complex64>,
+}
+
 /// A sum on a grid fine enough to find its peaks. Turned by phi in every phase it is
 /// `cos(phi) x + sin(phi) q`, where q is x turned by a quarter: two transforms serve every turn.
 pub(crate) struct TurnedSum<'a> {
-    sum: HarmonicSum<'a>,
-    in_phase: Vec<f64>,
-    quadrature: Vec<f64>,
+    pub(super) sum: HarmonicSum<'a>,
+    pub(super) in_phase: Vec<f64>,
+    pub(super) quadrature: Vec<f64>,
     /// Points of the grid per sample.
     oversampling: usize,
 }
 
-impl HarmonicSum<'_> {
-    /// One period of `x`, turned, at as many equidistant points as `inverse` makes; the lines must
-    /// lie below half of that.
-    pub(crate) fn period(&self, turn: Complex64, inverse: &dyn ComplexToReal<f64>) -> Vec<f64> {
-        let mut spectrum = inverse.make_input_vec();
-        let sine = turn * Complex64::new(0.0, -0.5); // sin x = Re(-i e^{ix}), half of it on each side
-        for (&line, amplitude) in self.lines.iter().zip(self.amplitudes) {
-            spectrum[line] = amplitude * sine;
+impl Synthesis {
+    pub(crate) fn new(inverse: Arc<dyn ComplexToReal<f64>>) -> Self {
+        Self {
+            spectrum: inverse.make_input_vec(),
+            scratch: inverse.make_scratch_vec(),
+            inverse,
         }
-        let mut samples = inverse.make_output_vec();
-        inverse
-            .process(&mut spectrum, &mut samples)
+    }
+
+    /// One period of `x`, turned, at equidistant points; the lines must lie below half their number.
+    pub(crate) fn period(&mut self, sum: &HarmonicSum, turn: Complex64) -> Vec<f64> {
+        let sine = turn * Complex64::new(0.0, -0.5); // sin x = Re(-i e^{ix}), half of it on each side
+        self.spectrum.fill(Complex64::ZERO);
+        for (&line, amplitude) in sum.lines.iter().zip(sum.amplitudes) {
+            self.spectrum[line] = amplitude * sine;
+        }
+        let mut samples = self.inverse.make_output_vec();
+        self.inverse
+            .process_with_scratch(&mut self.spectrum, &mut samples, &mut self.scratch)
             .expect("buffers come from the plan, DC and Nyquist are real zeros");
         samples
     }
+}
 
+impl HarmonicSum<'_> {
     /// |x| at the extremum near `start` (in periods), reached by Newton steps of at most `reach`; x is turned.
-    fn refined(&self, turn: Complex64, start: f64, reach: f64) -> f64 {
+    pub(super) fn refined(&self, turn: Complex64, start: f64, reach: f64) -> f64 {
         let (mut place, mut peak) = (start, 0.0f64);
         for _ in 0..4 {
             let (value, slope, curvature) = self.derivatives(turn, place);
@@ -85,70 +100,42 @@ pub(crate) fn oversampling(lines: &[usize], n_samples: usize) -> usize {
 }
 
 impl<'a> TurnedSum<'a> {
-    /// The sum on `n_samples` or, where these are too few to find peaks, on a multiple of them.
-    pub(crate) fn new(
-        sum: HarmonicSum<'a>,
+    /// The sums on `n_samples` or, where these are too few to find peaks, on a multiple of them; all of the same lines.
+    pub(crate) fn each(
+        sums: impl IntoIterator<Item = HarmonicSum<'a>>,
+        lines: &[usize],
         n_samples: usize,
         planner: &mut TransformPlanner,
-    ) -> Self {
-        let oversampling = oversampling(sum.lines, n_samples);
-        let inverse = planner.inverse(oversampling * n_samples);
-        let [in_phase, quadrature] =
-            [Complex64::ONE, Complex64::I].map(|turn| sum.period(turn, &*inverse));
-        Self {
-            sum,
-            in_phase,
-            quadrature,
-            oversampling,
-        }
-    }
-
-    /// The samples of the sum times `turn`: its argument turns every phase, its modulus scales.
-    pub(crate) fn samples(&self, turn: Complex64) -> impl Iterator<Item = f64> {
-        self.points(turn, self.oversampling)
-    }
-
-    /// Largest |x(t)| of the turned sum over all t, not only over samples: a search on the grid,
-    /// refined by Newton's method on x'(t).
-    pub(crate) fn true_peak(&self, turn: Complex64) -> f64 {
-        let grid: Vec<f64> = self.points(turn, 1).collect();
-        let n = grid.len();
-        let coarse_peak = sample_peak(&grid);
-        let reachable = coarse_peak * (PI / POINTS_PER_PERIOD as f64).cos();
-        let is_candidate = |&k: &usize| {
-            let height = grid[k].abs();
-            height >= reachable
-                && height >= grid[(k + 1) % n].abs()
-                && height >= grid[(k + n - 1) % n].abs()
+    ) -> Vec<Self> {
+        let oversampling = oversampling(lines, n_samples);
+        let mut synthesis = Synthesis::new(planner.inverse(oversampling * n_samples));
+        let turned = |sum| {
+            let [in_phase, quadrature] =
+                [Complex64::ONE, Complex64::I].map(|turn| synthesis.period(&sum, turn));
+            Self {
+                sum,
+                in_phase,
+                quadrature,
+                oversampling,
+            }
         };
-        let candidates = (0..n).filter(is_candidate);
-        candidates
-            .map(|k| self.sum.refined(turn, k as f64 / n as f64, 0.5 / n as f64))
-            .fold(coarse_peak, f64::max)
+        sums.into_iter().map(turned).collect()
     }
 
-    /// Every `step`-th point of the grid.
-    fn points(&self, turn: Complex64, step: usize) -> impl Iterator<Item = f64> {
-        let point = move |k: usize| turn.re * self.in_phase[k] + turn.im * self.quadrature[k];
-        (0..self.in_phase.len()).step_by(step).map(point)
+    /// The sum and its quadrature at the samples: `turn.re` of the one and `turn.im` of the other are the sum times `turn`,
+    /// whose argument turns every phase and whose modulus scales.
+    pub(crate) fn at_samples(&self) -> [Cow<'_, [f64]>; 2] {
+        [&self.in_phase, &self.quadrature].map(|grid| match self.oversampling {
+            1 => Cow::Borrowed(&grid[..]),
+            step => grid.iter().step_by(step).copied().collect(),
+        })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn turned<'a>(
-        lines: &'a [usize],
-        amplitudes: &'a [Complex64],
-        n_samples: usize,
-    ) -> TurnedSum<'a> {
-        TurnedSum::new(
-            HarmonicSum { lines, amplitudes },
-            n_samples,
-            &mut TransformPlanner::default(),
-        )
-    }
+    use std::f64::consts::PI;
 
     #[test]
     fn a_period_is_the_sum_of_its_sines_in_every_turn() {
@@ -160,28 +147,21 @@ mod tests {
                 Complex64::new(0.0, 1.0),
             ],
         );
-        let sum = turned(&lines, &amplitudes, 19);
+        let sum = HarmonicSum {
+            lines: &lines,
+            amplitudes: &amplitudes,
+        };
+        let turned = TurnedSum::each([sum], &lines, 19, &mut TransformPlanner::default());
+        let [in_phase, quadrature] = turned[0].at_samples();
+        assert_eq!((in_phase.len(), quadrature.len()), (19, 19));
         for phi in [0.0, 0.7, PI] {
-            let samples: Vec<f64> = sum.samples(Complex64::cis(phi)).collect();
-            assert_eq!(samples.len(), 19);
-            for (k, sample) in samples.iter().enumerate() {
+            for (k, (x, q)) in in_phase.iter().zip(&*quadrature).enumerate() {
                 let sines = lines.iter().zip(amplitudes);
                 let expected: f64 = sines
                     .map(|(&l, a)| a.norm() * (TAU * (l * k) as f64 / 19.0 + a.arg() + phi).sin())
                     .sum();
-                assert!((sample - expected).abs() < 1e-14);
+                assert!((phi.cos() * x + phi.sin() * q - expected).abs() < 1e-14);
             }
         }
-    }
-
-    #[test]
-    fn the_peak_lies_between_the_samples() {
-        let (lines, amplitudes) = ([3], [Complex64::from_polar(2.0, 0.1)]);
-        let sine = turned(&lines, &amplitudes, 7);
-        for phi in [0.0, 0.2, 1.5] {
-            assert!((sine.true_peak(Complex64::cis(phi)) - 2.0).abs() < 1e-14);
-        }
-        let samples: Vec<f64> = sine.samples(Complex64::ONE).collect();
-        assert!(sample_peak(&samples) < 1.99);
     }
 }

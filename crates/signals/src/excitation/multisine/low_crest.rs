@@ -6,7 +6,7 @@ use frfid_transforms::TransformPlanner;
 use num_complex::Complex64;
 
 use crate::error::SignalError;
-use crate::excitation::multisine::harmonic_sum::HarmonicSum;
+use crate::excitation::multisine::harmonic_sum::{HarmonicSum, Synthesis};
 use crate::excitation::waveform::{GoOn, check_on};
 use crate::number::power::sample_peak;
 
@@ -30,8 +30,8 @@ pub(crate) fn low_crest_phases(
 ) -> Result<Vec<f64>, SignalError> {
     let n = (16 * lines.last().copied().unwrap_or(1)).next_power_of_two();
     let mut planner = TransformPlanner::default();
-    let (forward, inverse) = (planner.forward(n), planner.inverse(n));
-    let mut spectrum = forward.make_output_vec();
+    let (forward, mut synthesis) = (planner.forward(n), Synthesis::new(planner.inverse(n)));
+    let (mut spectrum, mut scratch) = (forward.make_output_vec(), forward.make_scratch_vec());
     let mut phases = schroeder_phases(magnitudes);
     let mut best = (f64::INFINITY, phases.clone());
     for round in 0..ROUNDS {
@@ -41,7 +41,7 @@ pub(crate) fn low_crest_phases(
             lines,
             amplitudes: &amplitudes,
         };
-        let mut period = sum.period(Complex64::ONE, &*inverse);
+        let mut period = synthesis.period(&sum, Complex64::ONE);
         let peak = sample_peak(&period);
         if peak < best.0 {
             best = (peak, phases.clone());
@@ -49,7 +49,7 @@ pub(crate) fn low_crest_phases(
         let level = peak * (0.75 + 0.24 * round as f64 / ROUNDS as f64);
         period.iter_mut().for_each(|x| *x = x.clamp(-level, level));
         forward
-            .process(&mut period, &mut spectrum)
+            .process_with_scratch(&mut period, &mut spectrum, &mut scratch)
             .expect("buffers have the length of the plan");
         for (phase, &line) in phases.iter_mut().zip(lines) {
             *phase = (spectrum[line] * Complex64::I).arg(); // phase of a sine, not of a cosine
@@ -83,6 +83,7 @@ fn schroeder_phases(magnitudes: &[f64]) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::excitation::multisine::harmonic_sum::TurnedSum;
+    use crate::excitation::multisine::true_peak::PeakSearch;
 
     fn crest(lines: &[usize], phases: &[f64]) -> f64 {
         let amplitudes: Vec<Complex64> = phases.iter().map(|&p| Complex64::cis(p)).collect();
@@ -90,9 +91,9 @@ mod tests {
             lines,
             amplitudes: &amplitudes,
         };
-        let peak =
-            TurnedSum::new(sum, 1, &mut TransformPlanner::default()).true_peak(Complex64::ONE);
-        peak / (0.5 * lines.len() as f64).sqrt()
+        let drawn = TurnedSum::each([sum], lines, 1, &mut TransformPlanner::default());
+        let peak = PeakSearch::new(&drawn).peak([(0, 0.0)], &|| true);
+        peak.expect("goes on") / (0.5 * lines.len() as f64).sqrt()
     }
 
     #[test]

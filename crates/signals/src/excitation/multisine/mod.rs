@@ -7,6 +7,7 @@ mod low_crest;
 mod realization;
 #[cfg(test)]
 mod tests;
+mod true_peak;
 
 use ndarray::Array3;
 use schemars::JsonSchema;
@@ -94,7 +95,7 @@ impl Waveform for Multisine {
         draw: &Draw,
         go_on: GoOn,
     ) -> Result<Array3<f64>, SignalError> {
-        Ok(self.realize_while(draw, go_on)?.signal)
+        self.signal_while(draw, go_on)
     }
 
     fn band_hz(&self) -> [f64; 2] {

@@ -1,7 +1,5 @@
 //! Realization of a multisine: a draw of its phases, scaled to the peaks of its channels.
 
-use std::f64::consts::PI;
-
 use frfid_transforms::TransformPlanner;
 use ndarray::{Array3, indices};
 use num_complex::Complex64;
@@ -9,11 +7,12 @@ use num_complex::Complex64;
 use crate::error::SignalError;
 use crate::excitation::multisine::harmonic_sum::{HarmonicSum, TurnedSum, oversampling};
 use crate::excitation::multisine::low_crest::low_crest_phases;
+use crate::excitation::multisine::true_peak::PeakSearch;
 use crate::excitation::multisine::{Multisine, Phases};
 use crate::excitation::phasing::Phasing;
-use crate::excitation::waveform::{Draw, GoOn, Waveform, check_on};
+use crate::excitation::waveform::{Draw, GoOn, Waveform};
 use crate::number::random;
-use crate::number::room::{possible_inputs, room_for, zeros};
+use crate::number::room::{possible_inputs, room, room_for};
 
 /// One draw of the random phases: one period for every experiment and channel.
 #[derive(Debug, Clone, PartialEq)]
@@ -62,21 +61,37 @@ impl Multisine {
     /// # Errors
     /// As [`Multisine::realize`]; [`SignalError::Interrupted`].
     pub fn realize_while(&self, draw: &Draw, go_on: GoOn) -> Result<Realization, SignalError> {
-        self.check_for(self.peak.len())?;
-        self.check_room(draw.phasing)?;
         let amplitudes = self.line_amplitudes(draw, go_on)?;
         let drawn = self.turned_sums(&amplitudes);
-        let true_peaks = true_peaks(&drawn, draw.phasing, self.peak.len(), go_on)?;
-        let factor = 1.0 / true_peaks.iter().flatten().copied().fold(0.0, f64::max);
-        let peak = true_peaks
-            .iter()
-            .zip(&self.peak)
-            .map(|(peaks, limit)| factor * limit * peaks.iter().copied().fold(0.0, f64::max));
+        let mut search = PeakSearch::new(&drawn);
+        let n_inputs = self.peak.len();
+        let true_peaks = (0..n_inputs)
+            .map(|channel| search.peak(turns(draw.phasing, channel, n_inputs), go_on))
+            .collect::<Result<Vec<_>, _>>()?;
+        let factor = 1.0 / true_peaks.iter().copied().fold(0.0, f64::max);
+        let limits = true_peaks.iter().zip(&self.peak);
         Ok(Realization {
             signal: self.scaled(&drawn, draw.phasing, factor)?,
             factor,
-            peak: peak.collect(),
+            peak: limits.map(|(peak, limit)| factor * limit * peak).collect(),
         })
+    }
+
+    /// The signal of [`Multisine::realize_while`] alone, for which the largest of all peaks is enough.
+    ///
+    /// # Errors
+    /// As [`Multisine::realize_while`].
+    pub(super) fn signal_while(
+        &self,
+        draw: &Draw,
+        go_on: GoOn,
+    ) -> Result<Array3<f64>, SignalError> {
+        let amplitudes = self.line_amplitudes(draw, go_on)?;
+        let drawn = self.turned_sums(&amplitudes);
+        let n_inputs = self.peak.len();
+        let every_turn = (0..n_inputs).flat_map(|channel| turns(draw.phasing, channel, n_inputs));
+        let factor = 1.0 / PeakSearch::new(&drawn).peak(every_turn, go_on)?;
+        self.scaled(&drawn, draw.phasing, factor)
     }
 
     /// Refuses signals, and sums on the grid of their peaks, that cannot be held.
@@ -110,6 +125,8 @@ impl Multisine {
         draw: &Draw,
         go_on: GoOn,
     ) -> Result<Vec<Vec<Complex64>>, SignalError> {
+        self.check_for(self.peak.len())?;
+        self.check_room(draw.phasing)?;
         self.check_phasing(draw.phasing)?;
         let magnitudes = self.line_magnitudes()?;
         let draws = self.n_draws(draw.phasing);
@@ -190,13 +207,12 @@ impl Multisine {
 
     /// The sum of the lines for every draw of their amplitudes.
     fn turned_sums<'a>(&'a self, amplitudes: &'a [Vec<Complex64>]) -> Vec<TurnedSum<'a>> {
+        let lines = &self.grid.excited;
+        let sums = amplitudes
+            .iter()
+            .map(|amplitudes| HarmonicSum { lines, amplitudes });
         let mut planner = TransformPlanner::default();
-        let sums = amplitudes.iter().map(|amplitudes| HarmonicSum {
-            lines: &self.grid.excited,
-            amplitudes,
-        });
-        sums.map(|sum| TurnedSum::new(sum, self.grid.n_samples, &mut planner))
-            .collect()
+        TurnedSum::each(sums, lines, self.grid.n_samples, &mut planner)
     }
 
     /// The sums as `(experiment, input, sample)`, turned by the phasing and scaled by a factor and
@@ -208,72 +224,37 @@ impl Multisine {
         factor: f64,
     ) -> Result<Array3<f64>, SignalError> {
         let n_inputs = self.peak.len();
-        let n_experiments = phasing.n_experiments(n_inputs);
-        let shape = [n_experiments, n_inputs, self.grid.n_samples];
-        let mut signal = zeros("n_inputs", shape)?;
-        for ((experiment, channel), row) in indices((n_experiments, n_inputs))
-            .into_iter()
-            .zip(signal.rows_mut())
-        {
+        let shape = (
+            phasing.n_experiments(n_inputs),
+            n_inputs,
+            self.grid.n_samples,
+        );
+        let mut signal = room(shape.0 * shape.1 * shape.2)?;
+        let sums = Vec::from_iter(drawn.iter().map(TurnedSum::at_samples));
+        for (experiment, channel) in indices((shape.0, shape.1)) {
             let phase_rad = phasing.phase_rad(channel, experiment, n_inputs);
             let weight = phasing.weight(channel, experiment);
             let turn = Complex64::from_polar(weight * factor * self.peak[channel], phase_rad);
-            row.into_iter()
-                .zip(drawn[channel % drawn.len()].samples(turn))
-                .for_each(|(sample, value)| *sample = value);
+            let [in_phase, quadrature] = &sums[channel % sums.len()];
+            let points = in_phase.iter().zip(&**quadrature);
+            signal.extend(points.map(|(x, q)| turn.re * x + turn.im * q));
         }
-        Ok(signal)
+        Ok(Array3::from_shape_vec(shape, signal).expect("a row for each signal"))
     }
 }
 
-/// True peak per channel and experiment.
-fn true_peaks(
-    drawn: &[TurnedSum],
-    phasing: Phasing,
-    n_inputs: usize,
-    go_on: GoOn,
-) -> Result<Vec<Vec<f64>>, SignalError> {
-    let mut search = PeakSearch {
-        drawn,
-        found: Vec::new(),
+/// The turns of a channel in its experiments, but for those in which it stands: the number of the draw, where every channel
+/// has its own, and the phase in rad.
+fn turns(phasing: Phasing, channel: usize, n_inputs: usize) -> impl Iterator<Item = (usize, f64)> {
+    let draw = if phasing.draws_each_channel() {
+        channel
+    } else {
+        0
     };
-    let mut peak = |channel: usize, experiment: usize| {
-        check_on(go_on)?;
-        if phasing.weight(channel, experiment) == 0.0 {
-            return Ok(0.0);
-        }
-        let turn_rad = phasing.phase_rad(channel, experiment, n_inputs);
-        Ok(search.peak(channel % drawn.len(), turn_rad))
-    };
-    (0..n_inputs)
-        .map(|channel| {
-            (0..phasing.n_experiments(n_inputs))
-                .map(|experiment| peak(channel, experiment))
-                .collect()
-        })
-        .collect()
-}
-
-/// Search of true peaks; a phase that came before, or its opposite, is not searched again.
-struct PeakSearch<'a> {
-    drawn: &'a [TurnedSum<'a>],
-    /// Draw, turn in rad from 0 to pi, and its peak.
-    found: Vec<(usize, f64, f64)>,
-}
-
-impl PeakSearch<'_> {
-    /// True peak of a draw turned by an angle in rad.
-    fn peak(&mut self, draw: usize, turn_rad: f64) -> f64 {
-        let half_turn = turn_rad.rem_euclid(PI);
-        let is_same =
-            |&&(d, turn, _): &&(usize, f64, f64)| d == draw && (turn - half_turn).abs() < 1e-12;
-        if let Some(&(_, _, peak)) = self.found.iter().find(is_same) {
-            return peak;
-        }
-        let peak = self.drawn[draw].true_peak(Complex64::cis(half_turn));
-        self.found.push((draw, half_turn, peak));
-        peak
-    }
+    let experiments = 0..phasing.n_experiments(n_inputs);
+    experiments
+        .filter(move |&experiment| phasing.weight(channel, experiment) != 0.0)
+        .map(move |experiment| (draw, phasing.phase_rad(channel, experiment, n_inputs)))
 }
 
 fn without_lines(channel: usize) -> String {

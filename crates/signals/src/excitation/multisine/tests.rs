@@ -11,7 +11,7 @@ use crate::excitation::grid::{GridDesign, GridKind, LineGrid};
 use crate::excitation::multisine::{Multisine, Phases};
 use crate::excitation::phasing::Phasing;
 use crate::excitation::profile::Profile;
-use crate::excitation::waveform::Draw;
+use crate::excitation::waveform::{Draw, Waveform};
 use crate::number::power::sample_peak;
 
 fn multisine(peak: &[f64]) -> Multisine {
@@ -67,6 +67,23 @@ fn one_factor_serves_all_and_no_channel_exceeds_its_peak() {
                 );
             }
         }
+    }
+}
+
+#[test]
+fn a_period_is_the_signal_of_the_realization_to_the_bit() {
+    for phasing in [
+        Phasing::Orthogonal,
+        Phasing::SignFlip,
+        Phasing::Independent,
+        Phasing::AllAtOnce,
+        Phasing::Zippered,
+        Phasing::OneAtATime,
+    ] {
+        let (multisine, draw) = (multisine(&[150.0, 100.0, 50.0]), Draw { phasing, ..DRAW });
+        let period = multisine.period(1e-3, 3, &draw, &|| true);
+        let realization = multisine.realize(&draw).expect("sound");
+        assert_eq!(period.expect("sound"), realization.signal, "{phasing:?}");
     }
 }
 
