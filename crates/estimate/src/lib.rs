@@ -15,6 +15,7 @@ mod correlation {
     pub(crate) mod likeness;
     pub(crate) mod local_power;
     pub(crate) mod long_lags;
+    pub(crate) mod pair_sums;
 }
 mod distortion;
 mod error;

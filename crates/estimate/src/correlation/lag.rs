@@ -63,6 +63,34 @@ impl Lag {
         near.map_or(f64::NAN, |near| self.difference_by(near, values[k]))
     }
 
+    /// The differences of the samples from `first` on, as [`Lag::difference`] has them.
+    pub(crate) fn differences(&self, values: &[f64], first: usize, differences: &mut [f64]) {
+        let is_whole = first + differences.len() + self.first + self.taps.len() <= values.len() + 1;
+        if is_whole {
+            self.sum_up(&values[first + self.first..], differences);
+        } else {
+            differences.fill(f64::NAN);
+        }
+        for (k, difference) in (first..).zip(differences) {
+            *difference = (*difference - values[k]) * self.gain;
+            if difference.is_nan() {
+                *difference = self.difference(values, k);
+            }
+        }
+    }
+
+    /// The weighted sums of samples, tap by tap, so that many sums are made at once.
+    fn sum_up(&self, values: &[f64], sums: &mut [f64]) {
+        sums.fill(0.0);
+        let taps = self.taps.iter().enumerate().filter(|(_, tap)| **tap != 0.0);
+        for (place, tap) in taps {
+            let terms = values[place..].iter().map(|x| tap * x);
+            sums.iter_mut()
+                .zip(terms)
+                .for_each(|(sum, term)| *sum += term);
+        }
+    }
+
     /// The samples around the place one lag after `k`.
     fn near<'a>(&self, values: &'a [f64], k: usize) -> Option<&'a [f64]> {
         values.get(k + self.first..)?.get(..self.taps.len())

@@ -1,10 +1,12 @@
 //! Period of runs to a fraction of a sample, by the lag of least difference over 1, 2, 4, ... periods,
 //! where an error in samples counts less and less.
 
+use std::iter::zip;
 use std::ops::Range;
 
 use crate::correlation::channel::Channel;
 use crate::correlation::lag::Lag;
+use crate::correlation::pair_sums::PairSums;
 
 /// A valley is as wide as the share that does not repeat rises by so much.
 const RISE: f64 = 0.1;
@@ -25,6 +27,8 @@ const WHOLE_SHARE: f64 = 1e-4;
 const DEVIATIONS: f64 = 25.0;
 /// A difference below this share of the power is rounding or interpolation.
 const ROUNDING: f64 = 1e-9;
+/// Differences that are held at once.
+const BLOCK: usize = 512;
 
 /// Pairs of samples of `runs`, every `stride`-th.
 pub(crate) struct Pairs<'a> {
@@ -178,13 +182,28 @@ impl Pairs<'_> {
         let mut sums = Sums::default();
         for run in self.runs {
             for channel in self.channels {
-                let values = &channel.values()[run.clone()];
-                let pair = |k: usize| (values[k], lag.difference(values, k));
-                let places = (0..lag.n_pairs(values.len())).step_by(self.stride);
-                sums.add_pairs(places.map(pair));
+                sums.take(self.after(&lag, &channel.values()[run.clone()]));
             }
         }
         sums.share()
+    }
+
+    /// The pairs of a channel, one lag apart.
+    fn after(&self, lag: &Lag, values: &[f64]) -> PairSums {
+        let n_pairs = lag.n_pairs(values.len());
+        if self.stride > 1 {
+            let places = (0..n_pairs).step_by(self.stride);
+            return PairSums::of(places.map(|k| (values[k], lag.difference(values, k))));
+        }
+        let mut block = [0.0; BLOCK];
+        let mut sums = PairSums::default();
+        for start in (0..n_pairs).step_by(BLOCK) {
+            let differences = &mut block[..BLOCK.min(n_pairs - start)];
+            lag.differences(values, start, differences);
+            let pairs = zip(&values[start..], differences).map(|(x, d)| (*x, *d));
+            sums = sums.plus(PairSums::of(pairs));
+        }
+        sums
     }
 }
 
@@ -242,24 +261,19 @@ struct Sums {
 impl Sums {
     fn add(&mut self, values: &[f64], lag: usize, stride: usize) {
         let later = values.get(lag..).unwrap_or_default();
-        let pairs = values.iter().zip(later).step_by(stride);
-        self.add_pairs(pairs.map(|(now, later)| (*now, later - now)));
+        if stride == 1 {
+            return self.take(PairSums::of_later(values, later));
+        }
+        let pairs = zip(values, later).step_by(stride);
+        self.take(PairSums::of(pairs.map(|(now, later)| (*now, later - now))));
     }
 
-    /// Samples and what they differ by later.
-    fn add_pairs(&mut self, pairs: impl Iterator<Item = (f64, f64)>) {
-        let (mut n, mut x, mut xx, mut d, mut dd) = (0.0, 0.0, 0.0, 0.0, 0.0);
-        for (now, difference) in pairs.filter(|pair| !pair.1.is_nan()) {
-            n += 1.0;
-            x += now;
-            xx += now * now;
-            d += difference;
-            dd += difference * difference;
-        }
-        if n > 0.0 {
-            self.difference += dd - d * d / n;
-            self.power += xx - x * x / n;
-            self.count += n;
+    /// The pairs of a run of a channel, levels taken off.
+    fn take(&mut self, pairs: PairSums) {
+        if pairs.n > 0.0 {
+            self.difference += pairs.difference();
+            self.power += pairs.power();
+            self.count += pairs.n;
         }
     }
 
