@@ -1,13 +1,15 @@
-//! Synthesis of the paper's multisine, true peak included: `Multisine::realize`.
+//! Synthesis of multisines, true peak included: `Multisine::realize` of the paper's, and of a long period with every odd
+//! line beside bare inverse FFTs of as many samples.
 
 mod paper;
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
 
-use criterion::{Criterion, criterion_group, criterion_main};
-use frfid::signals::{Draw, Multisine, Phasing, Realization};
-use ndarray::s;
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use frfid::signals::{Draw, LineGrid, Multisine, Phasing, Realization};
+use frfid_transforms::TransformPlanner;
+use ndarray::{Array3, s};
 use num_complex::Complex64;
 
 const PEAK_NM: f64 = 150.0;
@@ -90,5 +92,58 @@ fn realize(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group! { name = benches; config = paper::criterion(); targets = realize }
+/// Samples of a long period.
+const LONG: usize = 65_536;
+
+/// Every odd line from 1 Hz up to a frequency, at 1 ms.
+fn long(high_hz: f64) -> Multisine {
+    let period_s = LONG as f64 * paper::SAMPLE_TIME_S;
+    let lines = period_s.ceil() as usize..=(high_hz * period_s) as usize;
+    let grid = LineGrid {
+        sample_time_s: paper::SAMPLE_TIME_S,
+        n_samples: LONG,
+        excited: lines.filter(|line| line % 2 == 1).collect(),
+        detection: Vec::new(),
+    };
+    Multisine::flat(grid, vec![150.0, 100.0, 50.0])
+}
+
+/// As many samples as three inputs in three experiments have, each signal by a transform of its own.
+fn bare(planner: &mut TransformPlanner) -> Array3<f64> {
+    let inverse = planner.inverse(LONG);
+    let mut signals = Array3::zeros((3, 3, LONG));
+    let mut spectrum = inverse.make_input_vec();
+    let mut scratch = inverse.make_scratch_vec();
+    for mut signal in signals.rows_mut() {
+        spectrum.fill(Complex64::new(0.0, 0.0));
+        spectrum[1..4000].fill(Complex64::new(0.5, 0.5));
+        let signal = signal.as_slice_mut().expect("a row");
+        let done = inverse.process_with_scratch(&mut spectrum, signal, &mut scratch);
+        done.expect("buffers of the plan");
+    }
+    signals
+}
+
+fn realize_long(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("Multisine::realize, 65536 samples, 3 inputs");
+    group.throughput(Throughput::Elements(9 * LONG as u64));
+    let draw = Draw {
+        seed: 1,
+        realization: 0,
+        phasing: Phasing::Orthogonal,
+    };
+    for high_hz in [60.0, 400.0] {
+        let multisine = long(high_hz);
+        group.bench_function(format!("odd lines to {high_hz} Hz"), |bencher| {
+            bencher.iter(|| multisine.realize(black_box(&draw)));
+        });
+    }
+    let mut planner = TransformPlanner::default();
+    group.bench_function("bare inverse FFTs", |bencher| {
+        bencher.iter(|| bare(black_box(&mut planner)));
+    });
+    group.finish();
+}
+
+criterion_group! { name = benches; config = paper::criterion(); targets = realize, realize_long }
 criterion_main!(benches);

@@ -3,10 +3,32 @@
 //! A crate of its own because the planner of [`realfft`] is generic: each crate that names it compiles every transform of
 //! rustfft once more, two thirds of what `signals` took and a quarter of `estimate`, in their tests again.
 
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, PoisonError};
 
 use realfft::RealFftPlanner;
 pub use realfft::{ComplexToReal, RealToComplex};
+
+/// Samples of the longest transform that is kept: its factors take 14 bytes for each of them.
+const LONGEST_KEPT: usize = 1 << 20;
+
+/// The inverse transform that was planned last, and its number of samples.
+static LAST: Mutex<Option<(usize, Inverse)>> = Mutex::new(None);
+
+type Inverse = Arc<dyn ComplexToReal<f64>>;
+
+/// As [`TransformPlanner::inverse`] of a planner of its own, for periods that are made one after the other: the last one
+/// is kept for all threads, as its factors take as long as many transforms.
+pub fn kept_inverse(n_samples: usize) -> Arc<dyn ComplexToReal<f64>> {
+    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, kept)) = last.as_ref().filter(|(length, _)| *length == n_samples) {
+        return Arc::clone(kept);
+    }
+    let inverse = TransformPlanner::default().inverse(n_samples);
+    if n_samples <= LONGEST_KEPT {
+        *last = Some((n_samples, Arc::clone(&inverse)));
+    }
+    inverse
+}
 
 /// Plans transforms, and keeps what they have in common.
 #[derive(Default)]
@@ -21,5 +43,21 @@ impl TransformPlanner {
     /// From `n_samples / 2 + 1` complex samples to `n_samples` real ones, not scaled.
     pub fn inverse(&mut self, n_samples: usize) -> Arc<dyn ComplexToReal<f64>> {
         self.0.plan_fft_inverse(n_samples)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_inverse_is_kept_unless_it_is_long() {
+        let first = kept_inverse(64);
+        assert!(Arc::ptr_eq(&first, &kept_inverse(64)));
+        let long = kept_inverse(LONGEST_KEPT + 2);
+        assert_eq!(long.len(), LONGEST_KEPT + 2);
+        assert!(Arc::ptr_eq(&first, &kept_inverse(64)));
+        assert_eq!(kept_inverse(66).len(), 66);
+        assert!(!Arc::ptr_eq(&first, &kept_inverse(64)));
     }
 }

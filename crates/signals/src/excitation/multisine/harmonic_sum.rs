@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-use frfid_transforms::{ComplexToReal, TransformPlanner};
+use frfid_transforms::{ComplexToReal, kept_inverse};
 use num_complex::Complex64;
 
 /// Least points per shortest period when the peak is searched: between two of them the sum rises by
@@ -105,10 +105,9 @@ impl<'a> TurnedSum<'a> {
         sums: impl IntoIterator<Item = HarmonicSum<'a>>,
         lines: &[usize],
         n_samples: usize,
-        planner: &mut TransformPlanner,
     ) -> Vec<Self> {
         let oversampling = oversampling(lines, n_samples);
-        let mut synthesis = Synthesis::new(planner.inverse(oversampling * n_samples));
+        let mut synthesis = Synthesis::new(kept_inverse(oversampling * n_samples));
         let turned = |sum| {
             let [in_phase, quadrature] =
                 [Complex64::ONE, Complex64::I].map(|turn| synthesis.period(&sum, turn));
@@ -151,7 +150,7 @@ mod tests {
             lines: &lines,
             amplitudes: &amplitudes,
         };
-        let turned = TurnedSum::each([sum], &lines, 19, &mut TransformPlanner::default());
+        let turned = TurnedSum::each([sum], &lines, 19);
         let [in_phase, quadrature] = turned[0].at_samples();
         assert_eq!((in_phase.len(), quadrature.len()), (19, 19));
         for phi in [0.0, 0.7, PI] {

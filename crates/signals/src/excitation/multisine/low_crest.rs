@@ -91,7 +91,7 @@ mod tests {
             lines,
             amplitudes: &amplitudes,
         };
-        let drawn = TurnedSum::each([sum], lines, 1, &mut TransformPlanner::default());
+        let drawn = TurnedSum::each([sum], lines, 1);
         let peak = PeakSearch::new(&drawn).peak([(0, 0.0)], &|| true);
         peak.expect("goes on") / (0.5 * lines.len() as f64).sqrt()
     }

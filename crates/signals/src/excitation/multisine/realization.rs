@@ -1,6 +1,5 @@
 //! Realization of a multisine: a draw of its phases, scaled to the peaks of its channels.
 
-use frfid_transforms::TransformPlanner;
 use ndarray::{Array3, indices};
 use num_complex::Complex64;
 
@@ -211,8 +210,7 @@ impl Multisine {
         let sums = amplitudes
             .iter()
             .map(|amplitudes| HarmonicSum { lines, amplitudes });
-        let mut planner = TransformPlanner::default();
-        TurnedSum::each(sums, lines, self.grid.n_samples, &mut planner)
+        TurnedSum::each(sums, lines, self.grid.n_samples)
     }
 
     /// The sums as `(experiment, input, sample)`, turned by the phasing and scaled by a factor and

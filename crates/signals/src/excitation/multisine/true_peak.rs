@@ -173,15 +173,9 @@ mod tests {
     use super::*;
     use crate::excitation::multisine::harmonic_sum::HarmonicSum;
     use crate::number::random;
-    use frfid_transforms::TransformPlanner;
 
     fn turned<'a>(sum: HarmonicSum<'a>, n_samples: usize) -> Vec<TurnedSum<'a>> {
-        TurnedSum::each(
-            [sum],
-            sum.lines,
-            n_samples,
-            &mut TransformPlanner::default(),
-        )
+        TurnedSum::each([sum], sum.lines, n_samples)
     }
 
     fn peak_of(drawn: &[TurnedSum], turn_rad: f64) -> f64 {
