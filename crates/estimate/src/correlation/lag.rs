@@ -3,6 +3,8 @@
 use std::array::from_fn;
 use std::f64::consts::PI;
 
+use pulp::{Arch, Simd, WithSimd};
+
 /// Samples on either side of the place asked for.
 const HALF: usize = 8;
 const TAPS: usize = 2 * HALF;
@@ -67,7 +69,8 @@ impl Lag {
     pub(crate) fn differences(&self, values: &[f64], first: usize, differences: &mut [f64]) {
         let is_whole = first + differences.len() + self.first + self.taps.len() <= values.len() + 1;
         if is_whole {
-            self.sum_up(&values[first + self.first..], differences);
+            let values = &values[first + self.first..];
+            Arch::new().dispatch(WeightedSums(&self.taps, values, differences));
         } else {
             differences.fill(f64::NAN);
         }
@@ -76,18 +79,6 @@ impl Lag {
             if difference.is_nan() {
                 *difference = self.difference(values, k);
             }
-        }
-    }
-
-    /// The weighted sums of samples, tap by tap, so that many sums are made at once.
-    fn sum_up(&self, values: &[f64], sums: &mut [f64]) {
-        sums.fill(0.0);
-        let taps = self.taps.iter().enumerate().filter(|(_, tap)| **tap != 0.0);
-        for (place, tap) in taps {
-            let terms = values[place..].iter().map(|x| tap * x);
-            sums.iter_mut()
-                .zip(terms)
-                .for_each(|(sum, term)| *sum += term);
         }
     }
 
@@ -113,6 +104,32 @@ impl Lag {
             difference(&self.straight, nearest, now)
         } else {
             by_four
+        }
+    }
+}
+
+/// Weights, samples, and the sum of weighted samples from each of these on; there are enough of them.
+struct WeightedSums<'s>(&'s [f64], &'s [f64], &'s mut [f64]);
+
+impl WithSimd for WeightedSums<'_> {
+    type Output = ();
+
+    /// Weight by weight, so that many sums are made at once, each in the order of [`weighted`].
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self(taps, values, sums) = self;
+        sums.fill(0.0);
+        let n = sums.len();
+        let (sums, sums_rest) = S::as_mut_simd_f64s(sums);
+        for (place, &tap) in taps.iter().enumerate().filter(|(_, tap)| **tap != 0.0) {
+            let (values, rest) = S::as_simd_f64s(&values[place..place + n]);
+            let weight = simd.splat_f64s(tap);
+            for (sum, x) in sums.iter_mut().zip(values) {
+                *sum = simd.add_f64s(*sum, simd.mul_f64s(weight, *x));
+            }
+            for (sum, x) in sums_rest.iter_mut().zip(rest) {
+                *sum += tap * x;
+            }
         }
     }
 }
@@ -161,5 +178,33 @@ fn sinc(x: f64) -> f64 {
         1.0
     } else {
         (PI * x).sin() / (PI * x)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn differences_side_by_side_are_those_one_by_one() {
+        let mut values = Vec::from_iter((0..1003).map(|k| (0.37 * f64::from(k)).sin()));
+        for lost in [0, 17, 500, 501, 502, 1002] {
+            values[lost] = f64::NAN;
+        }
+        for lag in [0.0, 3.0, 20.25, 400.0, 612.7] {
+            let lag = Lag::new(lag);
+            let n = lag.n_pairs(values.len());
+            for range in [0..n, 5..n - 30, n - 9..n] {
+                let mut differences = vec![1.0; range.len()];
+                lag.differences(&values, range.start, &mut differences);
+                for (k, difference) in range.zip(differences) {
+                    let one = lag.difference(&values, k);
+                    assert!(
+                        one == difference || one.is_nan() && difference.is_nan(),
+                        "{k}"
+                    );
+                }
+            }
+        }
     }
 }

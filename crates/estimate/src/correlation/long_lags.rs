@@ -200,8 +200,7 @@ impl Pairs<'_> {
         for start in (0..n_pairs).step_by(BLOCK) {
             let differences = &mut block[..BLOCK.min(n_pairs - start)];
             lag.differences(values, start, differences);
-            let pairs = zip(&values[start..], differences).map(|(x, d)| (*x, *d));
-            sums = sums.plus(PairSums::of(pairs));
+            sums = sums.plus(PairSums::of_differences(&values[start..], differences));
         }
         sums
     }

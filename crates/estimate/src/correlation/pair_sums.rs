@@ -34,6 +34,12 @@ impl PairSums {
         Arch::new().dispatch(Later(&now[..n], &later[..n]))
     }
 
+    /// The same of as many differences.
+    pub(super) fn of_differences(now: &[f64], differences: &[f64]) -> Self {
+        let n = now.len().min(differences.len());
+        Arch::new().dispatch(Differing(&now[..n], &differences[..n]))
+    }
+
     /// All of these pairs.
     pub(super) fn plus(self, other: Self) -> Self {
         Self {
@@ -58,6 +64,8 @@ impl PairSums {
 
 /// Samples, and what they are later.
 struct Later<'s>(&'s [f64], &'s [f64]);
+/// Samples, and what they differ by later.
+struct Differing<'s>(&'s [f64], &'s [f64]);
 
 impl WithSimd for Later<'_> {
     type Output = PairSums;
@@ -66,20 +74,38 @@ impl WithSimd for Later<'_> {
     fn with_simd<S: Simd>(self, simd: S) -> PairSums {
         let (now, now_rest) = S::as_simd_f64s(self.0);
         let (later, later_rest) = S::as_simd_f64s(self.1);
-        let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
-        let mut sums = [zero; 5];
-        for (now, later) in zip(now, later) {
-            let difference = simd.sub_f64s(*later, *now);
-            let is_there = simd.equal_f64s(difference, difference);
-            let [n, x, d] =
-                [one, *now, difference].map(|value| simd.select_f64s(is_there, value, zero));
-            let terms = [n, x, simd.mul_f64s(x, x), d, simd.mul_f64s(d, d)];
-            sums = std::array::from_fn(|sum| simd.add_f64s(sums[sum], terms[sum]));
-        }
-        let [n, x, xx, d, dd] = sums.map(|sum| simd.reduce_sum_f64s(sum));
+        let pairs = zip(now, later).map(|(now, later)| (*now, simd.sub_f64s(*later, *now)));
         let rest = zip(now_rest, later_rest).map(|(now, later)| (*now, later - now));
-        PairSums { n, x, xx, d, dd }.plus(PairSums::of(rest))
+        sums(simd, pairs).plus(PairSums::of(rest))
     }
+}
+
+impl WithSimd for Differing<'_> {
+    type Output = PairSums;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> PairSums {
+        let (now, now_rest) = S::as_simd_f64s(self.0);
+        let (differences, rest) = S::as_simd_f64s(self.1);
+        let pairs = zip(now, differences).map(|(now, difference)| (*now, *difference));
+        let rest = zip(now_rest, rest).map(|(now, difference)| (*now, *difference));
+        sums(simd, pairs).plus(PairSums::of(rest))
+    }
+}
+
+/// The sums of samples and what they differ by later, register by register.
+#[inline(always)]
+fn sums<S: Simd>(simd: S, pairs: impl Iterator<Item = (S::f64s, S::f64s)>) -> PairSums {
+    let (zero, one) = (simd.splat_f64s(0.0), simd.splat_f64s(1.0));
+    let mut sums = [zero; 5];
+    for (now, difference) in pairs {
+        let is_there = simd.equal_f64s(difference, difference);
+        let [n, x, d] = [one, now, difference].map(|value| simd.select_f64s(is_there, value, zero));
+        let terms = [n, x, simd.mul_f64s(x, x), d, simd.mul_f64s(d, d)];
+        sums = std::array::from_fn(|sum| simd.add_f64s(sums[sum], terms[sum]));
+    }
+    let [n, x, xx, d, dd] = sums.map(|sum| simd.reduce_sum_f64s(sum));
+    PairSums { n, x, xx, d, dd }
 }
 
 #[cfg(test)]
@@ -95,10 +121,17 @@ mod tests {
         for lag in [0, 1, 7, 400, 1000, 1003] {
             let later = &values[lag..];
             let one_by_one = zip(&values, later).map(|(now, later)| (*now, later - now));
-            let [a, b] = [PairSums::of(one_by_one), PairSums::of_later(&values, later)];
-            assert_eq!(a.n, b.n);
-            for (a, b) in [(a.x, b.x), (a.xx, b.xx), (a.d, b.d), (a.dd, b.dd)] {
-                assert!((a - b).abs() < 1e-12, "{lag}: {a} and {b}");
+            let differences = Vec::from_iter(one_by_one.clone().map(|(_, difference)| difference));
+            let a = PairSums::of(one_by_one);
+            for b in [
+                PairSums::of_later(&values, later),
+                PairSums::of_differences(&values, &differences),
+            ] {
+                assert_eq!(a.n, b.n);
+                for (a, b) in [(a.x, b.x), (a.xx, b.xx), (a.d, b.d), (a.dd, b.dd)] {
+                    let allowed = 1e-12 * a.abs().max(1.0);
+                    assert!((a - b).abs() < allowed, "{lag}: {a} and {b}");
+                }
             }
         }
     }
