@@ -3,7 +3,7 @@
 //! A crate of its own because the planner of [`realfft`] is generic: each crate that names it compiles every transform of
 //! rustfft once more, two thirds of what `signals` took and a quarter of `estimate`, in their tests again.
 
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex};
 
 use realfft::RealFftPlanner;
 pub use realfft::{ComplexToReal, RealToComplex};
@@ -14,17 +14,22 @@ const LONGEST_KEPT: usize = 1 << 20;
 /// The inverse transform that was planned last, and its number of samples.
 static LAST: Mutex<Option<(usize, Inverse)>> = Mutex::new(None);
 
-type Inverse = Arc<dyn ComplexToReal<f64>>;
+/// An inverse transform.
+pub type Inverse = Arc<dyn ComplexToReal<f64>>;
 
 /// As [`TransformPlanner::inverse`] of a planner of its own, for periods that are made one after the other: the last one
-/// is kept for all threads, as its factors take as long as many transforms.
-pub fn kept_inverse(n_samples: usize) -> Arc<dyn ComplexToReal<f64>> {
-    let mut last = LAST.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((_, kept)) = last.as_ref().filter(|(length, _)| *length == n_samples) {
+/// is kept for all threads, as its factors take as long as many transforms. It waits for no other thread, which a forked
+/// child may not have.
+pub fn kept_inverse(n_samples: usize) -> Inverse {
+    if let Ok(last) = LAST.try_lock()
+        && let Some((_, kept)) = last.as_ref().filter(|(length, _)| *length == n_samples)
+    {
         return Arc::clone(kept);
     }
     let inverse = TransformPlanner::default().inverse(n_samples);
-    if n_samples <= LONGEST_KEPT {
+    if n_samples <= LONGEST_KEPT
+        && let Ok(mut last) = LAST.try_lock()
+    {
         *last = Some((n_samples, Arc::clone(&inverse)));
     }
     inverse
