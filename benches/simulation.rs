@@ -1,13 +1,15 @@
 //! The paper's joint over one period of the multisine, from rest: `simulate`, linear, with
-//! friction, with growing stiffness.
+//! friction, with growing stiffness; and runs of it with friction, one and sixteen side by side.
 
 mod paper;
 
 use std::f64::consts::TAU;
 use std::hint::black_box;
+use std::sync::Arc;
 
-use criterion::{Criterion, criterion_group, criterion_main};
-use frfid::plant::{SingleJoint, Torque, simulate};
+use criterion::{Criterion, Throughput, criterion_group, criterion_main};
+use frfid::plant::{SimulatedRobot, SingleJoint, Torque, simulate};
+use frfid::signals::{Run, RunId};
 use nalgebra::{Matrix5, Vector5};
 use ndarray::Array2;
 use paper::{PERIOD, SAMPLE_TIME_S};
@@ -154,5 +156,35 @@ fn period(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group! { name = benches; config = paper::criterion(); targets = period }
+/// Runs of the joint with friction, each with another multiple of the torque: what one takes alone, and what
+/// one takes beside others.
+fn runs(criterion: &mut Criterion) {
+    let u = torque();
+    let mut joint = SingleJoint::default();
+    joint.joint.friction.coulomb_nm = 50.0;
+    let robot = SimulatedRobot::open_loop(Arc::new(joint));
+    let run = |number: usize| Run {
+        id: RunId::excitation(0, 0, number),
+        sample_time_s: SAMPLE_TIME_S,
+        reference: &u * (1.0 - 0.02 * number as f64),
+        velocity_rad_s: vec![0.0],
+        start_rad: vec![0.0],
+    };
+    let all: Vec<Run> = (0..16).map(run).collect();
+    let mut group = criterion.benchmark_group("SimulatedRobot::simulate_each, 12.288 s");
+    for runs in [&all[..1], &all] {
+        let simulated = robot.simulate_each(runs, &|| true);
+        for (run, simulated) in runs.iter().zip(&simulated) {
+            assert_eq!(robot.simulate(run).ok().as_ref(), simulated.as_ref().ok());
+        }
+        let n_samples = runs.len() * PERIOD;
+        group.throughput(Throughput::Elements(n_samples as u64));
+        group.bench_function(format!("runs: {}", runs.len()), |bencher| {
+            bencher.iter(|| robot.simulate_each(black_box(runs), &|| true));
+        });
+    }
+    group.finish();
+}
+
+criterion_group! { name = benches; config = paper::criterion(); targets = period, runs }
 criterion_main!(benches);

@@ -16,6 +16,7 @@ mod experiment {
     pub(crate) mod description;
     mod export;
     mod import;
+    pub(crate) mod one_run;
     mod pickle;
     pub(crate) mod plan;
     mod planned;
@@ -107,6 +108,8 @@ mod _core {
     use crate::estimate::spectrogram::spectrogram;
     #[pymodule_export]
     use crate::experiment::description::Experiment;
+    #[pymodule_export]
+    use crate::experiment::one_run::run_experiment;
     #[pymodule_export]
     use crate::experiment::plan::Plan;
     #[pymodule_export]

@@ -101,7 +101,7 @@ pub use play::export::PlayOptions;
 pub use play::import::{ImportOptions, ImportSummary, ImportedRun, import_recordings};
 pub use play::process::end_player;
 pub use run::fading::fading_advice;
-pub use run::folder::{RunOptions, RunReport, RunSummary, run_to_folder};
+pub use run::folder::{RunOptions, RunReport, RunSummary, run_path, run_to_folder};
 pub use run::guard::Guarded;
 pub use run::kept::KeptRuns;
 pub use run::load::Load;

@@ -1,5 +1,4 @@
-//! Number type of the dynamics: one f64, or the numbers of several machines side by side
-//! ([`Lanes`](crate::lanes::Lanes)).
+//! Number type of the dynamics: one f64, or the numbers of several machines side by side.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

@@ -145,7 +145,7 @@ impl<'a> Writer<'a> {
     }
 
     fn path_of(&self, id: RunId) -> PathBuf {
-        self.folder.join(format!("{id}.mcap"))
+        run_path(self.folder, id)
     }
 
     /// The runs that are to be done, and the files of those that were stopped before and stay; `guard` sees what is
@@ -248,6 +248,12 @@ impl<'a> Writer<'a> {
         let report = report(self.path_of(run.id), load, &record);
         Ok((report, experiment.strength_of(run.id, &record)))
     }
+}
+
+/// The file of a run in a folder of runs.
+#[must_use]
+pub fn run_path(folder: &Path, id: RunId) -> PathBuf {
+    folder.join(format!("{id}.mcap"))
 }
 
 /// All runs, or the one at `index`.

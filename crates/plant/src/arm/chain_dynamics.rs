@@ -13,7 +13,7 @@ use crate::arm::composite::Composite;
 use crate::arm::positive_definite::solve;
 use crate::arm::stance::Stance;
 use crate::arm::wrench::Wrench;
-use crate::motion::equations::{Acceleration, Links};
+use crate::motion::links::{Acceleration, Links};
 use crate::scalar::Scalar;
 
 impl Link {

@@ -2,7 +2,7 @@
 
 use std::array::from_fn;
 
-use crate::motion::equations::{Acceleration, Links};
+use crate::motion::links::{Acceleration, Links};
 use crate::scalar::Scalar;
 
 /// Links with the mass matrix of a pose, no Coriolis torques and gravity that changes linearly

@@ -10,8 +10,9 @@
 //! other step stays short.
 
 use crate::joint::friction::Slip;
-use crate::motion::equations::{Links, State};
+use crate::motion::equations::State;
 use crate::motion::integrator::Integrator;
+use crate::motion::links::Links;
 use crate::motion::root::root;
 use crate::motion::segment::Segment;
 

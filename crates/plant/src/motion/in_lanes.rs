@@ -4,8 +4,9 @@ use std::array::from_fn;
 
 use crate::error::PlantError;
 use crate::lanes::{LANES, Lanes};
-use crate::motion::equations::{Equations, LinksSideBySide, State};
+use crate::motion::equations::{Equations, State};
 use crate::motion::integrator::Integrator;
+use crate::motion::links::LinksSideBySide;
 use crate::motion::modes::{Course, Modes};
 use crate::motion::segment::Segment;
 use crate::scalar::{Scalar, each};

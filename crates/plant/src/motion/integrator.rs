@@ -9,8 +9,9 @@ use std::array::from_fn;
 use crate::error::PlantError;
 use crate::joint::flexible_joint::{FlexibleJoint, Mode, Regime};
 use crate::joint::friction::Slip;
-use crate::motion::equations::{Equations, Links, Machine, State};
+use crate::motion::equations::{Equations, Machine, State};
 use crate::motion::event_location::{ModeChange, Signal, Trial};
+use crate::motion::links::Links;
 use crate::motion::segment::Segment;
 
 /// Mode changes allowed per axis within one step.
@@ -161,11 +162,8 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
             };
             let end = trial.state(1.0);
             let end_derivative = trial.derivative(1.0, &end);
-            let exit = if self.watched {
-                trial.first_exit(&end, &end_derivative)
-            } else {
-                None
-            };
+            let may_end = self.watched.then_some(&trial);
+            let exit = may_end.and_then(|trial| trial.first_exit(&end, &end_derivative));
             let (theta, state) =
                 exit.map_or((1.0, end), |exit| (exit.theta, trial.state(exit.theta)));
             let (duration_s, share) = (theta * trial.duration_s(), trial.share(theta));

@@ -8,8 +8,9 @@ use nalgebra::{DMatrix, DVector};
 
 use crate::joint::flexible_joint::FlexibleJoint;
 use crate::motion::Motion;
-use crate::motion::equations::{Links, Machine};
+use crate::motion::equations::Machine;
 use crate::motion::integrator::Integrator;
+use crate::motion::links::Links;
 use crate::state_space::StateSpace;
 
 /// Joints on links, whatever they are and on however many axes. Slices hold one value for each

@@ -6,6 +6,7 @@ pub(crate) mod event_location;
 pub(crate) mod fleet;
 mod in_lanes;
 pub(crate) mod integrator;
+pub(crate) mod links;
 pub(crate) mod mechanics;
 mod modes;
 pub(crate) mod root;
@@ -21,9 +22,10 @@ use std::array::from_fn;
 use frfid_signals::checks::channels;
 
 use crate::error::PlantError;
-use crate::motion::equations::{Links, State};
+use crate::motion::equations::State;
 use crate::motion::fleet::Fleet;
 use crate::motion::integrator::Integrator;
+use crate::motion::links::Links;
 use crate::motion::segment::Segment;
 
 /// The motor torques in N m from one sample to the next, one for each axis.

@@ -7,10 +7,10 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::error::PlantError;
 use crate::lanes::{LANES, Lanes};
-use crate::motion::equations::LinksSideBySide;
 use crate::motion::fleet::Fleet;
 use crate::motion::in_lanes::InLanes;
 use crate::motion::integrator::Integrator;
+use crate::motion::links::LinksSideBySide;
 use crate::motion::segment::Segment;
 use crate::motion::{Acting, Motion};
 use crate::scalar::Scalar;
@@ -86,8 +86,8 @@ impl<K: LinksSideBySide<A>, const A: usize> Fleet for SideBySide<K, A> {
             .lanes
             .get_or_insert_with(|| Box::new(InLanes::of(machines)));
         let start = torques.segment(0, n_steps).at(0.0);
-        for (lane, machine) in machines.iter_mut().enumerate() {
-            match acting[lane] {
+        for (lane, (machine, acting)) in machines.iter_mut().zip(acting).enumerate() {
+            match acting {
                 Some(_) => lanes.release(lane, machine, &start.map(|torque| torque.0[lane])),
                 None => lanes.forget(lane),
             }
@@ -101,8 +101,8 @@ impl<K: LinksSideBySide<A>, const A: usize> Fleet for SideBySide<K, A> {
             step_s,
             found: &mut found,
         });
-        for (lane, machine) in machines.iter_mut().enumerate() {
-            if acting[lane].is_some() && found[lane].is_ok() {
+        for (lane, (machine, acting)) in machines.iter_mut().zip(acting).enumerate() {
+            if acting.is_some() && found[lane].is_ok() {
                 lanes.tell(lane, machine);
                 found[lane] = machine.check();
             }
