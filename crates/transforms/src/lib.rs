@@ -3,10 +3,14 @@
 //! A crate of its own because the planner of [`realfft`] is generic: each crate that names it compiles every transform of
 //! rustfft once more, two thirds of what `signals` took and a quarter of `estimate`, in their tests again.
 
+mod odd_lines;
+
 use std::sync::{Arc, Mutex};
 
+pub use crate::odd_lines::OddLines;
 use realfft::RealFftPlanner;
 pub use realfft::{ComplexToReal, RealToComplex};
+use rustfft::FftPlanner;
 
 /// Samples of the longest transform that is kept: its factors take 14 bytes for each of them.
 const LONGEST_KEPT: usize = 1 << 20;
@@ -48,6 +52,15 @@ impl TransformPlanner {
     /// From `n_samples / 2 + 1` complex samples to `n_samples` real ones, not scaled.
     pub fn inverse(&mut self, n_samples: usize) -> Arc<dyn ComplexToReal<f64>> {
         self.0.plan_fft_inverse(n_samples)
+    }
+
+    /// From `n_samples` real samples, a multiple of four, to their odd lines.
+    ///
+    /// # Panics
+    /// For another number.
+    pub fn odd_lines(&mut self, n_samples: usize) -> OddLines {
+        assert_eq!(n_samples % 4, 0, "samples are packed by four");
+        OddLines::by(FftPlanner::new().plan_fft_forward(n_samples / 4))
     }
 }
 

@@ -24,7 +24,7 @@ use crate::frf::excitation::Excitation;
 use crate::frf::freedom::Freedom;
 use crate::frf::glide_noise::GlideNoise;
 use crate::frf::line_estimate::{LineEstimate, LineResult, assemble, left_out, with_gaps};
-use crate::frf::matrices::{Matrix, room_for_covariances, vector};
+use crate::frf::matrices::{Matrix, room_for_covariances};
 use crate::frf::noise_bias::{NoiseSeen, noise_bias};
 use crate::frf::right_division::{check_excited, check_rank, right_divide};
 use crate::frf::{FrfEstimate, FrfMethod, FrfOptions};
@@ -164,16 +164,20 @@ impl LineBlock {
         Self {
             u: on_line(line, block.iter().map(|run| &run.u)),
             y: on_line(line, block.iter().map(|run| &run.y)),
-            r: r.map(|r| on_line(line, r)),
+            r: r.map(|r| on_line(line, r.into_iter())),
         }
     }
 }
 
 /// One line of the spectra of every experiment.
-fn on_line<'a>(line: usize, spectra: impl IntoIterator<Item = &'a Array2<Complex64>>) -> Matrix {
-    let spectra = spectra.into_iter().map(|spectra| spectra.column(line));
-    let columns: Vec<DVector<_>> = spectra.map(vector).collect();
-    DMatrix::from_columns(&columns)
+fn on_line<'a>(
+    line: usize,
+    spectra: impl ExactSizeIterator<Item = &'a Array2<Complex64>> + Clone,
+) -> Matrix {
+    let n_channels = spectra.clone().next().map_or(0, Array2::nrows);
+    let n_experiments = spectra.len();
+    let entries = spectra.flat_map(|spectra| spectra.column(line));
+    DMatrix::from_iterator(n_channels, n_experiments, entries.copied())
 }
 
 /// Estimates of every block, `(realization, period)`, whose mean over periods, then realizations,

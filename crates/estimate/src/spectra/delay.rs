@@ -11,8 +11,10 @@ use std::sync::Arc;
 use frfid_transforms::{ComplexToReal, TransformPlanner};
 use num_complex::Complex64;
 
+use crate::spectra::draw_glance::Glance;
+
 /// Grid points in the time that the band of the lines resolves.
-const OVERSAMPLING: usize = 8;
+pub(super) const OVERSAMPLING: usize = 8;
 /// Peaks of the search that are refined: with few lines the highest need not be the right one.
 const CANDIDATES: usize = 8;
 /// Newton steps: a sixteenth of a turn off at the ends of the band to begin with, the first is right but for wraps.
@@ -58,6 +60,8 @@ pub(super) struct DelaySearch<'a> {
     /// Largest spacing of which all lines are multiples, seen from the lowest.
     spacing_hz: f64,
     inverse: Arc<dyn ComplexToReal<f64>>,
+    /// What tells most draws apart without a search.
+    pub(super) glance: Option<Glance>,
 }
 
 impl<'a> DelaySearch<'a> {
@@ -71,6 +75,7 @@ impl<'a> DelaySearch<'a> {
             frequency_hz,
             spacing_hz,
             inverse: TransformPlanner::default().inverse(size),
+            glance: Glance::of(frequency_hz, spacing_hz),
         }
     }
 

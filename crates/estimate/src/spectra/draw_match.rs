@@ -10,10 +10,11 @@ use std::collections::BTreeMap;
 use std::f64::consts::{E, PI};
 use std::iter::zip;
 
-use ndarray::{Array2, ArrayView1};
+use ndarray::{Array2, ArrayView1, Zip};
 use num_complex::Complex64;
 
 use crate::spectra::delay::{DelaySearch, PhaseDifference, Shift};
+use crate::spectra::draw_glance::{OnLine, Sums, directions};
 use crate::spectra::run_spectra::RunSpectra;
 use crate::spectra::spread::{add_squares, mean};
 
@@ -34,13 +35,18 @@ const LIKELY_FACTOR: f64 = 2.0;
 /// Amplitudes below this share of a channel's largest over the campaign are not compared (30 dB):
 /// there is little of the input but noise and the response to other channels.
 const EXCITED: f64 = 0.03;
+/// Beyond so many lines their phases tell draws apart.
+const MANY_LINES: f64 = 3.0;
 
 /// What an experiment of a realization excites: the mean over its periods.
 pub(super) struct Drawn {
     /// Mean spectrum, `(channel, line)`.
     mean: Array2<Complex64>,
-    /// Variance of the mean, known with two periods or more.
-    variance: Option<Array2<f64>>,
+    /// Its amplitudes, and its directions in the complex plane.
+    sizes: Array2<f64>,
+    directions: Array2<Complex64>,
+    /// Variance of its phases in rad^2.
+    variances: Array2<f64>,
 }
 
 /// How an experiment repeats another.
@@ -73,13 +79,18 @@ impl Drawn {
         let spectra = periods.iter().map(|run| run.r.as_ref().unwrap_or(&run.u));
         let spectra: Vec<&Array2<Complex64>> = spectra.collect();
         let mean = mean(&spectra);
-        let variance = (spectra.len() > 1).then(|| variance_of_mean(&spectra, &mean));
-        Self { mean, variance }
+        let sizes = mean.mapv(Complex64::norm);
+        Self {
+            directions: directions(&mean, &sizes),
+            variances: phase_variances(&spectra, &mean),
+            sizes,
+            mean,
+        }
     }
 
     /// Largest amplitude of every channel.
     pub(super) fn peaks(&self) -> Vec<f64> {
-        self.mean.rows().into_iter().map(largest).collect()
+        self.sizes.rows().into_iter().map(largest).collect()
     }
 
     /// How this experiment repeats the other; `None` if it does not. `peaks` are the largest
@@ -90,6 +101,9 @@ impl Drawn {
         peaks: &[f64],
         search: &DelaySearch,
     ) -> Option<Repeat> {
+        if self.is_another(other, peaks, search) {
+            return None;
+        }
         let phases = Phases::of(other, self, peaks);
         let n_lines = phases.line_weights().len();
         if n_lines == 0 {
@@ -106,26 +120,69 @@ impl Drawn {
         })
     }
 
-    /// Variance of the phase of an entry in rad^2, with the mean of the periods known so well.
-    fn phase_variance(&self, entry: (usize, usize)) -> f64 {
-        match &self.variance {
-            Some(variance) => 0.5 * variance[entry] / self.mean[entry].norm_sqr(),
-            None => 0.5 * UNKNOWN_NOISE_RAD * UNKNOWN_NOISE_RAD,
+    /// Whether a glance shows that this experiment does not repeat the other. On one or two lines a delay makes any
+    /// phases equal.
+    fn is_another(&self, other: &Self, peaks: &[f64], search: &DelaySearch) -> bool {
+        search.glance.as_ref().is_some_and(|glance| {
+            let mut sums = Sums::zeros(glance.n_leading());
+            (0..self.mean.ncols()).for_each(|line| sums.add(self.on_line(other, peaks, line)));
+            let eps_rad = largest_residual_rad(sums.noise_rad());
+            sums.number_of_lines() > MANY_LINES && glance.tells_apart(&sums, eps_rad)
+        })
+    }
+
+    /// What the channels of a line that both excite bring.
+    fn on_line(&self, other: &Self, peaks: &[f64], line: usize) -> OnLine {
+        let mut sums = OnLine::default();
+        for (channel, peak) in peaks.iter().enumerate() {
+            let entry = (channel, line);
+            if is_excited(other, self, entry, *peak) {
+                let variance = variance_of(other, self, entry);
+                let direction = self.directions[entry] * other.directions[entry].conj();
+                sums.add(weight_of(variance), variance, direction);
+            }
         }
+        sums
     }
 }
 
-/// Variance of the mean of two or more spectra.
-fn variance_of_mean(spectra: &[&Array2<Complex64>], mean: &Array2<Complex64>) -> Array2<f64> {
+/// Variances of the phases of the mean of spectra in rad^2; of one spectrum they are not known.
+fn phase_variances(spectra: &[&Array2<Complex64>], mean: &Array2<Complex64>) -> Array2<f64> {
     let n = spectra.len() as f64;
+    if spectra.len() == 1 {
+        return Array2::from_elem(mean.dim(), 0.5 * UNKNOWN_NOISE_RAD * UNKNOWN_NOISE_RAD);
+    }
     let mut squares = Array2::zeros(mean.dim());
     add_squares(&mut squares, spectra, mean);
-    squares / (n * (n - 1.0))
+    let of_mean = squares / (n * (n - 1.0));
+    Zip::from(&of_mean)
+        .and(mean)
+        .map_collect(|variance, mean| 0.5 * variance / mean.norm_sqr())
+}
+
+/// Whether two experiments both excite a channel on a line, whose largest amplitude is `peak`.
+fn is_excited(a: &Drawn, b: &Drawn, entry: (usize, usize), peak: f64) -> bool {
+    a.sizes[entry].min(b.sizes[entry]) > EXCITED * peak
+}
+
+/// Variance of a difference of phases in rad^2: beyond a full turn a phase says nothing, whatever the noise.
+fn variance_of(a: &Drawn, b: &Drawn, entry: (usize, usize)) -> f64 {
+    (a.variances[entry] + b.variances[entry]).min(PI * PI / 3.0)
+}
+
+/// What a difference of phases of this variance counts.
+fn weight_of(variance: f64) -> f64 {
+    1.0 / (SAME_RAD * SAME_RAD + variance)
+}
+
+/// The largest residual of a repetition, with so much noise in the differences.
+fn largest_residual_rad(noise_rad: f64) -> f64 {
+    SAME_RAD.max(NOISE_FACTOR * noise_rad)
 }
 
 /// Largest amplitude of a channel.
-fn largest(channel: ArrayView1<Complex64>) -> f64 {
-    channel.iter().map(|value| value.norm()).fold(0.0, f64::max)
+fn largest(channel: ArrayView1<f64>) -> f64 {
+    channel.iter().copied().fold(0.0, f64::max)
 }
 
 /// A ratio of spectra with this variance of its phase, as a difference of phases.
@@ -133,7 +190,7 @@ fn difference(line: usize, ratio: Complex64, variance: f64) -> PhaseDifference {
     PhaseDifference {
         line,
         angle: ratio.arg(),
-        weight: 1.0 / (SAME_RAD * SAME_RAD + variance),
+        weight: weight_of(variance),
     }
 }
 
@@ -142,9 +199,8 @@ impl Phases {
     fn of(a: &Drawn, b: &Drawn, peaks: &[f64]) -> Self {
         let mut phases = Self::default();
         for ((entry, x), y) in a.mean.indexed_iter().zip(&b.mean) {
-            if x.norm().min(y.norm()) > EXCITED * peaks[entry.0] {
-                let variance = a.phase_variance(entry) + b.phase_variance(entry);
-                phases.push(entry.1, y / x, variance);
+            if is_excited(a, b, entry, peaks[entry.0]) {
+                phases.push(entry.1, y / x, variance_of(a, b, entry));
             }
         }
         phases
@@ -152,8 +208,6 @@ impl Phases {
 
     /// Adds a ratio of spectra.
     fn push(&mut self, line: usize, ratio: Complex64, variance: f64) {
-        // beyond a full turn a phase says nothing, whatever the noise
-        let variance = variance.min(PI * PI / 3.0);
         self.differences.push(difference(line, ratio, variance));
         self.levels.push(ratio.norm().ln());
         self.variances.push(variance);
@@ -185,7 +239,7 @@ impl Phases {
         let noise_rad = self.noise_rad();
         let granted = if residual_rad <= LIKELY_FACTOR * noise_rad {
             CHANCE_IN_NOISE
-        } else if residual_rad <= SAME_RAD.max(NOISE_FACTOR * noise_rad) {
+        } else if residual_rad <= largest_residual_rad(noise_rad) {
             CHANCE
         } else {
             0.0

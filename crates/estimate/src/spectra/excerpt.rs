@@ -3,19 +3,21 @@
 //!
 //! Of the four periods around the instant (clipped at the ends of the sweep) the mean is removed; a
 //! low-pass, ten samples per period, a Hann window and the DFT at the frequency follow. All of that
-//! is linear and the same for every channel, so it is done as one weighted sum,
-//! `X(f) = sum_k w_k (x_k - mean)`.
+//! is linear and the same for every channel, so it is done as one weighted sum
+//! ([`crate::spectra::excerpt_weights`]).
 
-use std::f64::consts::{PI, TAU};
+use std::borrow::Cow;
 use std::iter::zip;
 
 use frfid_signals::checks::{finite, positive};
 use frfid_signals::{Chirp, check_finite};
-use ndarray::{Array2, ArrayView2};
+use ndarray::{Array2, ArrayView1, ArrayView2};
 use num_complex::Complex64;
+use rayon::prelude::*;
 
 use crate::error::EstimateError;
-use crate::spectra::{Transform, check_length, mean, spectra_of_pieces};
+use crate::spectra::excerpt_weights::Weights;
+use crate::spectra::{Transform, check_length};
 
 /// How excerpts are cut and weighted.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -40,7 +42,7 @@ impl Default for ExcerptOptions {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Excerpts {
     n_samples: usize,
-    excerpts: Vec<Excerpt>,
+    excerpts: Vec<Weights>,
 }
 
 impl ExcerptOptions {
@@ -89,10 +91,15 @@ impl Excerpts {
         positive("samples_per_period", options.samples_per_period)?;
         finite("start_s", start_s)?;
         chirp.check()?;
-        let cut = |&hz: &f64| Excerpt::cut(hz, chirp, start_s, sample_time_s, n_samples, options);
+        let cut = |&hz: &f64| {
+            let ends = excerpt_ends(hz, chirp, start_s, sample_time_s, n_samples, options)?;
+            let step = options.step(hz, sample_time_s).clamp(1, ends[1] - ends[0]);
+            Ok(Weights::of(ends, hz * sample_time_s, step, n_samples))
+        };
+        let excerpts: Vec<Result<_, EstimateError>> = frequencies_hz.par_iter().map(cut).collect();
         Ok(Self {
             n_samples,
-            excerpts: frequencies_hz.iter().map(cut).collect::<Result<_, _>>()?,
+            excerpts: excerpts.into_iter().collect::<Result<_, _>>()?,
         })
     }
 }
@@ -105,91 +112,45 @@ impl Transform for Excerpts {
     ) -> Result<Array2<Complex64>, EstimateError> {
         check_length(name, signal, self.n_samples)?;
         check_finite(name, signal)?;
-        Ok(spectra_of_pieces(signal, &self.excerpts, Excerpt::of))
+        let channels: Vec<Cow<[f64]>> = signal.rows().into_iter().map(contiguous).collect();
+        let mut spectra = Array2::zeros((signal.nrows(), self.excerpts.len()));
+        for (spectrum, weights) in zip(spectra.columns_mut(), &self.excerpts) {
+            weights.add_sums(&channels, spectrum);
+        }
+        Ok(spectra)
     }
 }
 
-/// One excerpt as weights on the samples of the recording.
-#[derive(Debug, Clone, PartialEq)]
-struct Excerpt {
-    /// Samples of the excerpt itself, over which the mean is taken.
-    first: usize,
-    last: usize,
-    /// Sample of the first weight; the low-pass reaches a little beyond the excerpt.
-    weights_from: usize,
-    weights: Vec<Complex64>,
+/// The samples of a channel one after the other.
+fn contiguous(channel: ArrayView1<'_, f64>) -> Cow<'_, [f64]> {
+    let owned = || Cow::Owned(channel.to_vec());
+    channel.to_slice().map_or_else(owned, Cow::Borrowed)
 }
 
-impl Excerpt {
-    /// The excerpt around the instant at which the chirp passes `hz`.
-    fn cut(
-        hz: f64,
-        chirp: &Chirp,
-        start_s: f64,
-        sample_time_s: f64,
-        n_samples: usize,
-        options: &ExcerptOptions,
-    ) -> Result<Self, EstimateError> {
-        let refuse = |reason| EstimateError::OutsideChirp {
-            frequency_hz: hz,
-            reason,
-            low_s: 0.0,
-            high_s: n_samples as f64 * sample_time_s,
-        };
-        if !(chirp.low_hz * (1.0 - 1e-9)..=chirp.high_hz * (1.0 + 1e-9)).contains(&hz) {
-            return Err(refuse("the chirp never has this frequency"));
-        }
-        let span_s = span_s(hz, chirp, start_s, options.n_periods);
-        match ends(span_s, hz, sample_time_s, n_samples) {
-            Some(ends) => Ok(Self::weighted(hz, ends, sample_time_s, n_samples, options)),
-            None => Err(refuse(
-                "less than one period of it, or fewer than five samples, lie within the sweep and the recording",
-            )),
-        }
+/// First and last sample of the excerpt around the instant at which the chirp passes `hz`.
+fn excerpt_ends(
+    hz: f64,
+    chirp: &Chirp,
+    start_s: f64,
+    sample_time_s: f64,
+    n_samples: usize,
+    options: &ExcerptOptions,
+) -> Result<[usize; 2], EstimateError> {
+    let refuse = |reason| EstimateError::OutsideChirp {
+        frequency_hz: hz,
+        reason,
+        low_s: 0.0,
+        high_s: n_samples as f64 * sample_time_s,
+    };
+    if !(chirp.low_hz * (1.0 - 1e-9)..=chirp.high_hz * (1.0 + 1e-9)).contains(&hz) {
+        return Err(refuse("the chirp never has this frequency"));
     }
-
-    /// Window, Fourier kernel and low-pass in one:
-    /// `w_k = sum_j hann(t_j) e^{-2 pi i f t_j} h(k - j)`, j every `step` samples.
-    fn weighted(
-        hz: f64,
-        [first, last]: [usize; 2],
-        sample_time_s: f64,
-        n_samples: usize,
-        options: &ExcerptOptions,
-    ) -> Self {
-        let step = options.step(hz, sample_time_s).clamp(1, last - first);
-        let low_pass = low_pass(step);
-        let reach = low_pass.len() / 2;
-        let weights_from = first.saturating_sub(reach);
-        let n_weights = (last + reach + 1).min(n_samples) - weights_from;
-        let mut weights = vec![Complex64::from(0.0); n_weights];
-        for centre in (first..=last).step_by(step) {
-            let place = (centre - first) as f64;
-            let window = (PI * (place / (last - first) as f64)).sin().powi(2);
-            let kernel = Complex64::cis(-TAU * hz * place * sample_time_s) * window;
-            for (tap, gain) in low_pass.iter().enumerate() {
-                let place = (centre + tap).checked_sub(reach + weights_from);
-                // beyond the recording's ends: nothing
-                if let Some(weight) = place.and_then(|k| weights.get_mut(k)) {
-                    *weight += kernel * gain;
-                }
-            }
-        }
-        Self {
-            first,
-            last,
-            weights_from,
-            weights,
-        }
-    }
-
-    /// The spectrum of one channel at the frequency of the excerpt.
-    fn of(&self, channel: &[f64]) -> Complex64 {
-        let mean = mean(&channel[self.first..=self.last]);
-        let samples = channel[self.weights_from..].iter();
-        let terms = zip(&self.weights, samples).map(|(weight, sample)| weight * (sample - mean));
-        terms.sum()
-    }
+    let span_s = span_s(hz, chirp, start_s, options.n_periods);
+    ends(span_s, hz, sample_time_s, n_samples).ok_or_else(|| {
+        refuse(
+            "less than one period of it, or fewer than five samples, lie within the sweep and the recording",
+        )
+    })
 }
 
 /// Start and end in s of the excerpt around the instant at which the chirp passes `hz`, within the
@@ -218,28 +179,11 @@ fn ends(
     is_enough.then_some([first as usize, last as usize])
 }
 
-/// Anti-alias low-pass for taking every `step`-th sample: a Hann-shaped average over four new
-/// samples, whose first zero lies at the new Nyquist frequency; a single 1 where nothing is left
-/// out.
-fn low_pass(step: usize) -> Vec<f64> {
-    if step == 1 {
-        return vec![1.0];
-    }
-    let shape = hann(4 * step);
-    let sum: f64 = shape.iter().sum();
-    shape.iter().map(|value| value / sum).collect()
-}
-
-/// Hann window over so many steps, without its zeros at either end.
-fn hann(n_steps: usize) -> Vec<f64> {
-    let places = (1..n_steps).map(|k| PI * k as f64 / n_steps as f64);
-    places.map(|place| place.sin().powi(2)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use frfid_signals::Profile;
+    use std::f64::consts::TAU;
 
     const SAMPLE_TIME_S: f64 = 1e-3;
 
@@ -254,23 +198,21 @@ mod tests {
         }
     }
 
-    fn excerpt(hz: f64) -> Excerpt {
-        Excerpt::cut(
-            hz,
-            &chirp(20.0),
-            0.0,
-            SAMPLE_TIME_S,
-            20_000,
-            &ExcerptOptions::default(),
-        )
-        .expect("within the sweep")
+    fn excerpt(hz: f64) -> Excerpts {
+        let cut = ExcerptOptions::default();
+        Excerpts::new(&chirp(20.0), &[hz], SAMPLE_TIME_S, 0.0, 20_000, &cut)
+            .expect("within the sweep")
     }
 
-    fn response(excerpt: &Excerpt, hz: f64) -> f64 {
-        let sine: Vec<f64> = (0..20_000)
-            .map(|k| (TAU * hz * f64::from(k) * SAMPLE_TIME_S).sin() + 7.0)
-            .collect();
-        excerpt.of(&sine).norm()
+    fn first_and_last(hz: f64) -> [usize; 2] {
+        let cut = ExcerptOptions::default();
+        excerpt_ends(hz, &chirp(20.0), 0.0, SAMPLE_TIME_S, 20_000, &cut).expect("within the sweep")
+    }
+
+    fn response(excerpt: &Excerpts, hz: f64) -> f64 {
+        let sine = |(_, k): (usize, usize)| (TAU * hz * k as f64 * SAMPLE_TIME_S).sin() + 7.0;
+        let sine = Array2::from_shape_fn((1, 20_000), sine);
+        excerpt.transform("x", sine.view()).expect("finite")[[0, 0]].norm()
     }
 
     /// Harmonics have zeros or low side lobes of the Hann window, what lies above the new Nyquist
@@ -289,16 +231,18 @@ mod tests {
 
     #[test]
     fn four_periods_lie_around_the_instant_and_are_clipped_at_the_ends() {
-        let middle = excerpt(10.0);
         let instant = 20.0 * 10f64.ln() / 60f64.ln() / SAMPLE_TIME_S;
         assert_eq!(
-            (middle.first, middle.last),
-            (
+            first_and_last(10.0),
+            [
                 (instant - 200.0).ceil() as usize,
                 (instant + 200.0).floor() as usize
-            )
+            ]
         );
-        assert_eq!((excerpt(1.0).first, excerpt(60.0).last), (0, 19_999));
+        assert_eq!(
+            (first_and_last(1.0)[0], first_and_last(60.0)[1]),
+            (0, 19_999)
+        );
     }
 
     /// By the DFT for slow sweeps, by their rate for fast ones, by how far they run within an excerpt

@@ -1,15 +1,17 @@
 //! Spectra of real periods on given lines: (channel, sample) to (channel, line).
 //!
 //! `X[h] = sum_k (x[k] - mean) e^{-2 pi i h k / N}`, no factor forward; a period of any length N is
-//! transformed as it is, never padded.
+//! transformed as it is, never padded. Odd lines, which most multisines have alone, come from a transform of a quarter of
+//! the samples ([`OddLines`]), even ones from `x[k] + x[k + N/2]`: a line is the same to the digit whatever others are
+//! asked for.
 
 use std::cmp::Ordering;
 use std::iter::zip;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use frfid_signals::{SignalError, check_finite, checks::positive};
-use frfid_transforms::{RealToComplex, TransformPlanner};
-use ndarray::{Array2, ArrayView1, ArrayView2, aview_mut1, aview1};
+use frfid_transforms::{OddLines, RealToComplex, TransformPlanner};
+use ndarray::{Array2, ArrayView1, ArrayView2, aview1};
 use num_complex::Complex64;
 
 use crate::error::EstimateError;
@@ -20,8 +22,16 @@ use crate::spectra::{Transform, check_length};
 #[derive(Clone)]
 pub struct LineDft {
     lines: Vec<usize>,
-    fft: Arc<dyn RealToComplex<f64>>,
+    plan: LinePlan,
     free: Arc<Mutex<Vec<Buffers>>>,
+}
+
+/// How lines come from samples.
+#[derive(Clone)]
+enum LinePlan {
+    All(Arc<dyn RealToComplex<f64>>),
+    /// Odd lines, and even ones where they are asked for.
+    Halves(OddLines, Option<Arc<dyn RealToComplex<f64>>>),
 }
 
 /// Refuses lines that do not rise, or lie on no line of a period between 0 and half the rate.
@@ -43,7 +53,7 @@ impl LineDft {
         check_lines(n_samples, lines)?;
         Ok(Self {
             lines: lines.to_vec(),
-            fft: TransformPlanner::default().forward(n_samples),
+            plan: LinePlan::of(n_samples, lines),
             free: Arc::default(),
         })
     }
@@ -51,7 +61,10 @@ impl LineDft {
     /// Samples per period.
     #[must_use]
     pub fn n_samples(&self) -> usize {
-        self.fft.len()
+        match &self.plan {
+            LinePlan::All(fft) => fft.len(),
+            LinePlan::Halves(odd, _) => odd.n_samples(),
+        }
     }
 
     /// The lines, rising.
@@ -96,38 +109,101 @@ impl Transform for LineDft {
         let mut buffers = self.borrow();
         let mut spectra = Array2::zeros((period.nrows(), self.lines.len()));
         for (channel, spectrum) in zip(period.rows(), spectra.rows_mut()) {
-            let mean = buffers.fill(channel);
-            if !mean.is_finite() {
-                check_finite(name, period)?; // one NaN is enough to spoil the sum
+            buffers.transform(&self.plan, channel);
+            for (value, &line) in zip(spectrum, &self.lines) {
+                *value = self.plan.line(&buffers, line);
             }
-            buffers.transform(mean, self.fft.as_ref());
-            zip(spectrum, &self.lines).for_each(|(value, &line)| *value = buffers.bins[line]);
         }
         self.give_back(buffers);
+        if !spectra.iter().all(|value| value.is_finite()) {
+            check_finite(name, period)?; // one NaN is enough to spoil every line
+        }
         Ok(spectra)
+    }
+}
+
+impl LinePlan {
+    fn of(n_samples: usize, lines: &[usize]) -> Self {
+        let mut planner = TransformPlanner::default();
+        if !n_samples.is_multiple_of(4) {
+            return Self::All(planner.forward(n_samples));
+        }
+        let has_even = lines.iter().any(|line| line % 2 == 0);
+        let even = has_even.then(|| planner.forward(n_samples / 2));
+        Self::Halves(planner.odd_lines(n_samples), even)
+    }
+
+    fn buffers(&self) -> Buffers {
+        let real = match self {
+            Self::All(fft) => Some(fft),
+            Self::Halves(_, even) => even.as_ref(),
+        };
+        let (odd_bins, scratch) = match self {
+            Self::All(_) => Default::default(),
+            Self::Halves(odd, _) => (odd.room(), odd.scratch()),
+        };
+        Buffers {
+            samples: Vec::new(),
+            real: real.map_or(Vec::new(), |fft| fft.make_input_vec()),
+            bins: real.map_or(Vec::new(), |fft| fft.make_output_vec()),
+            real_scratch: real.map_or(Vec::new(), |fft| fft.make_scratch_vec()),
+            odd_bins,
+            scratch,
+        }
+    }
+
+    /// A line of what was transformed.
+    fn line(&self, buffers: &Buffers, line: usize) -> Complex64 {
+        match self {
+            Self::All(_) => buffers.bins[line],
+            Self::Halves(..) if line.is_multiple_of(2) => buffers.bins[line / 2],
+            Self::Halves(odd, _) => odd.line(&buffers.odd_bins, line),
+        }
     }
 }
 
 /// Buffers of one transform at a time; made once per thread that asks, since making them takes half
 /// as long as the FFT.
 struct Buffers {
+    /// A channel whose samples do not lie side by side.
     samples: Vec<f64>,
+    real: Vec<f64>,
     bins: Vec<Complex64>,
+    real_scratch: Vec<Complex64>,
+    odd_bins: Vec<Complex64>,
     scratch: Vec<Complex64>,
 }
 
 impl Buffers {
-    /// Takes the samples of a channel; returns their mean, summed here, so that the layout of the
-    /// array cannot change a digit.
-    fn fill(&mut self, channel: ArrayView1<f64>) -> f64 {
-        aview_mut1(&mut self.samples).assign(&channel);
-        aview1(&self.samples).sum() / self.samples.len() as f64
+    /// From samples to bins, the mean taken off.
+    fn transform(&mut self, plan: &LinePlan, channel: ArrayView1<f64>) {
+        let samples = channel.to_slice().unwrap_or_else(|| {
+            self.samples.clear();
+            self.samples.extend(channel);
+            &self.samples
+        });
+        match plan {
+            LinePlan::All(fft) => {
+                self.real.copy_from_slice(samples);
+                self.transform_real(fft.as_ref());
+            }
+            LinePlan::Halves(odd, even) => {
+                odd.process(samples, &mut self.odd_bins, &mut self.scratch);
+                if let Some(fft) = even {
+                    let (first, second) = samples.split_at(samples.len() / 2);
+                    let sums = zip(first, second).map(|(a, b)| a + b);
+                    zip(&mut self.real, sums).for_each(|(real, sum)| *real = sum);
+                    self.transform_real(fft.as_ref());
+                }
+            }
+        }
     }
 
-    /// From samples to bins, the mean taken off.
-    fn transform(&mut self, mean: f64, fft: &dyn RealToComplex<f64>) {
-        self.samples.iter_mut().for_each(|sample| *sample -= mean);
-        fft.process_with_scratch(&mut self.samples, &mut self.bins, &mut self.scratch)
+    /// The mean is summed here, so that the layout of the array cannot change a digit.
+    fn transform_real(&mut self, fft: &dyn RealToComplex<f64>) {
+        let mean = aview1(&self.real).sum() / self.real.len() as f64;
+        self.real.iter_mut().for_each(|sample| *sample -= mean);
+        fft.process_with_scratch(&mut self.real, &mut self.bins, &mut self.real_scratch)
             .expect("the plan made the buffers, so their lengths fit");
     }
 }
@@ -135,11 +211,7 @@ impl Buffers {
 impl LineDft {
     fn borrow(&self) -> Buffers {
         let free = self.free_buffers().pop();
-        free.unwrap_or_else(|| Buffers {
-            samples: self.fft.make_input_vec(),
-            bins: self.fft.make_output_vec(),
-            scratch: self.fft.make_scratch_vec(),
-        })
+        free.unwrap_or_else(|| self.plan.buffers())
     }
 
     fn give_back(&self, buffers: Buffers) {
@@ -195,7 +267,7 @@ mod tests {
 
     #[test]
     fn any_length_agrees_with_the_defining_sum() {
-        for n in [30, 31, 97, 250] {
+        for n in [12, 30, 31, 96, 97, 250, 1000] {
             let period =
                 Array::from_shape_fn((2, n), |(c, k)| 5.0 + ((k * k + 7 * c) as f64).sin());
             let lines = [1, 4, (n - 1) / 2];
@@ -215,6 +287,26 @@ mod tests {
                     "n = {n}, line {}",
                     lines[i]
                 );
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_is_the_same_to_the_digit_whatever_others_are_asked_for() {
+        for n in [4, 12, 36, 1000, 4096] {
+            let period =
+                Array::from_shape_fn((2, n), |(c, k)| 5.0 + ((k * k + 7 * c) as f64).sin());
+            let all: Vec<usize> = (1..n.div_ceil(2)).collect();
+            let odd: Vec<usize> = (1..n.div_ceil(2)).step_by(2).collect();
+            let spectra = |lines: &[usize]| {
+                LineDft::new(n, lines)
+                    .and_then(|dft| dft.transform("x", period.view()))
+                    .expect("sound")
+            };
+            let (found, whole) = (spectra(&odd), spectra(&all));
+            for ((c, i), value) in found.indexed_iter() {
+                let expected = whole[[c, odd[i] - 1]];
+                assert_eq!(*value, expected, "n = {n}, line {}", odd[i]);
             }
         }
     }

@@ -2,11 +2,13 @@
 
 pub(crate) mod campaign;
 mod delay;
+mod draw_glance;
 mod draw_match;
 pub(crate) mod draws;
 mod dwells;
 pub(crate) mod equal_draws;
 pub(crate) mod excerpt;
+mod excerpt_weights;
 pub(crate) mod harmonic_fit;
 pub(crate) mod line_dft;
 pub(crate) mod run_spectra;

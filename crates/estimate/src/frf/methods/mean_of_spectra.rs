@@ -8,7 +8,7 @@ use crate::error::deficient_line::DeficientLine;
 use crate::frf::blocks::{BlockEstimates, BlockMethod, Invertible, LineBlock, mean};
 use crate::frf::matrices::Matrix;
 use crate::frf::noise_bias::NoiseSeen;
-use crate::frf::right_division::right_divide;
+use crate::frf::right_division::Divisor;
 
 pub(crate) struct MeanOfSpectra;
 
@@ -41,9 +41,10 @@ impl BlockMethod for MeanOfSpectra {
 /// `T_pq` of the periods of a realization whose mean input is `u`.
 fn contributions(periods: &[LineBlock], u: &Matrix) -> Vec<Matrix> {
     let y = mean(periods.iter().map(|block| &block.y));
-    let response = right_divide(&y, u);
+    let divisor = Divisor::of(u);
+    let response = divisor.divide(&y);
     let residuals = periods.iter().map(|block| &block.y - &response * &block.u);
     residuals
-        .map(|residual| &response + right_divide(&residual, u))
+        .map(|residual| &response + divisor.divide(&residual))
         .collect()
 }
