@@ -13,7 +13,13 @@ DESCRIPTION = """seed = 5
 sample_time_s = 0.002
 
 [robot.single_joint]
+motor_inertia_kg_m2 = 35.0
+link_inertia_kg_m2 = 150.0
+damping_nms_per_rad = 400.0
+stiffness_nm_per_rad = 1.5e5
 coulomb_nm = 50.0
+
+[robot.sensor]
 velocity_noise_rad_s = 1e-4
 
 [multisine]
@@ -31,7 +37,7 @@ periods = 2
 @pytest.fixture
 def plan(tmp_path):
     path = tmp_path / "plan.mcap"
-    frfid.Experiment.from_toml(DESCRIPTION).plan().save(path)
+    frfid.Experiment.from_toml(DESCRIPTION).design().save(path)
     return path
 
 
