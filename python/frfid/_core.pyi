@@ -37,6 +37,7 @@ __all__ = [
     "run_closed_loop",
     "run_experiment",
     "shape",
+    "simulate",
     "spectra_covariance",
     "spectrogram",
     "subtract_glide",
@@ -616,8 +617,18 @@ def estimate_local(
     r: ArrayLike | None = None,
     half_width: int | None = None,
 ) -> Frf: ...
+def simulate(
+    plants: Plant | Sequence[Plant],
+    u: ArrayLike,
+    *,
+    sample_time_s: float,
+    hold: Literal["zoh", "linear"] = "zoh",
+    velocity_rad_s: _PerChannel | None = None,
+    seed: int = 0,
+    progress: _Progress | None = None,
+) -> Record: ...
 def run_closed_loop(
-    plant: Plant,
+    plant: Plant | Sequence[Plant],
     controller: PiController,
     r: ArrayLike,
     *,

@@ -68,6 +68,7 @@ mod signals {
 mod testbed {
     pub(crate) mod batch;
     pub(crate) mod python_testbed;
+    pub(crate) mod robots;
     pub(crate) mod runs;
 }
 mod array;
@@ -124,6 +125,8 @@ mod _core {
     use crate::plant::controller::{PiController, run_closed_loop};
     #[pymodule_export]
     use crate::plant::loop_frf::loop_frf;
+    #[pymodule_export]
+    use crate::plant::open_loop::simulate;
     #[pymodule_export]
     use crate::plant::robot::Plant;
     #[pymodule_export]

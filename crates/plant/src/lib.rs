@@ -66,4 +66,4 @@ pub use robot::Robot;
 pub use single_joint::SingleJoint;
 pub use state_space::{Hold, StateSpace};
 pub use testbed::simulate::{Torque, simulate};
-pub use testbed::simulated_robot::{Actuation, Simulated, SimulatedRobot};
+pub use testbed::simulated_robot::{Actuation, Simulated, SimulatedRobot, simulate_robots};

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use frfid_plant::{Controller as _, PiController as Controller, SimulatedRobot};
+use frfid_plant::{Actuation, Controller as _, PiController as Controller, SimulatedRobot};
 use pyo3::prelude::*;
 
 use crate::error;
@@ -11,6 +11,7 @@ use crate::plant::robot::Plant;
 use crate::signals::profile::per_channel;
 use crate::signals::record::Record;
 use crate::testbed::batch::simulate;
+use crate::testbed::robots::Robots;
 
 /// A sampled PI controller of the motor velocity: ``u = gain e + integral``, which grows by
 /// ``integral_gain e sample_time_s`` per sample; ``e = r - y``, plus ``position_gain`` times the
@@ -159,8 +160,8 @@ impl PiController {
 ///
 /// Parameters
 /// ----------
-/// plant : Plant
-///     The robot.
+/// plant : Plant or sequence of Plant
+///     The robot, or one for each run.
 /// controller : PiController
 ///     Its controller, on whose clock the run is done.
 /// r : array_like, shape (channel, sample) or (batch, channel, sample)
@@ -189,7 +190,7 @@ impl PiController {
 #[pyfunction]
 #[pyo3(signature = (plant, controller, r, *, velocity_rad_s = None, start_rad = None, seed = 0, progress = None))]
 pub(crate) fn run_closed_loop(
-    plant: &Plant,
+    plant: &Bound<'_, PyAny>,
     controller: &PiController,
     r: &Bound<'_, PyAny>,
     velocity_rad_s: Option<&Bound<'_, PyAny>>,
@@ -197,11 +198,11 @@ pub(crate) fn run_closed_loop(
     seed: u64,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Record> {
-    let testbed = closed_loop(plant, controller, seed);
+    let robots = Robots::of(plant, &controller.actuation(), seed)?;
     simulate(
         "r",
         r,
-        &testbed,
+        &robots,
         controller.sample_time_s,
         velocity_rad_s,
         start_rad,
@@ -211,14 +212,19 @@ pub(crate) fn run_closed_loop(
 
 /// The plant under the controller, with the plant's sensors.
 pub(crate) fn closed_loop(plant: &Plant, controller: &PiController, seed: u64) -> SimulatedRobot {
-    let robot = Arc::clone(&plant.robot);
-    let (pi, sample_time_s) = (
-        Arc::new(controller.controller.clone()),
-        controller.sample_time_s,
-    );
     SimulatedRobot {
         sensors: plant.sensors.clone(),
         seed,
-        ..SimulatedRobot::closed_loop(robot, pi, sample_time_s)
+        actuation: controller.actuation(),
+        ..SimulatedRobot::open_loop(Arc::clone(&plant.robot))
+    }
+}
+
+impl PiController {
+    fn actuation(&self) -> Actuation {
+        Actuation::Velocity {
+            controller: Arc::new(self.controller.clone()),
+            sample_time_s: self.sample_time_s,
+        }
     }
 }

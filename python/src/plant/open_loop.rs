@@ -1,12 +1,13 @@
-//! Simulation in open loop: `Plant.simulate`.
+//! Simulation in open loop: `Plant.simulate` of one plant, `frfid.simulate` of several.
 
-use frfid_plant::{Actuation, SimulatedRobot};
+use frfid_plant::Actuation;
 use pyo3::prelude::*;
 
 use crate::choice::choice;
 use crate::plant::robot::Plant;
 use crate::signals::record::Record;
-use crate::testbed::batch::simulate;
+use crate::testbed::batch;
+use crate::testbed::robots::Robots;
 
 #[pymethods]
 impl Plant {
@@ -42,8 +43,9 @@ impl Plant {
     /// NumericalError
     ///     If the simulation diverges.
     #[pyo3(signature = (u, *, sample_time_s, hold = "zoh", velocity_rad_s = None, seed = 0, progress = None))]
-    fn simulate(
-        &self,
+    #[pyo3(name = "simulate")]
+    fn simulate_alone(
+        slf: &Bound<'_, Self>,
         u: &Bound<'_, PyAny>,
         sample_time_s: f64,
         hold: &str,
@@ -51,23 +53,70 @@ impl Plant {
         seed: u64,
         progress: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Record> {
-        let (robot, sensors) = (self.robot.clone(), self.sensors.clone());
-        let testbed = SimulatedRobot {
-            sensors,
-            seed,
-            actuation: Actuation::Torque {
-                hold: choice("hold", hold)?,
-            },
-            ..SimulatedRobot::open_loop(robot)
-        };
         simulate(
-            "u",
+            slf.as_any(),
             u,
-            &testbed,
             sample_time_s,
+            hold,
             velocity_rad_s,
-            None,
+            seed,
             progress,
         )
     }
+}
+
+/// Simulates plants in open loop, one for each run, each from its pose: frictions, stiffnesses, payloads
+/// or poses side by side.
+///
+/// Parameters
+/// ----------
+/// plants : sequence of Plant
+///     One for each run, all with as many axes.
+/// u : array_like, shape (input, sample) or (batch, input, sample)
+///     Motor torque in N m, the same for all plants or one for each.
+/// sample_time_s : float
+///     Sample time in s.
+/// hold : {"zoh", "linear"}, optional
+///     What the torque does between samples.
+/// velocity_rad_s : float or sequence of float, optional
+///     As in ``Plant.simulate``.
+/// seed : int, optional
+///     Seed of the sensors' noise.
+/// progress : callable, optional
+///     Called with (done, total), from (0, total) on; an exception from it stops the simulation.
+///
+/// Returns
+/// -------
+/// Record
+///     A batch: what ``Plant.simulate`` of each plant gives, to the last digit but for the noise, which
+///     differs from run to run.
+///
+/// Raises
+/// ------
+/// ValueError
+///     For shapes that do not fit and samples that are not finite.
+/// NumericalError
+///     If the simulation diverges.
+#[pyfunction]
+#[pyo3(signature = (plants, u, *, sample_time_s, hold = "zoh", velocity_rad_s = None, seed = 0, progress = None))]
+pub(crate) fn simulate(
+    plants: &Bound<'_, PyAny>,
+    u: &Bound<'_, PyAny>,
+    sample_time_s: f64,
+    hold: &str,
+    velocity_rad_s: Option<&Bound<'_, PyAny>>,
+    seed: u64,
+    progress: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Record> {
+    let hold = choice("hold", hold)?;
+    let robots = Robots::of(plants, &Actuation::Torque { hold }, seed)?;
+    batch::simulate(
+        "u",
+        u,
+        &robots,
+        sample_time_s,
+        velocity_rad_s,
+        None,
+        progress,
+    )
 }

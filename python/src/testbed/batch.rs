@@ -1,6 +1,6 @@
 //! Simulating one run or a batch of runs.
 
-use frfid_signals::{GoOn, Run, RunId, Testbed, check_finite};
+use frfid_signals::{GoOn, Run, RunId, Testbed as _, check_finite};
 use ndarray::{Array2, ArrayView3, Axis, Ix3, IxDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -9,16 +9,17 @@ use crate::array::{Axes, real};
 use crate::error;
 use crate::signals::profile::per_channel;
 use crate::signals::record::Record;
+use crate::testbed::robots::Robots;
 use crate::testbed::runs::records_of;
 
 const SHAPES: [Axes; 2] = [&["channel", "sample"], &["batch", "channel", "sample"]];
 
-/// What the testbed measured for each reference in `value`, the argument called `name`, from a
-/// start, on a constant velocity.
+/// What the sensors of the robots measured for each reference in `value`, the argument called `name`,
+/// from a start, on a constant velocity.
 pub(crate) fn simulate(
     name: &'static str,
     value: &Bound<'_, PyAny>,
-    testbed: &dyn Testbed,
+    robots: &Robots,
     sample_time_s: f64,
     velocity_rad_s: Option<&Bound<'_, PyAny>>,
     start_rad: Option<&Bound<'_, PyAny>>,
@@ -32,18 +33,21 @@ pub(crate) fn simulate(
         array.insert_axis(Axis(0)).into_dimensionality()
     };
     let array = array.expect("`real` let 2 or 3 axes pass");
-    let n_inputs = testbed.n_inputs();
+    let n_inputs = robots.n_inputs();
     check(name, &array, n_inputs)?;
+    let n_runs = n_runs(name, array.len_of(Axis(0)), stacked, robots)?;
     let or_zeros = |name, value: Option<&Bound<'_, PyAny>>| {
         let zeros = || Ok(vec![0.0; n_inputs]);
         value.map_or_else(zeros, |value| per_channel(name, value, n_inputs))
     };
     let velocity_rad_s = or_zeros("velocity_rad_s", velocity_rad_s)?;
     let start_rad = or_zeros("start_rad", start_rad)?;
-    let numbers = 0..array.len_of(Axis(0));
-    let ids: Vec<RunId> = numbers.map(|run| RunId::excitation(0, 0, run)).collect();
+    let ids: Vec<RunId> = (0..n_runs)
+        .map(|run| RunId::excitation(0, 0, run))
+        .collect();
     let run = |id: RunId, _: GoOn| {
-        let reference: Array2<f64> = array.index_axis(Axis(0), id.repetition).to_owned();
+        let place = if stacked { id.repetition } else { 0 };
+        let reference: Array2<f64> = array.index_axis(Axis(0), place).to_owned();
         Ok(Run {
             id,
             sample_time_s,
@@ -52,8 +56,19 @@ pub(crate) fn simulate(
             start_rad: start_rad.clone(),
         })
     };
-    let records = records_of(value.py(), &ids, &run, testbed, 0, progress)?;
-    Record::of(value.py(), records, stacked)
+    let records = records_of(value.py(), &ids, &run, robots, 0, progress)?;
+    Record::of(value.py(), records, stacked || robots.n_each().is_some())
+}
+
+/// Number of runs: of the references, of the robots where one reference is for all of them.
+fn n_runs(name: &str, n_references: usize, stacked: bool, robots: &Robots) -> PyResult<usize> {
+    match robots.n_each() {
+        None => Ok(n_references),
+        Some(n_robots) if !stacked || n_references == n_robots => Ok(n_robots),
+        Some(n_robots) => Err(PyValueError::new_err(format!(
+            "{name} has a batch of {n_references}, needed one for each of {n_robots} plants"
+        ))),
+    }
 }
 
 fn check(name: &'static str, array: &ArrayView3<'_, f64>, n_inputs: usize) -> PyResult<()> {

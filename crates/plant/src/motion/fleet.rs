@@ -23,19 +23,42 @@ pub trait Fleet {
     ) -> Vec<Result<(), PlantError>>;
 }
 
-/// Robots in as few fleets as take them in this order; those of one fleet have the same `pace`.
-pub(crate) fn fleets<P: PartialEq>(
+/// A fleet of robots of the same pace.
+pub(crate) struct Squad<P> {
+    pub(crate) pace: P,
+    pub(crate) fleet: Box<dyn Fleet>,
+    /// The places of its robots among all.
+    pub(crate) places: Vec<usize>,
+}
+
+/// Robots in as few fleets as take them in their order.
+pub(crate) fn squads<P: PartialEq>(
     motions: impl IntoIterator<Item = (P, Box<dyn Motion>)>,
-) -> Vec<(P, Box<dyn Fleet>)> {
-    let mut fleets: Vec<(P, Box<dyn Fleet>)> = Vec::new();
-    for (pace, motion) in motions {
-        let left = match fleets.last_mut() {
-            Some((of_fleet, fleet)) if *of_fleet == pace => fleet.join(motion),
-            _ => Some(motion),
+) -> Vec<Squad<P>> {
+    let mut squads: Vec<Squad<P>> = Vec::new();
+    for (place, (pace, motion)) in motions.into_iter().enumerate() {
+        let last = squads.iter_mut().rfind(|squad| squad.pace == pace);
+        let left = match last {
+            Some(squad) => squad.join(place, motion),
+            None => Some(motion),
         };
-        fleets.extend(left.map(|motion| (pace, fleet(motion))));
+        squads.extend(left.map(|motion| Squad {
+            pace,
+            fleet: fleet(motion),
+            places: vec![place],
+        }));
     }
-    fleets
+    squads
+}
+
+impl<P> Squad<P> {
+    fn join(&mut self, place: usize, motion: Box<dyn Motion>) -> Option<Box<dyn Motion>> {
+        let left = self.fleet.join(motion);
+        if left.is_none() {
+            self.places.push(place);
+        }
+        left
+    }
 }
 
 fn fleet(motion: Box<dyn Motion>) -> Box<dyn Fleet> {

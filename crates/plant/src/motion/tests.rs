@@ -7,7 +7,7 @@ use rand::RngExt as _;
 
 use crate::joint::ripple::Ripple;
 use crate::lanes::LANES;
-use crate::motion::fleet::{Fleet, fleets};
+use crate::motion::fleet::{Fleet, squads};
 use crate::motion::{Acting, Motion};
 use crate::robot::Robot;
 use crate::single_joint::SingleJoint;
@@ -58,10 +58,8 @@ fn place(motion: &dyn Motion) -> Vec<f64> {
 /// Robots side by side.
 fn together(robots: &[impl Robot]) -> Vec<Box<dyn Fleet>> {
     let started = start(robots).into_iter().map(|motion| ((), motion));
-    fleets(started)
-        .into_iter()
-        .map(|(_, fleet)| fleet)
-        .collect()
+    let squads = squads(started).into_iter();
+    squads.map(|squad| squad.fleet).collect()
 }
 
 fn start(robots: &[impl Robot]) -> Vec<Box<dyn Motion>> {

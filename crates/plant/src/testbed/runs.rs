@@ -3,7 +3,7 @@
 use frfid_signals::{GoOn, SignalError};
 
 use crate::error::PlantError;
-use crate::motion::fleet::{Fleet, fleets};
+use crate::motion::fleet::{Fleet, squads};
 use crate::motion::{Acting, Motion};
 use crate::testbed::run_loop::RunLoop;
 use crate::testbed::simulate::Clock;
@@ -61,10 +61,12 @@ pub(crate) fn go_through<'a>(
             }
         }));
     }
-    let mut going = runs.iter_mut().filter_map(|run| run.as_mut().ok());
-    for (clock, mut fleet) in fleets(motions) {
-        let mut of_fleet: Vec<&mut Going> = going.by_ref().take(fleet.n_robots()).collect();
-        together(&mut *fleet, &mut of_fleet, clock, go_on);
+    let sound = runs.iter_mut().filter_map(|run| run.as_mut().ok());
+    let mut sound: Vec<Option<&mut Going>> = sound.map(Some).collect();
+    for mut squad in squads(motions) {
+        let places = squad.places.iter();
+        let mut going: Vec<&mut Going> = places.filter_map(|&place| sound[place].take()).collect();
+        together(&mut *squad.fleet, &mut going, squad.pace, go_on);
     }
     let done = runs.into_iter().map(|run| run.and_then(Going::done));
     done.collect()

@@ -152,16 +152,7 @@ impl SimulatedRobot {
     /// # Errors
     /// Of each run, as [`SimulatedRobot::simulate_while`].
     pub fn simulate_each(&self, runs: &[Run], go_on: GoOn) -> Vec<Result<Simulated, TestbedError>> {
-        let begun = runs.iter().map(|run| self.begun(run));
-        let gains = self.gain_nms_per_rad();
-        let named = runs
-            .iter()
-            .zip(go_through(begun, go_on))
-            .map(|(run, done)| {
-                let (run_loop, n_samples) = done.map_err(|error| error.in_run(run.id, gains))?;
-                Ok(run_loop.finish(n_samples, gains))
-            });
-        named.collect()
+        simulate_robots(runs.iter().map(|run| (self, run)), go_on)
     }
 
     /// A run at its beginning.
@@ -222,6 +213,26 @@ impl SimulatedRobot {
             Actuation::Velocity { controller, .. } => controller.gain_nms_per_rad(),
         }
     }
+}
+
+/// Does a run of each robot side by side, as [`SimulatedRobot::simulate_each`] does those of one: robots
+/// that differ in their numbers, as the machines of a series do.
+///
+/// # Errors
+/// Of each run, as [`SimulatedRobot::simulate_while`].
+pub fn simulate_robots<'a>(
+    runs: impl Iterator<Item = (&'a SimulatedRobot, &'a Run)> + Clone,
+    go_on: GoOn,
+) -> Vec<Result<Simulated, TestbedError>> {
+    let begun = runs.clone().map(|(robot, run)| robot.begun(run));
+    let named = runs
+        .zip(go_through(begun, go_on))
+        .map(|((robot, run), done)| {
+            let gains = robot.gain_nms_per_rad();
+            let (run_loop, n_samples) = done.map_err(|error| error.in_run(run.id, gains))?;
+            Ok(run_loop.finish(n_samples, gains))
+        });
+    named.collect()
 }
 
 impl Testbed for SimulatedRobot {
