@@ -41,11 +41,13 @@ mod logs {
 /// `Plant` and its controller: robots in software.
 mod plant {
     pub(crate) mod arm;
+    pub(crate) mod batch;
     pub(crate) mod controller;
     pub(crate) mod linear_truth;
     pub(crate) mod loop_frf;
     pub(crate) mod open_loop;
     pub(crate) mod robot;
+    pub(crate) mod robots;
     pub(crate) mod states;
 }
 /// `shape`: iterative shaping, and what comes of it.
@@ -66,9 +68,7 @@ mod signals {
 }
 /// Runs done on simulated machines and on those of Python.
 mod testbed {
-    pub(crate) mod batch;
     pub(crate) mod python_testbed;
-    pub(crate) mod robots;
     pub(crate) mod runs;
 }
 mod array;

@@ -7,11 +7,11 @@ use pyo3::prelude::*;
 
 use crate::error;
 use crate::pickle::{Reduced, attributes};
+use crate::plant::batch::simulate;
 use crate::plant::robot::Plant;
+use crate::plant::robots::Robots;
 use crate::signals::profile::per_channel;
 use crate::signals::record::Record;
-use crate::testbed::batch::simulate;
-use crate::testbed::robots::Robots;
 
 /// A sampled PI controller of the motor velocity: ``u = gain e + integral``, which grows by
 /// ``integral_gain e sample_time_s`` per sample; ``e = r - y``, plus ``position_gain`` times the

@@ -4,10 +4,10 @@ use frfid_plant::Actuation;
 use pyo3::prelude::*;
 
 use crate::choice::choice;
+use crate::plant::batch;
 use crate::plant::robot::Plant;
+use crate::plant::robots::Robots;
 use crate::signals::record::Record;
-use crate::testbed::batch;
-use crate::testbed::robots::Robots;
 
 #[pymethods]
 impl Plant {

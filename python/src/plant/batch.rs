@@ -1,15 +1,15 @@
 //! Simulating one run or a batch of runs.
 
 use frfid_signals::{GoOn, Run, RunId, Testbed as _, check_finite};
-use ndarray::{Array2, ArrayView3, Axis, Ix3, IxDyn};
+use ndarray::{Array2, ArrayView3, ArrayViewD, Axis, Ix3, IxDyn};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 
 use crate::array::{Axes, real};
 use crate::error;
+use crate::plant::robots::Robots;
 use crate::signals::profile::per_channel;
 use crate::signals::record::Record;
-use crate::testbed::robots::Robots;
 use crate::testbed::runs::records_of;
 
 const SHAPES: [Axes; 2] = [&["channel", "sample"], &["batch", "channel", "sample"]];
@@ -26,13 +26,7 @@ pub(crate) fn simulate(
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Record> {
     let array = real::<IxDyn>(name, value, &SHAPES)?;
-    let (array, stacked) = (array.as_array(), array.as_array().ndim() == 3);
-    let array = if stacked {
-        array.into_dimensionality::<Ix3>()
-    } else {
-        array.insert_axis(Axis(0)).into_dimensionality()
-    };
-    let array = array.expect("`real` let 2 or 3 axes pass");
+    let (array, stacked) = batch(array.as_array());
     let n_inputs = robots.n_inputs();
     check(name, &array, n_inputs)?;
     let n_runs = n_runs(name, array.len_of(Axis(0)), stacked, robots)?;
@@ -58,6 +52,17 @@ pub(crate) fn simulate(
     };
     let records = records_of(value.py(), &ids, &run, robots, 0, progress)?;
     Record::of(value.py(), records, stacked || robots.n_each().is_some())
+}
+
+/// References as a batch, and whether they were one.
+fn batch(array: ArrayViewD<'_, f64>) -> (ArrayView3<'_, f64>, bool) {
+    let stacked = array.ndim() == 3;
+    let array = if stacked {
+        array.into_dimensionality::<Ix3>()
+    } else {
+        array.insert_axis(Axis(0)).into_dimensionality()
+    };
+    (array.expect("`real` let 2 or 3 axes pass"), stacked)
 }
 
 /// Number of runs: of the references, of the robots where one reference is for all of them.
