@@ -81,7 +81,7 @@ def test_what_does_not_fit_is_refused():
 THREADS = """
 import hashlib, sys
 sys.path.insert(0, {folder!r})
-import frfid, test_side_by_side as bench
+import frfid, test_plants_side_by_side as bench
 print(hashlib.sha256(frfid.simulate(bench.plants(40), bench.torques(40), sample_time_s=1e-3).y.tobytes()).hexdigest())
 """
 
