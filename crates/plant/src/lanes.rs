@@ -8,7 +8,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::scalar::{Scalar, each};
 
-/// Machines side by side: two registers of the widest kind, so that one waits less for the other.
+/// Machines side by side: several registers of any kind, so that one waits less for the other.
 pub(crate) const LANES: usize = 16;
 
 /// A number of each machine.

@@ -100,7 +100,7 @@ impl Driver for Watched<'_, '_> {
 
     fn records(&mut self, shaper: &Shaper) -> Result<Vec<Record>, ShapeError> {
         let runs = shaper.runs();
-        let groups = runs.par_chunks(self.testbed.n_at_once());
+        let groups = runs.par_chunks(self.testbed.n_at_once().max(1));
         let records: Vec<Vec<_>> = groups
             .map(|runs| self.testbed.run_each(runs, &|| true))
             .collect();

@@ -43,7 +43,7 @@ pub(crate) struct Wave<L> {
 }
 
 impl<L: Scalar> Wave<L> {
-    /// A harmonic of each joint, `None` of one that has none.
+    /// A harmonic of each joint, zeros of one that has none.
     pub(crate) fn of(mut number: impl FnMut(fn(&Ripple) -> f64) -> L) -> Self {
         Self {
             cycles_per_turn: number(|ripple| ripple.cycles_per_turn),
