@@ -6,54 +6,68 @@ use frfid_signals::{Limit, Peaks};
 /// The quantities, in the order in which they are kept.
 const QUANTITIES: [Limit; 3] = [Limit::TorqueRate, Limit::Acceleration, Limit::Jerk];
 
-/// What the torque that acts and the true motion change by, one value for each axis.
+/// What the torque that acts and the true motion change by.
 #[derive(Debug, Clone)]
 pub(crate) struct Changes {
     sample_time_s: f64,
-    torque_nm: Vec<f64>,
-    velocity_rad_s: Vec<f64>,
+    axes: Vec<AxisChanges>,
+}
+
+/// Those of an axis.
+#[derive(Debug, Clone, Copy)]
+struct AxisChanges {
+    torque_nm: f64,
+    velocity_rad_s: f64,
     /// Torque rate in N m/s, acceleration in rad/s^2, jerk in rad/s^3, as of the last sample.
-    now: Vec<[f64; 3]>,
+    now: [f64; 3],
     /// Their largest sizes.
-    largest: Vec<[f64; 3]>,
+    largest: [f64; 3],
 }
 
 impl Changes {
     /// None yet: torques in N m hold steady velocities in rad/s.
     pub(crate) fn steady(sample_time_s: f64, torque_nm: &[f64], velocity_rad_s: &[f64]) -> Self {
+        let of_axes = torque_nm.iter().zip(velocity_rad_s);
+        let steady = |(&torque_nm, &velocity_rad_s): (&f64, &f64)| AxisChanges {
+            torque_nm,
+            velocity_rad_s,
+            now: [0.0; 3],
+            largest: [0.0; 3],
+        };
         Self {
             sample_time_s,
-            torque_nm: torque_nm.to_vec(),
-            velocity_rad_s: velocity_rad_s.to_vec(),
-            now: vec![[0.0; 3]; torque_nm.len()],
-            largest: vec![[0.0; 3]; torque_nm.len()],
+            axes: of_axes.map(steady).collect(),
         }
     }
 
     /// Takes the torques that act from this sample on and the velocities at it.
     pub(crate) fn step(&mut self, torque_nm: &[f64], velocity_rad_s: &[f64]) {
-        for axis in 0..torque_nm.len() {
-            let rate = (torque_nm[axis] - self.torque_nm[axis]) / self.sample_time_s;
-            let acceleration =
-                (velocity_rad_s[axis] - self.velocity_rad_s[axis]) / self.sample_time_s;
-            let jerk = (acceleration - self.now[axis][1]) / self.sample_time_s;
-            self.now[axis] = [rate, acceleration, jerk];
-            let pairs = self.largest[axis].iter_mut().zip(&self.now[axis]);
-            pairs.for_each(|(largest, now)| *largest = largest.max(now.abs()));
+        let sample_time_s = self.sample_time_s;
+        for (axis, (&torque_nm, &velocity_rad_s)) in self
+            .axes
+            .iter_mut()
+            .zip(torque_nm.iter().zip(velocity_rad_s))
+        {
+            let rate = (torque_nm - axis.torque_nm) / sample_time_s;
+            let acceleration = (velocity_rad_s - axis.velocity_rad_s) / sample_time_s;
+            let jerk = (acceleration - axis.now[1]) / sample_time_s;
+            axis.now = [rate, acceleration, jerk];
+            for (largest, now) in axis.largest.iter_mut().zip(axis.now) {
+                *largest = largest.max(now.abs());
+            }
+            (axis.torque_nm, axis.velocity_rad_s) = (torque_nm, velocity_rad_s);
         }
-        self.torque_nm.copy_from_slice(torque_nm);
-        self.velocity_rad_s.copy_from_slice(velocity_rad_s);
     }
 
     /// The value of an axis at the last sample; `None` of another quantity.
     pub(crate) fn now(&self, limit: Limit, axis: usize) -> Option<f64> {
         let place = QUANTITIES.iter().position(|of| *of == limit)?;
-        Some(self.now[axis][place])
+        Some(self.axes[axis].now[place])
     }
 
     /// The largest sizes up to the last sample.
     pub(crate) fn largest(&self) -> Peaks {
-        let of_axes = |place: usize| self.largest.iter().map(|values| values[place]).collect();
+        let of_axes = |place: usize| self.axes.iter().map(|axis| axis.largest[place]).collect();
         (0..)
             .zip(QUANTITIES)
             .map(|(place, limit)| (limit, of_axes(place)))

@@ -88,6 +88,15 @@ fn rounded(value: f64, step: Option<f64>) -> f64 {
     step.map_or(value, |step| step * (value / step).round())
 }
 
+/// One axis at a sample: what is injected, and what its sensors say.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct AxisSample {
+    pub(crate) reference: f64,
+    pub(crate) position_rad: f64,
+    pub(crate) velocity_rad_s: f64,
+    pub(crate) torque_nm: f64,
+}
+
 /// White noise from a stream of its own.
 struct Noise {
     rms: f64,

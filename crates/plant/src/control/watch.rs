@@ -3,9 +3,10 @@
 use std::f64::consts::PI;
 
 use frfid_signals::checks::positive;
-use frfid_signals::{Event, EventKind, Limit, Limits, Record, Run, SignalError};
+use frfid_signals::{Event, EventKind, Limit, Limits, Run, SignalError};
 
 use crate::control::changes::Changes;
+use crate::control::sensor::AxisSample;
 
 /// Beyond this multiple of a limit no ramp helps: the run is cut off at once, as by an emergency
 /// stop.
@@ -42,10 +43,11 @@ impl Watch {
     }
 
     /// The worst excess among the readings of a sample by comparison with its limit, and on which
-    /// axis it is.
-    fn excess(&self, run: &Run, moment: Moment) -> Option<(usize, Reached)> {
+    /// axis it is, of a run whose first position readings in rad are given.
+    fn excess(&self, run: &Run, first_rad: &[f64], moment: Moment) -> Option<(usize, Reached)> {
         let beyond = |axis: usize, limit: Limit, allowed: f64| {
-            let value = moment.of(limit, axis, run.start_rad[axis])?;
+            let way_rad = moment.axes[axis].position_rad - first_rad[axis] + run.start_rad[axis];
+            let value = moment.of(limit, axis, way_rad)?;
             let reached = Reached {
                 limit,
                 value,
@@ -66,23 +68,19 @@ impl Watch {
 /// What is known at a sample.
 #[derive(Clone, Copy)]
 pub(crate) struct Moment<'a> {
-    pub(crate) record: &'a Record,
     pub(crate) sample: usize,
+    pub(crate) axes: &'a [AxisSample],
     pub(crate) changes: &'a Changes,
 }
 
 impl Moment<'_> {
-    /// The value of an axis that is held against a limit, of a run that starts `start_rad` from the
-    /// pose; `None` where there is none.
-    fn of(self, limit: Limit, axis: usize, start_rad: f64) -> Option<f64> {
-        let place = [axis, self.sample];
+    /// The value of an axis `way_rad` from the pose that is held against a limit; `None` where there
+    /// is none.
+    fn of(self, limit: Limit, axis: usize, way_rad: f64) -> Option<f64> {
         match limit {
-            Limit::Torque => Some(self.record.u[place]),
-            Limit::Velocity => Some(self.record.y[place]),
-            Limit::Travel => {
-                let position = self.record.position_rad.as_ref()?;
-                Some(position[place] - position[[axis, 0]] + start_rad)
-            }
+            Limit::Torque => Some(self.axes[axis].torque_nm),
+            Limit::Velocity => Some(self.axes[axis].velocity_rad_s),
+            Limit::Travel => Some(way_rad),
             Limit::TorqueRate | Limit::Acceleration | Limit::Jerk => self.changes.now(limit, axis),
             Limit::LowestPosition | Limit::HighestPosition => None,
         }
@@ -160,6 +158,8 @@ pub(crate) struct Guard<'a> {
     run: &'a Run,
     /// Samples of the ramp.
     n_ramp: usize,
+    /// Position readings in rad at the first sample.
+    first_rad: Vec<f64>,
     excess: Option<Excess>,
 }
 
@@ -173,6 +173,7 @@ impl<'a> Guard<'a> {
             watch,
             run,
             n_ramp,
+            first_rad: Vec::new(),
             excess: None,
         }
     }
@@ -192,7 +193,12 @@ impl<'a> Guard<'a> {
 
     /// Looks at a sample; returns the event of the first excess.
     pub(crate) fn look(&mut self, moment: Moment) -> Option<Event> {
-        let (axis, reached) = self.watch?.excess(self.run, moment)?;
+        let watch = self.watch?;
+        if self.first_rad.is_empty() {
+            let first = moment.axes.iter().map(|axis| axis.position_rad);
+            self.first_rad.extend(first);
+        }
+        let (axis, reached) = watch.excess(self.run, &self.first_rad, moment)?;
         let sample = moment.sample;
         let first = self.excess.is_none();
         let excess = self.excess.get_or_insert(Excess {

@@ -3,7 +3,10 @@
 use crate::error::PlantError;
 use crate::motion::{Acting, Motion};
 
-/// Robots in motion, alike but for their numbers.
+/// A robot of a fleet that cannot move on, and why.
+pub(crate) type Failed = (usize, PlantError);
+
+/// Robots in motion, alike but for their numbers, [`LANES`](crate::lanes::LANES) at most.
 pub trait Fleet {
     /// Takes in a robot, or gives it back where it is of another kind or there is no room.
     fn join(&mut self, motion: Box<dyn Motion>) -> Option<Box<dyn Motion>>;
@@ -14,13 +17,9 @@ pub trait Fleet {
     /// One of the robots, in the order in which they joined.
     fn motion(&self, robot: usize) -> &dyn Motion;
 
-    /// Moves each robot on as [`Motion::advance`] does. One under `None` is left out, for good.
-    fn advance(
-        &mut self,
-        n_steps: usize,
-        step_s: f64,
-        acting: &[Option<Acting>],
-    ) -> Vec<Result<(), PlantError>>;
+    /// Moves each robot on as [`Motion::advance`] does; returns those that cannot, and why. One under
+    /// `None` is left out, for good.
+    fn advance(&mut self, n_steps: usize, step_s: f64, acting: &[Option<Acting>]) -> Vec<Failed>;
 }
 
 /// A fleet of robots of the same pace.
@@ -81,13 +80,9 @@ impl Fleet for Alone {
         &*self.0
     }
 
-    fn advance(
-        &mut self,
-        n_steps: usize,
-        step_s: f64,
-        acting: &[Option<Acting>],
-    ) -> Vec<Result<(), PlantError>> {
+    fn advance(&mut self, n_steps: usize, step_s: f64, acting: &[Option<Acting>]) -> Vec<Failed> {
         let acting = acting.first().copied().flatten();
-        vec![acting.map_or(Ok(()), |acting| self.0.advance(n_steps, step_s, acting))]
+        let moved = acting.map_or(Ok(()), |acting| self.0.advance(n_steps, step_s, acting));
+        moved.err().map(|error| (0, error)).into_iter().collect()
     }
 }

@@ -2,9 +2,9 @@
 
 use std::array::from_fn;
 
-use crate::error::PlantError;
 use crate::lanes::{LANES, Lanes};
 use crate::motion::equations::{Equations, State};
+use crate::motion::fleet::Failed;
 use crate::motion::integrator::Integrator;
 use crate::motion::links::LinksSideBySide;
 use crate::motion::modes::{Course, Modes};
@@ -89,14 +89,14 @@ impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
         self.now.derivative = self.equations.derivative(regimes, torque, state);
     }
 
-    /// One step of `step_s` of all machines; what goes wrong with one is put where it is `found`.
+    /// One step of `step_s` of all machines; one that cannot is put to the `failed`.
     #[inline(always)]
     pub(crate) fn step(
         &mut self,
         machines: &mut [Integrator<K, A>],
         torque: &Segment<A, Lanes>,
         step_s: f64,
-        found: &mut [Result<(), PlantError>],
+        failed: &mut Vec<Failed>,
     ) {
         let mut next = self.next(torque, step_s);
         if self.watched {
@@ -108,7 +108,7 @@ impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
                 }
             }
             if any {
-                self.alone(machines, torque, step_s, &mut next, found);
+                self.alone(machines, torque, step_s, &mut next, failed);
             }
         }
         self.now = next;
@@ -180,7 +180,7 @@ impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
         torque: &Segment<A, Lanes>,
         step_s: f64,
         next: &mut Moment<A>,
-        found: &mut [Result<(), PlantError>],
+        failed: &mut Vec<Failed>,
     ) {
         let courses: [[Course; 2]; A] = from_fn(|axis| self.courses(axis, torque, step_s, next));
         for (lane, machine) in machines.iter_mut().enumerate() {
@@ -197,7 +197,7 @@ impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
                     self.modes.set(lane, &machine.joints, &machine.modes);
                 }
                 Err(error) => {
-                    found[lane] = Err(error);
+                    failed.push((lane, error));
                     self.forget(lane);
                 }
             }

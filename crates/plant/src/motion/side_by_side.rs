@@ -5,9 +5,8 @@ use std::any::Any;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::error::PlantError;
 use crate::lanes::{LANES, Lanes};
-use crate::motion::fleet::Fleet;
+use crate::motion::fleet::{Failed, Fleet};
 use crate::motion::in_lanes::InLanes;
 use crate::motion::integrator::Integrator;
 use crate::motion::links::LinksSideBySide;
@@ -40,14 +39,14 @@ impl<K: LinksSideBySide<A>, const A: usize> SideBySide<K, A> {
         n_steps: usize,
         step_s: f64,
         acting: &[Option<Acting>],
-    ) -> Vec<Result<(), PlantError>> {
+    ) -> Vec<Failed> {
         self.lanes = None;
-        let each = self.machines.iter_mut().zip(acting);
-        let alone = each.map(|(machine, acting)| match acting {
-            Some(acting) => machine.advance(n_steps, step_s, *acting),
-            None => Ok(()),
+        let each = self.machines.iter_mut().zip(acting).enumerate();
+        let failed = each.filter_map(|(robot, (machine, acting))| {
+            let moved = machine.advance(n_steps, step_s, (*acting)?);
+            Some((robot, moved.err()?))
         });
-        alone.collect()
+        failed.collect()
     }
 }
 
@@ -71,12 +70,7 @@ impl<K: LinksSideBySide<A>, const A: usize> Fleet for SideBySide<K, A> {
         &self.machines[robot]
     }
 
-    fn advance(
-        &mut self,
-        n_steps: usize,
-        step_s: f64,
-        acting: &[Option<Acting>],
-    ) -> Vec<Result<(), PlantError>> {
+    fn advance(&mut self, n_steps: usize, step_s: f64, acting: &[Option<Acting>]) -> Vec<Failed> {
         let several = acting.iter().flatten().count() > 1;
         let Some(torques) = Torques::of(acting).filter(|_| several) else {
             return self.each_alone(n_steps, step_s, acting);
@@ -92,22 +86,22 @@ impl<K: LinksSideBySide<A>, const A: usize> Fleet for SideBySide<K, A> {
                 None => lanes.forget(lane),
             }
         }
-        let mut found: Vec<_> = machines.iter().map(|_| Ok(())).collect();
+        let mut failed = Vec::new();
         self.arch.dispatch(Steps {
             lanes,
             machines,
             torques: &torques,
             n_steps,
             step_s,
-            found: &mut found,
+            failed: &mut failed,
         });
         for (lane, (machine, acting)) in machines.iter_mut().zip(acting).enumerate() {
-            if acting.is_some() && found[lane].is_ok() {
+            if acting.is_some() && failed.iter().all(|(of, _)| *of != lane) {
                 lanes.tell(lane, machine);
-                found[lane] = machine.check();
+                failed.extend(machine.check().err().map(|error| (lane, error)));
             }
         }
-        found
+        failed
     }
 }
 
@@ -118,7 +112,7 @@ struct Steps<'a, K: LinksSideBySide<A>, const A: usize> {
     torques: &'a Torques<A>,
     n_steps: usize,
     step_s: f64,
-    found: &'a mut [Result<(), PlantError>],
+    failed: &'a mut Vec<Failed>,
 }
 
 impl<K: LinksSideBySide<A>, const A: usize> WithSimd for Steps<'_, K, A> {
@@ -130,7 +124,7 @@ impl<K: LinksSideBySide<A>, const A: usize> WithSimd for Steps<'_, K, A> {
         self.lanes.begin(&segment(0).at(0.0));
         for step in 0..self.n_steps {
             self.lanes
-                .step(self.machines, &segment(step), self.step_s, self.found);
+                .step(self.machines, &segment(step), self.step_s, self.failed);
         }
     }
 }

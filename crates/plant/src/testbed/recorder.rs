@@ -1,18 +1,18 @@
-//! Recorder of a run: its record, filled sample after sample as the sensors see it.
+//! Recorder of a run: its record, taken down sample after sample.
 
 use frfid_signals::checks::{finite, of_axes, one_per_axis, positive, require_shape};
 use frfid_signals::{InputKind, Record, Run, SignalError, check_finite};
 use ndarray::{Array2, ArrayView2};
 
-use crate::control::sensor::{Reader, Sensor};
-use crate::control::watch::Reached;
+use crate::control::sensor::{AxisSample, Reader, Sensor};
 use crate::motion::Motion;
 
 /// A record in the making.
 pub(crate) struct Recorder {
-    readers: Vec<Reader>,
+    /// The sensors of every axis.
+    pub(crate) readers: Vec<Reader>,
     /// What has been recorded so far.
-    pub record: Record,
+    pub(crate) record: Record,
 }
 
 /// Checks that a signal has a channel for each of the axes, and finite samples alone.
@@ -45,10 +45,9 @@ pub(crate) fn check_run(n_axes: usize, sensors: &[Sensor], run: &Run) -> Result<
         .try_for_each(Sensor::check)
 }
 
-/// A record of a run and `after` more samples, all zeros.
-fn empty_record(sensors: &[Sensor], run: &Run, after: usize) -> Record {
-    let (n_axes, n_samples) = run.reference.dim();
-    let zeros = || Array2::zeros((n_axes, n_samples + after));
+/// A record of a run, all zeros.
+fn empty_record(sensors: &[Sensor], run: &Run) -> Record {
+    let zeros = || Array2::zeros(run.reference.dim());
     let measured = sensors
         .iter()
         .any(|sensor| sensor.torque_noise_nm.is_some());
@@ -68,15 +67,8 @@ fn empty_record(sensors: &[Sensor], run: &Run, after: usize) -> Record {
 }
 
 impl Recorder {
-    /// Begins the record of a run of a robot that stands at the start of it, with room for `after`
-    /// more samples.
-    pub(crate) fn new(
-        sensors: &[Sensor],
-        seed: u64,
-        run: &Run,
-        motion: &dyn Motion,
-        after: usize,
-    ) -> Self {
+    /// Begins the record of a run of a robot that stands at the start of it.
+    pub(crate) fn new(sensors: &[Sensor], seed: u64, run: &Run, motion: &dyn Motion) -> Self {
         let (position, velocity) = (motion.motor_position_rad(), motion.motor_velocity_rad_s());
         let reader = |(axis, sensor): (usize, &Sensor)| {
             Reader::new(
@@ -90,47 +82,31 @@ impl Recorder {
         };
         Self {
             readers: sensors.iter().enumerate().map(reader).collect(),
-            record: empty_record(sensors, run, after),
+            record: empty_record(sensors, run),
         }
     }
 
-    /// Records what an axis' sensors say of position and velocity at a sample; returns the
-    /// readings.
-    pub(crate) fn motion(
-        &mut self,
-        axis: usize,
-        sample: usize,
-        position_rad: f64,
-        velocity_rad_s: f64,
-    ) -> (f64, f64) {
-        let (position, velocity) = self.readers[axis].motion(position_rad, velocity_rad_s);
-        self.record.y[[axis, sample]] = velocity;
-        if let Some(positions) = &mut self.record.position_rad {
-            positions[[axis, sample]] = position;
+    /// Takes down a sample of the run.
+    pub(crate) fn take(&mut self, sample: usize, axes: &[AxisSample]) {
+        let Record {
+            u,
+            y,
+            r,
+            position_rad,
+            ..
+        } = &mut self.record;
+        for (axis, at) in axes.iter().enumerate() {
+            let place = [axis, sample];
+            u[place] = at.torque_nm;
+            y[place] = at.velocity_rad_s;
+            for (signal, value) in [
+                (&mut *r, at.reference),
+                (&mut *position_rad, at.position_rad),
+            ] {
+                if let Some(signal) = signal {
+                    signal[place] = value;
+                }
+            }
         }
-        (position, velocity)
-    }
-
-    /// Records what is injected on an axis at a sample.
-    pub(crate) fn reference(&mut self, axis: usize, sample: usize, injected: f64) {
-        if let Some(references) = &mut self.record.r {
-            references[[axis, sample]] = injected;
-        }
-    }
-
-    /// Records the torque in N m that acts on an axis from a sample on, and the limit that it has
-    /// just reached.
-    pub(crate) fn torque(
-        &mut self,
-        axis: usize,
-        sample: usize,
-        acting_nm: f64,
-        reached: Option<Reached>,
-    ) {
-        self.record.u[[axis, sample]] = self.readers[axis].torque(acting_nm);
-        let time_s = sample as f64 * self.record.sample_time_s;
-        self.record
-            .events
-            .extend(reached.map(|reached| reached.event(axis, time_s)));
     }
 }

@@ -3,7 +3,7 @@
 use frfid_signals::Run;
 
 use crate::control::changes::Changes;
-use crate::control::sensor::Sensor;
+use crate::control::sensor::{AxisSample, Sensor};
 use crate::control::watch::{Guard, Moment};
 use crate::motion::trajectory::Trajectory;
 use crate::motion::{Acting, Motion};
@@ -24,6 +24,8 @@ pub(crate) struct RunLoop<'a> {
     guard: Guard<'a>,
     changes: Changes,
     truth: Trajectory,
+    /// Every axis at the last sample.
+    axes: Vec<AxisSample>,
     /// Torques in N m that act from the last sample on.
     torque_nm: Vec<f64>,
     /// Those at the next sample towards which they run in a straight line; empty if they are held.
@@ -39,10 +41,11 @@ impl<'a> RunLoop<'a> {
             run,
             sensors: &robot.sensors,
             command: Command::holding(&robot.actuation, motion),
-            recorder: Recorder::new(&robot.sensors, robot.seed, run, motion, AFTER),
+            recorder: Recorder::new(&robot.sensors, robot.seed, run, motion),
             guard: Guard::new(robot.watch.as_ref(), run),
             changes: Changes::steady(run.sample_time_s, &holding, velocity),
-            truth: Trajectory::zeros(run.sample_time_s, n_axes, n_samples + AFTER),
+            truth: Trajectory::zeros(run.sample_time_s, n_axes, n_samples),
+            axes: vec![AxisSample::default(); n_axes],
             torque_nm: vec![0.0; n_axes],
             ahead_nm: Vec::with_capacity(n_axes),
         }
@@ -56,8 +59,11 @@ impl<'a> RunLoop<'a> {
         if sample == n_samples + AFTER {
             return Some(n_samples);
         }
-        self.truth.set(sample, motion);
         self.set_torques(sample, motion);
+        if sample < n_samples {
+            self.truth.set(sample, motion);
+            self.recorder.take(sample, &self.axes);
+        }
         self.look(sample, motion);
         let ends = self.guard.ends(sample);
         if sample + 1 == n_samples || (ends && sample < n_samples) {
@@ -82,21 +88,21 @@ impl<'a> RunLoop<'a> {
     fn look(&mut self, sample: usize, motion: &dyn Motion) {
         let velocity = motion.motor_velocity_rad_s();
         self.changes.step(&self.torque_nm, velocity);
-        let record = &mut self.recorder.record;
-        let changes = &self.changes;
         let event = self.guard.look(Moment {
-            record,
             sample,
-            changes,
+            axes: &self.axes,
+            changes: &self.changes,
         });
-        record.events.extend(event);
+        self.recorder.record.events.extend(event);
     }
 
     /// What came of the samples that were done, under controllers of these gains in N m s/rad.
     pub(crate) fn finish(self, n_samples: usize, gains: &[f64]) -> Simulated {
         let (mut record, mut truth) = (self.recorder.record, self.truth);
-        truth.truncate(n_samples);
-        record.truncate(n_samples);
+        if n_samples < self.run.reference.ncols() {
+            truth.truncate(n_samples);
+            record.truncate(n_samples);
+        }
         let last = n_samples.saturating_sub(1);
         record.events.extend(self.guard.stopped(last, gains));
         Simulated {
@@ -119,15 +125,21 @@ impl<'a> RunLoop<'a> {
         let in_run = sample < self.run.reference.ncols();
         for (axis, sensor) in self.sensors.iter().enumerate() {
             let reference = self.reference(axis, sample);
-            self.recorder.reference(axis, sample, reference);
-            let reading = self
-                .recorder
-                .motion(axis, sample, position[axis], velocity[axis]);
+            let reader = &mut self.recorder.readers[axis];
+            let reading = reader.motion(position[axis], velocity[axis]);
             let output = self.command.torque(axis, reference, reading);
             let acting_nm = sensor.acting_torque(output.torque_nm);
-            self.recorder
-                .torque(axis, sample, acting_nm, output.reached.filter(|_| in_run));
+            self.axes[axis] = AxisSample {
+                reference,
+                position_rad: reading.0,
+                velocity_rad_s: reading.1,
+                torque_nm: reader.torque(acting_nm),
+            };
             self.torque_nm[axis] = acting_nm;
+            if let Some(reached) = output.reached.filter(|_| in_run) {
+                let event = reached.event(axis, sample as f64 * self.run.sample_time_s);
+                self.recorder.record.events.push(event);
+            }
         }
     }
 

@@ -3,6 +3,7 @@
 use frfid_signals::{GoOn, SignalError};
 
 use crate::error::PlantError;
+use crate::lanes::LANES;
 use crate::motion::fleet::{Fleet, squads};
 use crate::motion::{Acting, Motion};
 use crate::testbed::run_loop::RunLoop;
@@ -80,16 +81,17 @@ fn together(fleet: &mut dyn Fleet, runs: &mut [&mut Going], clock: Clock, go_on:
                 run.end = run.run_loop.sample(sample, fleet.motion(robot)).map(Ok);
             }
         }
-        let acting: Vec<_> = runs.iter().map(|run| run.acting()).collect();
+        let mut acting = [None; LANES];
+        for (acting, run) in acting.iter_mut().zip(&*runs) {
+            *acting = run.acting();
+        }
         let all_ended = acting.iter().all(Option::is_none);
         if all_ended || (sample % SAMPLES_BETWEEN == 0 && !go_on()) {
             return;
         }
-        let moved = fleet.advance(clock.n_steps, clock.step_s(), &acting);
-        for (run, moved) in runs.iter_mut().zip(moved) {
-            if let Err(error) = moved {
-                run.end = Some(Err(error));
-            }
+        let acting = &acting[..runs.len()];
+        for (robot, error) in fleet.advance(clock.n_steps, clock.step_s(), acting) {
+            runs[robot].end = Some(Err(error));
         }
     }
 }
