@@ -14,7 +14,7 @@ use frfid_signals::{Frf, Record, Run, RunId, Testbed, TestbedError};
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::guard::Guarded;
-use crate::run::parallel::{Progress, Steps, for_each};
+use crate::run::parallel::{Progress, Steps, for_each_group, n_at_once};
 use crate::run::provenance::{CONFIG, DESIGN, Metadata};
 use crate::run::run_file::run_file;
 use crate::shape::earlier::{check_same, clear};
@@ -83,23 +83,23 @@ impl<'a> Trail<'a> {
         let folder = self.folder_of(iteration);
         create_folder(&folder)?;
         let mut records = self.records_in(&folder, &runs)?;
-        let mut open: Vec<&Run> = runs.iter().collect();
-        open.retain(|run| !records.contains_key(&run.id));
         for (run, record) in runs
             .iter()
             .filter_map(|run| Some((run, records.get(&run.id)?)))
         {
             guard.inspect(|guard| guard.see(run, record));
         }
-        testbed.announce(&open)?;
+        let mut open = runs.clone();
+        open.retain(|run| !records.contains_key(&run.id));
+        testbed.announce(&open.iter().collect::<Vec<_>>())?;
         let steps = Steps {
             progress,
             before: (iteration - 1) * runs.len() + records.len(),
             total: self.report.n_iterations * runs.len(),
         };
-        let done = for_each(&open, self.jobs, steps, |&run, _| {
-            let record = self.done(run, testbed, &folder)?;
-            Ok((run.id, record))
+        let n_at_once = n_at_once(self.experiment, testbed)?;
+        let done = for_each_group(&open, n_at_once, self.jobs, steps, |runs, _| {
+            self.done(runs, testbed, &folder)
         });
         records.extend(done.map_err(|error| in_iteration(iteration, error))?);
         Ok(records.into_values().collect())
@@ -149,14 +149,24 @@ impl<'a> Trail<'a> {
         }
     }
 
-    /// Does a run and writes it.
+    /// Does runs at once and writes them.
     fn done(
         &self,
-        run: &Run,
+        runs: &[Run],
         testbed: &dyn Testbed,
         folder: &Path,
-    ) -> Result<Record, ExperimentError> {
-        let record = testbed.run(run)?;
+    ) -> Result<Vec<(RunId, Record)>, ExperimentError> {
+        let records = testbed.run_each(runs, &|| true).into_iter();
+        let written = runs.iter().zip(records).map(|(run, record)| {
+            let record = self.written(run, record?, folder)?;
+            Ok((run.id, record))
+        });
+        let written: Vec<_> = written.collect(); // each, whatever comes of the others
+        written.into_iter().collect()
+    }
+
+    /// Writes a run.
+    fn written(&self, run: &Run, record: Record, folder: &Path) -> Result<Record, ExperimentError> {
         let sound = record.check();
         sound.map_err(|error| TestbedError::foreign(run.id, error))?;
         let file = run_file(self.experiment, run.id, record, self.metadata_of(run))?;
