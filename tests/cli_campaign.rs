@@ -207,6 +207,14 @@ fn a_dry_run_writes_nothing() {
     }
 }
 
+/// How many runs a folder holds.
+fn n_runs(folder: &Path) -> usize {
+    let entries = fs::read_dir(folder).expect("a folder");
+    let names = entries.map(|entry| entry.expect("readable").file_name());
+    let runs = names.filter(|name| name.to_string_lossy().ends_with(".mcap"));
+    runs.count()
+}
+
 /// Starts a long campaign and waits until some runs are done.
 fn begun(here: &Path) -> Child {
     let mut command = Command::new(env!("CARGO_BIN_EXE_frfid"));
@@ -241,9 +249,12 @@ fn an_interrupted_campaign_ends_cleanly_and_goes_on_where_it_stopped() {
             .status()
             .expect("kill exists");
         assert!(sent.success());
+        let n_then = n_runs(&here.join("logs"));
         let output = child.wait_with_output().expect("it ends");
         assert_eq!(output.status.code(), expected, "{}", stderr(&output));
         if expected.is_some() {
+            let n_kept = n_runs(&here.join("logs"));
+            assert!(n_kept > n_then, "no run under way was finished");
             let told = stderr(&output);
             assert!(
                 told.contains("Ctrl-C again") && told.contains("goes on from there"),
