@@ -14,6 +14,14 @@ pub enum PlantError {
         "a sampled torque cannot be simulated with hold \"continuous\"; needed: \"zoh\" or \"linear\" (or a torque given as a function of time)"
     )]
     NoHold,
+    /// What is not piecewise linear cannot be simulated by exact steps.
+    #[error(
+        "the exact integrator needs a single joint without torque ripple, its torque held or a straight line between samples: {found}; use integrator = \"rk4\""
+    )]
+    NotExact {
+        /// What stands in the way.
+        found: &'static str,
+    },
     /// The simulation diverged.
     #[error("{quantity} of axis {} is no longer finite at {time_s} s; lower the amplitude or the gains", channel + 1)]
     Diverged {
@@ -73,12 +81,13 @@ impl PlantError {
                     gain_nms_per_rad,
                 }
             }
-            error @ (Self::NoHold | Self::Unstable { .. } | Self::Chatter { .. }) => {
-                TestbedError::Foreign {
-                    run,
-                    source: Box::new(error),
-                }
-            }
+            error @ (Self::NoHold
+            | Self::NotExact { .. }
+            | Self::Unstable { .. }
+            | Self::Chatter { .. }) => TestbedError::Foreign {
+                run,
+                source: Box::new(error),
+            },
         }
     }
 }

@@ -38,6 +38,7 @@ mod state_space;
 /// Testbeds: a run goes in, a record comes out, sample by sample.
 mod testbed {
     pub(crate) mod command;
+    pub(crate) mod integration;
     pub(crate) mod recorder;
     pub(crate) mod run_loop;
     pub(crate) mod runs;
@@ -65,5 +66,6 @@ pub use motion::{Acting, Motion};
 pub use robot::Robot;
 pub use single_joint::SingleJoint;
 pub use state_space::{Hold, StateSpace};
+pub use testbed::integration::Integration;
 pub use testbed::simulate::{Torque, simulate};
 pub use testbed::simulated_robot::{Actuation, Simulated, SimulatedRobot, simulate_robots};

@@ -40,6 +40,22 @@ pub trait Robot: Debug + Send + Sync {
         velocity_rad_s: &[f64],
     ) -> Result<Box<dyn Motion>, PlantError>;
 
+    /// As [`Robot::start`], to move by exact steps of `step_s` within its modes of friction and
+    /// spring: where the joint is piecewise linear. The steps are at most a 32nd of a period of the
+    /// [fastest](Robot::fastest_rad_s) motion.
+    ///
+    /// # Errors
+    /// As [`Robot::start`]; [`PlantError::NotExact`] unless it is a single joint without ripple.
+    fn start_exact(
+        &self,
+        _start_rad: &[f64],
+        _velocity_rad_s: &[f64],
+        _step_s: f64,
+    ) -> Result<Box<dyn Motion>, PlantError> {
+        let found = "this robot is no single joint";
+        Err(PlantError::NotExact { found })
+    }
+
     /// The linear model at the pose from motor torques to motor velocities and motor positions,
     /// outputs in this order. Gear damping, viscous friction and the gradient of gravity are in it;
     /// Coulomb friction, ripple and the stiffness beyond the knee are not.

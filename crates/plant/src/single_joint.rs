@@ -9,6 +9,7 @@ use crate::joint::friction::Friction;
 use crate::joint::spring::Spring;
 use crate::motion::Motion;
 use crate::motion::equations::Machine;
+use crate::motion::exact::Exact;
 use crate::motion::integrator::Integrator;
 use crate::motion::links::SingleLink;
 use crate::motion::mechanics::Mechanics;
@@ -103,6 +104,25 @@ impl Robot for SingleJoint {
             position_rad,
             velocity_rad_s,
         )))
+    }
+
+    fn start_exact(
+        &self,
+        start_rad: &[f64],
+        velocity_rad_s: &[f64],
+        step_s: f64,
+    ) -> Result<Box<dyn Motion>, PlantError> {
+        self.check()?;
+        if !self.joint.ripple.is_empty() {
+            let found = "this joint has torque ripple";
+            return Err(PlantError::NotExact { found });
+        }
+        let position_rad = channels("start_rad", start_rad)?;
+        let velocity_rad_s = channels("velocity_rad_s", velocity_rad_s)?;
+        let machine = self.machine();
+        let exact = Exact::of(&machine, self.fastest_rad_s(), step_s)?;
+        let motion = Integrator::start_by(exact, machine, position_rad, velocity_rad_s);
+        Ok(Box::new(motion))
     }
 
     fn state_space(&self) -> StateSpace {

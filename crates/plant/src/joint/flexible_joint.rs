@@ -47,6 +47,17 @@ pub(crate) struct Regime<L> {
     pub offset_nm: L,
 }
 
+impl Regime<f64> {
+    /// The part of it that is linear: without the torques that do not depend on the state.
+    pub(crate) fn linear(&self) -> Self {
+        Self {
+            coulomb_nm: 0.0,
+            offset_nm: 0.0,
+            ..*self
+        }
+    }
+}
+
 impl FlexibleJoint {
     /// Checks every parameter.
     ///

@@ -96,6 +96,17 @@ pub(crate) struct State<L, const A: usize> {
 }
 
 impl<L: Scalar, const A: usize> State<L, A> {
+    /// All zero.
+    pub(crate) fn zero() -> Self {
+        let zero = [L::splat(0.0); A];
+        Self {
+            motor_position: zero,
+            deflection: zero,
+            motor_velocity: zero,
+            link_velocity: zero,
+        }
+    }
+
     /// Rate dq' = qm' - qo' in rad/s of an axis' deflection.
     #[inline(always)]
     fn deflection_rate(&self, axis: usize) -> L {

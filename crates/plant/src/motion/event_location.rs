@@ -11,6 +11,7 @@
 
 use crate::joint::friction::Slip;
 use crate::motion::equations::State;
+use crate::motion::formula::Formula;
 use crate::motion::integrator::Integrator;
 use crate::motion::links::Links;
 use crate::motion::root::root;
@@ -44,9 +45,9 @@ pub(crate) struct ModeChange {
 }
 
 /// A step that is being tried: the rest of a segment, from its share `from`.
-pub(crate) struct Trial<'a, K, const A: usize> {
+pub(crate) struct Trial<'a, K, const A: usize, F: Formula<K, A>> {
     /// The motion so far.
-    pub motion: &'a Integrator<K, A>,
+    pub motion: &'a Integrator<K, A, F>,
     /// The torque over the whole segment.
     pub torque: &'a Segment<A>,
     /// Share of the segment at which the trial starts.
@@ -55,18 +56,20 @@ pub(crate) struct Trial<'a, K, const A: usize> {
     pub step_s: f64,
     /// Derivative of the state at the start of the trial.
     pub derivative: &'a State<f64, A>,
+    /// What the formula works out once.
+    pub kept: F::Kept,
 }
 
 /// One end of a mode's interval.
 #[derive(Debug, Clone, Copy)]
-struct Bound {
+pub(crate) struct Bound {
     axis: usize,
     signal: Signal,
     value: f64,
     upwards: bool,
 }
 
-impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
+impl<K: Links<A>, F: Formula<K, A>, const A: usize> Trial<'_, K, A, F> {
     /// Duration of the trial in s.
     #[inline(always)]
     pub(crate) fn duration_s(&self) -> f64 {
@@ -79,21 +82,10 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
         self.from + theta * (1.0 - self.from)
     }
 
-    /// The state at a share of the trial: one RK4 step of that length.
+    /// The state at a share of the trial: one step of that length.
     #[inline(always)]
     pub(crate) fn state(&self, theta: f64) -> State<f64, A> {
-        let torques = [
-            &self.torque.at(self.share(0.5 * theta)),
-            &self.torque.at(self.share(theta)),
-        ];
-        let motion = self.motion;
-        motion.equations.rk4(
-            &motion.regimes,
-            torques,
-            &motion.state,
-            self.derivative,
-            theta * self.duration_s(),
-        )
+        F::state(self, theta)
     }
 
     /// Time derivative of a state at a share of the trial.
@@ -164,6 +156,9 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
         end: &State<f64, A>,
         end_derivative: &State<f64, A>,
     ) -> Option<f64> {
+        if F::IS_LONG {
+            return self.exit_of_long(bound, end, end_derivative);
+        }
         let inside = (0.0, self.margin(bound, 0.0, &self.motion.state));
         let mut outside = (1.0, self.margin(bound, 1.0, end));
         if outside.1 >= 0.0 {
@@ -205,7 +200,7 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
     /// Where a mode that begins on its very bound ends: behind a point inside that is looked for
     /// between its beginning and one outside; if there is none, where it begins.
     #[cold]
-    fn exit_from_bound(&self, bound: Bound, mut outside: (f64, f64)) -> f64 {
+    pub(crate) fn exit_from_bound(&self, bound: Bound, mut outside: (f64, f64)) -> f64 {
         for _ in 0..HALVINGS {
             let theta = 0.5 * outside.0;
             let probe = (theta, self.margin_at(bound, theta));
@@ -219,7 +214,7 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
 
     /// Where a signal crosses a bound between a point inside and one outside.
     #[cold]
-    fn crossing(&self, bound: Bound, inside: (f64, f64), outside: (f64, f64)) -> f64 {
+    pub(crate) fn crossing(&self, bound: Bound, inside: (f64, f64), outside: (f64, f64)) -> f64 {
         root(|theta| self.margin_at(bound, theta), inside, outside)
     }
 
@@ -230,7 +225,7 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
 
     /// How far a signal is inside a bound in a state at a share of the trial.
     #[inline(always)]
-    fn margin(&self, bound: Bound, theta: f64, x: &State<f64, A>) -> f64 {
+    pub(crate) fn margin(&self, bound: Bound, theta: f64, x: &State<f64, A>) -> f64 {
         let axis = bound.axis;
         let value = match bound.signal {
             Signal::Velocity => x.motor_velocity[axis],
@@ -251,7 +246,7 @@ impl<K: Links<A>, const A: usize> Trial<'_, K, A> {
 
     /// Time derivative of the margin.
     #[inline(always)]
-    fn margin_rate(&self, bound: Bound, theta: f64, derivative: &State<f64, A>) -> f64 {
+    pub(crate) fn margin_rate(&self, bound: Bound, theta: f64, derivative: &State<f64, A>) -> f64 {
         let axis = bound.axis;
         let rate = match bound.signal {
             Signal::Velocity => derivative.motor_velocity[axis],

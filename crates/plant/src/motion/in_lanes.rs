@@ -1,10 +1,11 @@
-//! Machines in lanes: their equations, modes and states as numbers side by side, and their RK4 steps.
+//! Machines in lanes: their equations, modes and states as numbers side by side, and their steps.
 
 use std::array::from_fn;
 
 use crate::lanes::{LANES, Lanes};
 use crate::motion::equations::{Equations, State};
 use crate::motion::fleet::Failed;
+use crate::motion::formula::FormulaSideBySide;
 use crate::motion::integrator::Integrator;
 use crate::motion::links::LinksSideBySide;
 use crate::motion::modes::{Course, Modes};
@@ -22,18 +23,19 @@ struct Moment<const A: usize> {
 
 /// Equations, modes and motion of machines, one a lane; lanes beyond the last machine are at rest.
 #[derive(Debug)]
-pub(crate) struct InLanes<K: LinksSideBySide<A>, const A: usize> {
+pub(crate) struct InLanes<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> {
     equations: Equations<Lanes, K::InLanes, A>,
+    formula: F::InLanes,
     modes: Modes<A>,
     now: Moment<A>,
     /// Whether any machine has a mode that can end.
     watched: bool,
 }
 
-impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
+impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> InLanes<K, F, A> {
     /// Of machines, one at least.
-    pub(crate) fn of(machines: &[Integrator<K, A>]) -> Self {
-        let each: [&Integrator<K, A>; LANES] =
+    pub(crate) fn of(machines: &[Integrator<K, A, F>]) -> Self {
+        let each: [&Integrator<K, A, F>; LANES] =
             from_fn(|lane| machines.get(lane).unwrap_or(&machines[0]));
         let zero = Lanes::splat(0.0);
         let mut lanes = Self {
@@ -41,6 +43,7 @@ impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
                 each.map(|machine| &machine.joints),
                 each.map(|machine| &machine.equations),
             ),
+            formula: F::in_lanes(each.map(|machine| &machine.formula)),
             modes: Modes::endless(),
             now: Moment {
                 state: State::zero(),
@@ -52,21 +55,30 @@ impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
         };
         for (lane, machine) in machines.iter().enumerate() {
             lanes.now.set(lane, machine);
-            lanes.modes.set(lane, &machine.joints, &machine.modes);
+            lanes.enter(lane, machine);
         }
         lanes
+    }
+
+    /// Takes note of the modes of a machine.
+    fn enter(&mut self, lane: usize, machine: &Integrator<K, A, F>) {
+        self.modes.set(lane, &machine.joints, &machine.modes);
+        F::set(&mut self.formula, lane, &machine.formula);
     }
 
     /// Prepares a machine for torques in N m that may have jumped.
     pub(crate) fn release(
         &mut self,
         lane: usize,
-        machine: &mut Integrator<K, A>,
+        machine: &mut Integrator<K, A, F>,
         torque: &[f64; A],
     ) {
         if machine.state.motor_velocity.contains(&0.0) {
+            let before = machine.modes;
             machine.release(torque);
-            self.modes.set(lane, &machine.joints, &machine.modes);
+            if machine.modes != before {
+                self.enter(lane, machine);
+            }
         }
     }
 
@@ -76,7 +88,7 @@ impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
     }
 
     /// Tells a machine where it is.
-    pub(crate) fn tell(&self, lane: usize, machine: &mut Integrator<K, A>) {
+    pub(crate) fn tell(&self, lane: usize, machine: &mut Integrator<K, A, F>) {
         machine.state = self.now.state.lane(lane);
         machine.time_s = self.now.time_s.0[lane];
         machine.stuck_s = self.now.stuck_s.map(|stuck| stuck.0[lane]);
@@ -93,7 +105,7 @@ impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
     #[inline(always)]
     pub(crate) fn step(
         &mut self,
-        machines: &mut [Integrator<K, A>],
+        machines: &mut [Integrator<K, A, F>],
         torque: &Segment<A, Lanes>,
         step_s: f64,
         failed: &mut Vec<Failed>,
@@ -104,7 +116,7 @@ impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
             for axis in 0..A {
                 let courses = self.courses(axis, torque, step_s, &next);
                 for lane in 0..LANES {
-                    any |= self.modes.may_end(axis, lane, &courses);
+                    any |= self.modes.may_end(axis, lane, &courses, F::IS_LONG);
                 }
             }
             if any {
@@ -118,13 +130,11 @@ impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
     #[inline(always)]
     fn next(&self, torque: &Segment<A, Lanes>, step_s: f64) -> Moment<A> {
         let (now, regimes, step) = (&self.now, &self.modes.regimes, Lanes::splat(step_s));
-        let (middle, end) = (torque.at(0.5), torque.at(1.0));
-        let state = self
-            .equations
-            .rk4(regimes, [&middle, &end], &now.state, &now.derivative, step);
+        let (equations, from) = (&self.equations, [&now.state, &now.derivative]);
+        let state = F::step(&self.formula, equations, regimes, torque, from, step);
         Moment {
             state,
-            derivative: self.equations.derivative(regimes, &end, &state),
+            derivative: equations.derivative(regimes, &torque.at(1.0), &state),
             time_s: now.time_s + step,
             stuck_s: each(|axis| now.stuck_s[axis] + self.modes.stuck[axis] * step),
         }
@@ -140,24 +150,35 @@ impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
         step_s: f64,
         next: &Moment<A>,
     ) -> [Course; 2] {
-        let [before, after] = [&self.now.derivative, &next.derivative];
-        let (regime, stuck) = (&self.modes.regimes[axis], self.modes.stuck[axis]);
-        let net = self
-            .equations
-            .net_torque(axis, regime, torque.at(1.0)[axis], &next.state);
-        let rates = [torque.slope(axis, 0.0), torque.slope(axis, 1.0)];
+        let (now, step) = (&self.now, Lanes::splat(step_s));
+        let [before, after] = [&now.derivative, &next.derivative];
+        let rates = [0.0, 1.0].map(|theta| torque.slope(axis, theta) / step);
+        let slip = Course {
+            before: self.slip_rate(axis, rates[0], before),
+            after: self.slip_rate(axis, rates[1], after),
+            end: self.slip_signal(axis, torque.at(1.0)[axis], &next.state),
+        };
+        let branch = Course {
+            before: before.deflection[axis],
+            after: after.deflection[axis],
+            end: next.state.deflection[axis],
+        };
+        if !F::IS_LONG {
+            return [slip, branch];
+        }
+        let begin = self.slip_signal(axis, torque.at(0.0)[axis], &now.state);
         [
-            Course {
-                before: self.slip_rate(axis, rates[0] / Lanes::splat(step_s), before),
-                after: self.slip_rate(axis, rates[1] / Lanes::splat(step_s), after),
-                end: next.state.motor_velocity[axis] + stuck * net,
-            },
-            Course {
-                before: before.deflection[axis],
-                after: after.deflection[axis],
-                end: next.state.deflection[axis],
-            },
+            slip.of_long(begin, step),
+            branch.of_long(now.state.deflection[axis], step),
         ]
+    }
+
+    /// What decides on the slip of an axis in a state under a torque.
+    #[inline(always)]
+    fn slip_signal(&self, axis: usize, torque: Lanes, x: &State<Lanes, A>) -> Lanes {
+        let regime = &self.modes.regimes[axis];
+        let net = self.equations.net_torque(axis, regime, torque, x);
+        x.motor_velocity[axis] + self.modes.stuck[axis] * net
     }
 
     /// Rate of change of what decides on the slip of an axis, under a torque that changes at a rate
@@ -176,7 +197,7 @@ impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
     #[inline(never)]
     fn alone(
         &mut self,
-        machines: &mut [Integrator<K, A>],
+        machines: &mut [Integrator<K, A, F>],
         torque: &Segment<A, Lanes>,
         step_s: f64,
         next: &mut Moment<A>,
@@ -184,7 +205,7 @@ impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
     ) {
         let courses: [[Course; 2]; A] = from_fn(|axis| self.courses(axis, torque, step_s, next));
         for (lane, machine) in machines.iter_mut().enumerate() {
-            let ends = |axis: usize| self.modes.may_end(axis, lane, &courses[axis]);
+            let ends = |axis: usize| self.modes.may_end(axis, lane, &courses[axis], F::IS_LONG);
             if !(0..A).any(ends) {
                 continue;
             }
@@ -194,7 +215,7 @@ impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
                 Ok(derivative) => {
                     next.set(lane, machine);
                     next.derivative.set(lane, &derivative);
-                    self.modes.set(lane, &machine.joints, &machine.modes);
+                    self.enter(lane, machine);
                 }
                 Err(error) => {
                     failed.push((lane, error));
@@ -207,7 +228,7 @@ impl<K: LinksSideBySide<A>, const A: usize> InLanes<K, A> {
 
 impl<const A: usize> Moment<A> {
     /// Puts a machine into its lane.
-    fn set<K: LinksSideBySide<A>>(&mut self, lane: usize, machine: &Integrator<K, A>) {
+    fn set<K, F>(&mut self, lane: usize, machine: &Integrator<K, A, F>) {
         self.state.set(lane, &machine.state);
         self.time_s.0[lane] = machine.time_s;
         for (stuck, of_machine) in self.stuck_s.iter_mut().zip(machine.stuck_s) {
@@ -217,16 +238,6 @@ impl<const A: usize> Moment<A> {
 }
 
 impl<const A: usize> State<Lanes, A> {
-    fn zero() -> Self {
-        let zero = [Lanes::splat(0.0); A];
-        Self {
-            motor_position: zero,
-            deflection: zero,
-            motor_velocity: zero,
-            link_velocity: zero,
-        }
-    }
-
     /// That of one machine.
     fn lane(&self, lane: usize) -> State<f64, A> {
         let of = |x: &[Lanes; A]| x.map(|x| x.0[lane]);

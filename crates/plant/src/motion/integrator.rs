@@ -1,4 +1,4 @@
-//! Integrator through the modes of friction and spring: RK4 whose steps end where a mode ends.
+//! Integrator through the modes of friction and spring: steps, of RK4 or exact, that end where a mode ends.
 //!
 //! Within a mode the right-hand side is smooth, so RK4 keeps its order when no step reaches across
 //! a change of mode. A stuck motor has no mobility: its velocity is exactly 0 until the net torque
@@ -11,6 +11,7 @@ use crate::joint::flexible_joint::{FlexibleJoint, Mode, Regime};
 use crate::joint::friction::Slip;
 use crate::motion::equations::{Equations, Machine, State};
 use crate::motion::event_location::{ModeChange, Signal, Trial};
+use crate::motion::formula::{Formula, RungeKutta};
 use crate::motion::links::Links;
 use crate::motion::segment::Segment;
 
@@ -19,9 +20,10 @@ const CHANGES_PER_AXIS: usize = 64;
 
 /// A machine in motion.
 #[derive(Debug, Clone)]
-pub(crate) struct Integrator<K, const A: usize> {
+pub(crate) struct Integrator<K, const A: usize, F = RungeKutta> {
     pub(crate) joints: [FlexibleJoint; A],
     pub(crate) equations: Equations<f64, K, A>,
+    pub(crate) formula: F,
     pub(crate) state: State<f64, A>,
     pub(crate) modes: [Mode; A],
     pub(crate) regimes: [Regime<f64>; A],
@@ -34,8 +36,20 @@ pub(crate) struct Integrator<K, const A: usize> {
 
 impl<K: Links<A>, const A: usize> Integrator<K, A> {
     /// Starts with the links at positions in rad and motors and links at velocities in rad/s, the
-    /// gears deflected by the torques that hold the links there.
+    /// gears deflected by the torques that hold the links there; moves by RK4.
     pub(crate) fn start(
+        machine: Machine<K, A>,
+        position_rad: [f64; A],
+        velocity_rad_s: [f64; A],
+    ) -> Self {
+        Self::start_by(RungeKutta, machine, position_rad, velocity_rad_s)
+    }
+}
+
+impl<K: Links<A>, F: Formula<K, A>, const A: usize> Integrator<K, A, F> {
+    /// [`Integrator::start`], to move by a formula.
+    pub(crate) fn start_by(
+        mut formula: F,
         machine: Machine<K, A>,
         position_rad: [f64; A],
         velocity_rad_s: [f64; A],
@@ -53,7 +67,9 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
             .joints
             .iter()
             .any(|joint| joint.friction.coulomb_nm > 0.0 || !joint.spring.is_linear());
+        formula.enter(&modes);
         Self {
+            formula,
             equations: Equations::of(&machine.joints, machine.links),
             joints: machine.joints,
             state,
@@ -141,6 +157,7 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
     fn enter(&mut self, axis: usize, mode: Mode) {
         self.modes[axis] = mode;
         self.regimes[axis] = self.joints[axis].regime(mode);
+        self.formula.enter(&self.modes);
     }
 
     /// One step, in as many pieces as modes end within it; takes and returns the derivative at its
@@ -159,6 +176,7 @@ impl<K: Links<A>, const A: usize> Integrator<K, A> {
                 from,
                 step_s,
                 derivative: &derivative,
+                kept: F::Kept::default(),
             };
             let end = trial.state(1.0);
             let end_derivative = trial.derivative(1.0, &end);

@@ -3,14 +3,19 @@
 
 pub(crate) mod equations;
 pub(crate) mod event_location;
+pub(crate) mod exact;
 pub(crate) mod fleet;
+mod flow;
+pub(crate) mod formula;
 mod in_lanes;
 pub(crate) mod integrator;
 pub(crate) mod links;
+mod long_steps;
 pub(crate) mod mechanics;
 mod modes;
 pub(crate) mod root;
 pub(crate) mod segment;
+mod series;
 mod side_by_side;
 #[cfg(test)]
 mod tests;
@@ -24,6 +29,7 @@ use frfid_signals::checks::channels;
 use crate::error::PlantError;
 use crate::motion::equations::State;
 use crate::motion::fleet::Fleet;
+use crate::motion::formula::Formula;
 use crate::motion::integrator::Integrator;
 use crate::motion::links::Links;
 use crate::motion::segment::Segment;
@@ -78,8 +84,9 @@ pub trait Motion: Any {
     }
 }
 
-impl<K: Links<A>, const A: usize> Motion for Integrator<K, A> {
+impl<K: Links<A>, F: Formula<K, A>, const A: usize> Motion for Integrator<K, A, F> {
     fn advance(&mut self, n_steps: usize, step_s: f64, torque: Acting) -> Result<(), PlantError> {
+        self.formula.check_step(step_s)?;
         match torque {
             Acting::Held(torque) => {
                 let segment = Segment::constant(channels("torque", torque)?);
@@ -92,12 +99,15 @@ impl<K: Links<A>, const A: usize> Motion for Integrator<K, A> {
                     Segment::line(&from, &to, step, n_steps)
                 })
             }
-            Acting::Function(torque) => self.steps(n_steps, step_s, |step| {
-                Segment::of(|share| {
-                    let time_s = (step as f64 + share) * step_s;
-                    from_fn(|axis| torque(time_s, axis))
+            Acting::Function(torque) => {
+                F::check_function()?;
+                self.steps(n_steps, step_s, |step| {
+                    Segment::of(|share| {
+                        let time_s = (step as f64 + share) * step_s;
+                        from_fn(|axis| torque(time_s, axis))
+                    })
                 })
-            }),
+            }
         }
     }
 
@@ -134,6 +144,6 @@ impl<K: Links<A>, const A: usize> Motion for Integrator<K, A> {
     }
 
     fn fleet(&self) -> Option<Box<dyn Fleet>> {
-        K::fleet(self)
+        F::fleet(self)
     }
 }

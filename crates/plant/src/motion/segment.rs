@@ -66,6 +66,12 @@ impl<const A: usize, L: Scalar> Segment<A, L> {
         torque
     }
 
+    /// An axis' torque at the start of a step over which it is a straight line, and its change.
+    #[inline(always)]
+    pub(crate) fn line_of(&self, axis: usize) -> (L, L) {
+        (self.start[axis], self.linear[axis])
+    }
+
     /// Change of an axis' torque per share of the step.
     #[inline(always)]
     #[must_use]

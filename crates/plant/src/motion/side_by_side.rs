@@ -7,6 +7,7 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::lanes::{LANES, Lanes};
 use crate::motion::fleet::{Failed, Fleet};
+use crate::motion::formula::FormulaSideBySide;
 use crate::motion::in_lanes::InLanes;
 use crate::motion::integrator::Integrator;
 use crate::motion::links::LinksSideBySide;
@@ -16,16 +17,16 @@ use crate::scalar::Scalar;
 
 /// Machines in motion, each with its own integrator.
 #[derive(Debug)]
-pub(crate) struct SideBySide<K: LinksSideBySide<A>, const A: usize> {
-    machines: Vec<Integrator<K, A>>,
+pub(crate) struct SideBySide<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> {
+    machines: Vec<Integrator<K, A, F>>,
     /// All of them in lanes; `None` until they move together.
-    lanes: Option<Box<InLanes<K, A>>>,
+    lanes: Option<Box<InLanes<K, F, A>>>,
     arch: Arch,
 }
 
-impl<K: LinksSideBySide<A>, const A: usize> SideBySide<K, A> {
+impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> SideBySide<K, F, A> {
     /// A machine that others may join.
-    pub(crate) fn of(machine: Integrator<K, A>) -> Self {
+    pub(crate) fn of(machine: Integrator<K, A, F>) -> Self {
         Self {
             machines: vec![machine],
             lanes: None,
@@ -50,10 +51,12 @@ impl<K: LinksSideBySide<A>, const A: usize> SideBySide<K, A> {
     }
 }
 
-impl<K: LinksSideBySide<A>, const A: usize> Fleet for SideBySide<K, A> {
+impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> Fleet
+    for SideBySide<K, F, A>
+{
     fn join(&mut self, motion: Box<dyn Motion>) -> Option<Box<dyn Motion>> {
         let machine: &dyn Any = &*motion;
-        let machine = machine.downcast_ref::<Integrator<K, A>>();
+        let machine = machine.downcast_ref::<Integrator<K, A, F>>();
         match machine {
             Some(machine) if self.machines.len() < LANES => self.machines.push(machine.clone()),
             _ => return Some(motion),
@@ -106,16 +109,18 @@ impl<K: LinksSideBySide<A>, const A: usize> Fleet for SideBySide<K, A> {
 }
 
 /// Steps of machines in lanes.
-struct Steps<'a, K: LinksSideBySide<A>, const A: usize> {
-    lanes: &'a mut InLanes<K, A>,
-    machines: &'a mut [Integrator<K, A>],
+struct Steps<'a, K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> {
+    lanes: &'a mut InLanes<K, F, A>,
+    machines: &'a mut [Integrator<K, A, F>],
     torques: &'a Torques<A>,
     n_steps: usize,
     step_s: f64,
     failed: &'a mut Vec<Failed>,
 }
 
-impl<K: LinksSideBySide<A>, const A: usize> WithSimd for Steps<'_, K, A> {
+impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> WithSimd
+    for Steps<'_, K, F, A>
+{
     type Output = ();
 
     #[inline(always)]

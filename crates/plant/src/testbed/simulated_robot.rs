@@ -13,6 +13,7 @@ use crate::lanes::LANES;
 use crate::motion::trajectory::Trajectory;
 use crate::robot::Robot;
 use crate::state_space::Hold;
+use crate::testbed::integration::Integration;
 use crate::testbed::recorder::check_run;
 use crate::testbed::run_loop::RunLoop;
 use crate::testbed::runs::{Begun, go_through};
@@ -33,7 +34,10 @@ pub struct SimulatedRobot {
     pub sensors: Vec<Sensor>,
     /// What stops a run before its end; `None` if nothing does.
     pub watch: Option<Watch>,
-    /// Longest step of the integrator in s; [`Robot::default_step_s`] if `None`.
+    /// How it is moved on from sample to sample.
+    pub integration: Integration,
+    /// Longest step of the integrator in s; if `None` [`Robot::default_step_s`] for RK4, and for
+    /// exact steps a 32nd of the period of the robot's fastest motion, which is their longest.
     pub max_step_s: Option<f64>,
     /// Seed of the sensors' noise.
     pub seed: u64,
@@ -123,6 +127,7 @@ impl SimulatedRobot {
             actuation,
             sensors,
             watch: None,
+            integration: Integration::default(),
             max_step_s: None,
             seed: 0,
         }
@@ -158,20 +163,20 @@ impl SimulatedRobot {
     /// A run at its beginning.
     fn begun<'a>(&'a self, run: &'a Run) -> Result<Begun<'a>, PlantError> {
         self.check(run)?;
-        let motion = self.robot.start(&run.start_rad, &run.velocity_rad_s)?;
+        self.robot.check()?;
+        let clock = Clock::new(run.sample_time_s, self.longest_step_s())?;
+        let from = [&run.start_rad[..], &run.velocity_rad_s];
+        let motion = self.integration.start(&*self.robot, clock.step_s(), from)?;
         Ok(Begun {
-            clock: self.clock(run)?,
+            clock,
             run_loop: RunLoop::new(self, run, &*motion),
             motion,
         })
     }
 
-    fn clock(&self, run: &Run) -> Result<Clock, SignalError> {
-        let max_step_s = self.max_step_s;
-        Clock::new(
-            run.sample_time_s,
-            max_step_s.unwrap_or_else(|| self.robot.default_step_s()),
-        )
+    fn longest_step_s(&self) -> f64 {
+        self.integration
+            .longest_step_s(&*self.robot, self.max_step_s)
     }
 
     fn check(&self, run: &Run) -> Result<(), PlantError> {
@@ -250,7 +255,8 @@ impl Testbed for SimulatedRobot {
 
     fn n_at_once(&self) -> usize {
         let rest = vec![0.0; self.robot.n_axes()];
-        let motion = self.robot.start(&rest, &rest);
+        let (integration, step_s) = (self.integration, self.longest_step_s());
+        let motion = integration.start(&*self.robot, step_s, [&rest, &rest]);
         let goes_side_by_side = motion.is_ok_and(|motion| motion.fleet().is_some());
         if goes_side_by_side { LANES } else { 1 }
     }

@@ -1,0 +1,133 @@
+//! Step formula: how a state moves on within a mode, by Runge-Kutta here, exactly in a file of its own.
+
+use std::fmt::Debug;
+
+use crate::error::PlantError;
+use crate::joint::flexible_joint::{Mode, Regime};
+use crate::lanes::{LANES, Lanes};
+use crate::motion::equations::{Equations, State};
+use crate::motion::event_location::Trial;
+use crate::motion::fleet::Fleet;
+use crate::motion::integrator::Integrator;
+use crate::motion::links::{Links, LinksSideBySide};
+use crate::motion::segment::Segment;
+
+/// How the state of a machine moves on within a mode.
+pub(crate) trait Formula<K, const A: usize>: Clone + Debug + 'static {
+    /// Whether steps are so long that a signal can turn more than once within one.
+    const IS_LONG: bool;
+
+    /// What a trial works out once, if at all.
+    type Kept: Default;
+
+    /// Takes note of the modes that follow.
+    fn enter(&mut self, modes: &[Mode; A]);
+
+    /// Checks the length of a step in s.
+    ///
+    /// # Errors
+    /// [`PlantError::Signal`] for another one than the formula is for.
+    fn check_step(&self, step_s: f64) -> Result<(), PlantError>;
+
+    /// Checks that the torque may be any function of the time.
+    ///
+    /// # Errors
+    /// [`PlantError::NotExact`].
+    fn check_function() -> Result<(), PlantError>;
+
+    /// The state at a share of a trial.
+    fn state(trial: &Trial<K, A, Self>, theta: f64) -> State<f64, A>;
+
+    /// A fleet of a machine that moves so; `None` if it moves alone.
+    fn fleet(machine: &Integrator<K, A, Self>) -> Option<Box<dyn Fleet>>;
+}
+
+/// A formula for machines side by side.
+pub(crate) trait FormulaSideBySide<K: LinksSideBySide<A>, const A: usize>:
+    Formula<K, A>
+{
+    /// What it knows of the present modes of several machines.
+    type InLanes: Debug;
+
+    /// That of a machine for each lane.
+    fn in_lanes(each: [&Self; LANES]) -> Self::InLanes;
+
+    /// Takes note of the modes of one machine.
+    fn set(in_lanes: &mut Self::InLanes, lane: usize, formula: &Self);
+
+    /// The states of all machines after a step of `step` s in which no mode ends, from a state and
+    /// its derivative.
+    fn step(
+        in_lanes: &Self::InLanes,
+        equations: &Equations<Lanes, K::InLanes, A>,
+        regimes: &[Regime<Lanes>; A],
+        torque: &Segment<A, Lanes>,
+        from: [&State<Lanes, A>; 2],
+        step: Lanes,
+    ) -> State<Lanes, A>;
+}
+
+/// The classical Runge-Kutta formula of fourth order.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) struct RungeKutta;
+
+impl<K: Links<A>, const A: usize> Formula<K, A> for RungeKutta {
+    const IS_LONG: bool = false;
+
+    type Kept = ();
+
+    #[inline(always)]
+    fn enter(&mut self, _modes: &[Mode; A]) {}
+
+    #[inline(always)]
+    fn check_step(&self, _step_s: f64) -> Result<(), PlantError> {
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn check_function() -> Result<(), PlantError> {
+        Ok(())
+    }
+
+    #[inline(always)]
+    fn state(trial: &Trial<K, A, Self>, theta: f64) -> State<f64, A> {
+        let torques = [
+            &trial.torque.at(trial.share(0.5 * theta)),
+            &trial.torque.at(trial.share(theta)),
+        ];
+        let motion = trial.motion;
+        motion.equations.rk4(
+            &motion.regimes,
+            torques,
+            &motion.state,
+            trial.derivative,
+            theta * trial.duration_s(),
+        )
+    }
+
+    fn fleet(machine: &Integrator<K, A, Self>) -> Option<Box<dyn Fleet>> {
+        K::fleet(machine)
+    }
+}
+
+impl<K: LinksSideBySide<A>, const A: usize> FormulaSideBySide<K, A> for RungeKutta {
+    type InLanes = ();
+
+    fn in_lanes(_each: [&Self; LANES]) {}
+
+    #[inline(always)]
+    fn set(_in_lanes: &mut (), _lane: usize, _formula: &Self) {}
+
+    #[inline(always)]
+    fn step(
+        _in_lanes: &(),
+        equations: &Equations<Lanes, K::InLanes, A>,
+        regimes: &[Regime<Lanes>; A],
+        torque: &Segment<A, Lanes>,
+        [state, derivative]: [&State<Lanes, A>; 2],
+        step: Lanes,
+    ) -> State<Lanes, A> {
+        let torques = [&torque.at(0.5), &torque.at(1.0)];
+        equations.rk4(regimes, torques, state, derivative, step)
+    }
+}
