@@ -4,8 +4,13 @@
 
 use std::f64::consts::TAU;
 use std::path::PathBuf;
+use std::sync::Arc;
 
-use frfid::plant::{Hold, Robot as _, Sensor, SingleJoint, Torque, Trajectory, simulate};
+use frfid::plant::{
+    Hold, Integration, Robot as _, Sensor, SimulatedRobot, SingleJoint, Torque, Trajectory,
+    simulate, simulate_robots,
+};
+use frfid::signals::{Run, RunId};
 use ndarray::{Array2, s};
 use num_complex::Complex64;
 
@@ -124,6 +129,43 @@ fn with_friction_every_sample_of_the_period_agrees_with_the_reference() {
             "{case}: {}",
             trajectory.stuck_share[0]
         );
+    }
+}
+
+/// All cases at once, twice, side by side or each alone; the trajectories in the order of the cases.
+fn each_case(integration: Integration, side_by_side: bool) -> Vec<Trajectory> {
+    let robot = |(_, joint, _): (_, SingleJoint, _)| SimulatedRobot {
+        integration,
+        ..SimulatedRobot::open_loop(Arc::new(joint))
+    };
+    let robots: Vec<SimulatedRobot> = cases().into_iter().chain(cases()).map(robot).collect();
+    let run = Run {
+        id: RunId::excitation(0, 0, 0),
+        sample_time_s: SAMPLE_TIME_S,
+        reference: torque(1),
+        velocity_rad_s: vec![0.0],
+        start_rad: vec![0.0],
+    };
+    let simulated = if side_by_side {
+        simulate_robots(robots.iter().map(|robot| (robot, &run)), &|| true)
+    } else {
+        robots.iter().map(|robot| robot.simulate(&run)).collect()
+    };
+    let truth = simulated.into_iter().map(|run| run.expect("sound").truth);
+    truth.collect()
+}
+
+#[test]
+fn every_path_agrees_with_the_reference_and_exact_steps_do_to_its_last_digits() {
+    for (integration, tolerance) in [(Integration::Rk4, 1e-6), (Integration::Exact, 1e-12)] {
+        let alone = each_case(integration, false);
+        assert_eq!(each_case(integration, true), alone);
+        for ((case, _, stuck), trajectory) in cases().into_iter().zip(&alone) {
+            let (error, share) = (error(trajectory, case), trajectory.stuck_share[0]);
+            println!("{integration:?}, {case}: {error:.2e} of the peak");
+            assert!(error < tolerance, "{integration:?}, {case}: {error:e}");
+            assert!((share - stuck).abs() < 2e-4, "{case}: {share}");
+        }
     }
 }
 

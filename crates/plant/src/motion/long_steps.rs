@@ -106,3 +106,56 @@ impl<K: Links<A>, F: Formula<K, A>, const A: usize> Trial<'_, K, A, F> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::motion::equations::State;
+    use crate::motion::exact::{Exact, longest_step_s};
+    use crate::motion::integrator::Integrator;
+    use crate::motion::{Acting, Motion as _};
+    use crate::robot::Robot as _;
+    use crate::single_joint::SingleJoint;
+
+    /// In so many steps, over a step of the largest length: the motor slows down, is at rest for a
+    /// moment and goes on, by v = b + C (cos(0.04) x - sin x) with x the phase of its resonance,
+    /// from -0.05 on. Its slope is above 0 at either end.
+    fn through_a_dip(n_steps: usize) -> (State<f64, 1>, f64) {
+        let mut joint = SingleJoint::default();
+        joint.joint.damping_nms_per_rad = 0.0;
+        joint.joint.friction.coulomb_nm = 50.0;
+        let (motor, link) = (joint.joint.motor_inertia_kg_m2, joint.link_inertia_kg_m2);
+        let (b, swing, share) = (1e-6, 0.1, link / (motor + link));
+        let (rate, start) = (joint.fastest_rad_s(), -0.05_f64);
+        let driven = swing * rate * 0.04_f64.cos() * (motor + link);
+        let mean = b + swing * 0.04_f64.cos() * start;
+        let spin = -swing * start.sin() / share;
+        let step_s = longest_step_s(rate) / n_steps as f64;
+        let machine = joint.machine();
+        let exact = Exact::of(&machine, rate, step_s).expect("short enough");
+        let velocity = mean + share * spin;
+        let mut motion = Integrator::start_by(exact, machine, [0.0], [velocity]);
+        motion.state = State {
+            motor_position: [0.0],
+            deflection: [driven / (motor * rate * rate) + swing * start.cos() / (share * rate)],
+            motor_velocity: [velocity],
+            link_velocity: [mean + (share - 1.0) * spin],
+        };
+        let moved = motion.advance(n_steps, step_s, Acting::Held(&[driven + 50.0]));
+        assert_eq!(moved, Ok(()));
+        (motion.state, motion.stuck_s[0])
+    }
+
+    #[test]
+    fn a_dip_below_zero_within_a_step_is_found_though_both_slopes_are_upwards() {
+        let ((found, stuck_s), (expected, stuck_in_short_s)) =
+            (through_a_dip(1), through_a_dip(50));
+        assert!(stuck_s > 1e-4 && (stuck_s - stuck_in_short_s).abs() < 1e-9);
+        for (found, expected) in [
+            (found.motor_velocity, expected.motor_velocity),
+            (found.deflection, expected.deflection),
+            (found.link_velocity, expected.link_velocity),
+        ] {
+            assert!((found[0] - expected[0]).abs() < 1e-12);
+        }
+    }
+}
