@@ -1,5 +1,6 @@
 //! The paper's joint over one period of the multisine, from rest: `simulate`, linear, with
-//! friction, with growing stiffness; and runs of it with friction, one and sixteen side by side.
+//! friction, with growing stiffness; and runs of it with friction, by RK4 and by exact steps, one and sixteen
+//! side by side.
 
 mod paper;
 
@@ -8,7 +9,7 @@ use std::hint::black_box;
 use std::sync::Arc;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use frfid::plant::{SimulatedRobot, SingleJoint, Torque, simulate};
+use frfid::plant::{Integration, SimulatedRobot, SingleJoint, Torque, simulate};
 use frfid::signals::{Run, RunId};
 use nalgebra::{Matrix5, Vector5};
 use ndarray::Array2;
@@ -163,6 +164,10 @@ fn runs(criterion: &mut Criterion) {
     let mut joint = SingleJoint::default();
     joint.joint.friction.coulomb_nm = 50.0;
     let robot = SimulatedRobot::open_loop(Arc::new(joint));
+    let exact = SimulatedRobot {
+        integration: Integration::Exact,
+        ..robot.clone()
+    };
     let run = |number: usize| Run {
         id: RunId::excitation(0, 0, number),
         sample_time_s: SAMPLE_TIME_S,
@@ -172,14 +177,16 @@ fn runs(criterion: &mut Criterion) {
     };
     let all: Vec<Run> = (0..16).map(run).collect();
     let mut group = criterion.benchmark_group("SimulatedRobot::simulate_each, 12.288 s");
-    for runs in [&all[..1], &all] {
+    let kinds = [("", &robot), ("exact, ", &exact)];
+    let cases = kinds.map(|kind| [(kind, &all[..1]), (kind, &all[..])]);
+    for ((kind, robot), runs) in cases.concat() {
         let simulated = robot.simulate_each(runs, &|| true);
         for (run, simulated) in runs.iter().zip(&simulated) {
             assert_eq!(robot.simulate(run).ok().as_ref(), simulated.as_ref().ok());
         }
         let n_samples = runs.len() * PERIOD;
         group.throughput(Throughput::Elements(n_samples as u64));
-        group.bench_function(format!("runs: {}", runs.len()), |bencher| {
+        group.bench_function(format!("{kind}runs: {}", runs.len()), |bencher| {
             bencher.iter(|| robot.simulate_each(black_box(runs), &|| true));
         });
     }

@@ -240,6 +240,7 @@ class Plant:
         sample_time_s: float,
         hold: Literal["zoh", "linear"] = "zoh",
         velocity_rad_s: _PerChannel | None = None,
+        integrator: Literal["rk4", "exact"] = "rk4",
         seed: int = 0,
         progress: _Progress | None = None,
     ) -> Record: ...
@@ -624,6 +625,7 @@ def simulate(
     sample_time_s: float,
     hold: Literal["zoh", "linear"] = "zoh",
     velocity_rad_s: _PerChannel | None = None,
+    integrator: Literal["rk4", "exact"] = "rk4",
     seed: int = 0,
     progress: _Progress | None = None,
 ) -> Record: ...
@@ -634,6 +636,7 @@ def run_closed_loop(
     *,
     velocity_rad_s: _PerChannel | None = None,
     start_rad: _PerChannel | None = None,
+    integrator: Literal["rk4", "exact"] = "rk4",
     seed: int = 0,
     progress: _Progress | None = None,
 ) -> Record: ...

@@ -14,7 +14,7 @@ T = 1e-3
 PI = frfid.PiController(gain=600.0, integral_gain=4800.0, sample_time_s=T)
 
 
-def plants(n=21):
+def plants(n=21, ripple=3.0):
     """Joints of other frictions, stiffnesses and springs: most stick now and then, one in three does not."""
     draw = np.random.default_rng(1)
     return [
@@ -23,7 +23,7 @@ def plants(n=21):
             stiffness_nm_per_rad=draw.uniform(1e5, 3e5),
             stiffness_beyond_nm_per_rad=3e5 if k % 2 else None,
             link_inertia_kg_m2=draw.uniform(50, 200),
-            ripple=[{"cycles_per_turn": 12.0, "amplitude_nm": 3.0}] * (k % 3),
+            ripple=[{"cycles_per_turn": 12.0, "amplitude_nm": ripple}] * (k % 3 if ripple else 0),
         )
         for k in range(n)
     ]
@@ -55,6 +55,34 @@ def test_plants_of_their_own_in_closed_loop():
     r = 1e-3 * torques()
     batch = frfid.run_closed_loop(plants(), PI, r)
     assert_alike(batch, [frfid.run_closed_loop(plant, PI, each) for plant, each in zip(plants(), r, strict=True)])
+
+
+@pytest.mark.parametrize("hold", ["zoh", "linear"])
+def test_exact_steps_alone_side_by_side_and_beside_rk4(hold):
+    u, joints, options = torques(), plants(ripple=0), dict(sample_time_s=T, hold=hold)
+    batch = frfid.simulate(joints, u, integrator="exact", **options)
+    assert_alike(batch, [plant.simulate(each, integrator="exact", **options) for plant, each in zip(joints, u, strict=True)])
+    by_rk4 = frfid.simulate(joints, u, **options)
+    np.testing.assert_allclose(batch.y, by_rk4.y, rtol=0, atol=1e-7 * np.abs(by_rk4.y).max())
+    assert not np.array_equal(batch.y, by_rk4.y)
+    assert np.array_equal(by_rk4.y, frfid.simulate(joints, u, integrator="rk4", **options).y)
+
+
+def test_exact_steps_in_closed_loop():
+    r, joints = 1e-3 * torques(), plants(ripple=0)
+    batch = frfid.run_closed_loop(joints, PI, r, integrator="exact")
+    assert_alike(batch, [frfid.run_closed_loop(plant, PI, each, integrator="exact") for plant, each in zip(joints, r, strict=True)])
+    by_rk4 = frfid.run_closed_loop(joints, PI, r)
+    np.testing.assert_allclose(batch.y, by_rk4.y, rtol=0, atol=1e-7 * np.abs(by_rk4.y).max())
+
+
+def test_exact_steps_are_refused_where_nothing_is_piecewise_linear():
+    arm = frfid.Plant.from_toml(ROBOTS / "r3.toml")
+    for plant in (arm, plants()[1]):
+        with pytest.raises(ValueError, match="single joint without torque ripple.*integrator = \"rk4\""):
+            plant.simulate(np.zeros((len(plant.joint_names), 10)), sample_time_s=T, integrator="exact")
+    with pytest.raises(ValueError, match="integrator: unknown variant `euler`"):
+        plants()[0].simulate(np.zeros((1, 10)), sample_time_s=T, integrator="euler")
 
 
 def test_an_arm_in_other_poses_and_with_a_joint_of_one_axis_beside_it():

@@ -43,6 +43,13 @@ fn controller(config: &Config, machine: &Machine) -> Result<Option<Arc<dyn Contr
     Ok(controller)
 }
 
+/// Checks that the integrator can move the robot.
+fn check_integrator(config: &Config, machine: &Machine) -> Result<(), Fault> {
+    let robot = machine.robot.as_ref();
+    let checked = robot.map_or(Ok(()), |robot| config.integrator.check(&**robot));
+    checked.map_err(|error| Fault::new(&["integrator"], error.to_string()))
+}
+
 /// Everything else follows from the description.
 impl PartialEq for Experiment {
     fn eq(&self, other: &Self) -> bool {
@@ -122,6 +129,7 @@ impl Experiment {
     fn of(config: Config, text: TomlText, note: Option<String>) -> Result<Self, ConfigError> {
         let locate = |fault: Fault| text.locate(&[], fault);
         let machine = config.machine().map_err(locate)?;
+        check_integrator(&config, &machine).map_err(locate)?;
         let experiment = Self {
             controller: controller(&config, &machine).map_err(locate)?,
             limits: config.limits.given.tighter(&machine.limits),
@@ -244,5 +252,42 @@ mod tests {
             assert!(refused.message.contains("names another file"), "{refused}");
             assert!(refused.place.is_some(), "{refused}");
         }
+    }
+
+    /// A template with an integrator named.
+    fn integrated(template: &str, integrator: &str) -> Result<Experiment, ConfigError> {
+        let template = Template::named(template).expect("built in");
+        let named = format!("seed = 1\nintegrator = \"{integrator}\"");
+        let text = template.text().replacen("seed = 1", &named, 1);
+        Experiment::new(TomlText::new("named", text), Path::new(""))
+    }
+
+    #[test]
+    fn an_integrator_travels_where_it_is_not_the_usual_one() {
+        let of = |integrator| integrated("multisine", integrator).expect("sound");
+        let exact = of("exact");
+        assert!(exact.to_toml().contains("integrator = \"exact\""));
+        let travelled = Experiment::travelled(TomlText::new("log", exact.to_toml()));
+        assert_eq!(travelled.expect("sound"), exact);
+        let template = Template::named("multisine").expect("built in");
+        let without = Experiment::of_template(template).expect("sound");
+        assert_eq!(of("rk4").to_toml(), without.to_toml());
+        let run = exact.plan().run(frfid_signals::RunId::excitation(0, 0, 0));
+        let [by_exact, by_rk4] = [&exact, &without].map(|experiment| {
+            let record = experiment.testbed().run(run.as_ref().expect("planned"));
+            record.expect("sound").y
+        });
+        assert_ne!(by_exact, by_rk4);
+        let differences = by_exact.iter().zip(&by_rk4).map(|(a, b)| (a - b).abs());
+        assert!(differences.fold(0.0, f64::max) < 1e-9);
+    }
+
+    #[test]
+    fn exact_steps_of_an_arm_are_refused_at_their_key() {
+        let refused = integrated("r3-chirp", "exact").expect_err("an arm");
+        let message = &refused.message;
+        assert!(message.contains("a single joint without torque ripple"));
+        assert!(message.ends_with("use integrator = \"rk4\""), "{message}");
+        assert!(refused.place.is_some());
     }
 }

@@ -170,6 +170,8 @@ impl PiController {
 ///     Constant velocity in rad/s with which motors and links start, held by the controller.
 /// start_rad : float or sequence of float, optional
 ///     Where motors and links start, in rad from the pose.
+/// integrator : {"rk4", "exact"}, optional
+///     As in ``Plant.simulate``.
 /// seed : int, optional
 ///     Seed of the sensors' noise.
 /// progress : callable, optional
@@ -188,17 +190,19 @@ impl PiController {
 /// NumericalError
 ///     If the loop diverges.
 #[pyfunction]
-#[pyo3(signature = (plant, controller, r, *, velocity_rad_s = None, start_rad = None, seed = 0, progress = None))]
+#[pyo3(signature = (plant, controller, r, *, velocity_rad_s = None, start_rad = None, integrator = "rk4", seed = 0, progress = None))]
+#[expect(clippy::too_many_arguments, reason = "keyword-only in Python")]
 pub(crate) fn run_closed_loop(
     plant: &Bound<'_, PyAny>,
     controller: &PiController,
     r: &Bound<'_, PyAny>,
     velocity_rad_s: Option<&Bound<'_, PyAny>>,
     start_rad: Option<&Bound<'_, PyAny>>,
+    integrator: &str,
     seed: u64,
     progress: Option<&Bound<'_, PyAny>>,
 ) -> PyResult<Record> {
-    let robots = Robots::of(plant, &controller.actuation(), seed)?;
+    let robots = Robots::of(plant, &controller.actuation(), integrator, seed)?;
     simulate(
         "r",
         r,

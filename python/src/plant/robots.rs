@@ -1,10 +1,11 @@
 //! Robots of a batch: one for all runs, or one for each.
 
-use frfid_plant::{Actuation, SimulatedRobot, simulate_robots};
+use frfid_plant::{Actuation, Integration, SimulatedRobot, simulate_robots};
 use frfid_signals::{GoOn, Record, Run, Testbed, TestbedError};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 
+use crate::choice::choice;
 use crate::plant::robot::Plant;
 use crate::size::List;
 
@@ -20,16 +21,19 @@ impl Robots {
     pub(crate) fn of(
         plants: &Bound<'_, PyAny>,
         actuation: &Actuation,
+        integrator: &str,
         seed: u64,
     ) -> PyResult<Self> {
         let (plants, is_each) = match plants.cast::<Plant>() {
             Ok(plant) => (vec![plant.clone()], false),
             Err(_) => (list(plants)?, true),
         };
+        let integration: Integration = choice("integrator", integrator)?;
         let robot = |plant: &Bound<'_, Plant>| SimulatedRobot {
             sensors: plant.get().sensors.clone(),
             seed,
             actuation: actuation.clone(),
+            integration,
             ..SimulatedRobot::open_loop(plant.get().robot.clone())
         };
         let robots: Vec<_> = plants.iter().map(robot).collect();
@@ -38,6 +42,10 @@ impl Robots {
             return Err(PyValueError::new_err(format!(
                 "plants have {axes:?} axes, needed one plant at least, all with as many axes"
             )));
+        }
+        for robot in &robots {
+            let checked = integration.check(&*robot.robot);
+            checked.map_err(|error| PyValueError::new_err(error.to_string()))?;
         }
         Ok(Self { robots, is_each })
     }

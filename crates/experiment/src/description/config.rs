@@ -1,6 +1,7 @@
 //! Tables of `experiment.toml`: one description of robot, excitation, averaging, limits and
 //! estimator.
 
+use frfid_plant::Integration;
 use frfid_signals::{ChirpDesign, Design, MultisineDesign, SteppedSineDesign};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -22,6 +23,10 @@ pub struct Config {
     pub seed: u64,
     /// Sample time of the controller in s: the clock of references and records.
     pub sample_time_s: f64,
+    /// How the robot is simulated: by Runge-Kutta steps (`rk4`), or exactly (`exact`), which needs a
+    /// single joint without torque ripple.
+    #[serde(default, skip_serializing_if = "is_default")]
+    pub integrator: Integration,
     /// The machine; this or `[channels]` is needed.
     #[serde(default, skip_serializing_if = "RobotTable::is_left_out")]
     pub robot: RobotTable,
@@ -120,6 +125,12 @@ pub struct AveragingTable {
     /// to rest. At most `lead_in_s`; chirps and stepped sines have fades of their own.
     #[serde(skip_serializing_if = "is_none")]
     pub ramp_s: f64,
+}
+
+/// The integrator where none is named: left out of what travels, so that descriptions without one
+/// keep their hash.
+fn is_default(integrator: &Integration) -> bool {
+    *integrator == Integration::default()
 }
 
 /// No ramp: left out of what travels, so that descriptions without one keep their hash.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use frfid_plant::{Robot, Sensor};
+use frfid_plant::{Integration, Robot, Sensor};
 use frfid_signals::{Injection, Limits};
 
 use crate::description::channels::ChannelsTable;
@@ -103,6 +103,10 @@ impl Config {
 
     /// Refuses what needs a model.
     fn check_beside_channels(&self) -> Result<(), Fault> {
+        if self.integrator != Integration::default() {
+            let message = "integrator needs the model of a [robot]: [channels] are not simulated";
+            return Err(Fault::new(&["integrator"], message));
+        }
         let tables = [
             (
                 "controller",

@@ -62,6 +62,7 @@ impl Experiment {
         Ok(SimulatedRobot {
             sensors: self.sensors.clone(),
             seed: self.config.seed,
+            integration: self.config.integrator,
             watch,
             ..simulated
         })
