@@ -77,7 +77,7 @@ def test_exact_steps_in_closed_loop():
 
 
 def test_exact_steps_are_refused_where_nothing_is_piecewise_linear():
-    arm = frfid.Plant.from_toml(ROBOTS / "r3.toml")
+    arm = frfid.Plant.load(ROBOTS / "manutec_r3.toml")
     for plant in (arm, plants()[1]):
         with pytest.raises(ValueError, match="single joint without torque ripple.*integrator = \"rk4\""):
             plant.simulate(np.zeros((len(plant.joint_names), 10)), sample_time_s=T, integrator="exact")

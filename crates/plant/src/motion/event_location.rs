@@ -108,7 +108,7 @@ impl<K: Links<A>, F: Formula<K, A>, const A: usize> Trial<'_, K, A, F> {
         for axis in 0..A {
             for bound in self.bounds(axis) {
                 if bound.value.is_finite()
-                    && let Some(theta) = self.exit(bound, end, end_derivative)
+                    && let Some(theta) = F::exit(self, bound, [end, end_derivative])
                     && first.is_none_or(|first| theta < first.theta)
                 {
                     first = Some(ModeChange {
@@ -149,16 +149,13 @@ impl<K: Links<A>, F: Formula<K, A>, const A: usize> Trial<'_, K, A, F> {
         ]
     }
 
-    /// Where in the trial a signal first crosses a bound.
-    fn exit(
+    /// Where in the trial, of a step so short that a signal turns once at most, it first crosses a bound.
+    #[inline]
+    pub(crate) fn exit(
         &self,
         bound: Bound,
-        end: &State<f64, A>,
-        end_derivative: &State<f64, A>,
+        [end, end_derivative]: [&State<f64, A>; 2],
     ) -> Option<f64> {
-        if F::IS_LONG {
-            return self.exit_of_long(bound, end, end_derivative);
-        }
         let inside = (0.0, self.margin(bound, 0.0, &self.motion.state));
         let mut outside = (1.0, self.margin(bound, 1.0, end));
         if outside.1 >= 0.0 {

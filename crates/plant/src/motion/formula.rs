@@ -6,7 +6,7 @@ use crate::error::PlantError;
 use crate::joint::flexible_joint::{Mode, Regime};
 use crate::lanes::{LANES, Lanes};
 use crate::motion::equations::{Equations, State};
-use crate::motion::event_location::Trial;
+use crate::motion::event_location::{Bound, Trial};
 use crate::motion::fleet::Fleet;
 use crate::motion::integrator::Integrator;
 use crate::motion::links::{Links, LinksSideBySide};
@@ -37,6 +37,9 @@ pub(crate) trait Formula<K, const A: usize>: Clone + Debug + 'static {
 
     /// The state at a share of a trial.
     fn state(trial: &Trial<K, A, Self>, theta: f64) -> State<f64, A>;
+
+    /// Where in a trial, whose end state and its derivative are given, a signal first crosses a bound.
+    fn exit(trial: &Trial<K, A, Self>, bound: Bound, end: [&State<f64, A>; 2]) -> Option<f64>;
 
     /// A fleet of a machine that moves so; `None` if it moves alone.
     fn fleet(machine: &Integrator<K, A, Self>) -> Option<Box<dyn Fleet>>;
@@ -103,6 +106,11 @@ impl<K: Links<A>, const A: usize> Formula<K, A> for RungeKutta {
             trial.derivative,
             theta * trial.duration_s(),
         )
+    }
+
+    #[inline(always)]
+    fn exit(trial: &Trial<K, A, Self>, bound: Bound, end: [&State<f64, A>; 2]) -> Option<f64> {
+        trial.exit(bound, end)
     }
 
     fn fleet(machine: &Integrator<K, A, Self>) -> Option<Box<dyn Fleet>> {

@@ -5,17 +5,14 @@ pub(crate) mod equations;
 pub(crate) mod event_location;
 pub(crate) mod exact;
 pub(crate) mod fleet;
-mod flow;
 pub(crate) mod formula;
 mod in_lanes;
 pub(crate) mod integrator;
 pub(crate) mod links;
-mod long_steps;
 pub(crate) mod mechanics;
 mod modes;
 pub(crate) mod root;
 pub(crate) mod segment;
-mod series;
 mod side_by_side;
 #[cfg(test)]
 mod tests;

@@ -3,9 +3,9 @@
 use crate::joint::flexible_joint::Regime;
 use crate::lanes::Lanes;
 use crate::motion::equations::{Equations, State};
+use crate::motion::exact::series::Series;
 use crate::motion::links::SingleLink;
 use crate::motion::segment::Segment;
-use crate::motion::series::Series;
 use crate::scalar::{Scalar, each};
 
 /// What deflection, motor and link velocity, the torque at the start of a step, its change over the step,

@@ -1,5 +1,10 @@
 //! Exact steps of a piecewise linear joint: one matrix for a step within a mode, a Taylor series for a part of one.
 
+mod flow;
+mod long_steps;
+mod series;
+
+use std::cell::OnceCell;
 use std::f64::consts::TAU;
 
 use frfid_signals::SignalError;
@@ -11,14 +16,14 @@ use crate::joint::friction::Slip;
 use crate::joint::spring::Branch;
 use crate::lanes::{LANES, Lanes};
 use crate::motion::equations::{Equations, Machine, State};
-use crate::motion::event_location::Trial;
+use crate::motion::event_location::{Bound, Trial};
+use crate::motion::exact::flow::Flow;
+use crate::motion::exact::series::{Series, n_terms};
 use crate::motion::fleet::Fleet;
-use crate::motion::flow::Flow;
 use crate::motion::formula::{Formula, FormulaSideBySide};
 use crate::motion::integrator::Integrator;
 use crate::motion::links::SingleLink;
 use crate::motion::segment::Segment;
-use crate::motion::series::{Series, n_terms};
 use crate::motion::side_by_side::SideBySide;
 
 /// Longest step, in periods of the fastest motion. The step itself has no error at any length; but
@@ -92,7 +97,7 @@ fn modes() -> impl Iterator<Item = Mode> {
 impl Formula<SingleLink, 1> for Exact {
     const IS_LONG: bool = true;
 
-    type Kept = std::cell::OnceCell<Series<1>>;
+    type Kept = OnceCell<Series<1>>;
 
     fn enter(&mut self, [mode]: &[Mode; 1]) {
         let place = self.flows.iter().position(|(of, _)| of == mode);
@@ -126,6 +131,15 @@ impl Formula<SingleLink, 1> for Exact {
             )
         };
         trial.kept.get_or_init(series).after(theta, &motion.state)
+    }
+
+    #[inline(always)]
+    fn exit(
+        trial: &Trial<SingleLink, 1, Self>,
+        bound: Bound,
+        end: [&State<f64, 1>; 2],
+    ) -> Option<f64> {
+        trial.exit_of_long(bound, end)
     }
 
     fn fleet(machine: &Integrator<SingleLink, 1, Self>) -> Option<Box<dyn Fleet>> {

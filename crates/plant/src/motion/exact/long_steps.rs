@@ -54,8 +54,7 @@ impl<K: Links<A>, F: Formula<K, A>, const A: usize> Trial<'_, K, A, F> {
     pub(crate) fn exit_of_long(
         &self,
         bound: Bound,
-        end: &State<f64, A>,
-        end_derivative: &State<f64, A>,
+        [end, end_derivative]: [&State<f64, A>; 2],
     ) -> Option<f64> {
         let mut start = self.point(bound, 0.0, &self.motion.state, self.derivative);
         if start.margin <= 0.0 {
