@@ -1,20 +1,21 @@
-//! Robots of several axes: a run of the Manutec r3 in closed loop with everything on,
-//! accelerations, one iteration of shaping.
+//! Robots of several axes: runs of the Manutec r3 in closed loop with everything on, one and sixteen
+//! side by side, RK4 steps, accelerations, one iteration of shaping.
 
 #[allow(dead_code, reason = "this bench has multisines of its own")]
 mod paper;
 
 use std::hint::black_box;
 use std::path::Path;
+use std::sync::Arc;
 
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use frfid::estimate::{LineDft, ShapeOptions, Shaper, Transform};
 use frfid::experiment::{Experiment, RobotTable};
-use frfid::plant::{Arm, LoopFrf};
+use frfid::plant::{Arm, Challenges, LoopFrf, Robot as _, SimulatedRobot};
 use frfid::signals::random::{normal, stream};
-use frfid::signals::{Chirp, Excitation, InputKind, Phasing, Profile, Record, RunId, RunKind};
+use frfid::signals::{Chirp, Excitation, InputKind, Phasing, Profile, Record, Run, RunId, RunKind};
 use nalgebra::DVector;
-use ndarray::{Array3, Axis, s};
+use ndarray::{Array2, Array3, Axis, s};
 use paper::SAMPLE_TIME_S;
 
 fn examples() -> &'static Path {
@@ -43,8 +44,70 @@ fn closed_loop(criterion: &mut Criterion) {
         assert_follows(&experiment, &work());
         group.throughput(Throughput::Elements(run.reference.ncols() as u64));
         group.bench_function(name, |bencher| bencher.iter(work));
+        let runs = runs(&run);
+        assert_eq!(testbed.run_each(&runs, &|| true)[0].as_ref().ok(), Some(&work()));
+        group.throughput(Throughput::Elements(
+            (runs.len() * run.reference.ncols()) as u64,
+        ));
+        group.bench_function(format!("{name}, 16 runs side by side"), |bencher| {
+            bencher.iter(|| testbed.run_each(black_box(&runs), &|| true));
+        });
     }
     group.finish();
+}
+
+/// Sixteen of a run, each with noise of its own.
+fn runs(run: &Run) -> Vec<Run> {
+    let of = |repetition| Run {
+        id: RunId {
+            repetition,
+            ..run.id
+        },
+        ..run.clone()
+    };
+    (0..16).map(of).collect()
+}
+
+/// RK4 steps of arms under gravity without friction, ripple and knees, for ten seconds under no other
+/// torque than what holds them at first: one run, and sixteen side by side. Criterion's elements are
+/// steps.
+fn steps(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("RK4 steps, no friction");
+    for name in ["manutec_r3", "six_axis"] {
+        let mut arm = arm(name);
+        arm.challenges = Challenges {
+            coulomb_friction: Some(false),
+            stiffening: Some(false),
+            torque_ripple: Some(false),
+            ..Challenges::default()
+        };
+        let (axes, step_s) = (arm.n_axes(), arm.default_step_s());
+        let n_steps = (SAMPLE_TIME_S / step_s).ceil() as usize * 10_000;
+        let robot = SimulatedRobot::open_loop(Arc::new(arm));
+        let run = Run {
+            id: RunId::excitation(0, 0, 0),
+            sample_time_s: SAMPLE_TIME_S,
+            reference: Array2::zeros((axes, 10_000)),
+            velocity_rad_s: vec![0.1; axes],
+            start_rad: vec![0.0; axes],
+        };
+        let all = runs(&run);
+        for runs in [&all[..1], &all] {
+            let simulated = robot.simulate_each(runs, &|| true);
+            assert_eq!(simulated[0].as_ref().ok(), robot.simulate(&run).ok().as_ref());
+            group.throughput(Throughput::Elements((runs.len() * n_steps) as u64));
+            group.bench_function(format!("{name}, runs: {}", runs.len()), |bencher| {
+                bencher.iter(|| robot.simulate_each(black_box(runs), &|| true));
+            });
+        }
+    }
+    group.finish();
+}
+
+fn arm(name: &str) -> Arm {
+    let table =
+        RobotTable::load(&examples().join(format!("robots/{name}.toml"))).expect("an example");
+    table.arm().expect("an arm")
 }
 
 /// The example at the strength and on the way of the paper, section 7: what is not linear is a small
@@ -113,9 +176,7 @@ fn assert_follows(experiment: &Experiment, record: &Record) {
 fn accelerations(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("link accelerations, 1000 states");
     for name in ["manutec_r3", "six_axis"] {
-        let table =
-            RobotTable::load(&examples().join(format!("robots/{name}.toml"))).expect("an example");
-        let arm = table.arm().expect("an arm");
+        let arm = arm(name);
         let mut rng = stream(1, "states of the bench", &[]);
         let mut vector = |size: f64| {
             (0..arm.n_axes())
@@ -218,7 +279,7 @@ fn shaping(criterion: &mut Criterion) {
 }
 
 /// What a machine of that gain answers.
-fn record(gain: f64, r: &ndarray::Array2<f64>) -> Record {
+fn record(gain: f64, r: &Array2<f64>) -> Record {
     let position_rad = None;
     let (u, y) = (gain * r, r.clone());
     Record {
@@ -232,5 +293,5 @@ fn record(gain: f64, r: &ndarray::Array2<f64>) -> Record {
     }
 }
 
-criterion_group! { name = benches; config = paper::criterion(); targets = closed_loop, accelerations, shaping }
+criterion_group! { name = benches; config = paper::criterion(); targets = closed_loop, steps, accelerations, shaping }
 criterion_main!(benches);

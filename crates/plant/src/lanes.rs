@@ -6,7 +6,7 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::scalar::{Scalar, each};
+use crate::scalar::{Number, Scalar, each};
 
 /// Machines side by side: several registers of any kind, so that one waits less for the other.
 pub(crate) const LANES: usize = 16;
@@ -48,6 +48,13 @@ impl Neg for Lanes {
     }
 }
 
+impl Number for Lanes {
+    #[inline(always)]
+    fn like(self, value: f64) -> Self {
+        Self::splat(value)
+    }
+}
+
 impl Scalar for Lanes {
     #[inline(always)]
     fn splat(value: f64) -> Self {
@@ -57,10 +64,5 @@ impl Scalar for Lanes {
     #[inline(always)]
     fn sin(self) -> Self {
         Self::of(|lane| self.0[lane].sin())
-    }
-
-    #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        (self.sin(), Self::of(|lane| self.0[lane].cos()))
     }
 }

@@ -31,8 +31,10 @@ mod linear {
 }
 mod lanes;
 mod motion;
+mod register;
 mod robot;
 mod scalar;
+mod sine;
 mod single_joint;
 mod state_space;
 /// Testbeds: a run goes in, a record comes out, sample by sample.

@@ -2,10 +2,12 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// What the dynamics ask of a number. Nothing branches on it: within a mode (stuck or slipping, on
-/// one branch of the spring) the right-hand side is one formula, and what differs from mode to mode
-/// is a lane value too (`Regime`).
-pub(crate) trait Scalar:
+use crate::sine::{LARGEST_RAD, sin_cos};
+
+/// What formulas ask of a number. Nothing branches on it: within a mode (stuck or slipping, on one
+/// branch of the spring) the right-hand side is one formula, and what differs from mode to mode is
+/// a lane value too (`Regime`).
+pub(crate) trait Number:
     Copy
     + Add<Output = Self>
     + Sub<Output = Self>
@@ -13,14 +15,28 @@ pub(crate) trait Scalar:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
+    /// The same value in every lane of a number as wide as this one.
+    #[must_use]
+    fn like(self, value: f64) -> Self;
+}
+
+/// A number of a width that its type tells.
+pub(crate) trait Scalar: Number {
     /// The same value in every lane.
     fn splat(value: f64) -> Self;
 
     /// Sine, lane by lane (torque ripple).
     #[must_use]
     fn sin(self) -> Self;
+}
 
-    /// Sine and cosine, lane by lane (joint angles).
+/// A number that may be an angle of a joint.
+pub(crate) trait Angle: Number {
+    /// Size, lane by lane.
+    #[must_use]
+    fn abs(self) -> Self;
+
+    /// Sine and cosine, lane by lane, by one formula whatever the width.
     #[must_use]
     fn sin_cos(self) -> (Self, Self);
 }
@@ -35,6 +51,13 @@ pub(crate) fn each<L: Scalar, const N: usize>(number: impl Fn(usize) -> L) -> [L
     numbers
 }
 
+impl Number for f64 {
+    #[inline(always)]
+    fn like(self, value: f64) -> Self {
+        value
+    }
+}
+
 impl Scalar for f64 {
     #[inline(always)]
     fn splat(value: f64) -> Self {
@@ -44,8 +67,20 @@ impl Scalar for f64 {
     fn sin(self) -> Self {
         self.sin()
     }
+}
 
+impl Angle for f64 {
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.abs()
+    }
+
+    #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
-        self.sin_cos()
+        if self.abs() > LARGEST_RAD {
+            self.sin_cos()
+        } else {
+            sin_cos(self)
+        }
     }
 }

@@ -15,26 +15,26 @@ use crate::arm::{Arm, BodyJoint};
 
 /// A link in its own frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Link {
+pub(crate) struct Link<L = f64> {
     /// What is added to the joint's position in rad to give the angle between the x axes.
-    pub zero_rad: f64,
+    pub zero_rad: L,
     /// Cosine and sine of the angle about the parent's x axis from its z axis to this one.
-    pub twist: [f64; 2],
+    pub twist: [L; 2],
     /// Origin in m in the parent's frame.
-    pub offset: [f64; 3],
+    pub offset: [L; 3],
     /// First moments (x, y) in kg m.
-    pub first: [f64; 2],
+    pub first: [L; 2],
     /// Second moments (xx, yy, xy, xz, yz) in kg m^2.
-    pub second: [f64; 5],
+    pub second: [L; 5],
 }
 
-/// A chain of `A` moving links.
+/// A chain of `A` moving links, in the numbers of one arm or of several side by side.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Chain<const A: usize> {
+pub(crate) struct Chain<const A: usize, L = f64> {
     /// The links from the base to the tip.
-    pub(crate) links: [Link; A],
+    pub(crate) links: [Link<L>; A],
     /// Acceleration in m/s^2 of the base, in its frame, that feels like gravity: upwards.
-    pub(crate) lift: [f64; 3],
+    pub(crate) lift: [L; 3],
     /// Whether there are gravity, Coriolis and centrifugal torques (challenge G).
     pub(crate) biased: bool,
 }

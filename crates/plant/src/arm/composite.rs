@@ -2,7 +2,7 @@
 
 use crate::arm::chain::Link;
 use crate::arm::wrench::{Wrench, add};
-use crate::scalar::Scalar;
+use crate::scalar::Number;
 
 /// First moments h and second moments S of a link with all that it carries. (Its mass is put to the
 /// base's.)
@@ -17,15 +17,12 @@ pub(crate) struct Composite<L> {
     pub yz: L,
 }
 
-impl<L: Scalar> Composite<L> {
+impl<L: Number> Composite<L> {
     /// A link alone.
     #[inline(always)]
-    pub(crate) fn own(link: &Link) -> Self {
-        let ([hx, hy], [xx, yy, xy, xz, yz], zero) = (
-            link.first.map(L::splat),
-            link.second.map(L::splat),
-            L::splat(0.0),
-        );
+    pub(crate) fn own(link: &Link<L>) -> Self {
+        let ([hx, hy], [xx, yy, xy, xz, yz]) = (link.first, link.second);
+        let zero = hx.like(0.0);
         Self {
             first: [hx, hy, zero],
             xx,
@@ -53,9 +50,9 @@ impl<L: Scalar> Composite<L> {
     /// What a unit of angular acceleration about z takes.
     #[inline(always)]
     pub(crate) fn wrench(&self) -> Wrench<L> {
-        let ([hx, hy, _], zero) = (self.first, L::splat(0.0));
+        let [hx, hy, _] = self.first;
         Wrench {
-            force: [-hy, hx, zero],
+            force: [-hy, hx, hx.like(0.0)],
             moment: [-self.xz, -self.yz, self.xx + self.yy],
         }
     }

@@ -28,7 +28,7 @@ impl<const A: usize> LinksAtPose<A> {
         let zero = [0.0; A];
         let gravity = links.holding(pose, zero);
         let unit = |j: usize| from_fn(|i| gravity[i] + f64::from(u8::from(i == j)));
-        let columns: [[f64; A]; A] = from_fn(|j| links.acceleration(pose, zero, unit(j)));
+        let columns: [[f64; A]; A] = from_fn(|j| links.acceleration(&pose, &zero, &unit(j)));
         Self {
             pose,
             mass: links.mass(pose),
@@ -46,7 +46,7 @@ fn product<L: Scalar, const A: usize>(matrix: &[[f64; A]; A], x: &[L; A]) -> [L;
 
 impl<const A: usize> LinksAtPose<A> {
     #[inline(always)]
-    fn gravity_nm<L: Scalar>(&self, position: [L; A]) -> [L; A] {
+    fn gravity_nm<L: Scalar>(&self, position: &[L; A]) -> [L; A] {
         let change = product(
             &self.gradient,
             &from_fn(|i| position[i] - L::splat(self.pose[i])),
@@ -57,7 +57,7 @@ impl<const A: usize> LinksAtPose<A> {
 
 impl<L: Scalar, const A: usize> Acceleration<L, A> for LinksAtPose<A> {
     #[inline(always)]
-    fn acceleration(&self, position: [L; A], _velocity: [L; A], torque: [L; A]) -> [L; A] {
+    fn acceleration(&self, position: &[L; A], _velocity: &[L; A], torque: &[L; A]) -> [L; A] {
         let gravity = self.gravity_nm(position);
         product(&self.mobility, &from_fn(|i| torque[i] - gravity[i]))
     }
@@ -65,7 +65,7 @@ impl<L: Scalar, const A: usize> Acceleration<L, A> for LinksAtPose<A> {
 
 impl<const A: usize> Links<A> for LinksAtPose<A> {
     fn holding(&self, position: [f64; A], _velocity: [f64; A]) -> [f64; A] {
-        self.gravity_nm(position)
+        self.gravity_nm(&position)
     }
 
     fn mass(&self, _position: [f64; A]) -> [[f64; A]; A] {

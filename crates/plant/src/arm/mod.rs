@@ -4,6 +4,7 @@
 
 mod chain;
 mod chain_dynamics;
+mod chains;
 pub(crate) mod challenges;
 mod composite;
 pub(crate) mod inertia;
@@ -12,6 +13,7 @@ mod positive_definite;
 mod rigid;
 mod robot;
 mod stance;
+mod unrolled;
 mod validation;
 mod wrench;
 

@@ -3,7 +3,7 @@
 use crate::arm::chain::Link;
 use crate::arm::composite::Composite;
 use crate::arm::wrench::{Wrench, add, cross};
-use crate::scalar::Scalar;
+use crate::scalar::{Angle, Number};
 
 /// How a link stands on its parent.
 #[derive(Clone, Copy)]
@@ -16,15 +16,18 @@ pub(crate) struct Stance<L> {
     pub offset: [L; 3],
 }
 
-impl<L: Scalar> Stance<L> {
+impl<L: Number> Stance<L> {
     /// The stance of a link whose joint is at a position in rad.
     #[inline(always)]
-    pub(crate) fn new(link: &Link, position: L) -> Self {
-        let (sin, cos) = (position + L::splat(link.zero_rad)).sin_cos();
+    pub(crate) fn new(link: &Link<L>, position: L) -> Self
+    where
+        L: Angle,
+    {
+        let (sin, cos) = Angle::sin_cos(position + link.zero_rad);
         Self {
-            twist: link.twist.map(L::splat),
+            twist: link.twist,
             turn: [cos, sin],
-            offset: link.offset.map(L::splat),
+            offset: link.offset,
         }
     }
 
@@ -80,7 +83,7 @@ impl<L: Scalar> Stance<L> {
         // to the parent's origin
         let first = self.outwards(first);
         let ([hx, hy, hz], [ox, oy, oz]) = (first, self.offset);
-        let two = L::splat(2.0);
+        let two = first[0].like(2.0);
         Composite {
             first,
             xx: xx + two * (ox * hx),

@@ -49,7 +49,7 @@ impl<L: Scalar> Drive<L> {
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Equations<L, K, const A: usize> {
     drives: [Drive<L>; A],
-    links: K,
+    pub(crate) links: K,
 }
 
 impl<K: Links<A>, const A: usize> Equations<f64, K, A> {
@@ -196,7 +196,7 @@ impl<L: Scalar, K: Acceleration<L, A>, const A: usize> Equations<L, K, A> {
         }
         derivative.link_velocity =
             self.links
-                .acceleration(link_position, x.link_velocity, transmitted);
+                .acceleration(&link_position, &x.link_velocity, &transmitted);
         derivative
     }
 

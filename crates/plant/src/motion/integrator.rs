@@ -81,6 +81,11 @@ impl<K: Links<A>, F: Formula<K, A>, const A: usize> Integrator<K, A, F> {
         }
     }
 
+    /// What the gears drive.
+    pub(crate) fn links(&self) -> &K {
+        &self.equations.links
+    }
+
     /// The present state.
     #[must_use]
     pub(crate) fn state(&self) -> &State<f64, A> {

@@ -13,7 +13,7 @@ use crate::scalar::Scalar;
 pub(crate) trait Acceleration<L, const A: usize> {
     /// Accelerations in rad/s^2 of the links at positions in rad and velocities in rad/s under
     /// torques in N m.
-    fn acceleration(&self, position: [L; A], velocity: [L; A], torque: [L; A]) -> [L; A];
+    fn acceleration(&self, position: &[L; A], velocity: &[L; A], torque: &[L; A]) -> [L; A];
 }
 
 /// The links of one machine.
@@ -45,6 +45,11 @@ pub(crate) trait LinksSideBySide<const A: usize>: Links<A> {
     /// Those of several machines.
     type InLanes: Acceleration<Lanes, A> + Debug;
 
+    /// Whether these links and others can be in lanes side by side.
+    fn alike(&self, _other: &Self) -> bool {
+        true
+    }
+
     /// The links of a machine for each lane.
     fn in_lanes(each: [&Self; LANES]) -> Self::InLanes;
 }
@@ -58,8 +63,8 @@ pub(crate) struct SingleLink<L = f64> {
 
 impl<L: Scalar> Acceleration<L, 1> for SingleLink<L> {
     #[inline(always)]
-    fn acceleration(&self, _position: [L; 1], _velocity: [L; 1], [torque]: [L; 1]) -> [L; 1] {
-        [torque * self.mobility]
+    fn acceleration(&self, _position: &[L; 1], _velocity: &[L; 1], torque: &[L; 1]) -> [L; 1] {
+        [torque[0] * self.mobility]
     }
 }
 

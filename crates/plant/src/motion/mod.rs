@@ -13,7 +13,7 @@ pub(crate) mod mechanics;
 mod modes;
 pub(crate) mod root;
 pub(crate) mod segment;
-mod side_by_side;
+pub(crate) mod side_by_side;
 #[cfg(test)]
 mod tests;
 pub(crate) mod trajectory;

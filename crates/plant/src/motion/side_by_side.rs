@@ -57,7 +57,8 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> Fleet
     fn join(&mut self, motion: Box<dyn Motion>) -> Option<Box<dyn Motion>> {
         let machine: &dyn Any = &*motion;
         let machine = machine.downcast_ref::<Integrator<K, A, F>>();
-        match machine {
+        let first = self.machines[0].links();
+        match machine.filter(|machine| machine.links().alike(first)) {
             Some(machine) if self.machines.len() < LANES => self.machines.push(machine.clone()),
             _ => return Some(motion),
         }

@@ -5,6 +5,10 @@ use std::f64::consts::TAU;
 use frfid_signals::random::stream;
 use rand::RngExt as _;
 
+use crate::arm::challenges::Challenges;
+use crate::arm::inertia::Inertia;
+use crate::arm::{Arm, Body, BodyJoint, Payload};
+use crate::joint::flexible_joint::FlexibleJoint;
 use crate::joint::ripple::Ripple;
 use crate::lanes::LANES;
 use crate::motion::fleet::{Fleet, squads};
@@ -40,6 +44,47 @@ fn joints(count: usize) -> Vec<SingleJoint> {
         joint
     };
     (0..count).map(joint).collect()
+}
+
+/// Arms that stick, slip and stiffen, each with numbers, gravity and a payload of its own; one in four
+/// poses no challenge G.
+fn arms(axes: usize, count: usize) -> Vec<Arm> {
+    let mut random = stream(2, "arms side by side", &[]);
+    let mut between = |low: f64, high: f64| random.random_range(low..high);
+    let joints = joints(axes * count);
+    let mut joints = joints.into_iter().map(|joint| FlexibleJoint {
+        motor_inertia_kg_m2: 0.05 * joint.joint.motor_inertia_kg_m2,
+        damping_nms_per_rad: 0.02 * joint.joint.damping_nms_per_rad,
+        ..joint.joint
+    });
+    let mut body = |index: usize| Body {
+        name: format!("body {index}"),
+        offset_m: [between(-0.2, 0.2), between(-0.2, 0.2), between(0.1, 0.3)],
+        rotation: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        axis: [between(-0.3, 0.3), (index % 2) as f64, between(0.2, 1.0)],
+        mass_kg: between(2.0, 10.0),
+        center_of_mass_m: [between(-0.1, 0.1), between(-0.1, 0.1), between(0.0, 0.3)],
+        inertia_kg_m2: Inertia::default(),
+        simplified: true,
+        joint: BodyJoint::Flexible(joints.next().expect("one for each")),
+    };
+    let bodies = |_| (0..axes).map(&mut body).collect::<Vec<_>>();
+    let bodies: Vec<_> = (0..count).map(bodies).collect();
+    let arm = |(index, bodies)| Arm {
+        bodies,
+        payload: (index % 3 > 0).then(|| Payload {
+            mass_kg: between(1.0, 20.0),
+            center_of_mass_m: [0.1, between(-0.1, 0.1), 0.2],
+            inertia_kg_m2: Inertia::default(),
+        }),
+        gravity_m_s2: [0.0, between(-3.0, 3.0), -9.81],
+        pose_rad: (0..axes).map(|_| between(-2.0, 2.0)).collect(),
+        challenges: Challenges {
+            gravity: Some(index % 4 < 3),
+            ..Challenges::default()
+        },
+    };
+    bodies.into_iter().enumerate().map(arm).collect()
 }
 
 /// Where a robot is and for how long it stuck.
@@ -129,6 +174,16 @@ fn joints_side_by_side_move_as_each_does_alone_to_the_last_digit() {
 }
 
 #[test]
+fn arms_side_by_side_move_as_each_does_alone_to_the_last_digit() {
+    let several = [(1, 2), (2, 5), (3, LANES), (3, LANES + 1), (6, 5), (7, 3)];
+    for (axes, count) in several {
+        for is_line in [false, true] {
+            assert_alike(&arms(axes, count), is_line);
+        }
+    }
+}
+
+#[test]
 fn a_joint_that_diverges_does_not_touch_those_beside_it() {
     let (mut alone, together) = (start(&joints(4)), &mut together(&joints(4))[0]);
     for sample in 0..20 {
@@ -154,5 +209,39 @@ fn a_joint_that_diverges_does_not_touch_those_beside_it() {
         for robot in [0, 2, 3] {
             assert_eq!(place(together.motion(robot)), place(&*alone[robot]));
         }
+    }
+}
+
+#[test]
+#[ignore]
+fn timing() {
+    let only: Option<usize> = std::env::var("AXES").ok().map(|a| a.parse().unwrap());
+    for axes in only.map_or(1..=7, |a| a..=a) {
+        let mut arms = arms(axes, LANES);
+        for arm in &mut arms {
+            arm.challenges.gravity = None;
+            for body in &mut arm.bodies {
+                if let BodyJoint::Flexible(joint) = &mut body.joint {
+                    joint.friction.coulomb_nm = 0.0;
+                    joint.ripple.clear();
+                    joint.spring.stiffness_beyond_nm_per_rad = joint.spring.stiffness_nm_per_rad;
+                }
+            }
+        }
+        let (mut alone, mut together) = (start(&arms), together(&arms));
+        assert_eq!(together.len(), 1);
+        let zero = vec![0.0; axes];
+        let (mut best, mut bests) = (f64::MAX, f64::MAX);
+        let n = if only.is_some() { 40000 } else { 2000 };
+        for _ in 0..7 {
+            let now = std::time::Instant::now();
+            alone[0].advance(n, 1e-4, Acting::Held(&zero)).unwrap();
+            best = best.min(now.elapsed().as_secs_f64() / n as f64);
+            let now = std::time::Instant::now();
+            let found = together[0].advance(n, 1e-4, &vec![Some(Acting::Held(&zero)); LANES]);
+            bests = bests.min(now.elapsed().as_secs_f64() / n as f64 / LANES as f64);
+            assert!(found.iter().all(Result::is_ok));
+        }
+        println!("{axes} axes: step alone {:.1} ns, together {:.1} ns, {:.2}", best * 1e9, bests * 1e9, best / bests);
     }
 }
