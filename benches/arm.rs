@@ -45,7 +45,10 @@ fn closed_loop(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements(run.reference.ncols() as u64));
         group.bench_function(name, |bencher| bencher.iter(work));
         let runs = runs(&run);
-        assert_eq!(testbed.run_each(&runs, &|| true)[0].as_ref().ok(), Some(&work()));
+        assert_eq!(
+            testbed.run_each(&runs, &|| true)[0].as_ref().ok(),
+            Some(&work())
+        );
         group.throughput(Throughput::Elements(
             (runs.len() * run.reference.ncols()) as u64,
         ));
@@ -94,7 +97,10 @@ fn steps(criterion: &mut Criterion) {
         let all = runs(&run);
         for runs in [&all[..1], &all] {
             let simulated = robot.simulate_each(runs, &|| true);
-            assert_eq!(simulated[0].as_ref().ok(), robot.simulate(&run).ok().as_ref());
+            assert_eq!(
+                simulated[0].as_ref().ok(),
+                robot.simulate(&run).ok().as_ref()
+            );
             group.throughput(Throughput::Elements((runs.len() * n_steps) as u64));
             group.bench_function(format!("{name}, runs: {}", runs.len()), |bencher| {
                 bencher.iter(|| robot.simulate_each(black_box(runs), &|| true));

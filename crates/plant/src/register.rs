@@ -51,7 +51,10 @@ impl<S: Simd> Register<S> {
     #[inline(never)]
     fn sin_cos_each(self) -> (Self, Self) {
         let (mut sin, mut cos) = (self.numbers, self.numbers);
-        let both = zip(cast_slice_mut(from_mut(&mut sin)), cast_slice_mut(from_mut(&mut cos)));
+        let both = zip(
+            cast_slice_mut(from_mut(&mut sin)),
+            cast_slice_mut(from_mut(&mut cos)),
+        );
         for ((sin, cos), angle) in zip(both, self.each()) {
             (*sin, *cos) = Angle::sin_cos(*angle);
         }

@@ -161,12 +161,7 @@ impl<L: Number, const A: usize> Chain<A, L> {
 
     /// Accelerations in rad/s^2 of the links under torques in N m: M^-1 (torque - C qo' - g).
     #[inline(always)]
-    pub(crate) fn accelerations(
-        &self,
-        position: [L; A],
-        velocity: [L; A],
-        torque: [L; A],
-    ) -> [L; A]
+    pub(crate) fn accelerations(&self, position: [L; A], velocity: [L; A], torque: [L; A]) -> [L; A]
     where
         L: Angle,
     {
@@ -194,7 +189,12 @@ impl<const A: usize> Acceleration<f64, A> for Chain<A> {
     /// Not inlined: it is long, is called from many places, and its call costs less than a
     /// hundredth of its time.
     #[inline(never)]
-    fn acceleration(&self, position: &[f64; A], velocity: &[f64; A], torque: &[f64; A]) -> [f64; A] {
+    fn acceleration(
+        &self,
+        position: &[f64; A],
+        velocity: &[f64; A],
+        torque: &[f64; A],
+    ) -> [f64; A] {
         self.accelerations(*position, *velocity, *torque)
     }
 }

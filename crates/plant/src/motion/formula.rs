@@ -14,9 +14,6 @@ use crate::motion::segment::Segment;
 
 /// How the state of a machine moves on within a mode.
 pub(crate) trait Formula<K, const A: usize>: Clone + Debug + 'static {
-    /// Whether steps are so long that a signal can turn more than once within one.
-    const IS_LONG: bool;
-
     /// What a trial works out once, if at all.
     type Kept: Default;
 
@@ -75,8 +72,6 @@ pub(crate) trait FormulaSideBySide<K: LinksSideBySide<A>, const A: usize>:
 pub(crate) struct RungeKutta;
 
 impl<K: Links<A>, const A: usize> Formula<K, A> for RungeKutta {
-    const IS_LONG: bool = false;
-
     type Kept = ();
 
     #[inline(always)]

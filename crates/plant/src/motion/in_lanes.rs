@@ -116,7 +116,7 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> InLanes<
             for axis in 0..A {
                 let courses = self.courses(axis, torque, step_s, &next);
                 for lane in 0..LANES {
-                    any |= self.modes.may_end(axis, lane, &courses, F::IS_LONG);
+                    any |= self.modes.may_end(axis, lane, &courses);
                 }
             }
             if any {
@@ -150,46 +150,56 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> InLanes<
         step_s: f64,
         next: &Moment<A>,
     ) -> [Course; 2] {
-        let (now, step) = (&self.now, Lanes::splat(step_s));
-        let [before, after] = [&now.derivative, &next.derivative];
-        let rates = [0.0, 1.0].map(|theta| torque.slope(axis, theta) / step);
-        let slip = Course {
-            before: self.slip_rate(axis, rates[0], before),
-            after: self.slip_rate(axis, rates[1], after),
-            end: self.slip_signal(axis, torque.at(1.0)[axis], &next.state),
-        };
-        let branch = Course {
-            before: before.deflection[axis],
-            after: after.deflection[axis],
-            end: next.state.deflection[axis],
-        };
-        if !F::IS_LONG {
-            return [slip, branch];
+        let step = Lanes::splat(step_s);
+        let (before, after) = (&self.now.derivative, &next.derivative);
+        let [mut slip, branch] = [
+            Course {
+                start: self.now.state.motor_velocity[axis],
+                before: step * before.motor_velocity[axis],
+                after: step * after.motor_velocity[axis],
+                end: next.state.motor_velocity[axis],
+            },
+            Course {
+                start: self.now.state.deflection[axis],
+                before: step * before.deflection[axis],
+                after: step * after.deflection[axis],
+                end: next.state.deflection[axis],
+            },
+        ];
+        if self.modes.any_stuck(axis) {
+            let net = |share, state| self.stuck_net(axis, torque.at(share)[axis], state);
+            slip.start = slip.start + net(0.0, &self.now.state);
+            slip.end = slip.end + net(1.0, &next.state);
+            let rate = |share, derivative| {
+                self.stuck_net_change(axis, torque.slope(axis, share), step, derivative)
+            };
+            slip.before = slip.before + rate(0.0, before);
+            slip.after = slip.after + rate(1.0, after);
         }
-        let begin = self.slip_signal(axis, torque.at(0.0)[axis], &now.state);
-        [
-            slip.of_long(begin, step),
-            branch.of_long(now.state.deflection[axis], step),
-        ]
+        [slip, branch]
     }
 
-    /// What decides on the slip of an axis in a state under a torque.
+    /// Net torque in N m on the motors of an axis that are stuck, 0 on others.
     #[inline(always)]
-    fn slip_signal(&self, axis: usize, torque: Lanes, x: &State<Lanes, A>) -> Lanes {
+    fn stuck_net(&self, axis: usize, torque: Lanes, state: &State<Lanes, A>) -> Lanes {
         let regime = &self.modes.regimes[axis];
-        let net = self.equations.net_torque(axis, regime, torque, x);
-        x.motor_velocity[axis] + self.modes.stuck[axis] * net
+        self.modes.stuck[axis] * self.equations.net_torque(axis, regime, torque, state)
     }
 
-    /// Rate of change of what decides on the slip of an axis, under a torque that changes at a rate
-    /// in N m/s.
+    /// Its change per step in N m under a torque that changes by so much per step.
     #[inline(always)]
-    fn slip_rate(&self, axis: usize, torque_rate: Lanes, derivative: &State<Lanes, A>) -> Lanes {
+    fn stuck_net_change(
+        &self,
+        axis: usize,
+        torque_change: Lanes,
+        step: Lanes,
+        derivative: &State<Lanes, A>,
+    ) -> Lanes {
         let regime = &self.modes.regimes[axis];
-        let of_net = self
+        let rate = self
             .equations
-            .net_torque_rate(axis, regime, torque_rate, derivative);
-        derivative.motor_velocity[axis] + self.modes.stuck[axis] * of_net
+            .net_torque_rate(axis, regime, torque_change / step, derivative);
+        self.modes.stuck[axis] * (step * rate)
     }
 
     /// Takes the step with each machine's own integrator where a mode may end within it.
@@ -205,7 +215,7 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> InLanes<
     ) {
         let courses: [[Course; 2]; A] = from_fn(|axis| self.courses(axis, torque, step_s, next));
         for (lane, machine) in machines.iter_mut().enumerate() {
-            let ends = |axis: usize| self.modes.may_end(axis, lane, &courses[axis], F::IS_LONG);
+            let ends = |axis: usize| self.modes.may_end(axis, lane, &courses[axis]);
             if !(0..A).any(ends) {
                 continue;
             }

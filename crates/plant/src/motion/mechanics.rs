@@ -77,7 +77,11 @@ impl<K: Links<A> + Debug + 'static, const A: usize> Mechanics for Machine<K, A> 
         torque_nm: &[f64],
     ) -> Vec<f64> {
         self.links
-            .acceleration(&array(position_rad), &array(velocity_rad_s), &array(torque_nm))
+            .acceleration(
+                &array(position_rad),
+                &array(velocity_rad_s),
+                &array(torque_nm),
+            )
             .to_vec()
     }
 

@@ -5,27 +5,14 @@ use crate::joint::friction::Slip;
 use crate::lanes::{LANES, Lanes};
 use crate::scalar::Scalar;
 
-/// A signal that decides on a mode, over a step: its rates at both ends, and its value at the last; of a
-/// long step, in the place of the rates, the two middle Bernstein coefficients of the cubic through
-/// values and rates at both ends.
+/// A signal that decides on a mode, over a step: its values at both ends, and its rates there per
+/// step.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Course {
+    pub(crate) start: Lanes,
     pub(crate) before: Lanes,
     pub(crate) after: Lanes,
     pub(crate) end: Lanes,
-}
-
-impl Course {
-    /// Over a long step of `step` s from a value.
-    #[inline(always)]
-    pub(crate) fn of_long(self, begin: Lanes, step: Lanes) -> Self {
-        let third = Lanes::splat(1.0 / 3.0) * step;
-        Self {
-            before: begin + third * self.before,
-            after: self.end - third * self.after,
-            end: self.end,
-        }
-    }
 }
 
 /// An interval of each machine.
@@ -83,18 +70,22 @@ impl<const A: usize> Modes<A> {
         }
     }
 
-    /// Whether the mode of an axis may end within a step, long or not, given what decides on its slip and on its
+    /// Whether the motor of an axis is stuck in any machine.
+    #[inline(always)]
+    pub(crate) fn any_stuck(&self, axis: usize) -> bool {
+        let mut any = false;
+        for stuck in self.stuck[axis].0 {
+            any |= stuck != 0.0;
+        }
+        any
+    }
+
+    /// Whether the mode of an axis may end within a step, given what decides on its slip and on its
     /// branch of the spring.
     #[inline(always)]
-    pub(crate) fn may_end(
-        &self,
-        axis: usize,
-        lane: usize,
-        courses: &[Course; 2],
-        is_long: bool,
-    ) -> bool {
-        self.slip[axis].may_leave(lane, &courses[0], is_long)
-            | self.branch[axis].may_leave(lane, &courses[1], is_long)
+    pub(crate) fn may_end(&self, axis: usize, lane: usize, courses: &[Course; 2]) -> bool {
+        self.slip[axis].may_leave(lane, &courses[0])
+            | self.branch[axis].may_leave(lane, &courses[1])
     }
 }
 
@@ -119,24 +110,17 @@ impl Interval {
         (self.lower.0[lane], self.upper.0[lane]) = (lower, upper);
     }
 
-    /// Whether a signal is outside at the end of a step, or may have been within: it turned.
+    /// Whether a signal is outside at the end of a step, or may have been within: its tangent at either
+    /// end leads outside over the step. (A cubic stays where its Bernstein coefficients are, its ends
+    /// and a third of the way along the tangents.)
     #[inline(always)]
-    fn may_leave(&self, lane: usize, course: &Course, is_long: bool) -> bool {
+    fn may_leave(&self, lane: usize, course: &Course) -> bool {
         let (lower, upper, end) = (self.lower.0[lane], self.upper.0[lane], course.end.0[lane]);
-        let (before, after) = (course.before.0[lane], course.after.0[lane]);
+        let ahead = course.start.0[lane] + course.before.0[lane];
+        let behind = end - course.after.0[lane];
         // a signal that is not a number is inside nothing
-        let inside = [end >= lower, end <= upper];
-        let turned = if is_long {
-            // a cubic is where its Bernstein coefficients are
-            [
-                !((before >= lower) & (after >= lower)),
-                !((before <= upper) & (after <= upper)),
-            ]
-        } else {
-            let turns = |before: f64, after: f64| (before < 0.0) & (after > 0.0);
-            [turns(before, after), turns(after, before)]
-        };
-        let (below, above) = (!inside[0] | turned[0], !inside[1] | turned[1]);
+        let below = !((end >= lower) & (ahead >= lower) & (behind >= lower));
+        let above = !((end <= upper) & (ahead <= upper) & (behind <= upper));
         ((lower > f64::NEG_INFINITY) & below) | ((upper < f64::INFINITY) & above)
     }
 }

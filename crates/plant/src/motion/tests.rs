@@ -242,6 +242,11 @@ fn timing() {
             bests = bests.min(now.elapsed().as_secs_f64() / n as f64 / LANES as f64);
             assert!(found.iter().all(Result::is_ok));
         }
-        println!("{axes} axes: step alone {:.1} ns, together {:.1} ns, {:.2}", best * 1e9, bests * 1e9, best / bests);
+        println!(
+            "{axes} axes: step alone {:.1} ns, together {:.1} ns, {:.2}",
+            best * 1e9,
+            bests * 1e9,
+            best / bests
+        );
     }
 }

@@ -95,8 +95,6 @@ fn modes() -> impl Iterator<Item = Mode> {
 }
 
 impl Formula<SingleLink, 1> for Exact {
-    const IS_LONG: bool = true;
-
     type Kept = OnceCell<Series<1>>;
 
     fn enter(&mut self, [mode]: &[Mode; 1]) {
