@@ -12,8 +12,8 @@ use pulp::Simd;
 use pulp::bytemuck::{cast_slice, cast_slice_mut};
 
 use crate::lanes::Lanes;
-use crate::scalar::{Angle, Number};
-use crate::sine::{LARGEST_RAD, sin_cos};
+use crate::scalar::Number;
+use crate::sine::{Angle, LARGEST_RAD, sin_cos};
 
 /// A number of each machine in a register, and the instructions there are for it.
 #[derive(Debug, Clone, Copy)]

@@ -2,8 +2,6 @@
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use crate::sine::{LARGEST_RAD, sin_cos};
-
 /// What formulas ask of a number. Nothing branches on it: within a mode (stuck or slipping, on one
 /// branch of the spring) the right-hand side is one formula, and what differs from mode to mode is
 /// a lane value too (`Regime`).
@@ -28,17 +26,6 @@ pub(crate) trait Scalar: Number {
     /// Sine, lane by lane (torque ripple).
     #[must_use]
     fn sin(self) -> Self;
-}
-
-/// A number that may be an angle of a joint.
-pub(crate) trait Angle: Number {
-    /// Size, lane by lane.
-    #[must_use]
-    fn abs(self) -> Self;
-
-    /// Sine and cosine, lane by lane, by one formula whatever the width.
-    #[must_use]
-    fn sin_cos(self) -> (Self, Self);
 }
 
 /// A number of each axis or lane; `array::from_fn` is not always inlined.
@@ -66,21 +53,5 @@ impl Scalar for f64 {
 
     fn sin(self) -> Self {
         self.sin()
-    }
-}
-
-impl Angle for f64 {
-    #[inline(always)]
-    fn abs(self) -> Self {
-        self.abs()
-    }
-
-    #[inline(always)]
-    fn sin_cos(self) -> (Self, Self) {
-        if self.abs() > LARGEST_RAD {
-            self.sin_cos()
-        } else {
-            sin_cos(self)
-        }
     }
 }

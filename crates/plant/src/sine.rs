@@ -1,6 +1,17 @@
 //! Sine and cosine in one formula without branches: the same digits for a number alone and in lanes.
 
-use crate::scalar::Angle;
+use crate::scalar::Number;
+
+/// A number that may be an angle of a joint.
+pub(crate) trait Angle: Number {
+    /// Size, lane by lane.
+    #[must_use]
+    fn abs(self) -> Self;
+
+    /// Sine and cosine, lane by lane, by one formula whatever the width.
+    #[must_use]
+    fn sin_cos(self) -> (Self, Self);
+}
 
 /// Angles in rad up to which the whole quarter turns are taken off exactly.
 pub(crate) const LARGEST_RAD: f64 = 1e6;
@@ -84,6 +95,22 @@ fn polynomial<N: Angle>(coefficients: &[f64; 6], x: N) -> N {
         sum = sum * x + x.like(coefficients[power]);
     }
     sum
+}
+
+impl Angle for f64 {
+    #[inline(always)]
+    fn abs(self) -> Self {
+        self.abs()
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        if self.abs() > LARGEST_RAD {
+            self.sin_cos()
+        } else {
+            sin_cos(self)
+        }
+    }
 }
 
 #[cfg(test)]

@@ -6,10 +6,11 @@ use std::f64::consts::TAU;
 use std::sync::Arc;
 
 use frfid_plant::{
-    Challenges, LoopFrf, PiController, PlantError, Sensor, SimulatedRobot, check_stability,
+    Challenges, LoopFrf, Payload, PiController, PlantError, Sensor, SimulatedRobot,
+    check_stability, simulate_robots,
 };
 use frfid_signals::{Record, Run, RunId, RunKind, Testbed as _};
-use manutec_r3::manutec_r3;
+use manutec_r3::{ball, each_joint, manutec_r3, with_ripple};
 use ndarray::Array2;
 use num_complex::Complex64;
 
@@ -112,6 +113,47 @@ fn a_small_motion_of_one_axis_moves_all_torques_and_axes_as_the_linear_loop_says
                     hz[k]
                 );
             }
+        }
+    }
+}
+
+/// Arms that differ in payload and friction, with ripple and knees, under an excitation that stops and
+/// turns them.
+fn closed_loops(count: usize) -> Vec<SimulatedRobot> {
+    let closed_loop = |index: usize| {
+        let mut arm = with_ripple(manutec_r3());
+        arm.payload = (!index.is_multiple_of(3)).then(|| Payload {
+            mass_kg: 2.0 * index as f64,
+            center_of_mass_m: [0.0, 0.1, 0.2],
+            inertia_kg_m2: ball(0.1),
+        });
+        each_joint(&mut arm, |_, joint| {
+            joint.friction.coulomb_nm *= index as f64 / 8.0;
+            joint.spring.knee_rad = 1e-3;
+            joint.spring.stiffness_beyond_nm_per_rad *= 1.7;
+        });
+        let mut robot = SimulatedRobot::closed_loop(Arc::new(arm), Arc::new(controller()), T);
+        robot.sensors = vec![Sensor::default(); 3];
+        robot.sensors[0].velocity_by_differencing = true;
+        robot.seed = index as u64;
+        robot
+    };
+    (0..count).map(closed_loop).collect()
+}
+
+#[test]
+fn arms_in_closed_loops_side_by_side_move_as_each_does_alone_to_the_last_digit() {
+    let wave = |(axis, sample): (usize, usize)| {
+        let time_s = sample as f64 * T;
+        0.1 * (TAU * (2.0 + 3.0 * axis as f64) * time_s).sin() + 0.05 * (TAU * 17.0 * time_s).sin()
+    };
+    let run = run(Array2::from_shape_fn((3, 400), wave));
+    for count in [1, 2, 5, 16, 17] {
+        let robots = closed_loops(count);
+        let together = simulate_robots(robots.iter().map(|robot| (robot, &run)), &|| true);
+        for (robot, together) in robots.iter().zip(together) {
+            let alone = robot.simulate(&run).expect("stable");
+            assert!(together.expect("stable") == alone);
         }
     }
 }

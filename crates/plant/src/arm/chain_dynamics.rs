@@ -18,7 +18,8 @@ use crate::motion::fleet::Fleet;
 use crate::motion::integrator::Integrator;
 use crate::motion::links::{Acceleration, Links};
 use crate::motion::side_by_side::SideBySide;
-use crate::scalar::{Angle, Number};
+use crate::scalar::Number;
+use crate::sine::Angle;
 
 impl<L: Number> Link<L> {
     /// What it takes to accelerate the link's points by a, its mass being the base's.
@@ -196,6 +197,11 @@ impl<const A: usize> Acceleration<f64, A> for Chain<A> {
         torque: &[f64; A],
     ) -> [f64; A] {
         self.accelerations(*position, *velocity, *torque)
+    }
+
+    #[inline(always)]
+    fn sin(&self, angle: f64) -> f64 {
+        Angle::sin_cos(angle).0
     }
 }
 

@@ -10,6 +10,7 @@ use crate::lanes::{LANES, Lanes};
 use crate::motion::links::{Acceleration, LinksSideBySide};
 use crate::register::Register;
 use crate::scalar::Scalar;
+use crate::sine::Angle as _;
 
 /// Chains of as many links, one a lane.
 #[derive(Debug)]
@@ -55,6 +56,11 @@ impl<const A: usize> Acceleration<Lanes, A> for Chains<A> {
         });
         found
     }
+
+    #[inline(never)]
+    fn sin(&self, angle: Lanes) -> Lanes {
+        self.arch.dispatch(Sine(angle))
+    }
 }
 
 impl Link<Lanes> {
@@ -97,6 +103,23 @@ impl<const A: usize> WithSimd for Accelerations<'_, A> {
                 accelerations[i].store(&mut self.found[i], index);
             });
         }
+    }
+}
+
+/// Sines of a number of each arm.
+struct Sine(Lanes);
+
+impl WithSimd for Sine {
+    type Output = Lanes;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) -> Lanes {
+        let Self(mut angle) = self;
+        for index in 0..LANES / S::F64_LANES {
+            let (sin, _) = Register::load(simd, &angle, index).sin_cos();
+            sin.store(&mut angle, index);
+        }
+        angle
     }
 }
 

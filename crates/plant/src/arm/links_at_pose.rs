@@ -61,6 +61,11 @@ impl<L: Scalar, const A: usize> Acceleration<L, A> for LinksAtPose<A> {
         let gravity = self.gravity_nm(position);
         product(&self.mobility, &from_fn(|i| torque[i] - gravity[i]))
     }
+
+    #[inline(always)]
+    fn sin(&self, angle: L) -> L {
+        angle.sin()
+    }
 }
 
 impl<const A: usize> Links<A> for LinksAtPose<A> {

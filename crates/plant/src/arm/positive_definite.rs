@@ -9,11 +9,11 @@ use crate::scalar::Number;
 pub(crate) fn solve<L: Number, const A: usize>(mass: &[[L; A]; A], mut x: [L; A]) -> [L; A] {
     let (mut lower, mut scaled, mut inverse) = (*mass, *mass, x); // scaled = L D
     unrolled!(for j in 0..A {
-        for i in j..A {
+        unrolled!(for i in j..A {
             for k in 0..j {
                 scaled[i][j] = scaled[i][j] - scaled[i][k] * lower[j][k];
             }
-        }
+        });
         inverse[j] = x[j].like(1.0) / scaled[j][j];
         for i in j + 1..A {
             lower[i][j] = scaled[i][j] * inverse[j];

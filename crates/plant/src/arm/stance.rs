@@ -3,7 +3,8 @@
 use crate::arm::chain::Link;
 use crate::arm::composite::Composite;
 use crate::arm::wrench::{Wrench, add, cross};
-use crate::scalar::{Angle, Number};
+use crate::scalar::Number;
+use crate::sine::Angle;
 
 /// How a link stands on its parent.
 #[derive(Clone, Copy)]

@@ -38,7 +38,7 @@ impl Ripple {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Wave<L> {
     cycles_per_turn: L,
-    amplitude_nm: L,
+    pub(crate) amplitude_nm: L,
     phase_rad: L,
 }
 
@@ -52,9 +52,9 @@ impl<L: Scalar> Wave<L> {
         }
     }
 
-    /// Torque in N m at a motor position in rad on the joint side.
+    /// Angle in rad of the sine at a motor position in rad on the joint side.
     #[inline(always)]
-    pub(crate) fn torque(&self, position_rad: L) -> L {
-        self.amplitude_nm * (self.cycles_per_turn * position_rad + self.phase_rad).sin()
+    pub(crate) fn angle(&self, position_rad: L) -> L {
+        self.cycles_per_turn * position_rad + self.phase_rad
     }
 }

@@ -155,7 +155,8 @@ impl<L: Scalar, K: Acceleration<L, A>, const A: usize> Equations<L, K, A> {
         let drive = &self.drives[axis];
         let mut net = torque - regime.offset_nm;
         for wave in &drive.ripple {
-            net = net - wave.torque(x.motor_position[axis]);
+            let angle = wave.angle(x.motor_position[axis]);
+            net = net - wave.amplitude_nm * self.links.sin(angle);
         }
         net - regime.slope_nm_per_rad * x.deflection[axis]
             - drive.damping_nms_per_rad * x.deflection_rate(axis)

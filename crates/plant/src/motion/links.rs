@@ -14,6 +14,9 @@ pub(crate) trait Acceleration<L, const A: usize> {
     /// Accelerations in rad/s^2 of the links at positions in rad and velocities in rad/s under
     /// torques in N m.
     fn acceleration(&self, position: &[L; A], velocity: &[L; A], torque: &[L; A]) -> [L; A];
+
+    /// Sine of an angle of the ripple: the library's, or a formula that lanes can follow.
+    fn sin(&self, angle: L) -> L;
 }
 
 /// The links of one machine.
@@ -65,6 +68,11 @@ impl<L: Scalar> Acceleration<L, 1> for SingleLink<L> {
     #[inline(always)]
     fn acceleration(&self, _position: &[L; 1], _velocity: &[L; 1], torque: &[L; 1]) -> [L; 1] {
         [torque[0] * self.mobility]
+    }
+
+    #[inline(always)]
+    fn sin(&self, angle: L) -> L {
+        angle.sin()
     }
 }
 

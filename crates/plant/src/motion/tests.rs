@@ -72,7 +72,7 @@ fn arms(axes: usize, count: usize) -> Vec<Arm> {
     let bodies: Vec<_> = (0..count).map(bodies).collect();
     let arm = |(index, bodies)| Arm {
         bodies,
-        payload: (index % 3 > 0).then(|| Payload {
+        payload: (!index.is_multiple_of(3)).then(|| Payload {
             mass_kg: between(1.0, 20.0),
             center_of_mass_m: [0.1, between(-0.1, 0.1), 0.2],
             inertia_kg_m2: Inertia::default(),
@@ -209,44 +209,5 @@ fn a_joint_that_diverges_does_not_touch_those_beside_it() {
         for robot in [0, 2, 3] {
             assert_eq!(place(together.motion(robot)), place(&*alone[robot]));
         }
-    }
-}
-
-#[test]
-#[ignore]
-fn timing() {
-    let only: Option<usize> = std::env::var("AXES").ok().map(|a| a.parse().unwrap());
-    for axes in only.map_or(1..=7, |a| a..=a) {
-        let mut arms = arms(axes, LANES);
-        for arm in &mut arms {
-            arm.challenges.gravity = None;
-            for body in &mut arm.bodies {
-                if let BodyJoint::Flexible(joint) = &mut body.joint {
-                    joint.friction.coulomb_nm = 0.0;
-                    joint.ripple.clear();
-                    joint.spring.stiffness_beyond_nm_per_rad = joint.spring.stiffness_nm_per_rad;
-                }
-            }
-        }
-        let (mut alone, mut together) = (start(&arms), together(&arms));
-        assert_eq!(together.len(), 1);
-        let zero = vec![0.0; axes];
-        let (mut best, mut bests) = (f64::MAX, f64::MAX);
-        let n = if only.is_some() { 40000 } else { 2000 };
-        for _ in 0..7 {
-            let now = std::time::Instant::now();
-            alone[0].advance(n, 1e-4, Acting::Held(&zero)).unwrap();
-            best = best.min(now.elapsed().as_secs_f64() / n as f64);
-            let now = std::time::Instant::now();
-            let found = together[0].advance(n, 1e-4, &vec![Some(Acting::Held(&zero)); LANES]);
-            bests = bests.min(now.elapsed().as_secs_f64() / n as f64 / LANES as f64);
-            assert!(found.iter().all(Result::is_ok));
-        }
-        println!(
-            "{axes} axes: step alone {:.1} ns, together {:.1} ns, {:.2}",
-            best * 1e9,
-            bests * 1e9,
-            best / bests
-        );
     }
 }
