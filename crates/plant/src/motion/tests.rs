@@ -70,7 +70,7 @@ fn arms(axes: usize, count: usize) -> Vec<Arm> {
     };
     let bodies = |_| (0..axes).map(&mut body).collect::<Vec<_>>();
     let bodies: Vec<_> = (0..count).map(bodies).collect();
-    let arm = |(index, bodies)| Arm {
+    let arm = |(index, bodies): (usize, _)| Arm {
         bodies,
         payload: (!index.is_multiple_of(3)).then(|| Payload {
             mass_kg: between(1.0, 20.0),
