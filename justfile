@@ -33,9 +33,13 @@ house:
 bench *names:
     cargo bench {{ names }}
 
-# the same work in numpy and scipy: answers compared, ratios printed
-peers:
-    python benches/peers/compare.py
+# the same work with other packages, in an environment of its own: answers compared, ratios printed and written into the documents
+peers *options:
+    python3.12 benches/peers {{ options }}
+
+# instructions of the same work, counted by valgrind, written into docs/performance.md
+instructions:
+    python3.12 benches/peers --instructions
 
 # the same scenarios in best-linear-approximation and pyFRF: answers against each other and the truth, what each gives
 answers:

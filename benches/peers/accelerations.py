@@ -2,48 +2,56 @@
 
 Pinocchio's articulated-body algorithm takes one state per call and is called from Python, as a user would; the loop itself costs
 less than a microsecond of each call. frfid takes all states in one call. Both read the same URDF; the three base axes are the
-arm with its wrist locked. Left out where Pinocchio is not installed (pip install pin).
+arm with its wrist locked.
 """
 
 import pathlib
+from functools import cache
 
 import numpy as np
 from case import Case
 
 import frfid
 
-try:
-    import pinocchio
-except ImportError:
-    pinocchio = None
-
 ROBOTS = pathlib.Path(__file__).parents[2] / "examples" / "robots"
 
 
-def states(n_axes):
+def states(n, n_axes):
     rng = np.random.default_rng(1)
-    return rng.uniform(-np.pi, np.pi, (1000, n_axes)), rng.normal(0, 2.0, (1000, n_axes)), rng.normal(0, 500.0, (1000, n_axes))
+    return rng.uniform(-np.pi, np.pi, (n, n_axes)), rng.normal(0, 2.0, (n, n_axes)), rng.normal(0, 500.0, (n, n_axes))
 
 
-def by_pinocchio(model, q, qd, torque):
-    data = model.createData()
-    return np.array([pinocchio.aba(model, data, *state) for state in zip(q, qd, torque, strict=True)])
+@cache
+def model(axes):
+    """The arm of the URDF, or its three base axes with the wrist of the robot file locked."""
+    import pinocchio
 
-
-def cases():
-    if pinocchio is None:
-        print("accelerations: left out, pinocchio is not installed")
-        return
     urdf = (ROBOTS / "six_axis.urdf").read_text()
     arm = pinocchio.buildModelFromXML(urdf.replace("continuous", "revolute"))  # angles, not their cosines and sines
     wrist = np.array(frfid.Plant.load(ROBOTS / "six_axis.toml").pose_rad)
-    base = pinocchio.buildReducedModel(arm, [4, 5, 6], wrist)
-    for file, model in (("manutec_r3.toml", base), ("six_axis_flexibility.toml", arm)):
-        plant, (q, qd, torque) = frfid.Plant.load(ROBOTS / file), states(model.nv)
+    return arm if axes == arm.nv else pinocchio.buildReducedModel(arm, [4, 5, 6], wrist)
+
+
+def by_pinocchio(q, qd, torque):
+    import pinocchio
+
+    arm = model(q.shape[1])
+    data = arm.createData()
+    return np.array([pinocchio.aba(arm, data, *state) for state in zip(q, qd, torque, strict=True)])
+
+
+def cases(small=False):
+    for file in ("manutec_r3.toml", "six_axis_flexibility.toml"):
+        plant = frfid.Plant.load(ROBOTS / file)
+        state = states(100 if small else 1000, plant.n_axes)
         yield Case(
-            f"accelerations, {model.nv} axes",
+            f"link accelerations, {plant.n_axes} axes",
+            "state",
+            len(state[0]),
+            lambda plant=plant, state=state: plant.link_acceleration(*state),
+            "pin",
             "pinocchio.aba, state by state",
-            lambda plant=plant, s=(q, qd, torque): plant.link_acceleration(*s),
-            lambda model=model, s=(q, qd, torque): by_pinocchio(model, *s),
+            lambda state=state: by_pinocchio(*state),
             tolerance=1e-9,
+            headline=plant.n_axes == 3,
         )

@@ -1,4 +1,4 @@
-"""Reading of recordings: 100 000 rows of ten columns from a CSV, 50 000 JointState messages of three joints from an MCAP in zstd chunks.
+"""Reading of recordings: 50 000 JointState messages of three joints from an MCAP in zstd chunks, 100 000 rows of ten columns from a CSV.
 
 frfid puts the samples on one clock and looks for losses besides, and verifies every checksum of the MCAP.
 """
@@ -11,15 +11,14 @@ from case import Case
 
 import frfid
 
-N_ROWS, N_COLUMNS = 100_000, 10
-N_MESSAGES = 50_000
+N_COLUMNS = 10
 FOLDER = tempfile.TemporaryDirectory()
 SIGNAL = {"unit": "1"}
 
 
-def table():
+def table(n_rows):
     path = pathlib.Path(FOLDER.name) / "log.csv"
-    t = np.arange(N_ROWS) * 1e-3
+    t = np.arange(n_rows) * 1e-3
     columns = np.sin(t[:, None] * np.arange(1, N_COLUMNS))
     names = ["t", *(f"c{k}" for k in range(1, N_COLUMNS))]
     np.savetxt(path, np.c_[t, columns], delimiter=",", header=",".join(names), comments="", fmt=["%.3f"] + ["%.9f"] * (N_COLUMNS - 1))
@@ -27,7 +26,7 @@ def table():
     return path, {"time": {"source": "t", "unit": "s"}, "u": signals[:1], "y": signals[1:]}
 
 
-def bag():
+def bag(n_messages):
     """Written by the Python package of MCAP for ROS 2."""
     from mcap_ros2.writer import Writer
 
@@ -39,7 +38,7 @@ def bag():
     with open(path, "wb") as file:
         writer = Writer(file)
         schema = writer.register_msgdef("sensor_msgs/msg/JointState", definition)
-        for k in range(N_MESSAGES):
+        for k in range(n_messages):
             stamp_ns = 10**18 + k * 10**6
             values = np.sin(1e-3 * k * np.arange(1, 4)).tolist()
             header = {"stamp": {"sec": stamp_ns // 10**9, "nanosec": stamp_ns % 10**9}, "frame_id": ""}
@@ -74,16 +73,21 @@ def by_mcap(path):
     return np.array([message.effort for message in messages]).T, np.array([message.velocity for message in messages]).T
 
 
-def cases():
-    path, log_map = table()
-    ours = lambda: by_frfid(path, log_map)
-    yield Case("a CSV of a million numbers", "numpy.loadtxt", ours, lambda: by_numpy(path), tolerance=1e-15)
-    yield Case("a CSV of a million numbers", "pandas.read_csv", ours, lambda: by_pandas(path), tolerance=1e-12)
-    path_of_bag, map_of_bag = bag()
-    yield Case(
-        "50 000 JointState from MCAP",
-        "mcap_ros2",
-        lambda: by_frfid(path_of_bag, map_of_bag),
-        lambda: by_mcap(path_of_bag),
-        tolerance=1e-15,
-    )
+def by_rosbags(path):
+    from rosbags.highlevel import AnyReader
+
+    with AnyReader([path]) as source:
+        messages = [source.deserialize(raw, connection.msgtype) for connection, _, raw in source.messages()]
+    return np.array([message.effort for message in messages]).T, np.array([message.velocity for message in messages]).T
+
+
+def cases(small=False):
+    n_messages, n_rows = (500, 1000) if small else (50_000, 100_000)
+    path, log_map = bag(n_messages)
+    here = (f"{n_messages} JointState messages from MCAP, zstd", "message", n_messages, lambda: by_frfid(path, log_map))
+    yield Case(*here, "mcap-ros2-support", "read_ros2_messages", lambda: by_mcap(path), tolerance=1e-15, headline=True)
+    yield Case(*here, "rosbags", "AnyReader", lambda: by_rosbags(path), tolerance=1e-15, headline=True)
+    csv, csv_map = table(n_rows)
+    here = (f"CSV, {n_rows} x {N_COLUMNS}", "number", n_rows * N_COLUMNS, lambda: by_frfid(csv, csv_map))
+    yield Case(*here, "numpy", "np.loadtxt", lambda: by_numpy(csv), tolerance=1e-15)
+    yield Case(*here, "pandas", "pandas.read_csv", lambda: by_pandas(csv), tolerance=1e-12)

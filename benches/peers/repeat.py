@@ -1,0 +1,10 @@
+"""One case's work on frfid's side, done so many times, for valgrind to count: repeat.py WORKLOAD INDEX TIMES"""
+
+import sys
+
+import workloads
+
+name, index, times = sys.argv[1], int(sys.argv[2]), int(sys.argv[3])
+case = list(workloads.cases(name, small=True))[index]
+for _ in range(times):
+    case.ours()
