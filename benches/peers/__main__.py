@@ -68,7 +68,7 @@ def compare(options):
                 rows.append(timing.measure(case, options.seconds))
                 print(report.line(rows[-1]), flush=True)
     if not options.only and not options.check:
-        report.write(rows, " ".join(["python benches/peers", *sys.argv[1:]]))
+        report.write(rows, f"python benches/peers --threads {options.threads} --seconds {options.seconds:g}")
 
 
 if __name__ == "__main__":

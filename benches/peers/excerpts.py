@@ -6,7 +6,6 @@ and numpy the sum over all samples without filter.
 """
 
 import numpy as np
-import scipy.signal
 from case import PEAK, Case
 
 import frfid
@@ -15,10 +14,9 @@ CHIRP = frfid.Chirp(low_hz=1.0, high_hz=60.0, duration_s=20.0, amplitude=PEAK)
 
 
 def recording(sample_time_s):
-    """Chirps with flipped signs and the output of three equal joints that are coupled, (experiment, channel, sample)."""
+    """Chirps with flipped signs, and their coupled means with what was 5 ms before, (experiment, channel, sample)."""
     u = CHIRP.sample(sample_time_s=sample_time_s, n_inputs=3, mimo="sign-flip")
-    joint = frfid.Plant.single_joint()
-    motion = np.array([joint.simulate(channels[:, None], sample_time_s=sample_time_s).y[:, 0] for channels in u])
+    motion = 0.5 * (u + np.roll(u, round(5e-3 / sample_time_s), axis=-1))
     gain = np.array([[1.0, 0.2, -0.1], [0.3, 0.8, 0.1], [-0.2, 0.4, 0.5]])
     return u, gain @ motion
 
@@ -39,25 +37,29 @@ def correlated(piece, hz, sample_time_s, step, length):
 
 def by_upfirdn(x, hz, sample_time_s):
     """Value of every channel at `hz`, x (channel, sample): the filter reaches beyond the excerpt where there are samples."""
+    from scipy import signal
+
     first, last = ends(hz, sample_time_s, x.shape[1])
     step = max(int(1 / (10 * hz * sample_time_s)), 1)
-    taps = scipy.signal.windows.hann(4 * step + 1)[1:-1] if step > 1 else np.ones(1)
+    taps = signal.windows.hann(4 * step + 1)[1:-1] if step > 1 else np.ones(1)
     reach = len(taps) // 2
     before, after = min(reach, first), min(reach, x.shape[1] - 1 - last)
     piece = x[:, first - before : last + after + 1] - x[:, first : last + 1].mean(axis=1, keepdims=True)
     lead = -2 * reach % step  # zeros in front, so that the filter is centred on the samples that are kept
     piece = np.pad(piece, ((0, 0), (reach - before + lead, reach - after)))
     start, count = (2 * reach + lead) // step, 1 + (last - first) // step
-    coarse = scipy.signal.upfirdn(taps / taps.sum(), piece, down=step, axis=1)[:, start : start + count]
+    coarse = signal.upfirdn(taps / taps.sum(), piece, down=step, axis=1)[:, start : start + count]
     return correlated(coarse, hz, sample_time_s, step, last - first)
 
 
 def by_decimate(x, hz, sample_time_s):
+    from scipy import signal
+
     first, last = ends(hz, sample_time_s, x.shape[1])
     step = max(int(1 / (10 * hz * sample_time_s)), 1)
     piece = x[:, first : last + 1] - x[:, first : last + 1].mean(axis=1, keepdims=True)
     if step > 1:
-        piece = scipy.signal.decimate(piece, step, ftype="fir", axis=1)
+        piece = signal.decimate(piece, step, ftype="fir", axis=1)
     return correlated(piece, hz, sample_time_s, step, last - first)
 
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 from case import SAMPLE_TIME_S
-from scipy.integrate import solve_ivp
 
 NUDGE = 1e-12  # rad/s with which a motor breaks loose, so that the event function does not begin at its own zero
 MOTOR, LINK, DAMPING, STIFFNESS = 35.0, 150.0, 400.0, 1.5e5
@@ -24,6 +23,7 @@ def by_solve_ivp(u, method="RK45", coulomb=0.0, k2=STIFFNESS, knee=1e-3, rtol=1e
     From sample to sample, since the torque jumps there. Event functions find where the motor stops or breaks loose, step control
     finds the knee of the spring. Tolerances are set for answers that agree to 1e-6 of the peak.
     """
+    from scipy.integrate import solve_ivp
 
     def net(x, torque):
         return torque - spring(k2, knee, x[1]) - DAMPING * (x[0] - x[2])

@@ -38,17 +38,23 @@ def performance(rows, command):
     table = ["| work | per | frfid, ns | instead | ns | times longer | agree to |", "|---|---|---|---|---|---|---|"]
     for row in rows:
         case, remark = row.case, f" ({row.case.remark})" if row.case.remark else ""
-        ratio = f"{row.ratio:.3g} ({min(row.ratios):.3g} to {max(row.ratios):.3g})"
-        instead = f"{case.package} {case.peer_version}, `{case.how}`{remark}"
-        table.append(f"| {case.work} | {case.unit} | {row.ours_ns:.3g} | {instead} | {row.peer_ns:.3g} | {ratio} | {row.difference:.0e} |")
+        ratio = f"{digits(row.ratio)} ({digits(min(row.ratios))} to {digits(max(row.ratios))})"
+        instead = f"{case.package} {case.peer_version}: {case.how}{remark}"
+        times = f"{case.unit} | {digits(row.ours_ns)} | {instead} | {digits(row.peer_ns)}"
+        table.append(f"| {case.work} | {times} | {ratio} | {row.difference:.0e} |")
     return "\n".join([f"`{command}`, {where()}: {versions}.", "", *table])
 
 
 def readme(rows):
     """A few ratios of the same run."""
     table = ["| work | instead | times longer |", "|---|---|---|"]
-    table += [f"| {row.case.work} | {row.case.package}, `{row.case.how}` | {row.ratio:.3g} |" for row in rows]
+    table += [f"| {row.case.work} | {row.case.package}: {row.case.how} | {digits(row.ratio)} |" for row in rows]
     return "\n".join([f"Of one run, {where()}:", "", *table])
+
+
+def digits(number):
+    """Three digits, without an exponent."""
+    return f"{number:.3g}" if abs(number) < 1000 else f"{float(f'{number:.3g}'):,.0f}".replace(",", " ")
 
 
 def where():
