@@ -63,6 +63,7 @@ pub use joint::ripple::Ripple;
 pub use joint::spring::Spring;
 pub use linear::loop_frf::LoopFrf;
 pub use linear::loop_poles::{check_stability, loop_poles};
+pub use motion::mechanics::LinkDynamics;
 pub use motion::trajectory::Trajectory;
 pub use motion::{Acting, Motion};
 pub use robot::Robot;

@@ -1,7 +1,7 @@
 //! Dynamics of an arm's links: `Plant.mass_matrix`, `gravity_torque`, `link_acceleration`,
 //! `modes_hz`.
 
-use frfid_plant::Arm;
+use frfid_plant::{Arm, LinkDynamics};
 use numpy::PyArrayDyn;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -29,9 +29,9 @@ impl Plant {
     /// ValueError
     ///     For a single joint, or another number of axes.
     fn mass_matrix<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let (arm, n) = (self.arm()?, self.robot.n_axes());
+        let (links, n) = (self.links()?, self.robot.n_axes());
         let matrix =
-            |state: &[&[f64]]| Ok(arm.mass_matrix(state[0])?.transpose().as_slice().to_vec());
+            |state: &[&[f64]]| Ok(links.mass_matrix(state[0])?.transpose().as_slice().to_vec());
         per_state(q.py(), n, &[("q", q)], &[n, n], matrix)
     }
 
@@ -52,13 +52,13 @@ impl Plant {
     /// ValueError
     ///     For a single joint, or another number of axes.
     fn gravity_torque<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let arm = self.arm()?;
+        let links = self.links()?;
         per_state(
             q.py(),
             self.robot.n_axes(),
             &[("q", q)],
             &[self.robot.n_axes()],
-            |state| arm.gravity_torque_nm(state[0]),
+            |state| links.gravity_torque_nm(state[0]),
         )
     }
 
@@ -85,14 +85,14 @@ impl Plant {
         qd: &Bound<'py, PyAny>,
         torque: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
-        let arm = self.arm()?;
+        let links = self.links()?;
         let arguments = [("q", q), ("qd", qd), ("torque", torque)];
         per_state(
             q.py(),
             self.robot.n_axes(),
             &arguments,
             &[self.robot.n_axes()],
-            |state| arm.link_acceleration(state[0], state[1], state[2]),
+            |state| links.acceleration(state[0], state[1], state[2]),
         )
     }
 
@@ -125,6 +125,10 @@ impl Plant {
 }
 
 impl Plant {
+    fn links(&self) -> PyResult<LinkDynamics> {
+        self.arm()?.link_dynamics().map_err(error::signal)
+    }
+
     fn arm(&self) -> PyResult<Arm> {
         self.table.arm().ok_or_else(|| {
             PyValueError::new_err("a single joint is no arm: it has one link and one mode")

@@ -14,30 +14,36 @@ use crate::error::PlantError;
 use crate::joint::flexible_joint::FlexibleJoint;
 use crate::motion::Motion;
 use crate::motion::equations::Machine;
-use crate::motion::mechanics::Mechanics;
+use crate::motion::mechanics::{LinkDynamics, Mechanics};
 use crate::robot::Robot;
 use crate::state_space::StateSpace;
 
 impl Arm {
-    /// Mass matrix M in kg m^2 of the links at positions in rad of the moving joints.
+    /// The dynamics of the links, made ready once for any number of states.
+    ///
+    /// # Errors
+    /// [`SignalError`] for a parameter out of range.
+    pub fn link_dynamics(&self) -> Result<LinkDynamics, SignalError> {
+        Ok(LinkDynamics(self.mechanics()?))
+    }
+
+    /// [`LinkDynamics::mass_matrix`] of one state.
     ///
     /// # Errors
     /// [`SignalError`] for a parameter or position out of range or another number of positions.
     pub fn mass_matrix(&self, link_position_rad: &[f64]) -> Result<DMatrix<f64>, SignalError> {
-        self.check_axes("link_position_rad", link_position_rad)?;
-        Ok(self.mechanics()?.mass_matrix(link_position_rad))
+        self.link_dynamics()?.mass_matrix(link_position_rad)
     }
 
-    /// Torques g in N m that hold the links against gravity.
+    /// [`LinkDynamics::gravity_torque_nm`] of one state.
     ///
     /// # Errors
     /// As [`Arm::mass_matrix`].
     pub fn gravity_torque_nm(&self, link_position_rad: &[f64]) -> Result<Vec<f64>, SignalError> {
-        self.bias_nm(link_position_rad, &vec![0.0; self.n_axes()])
+        self.link_dynamics()?.gravity_torque_nm(link_position_rad)
     }
 
-    /// Torques C qo' + g in N m that keep the links at constant velocities in rad/s: Coriolis,
-    /// centrifugal, gravity.
+    /// [`LinkDynamics::bias_nm`] of one state.
     ///
     /// # Errors
     /// As [`Arm::mass_matrix`].
@@ -46,15 +52,11 @@ impl Arm {
         link_position_rad: &[f64],
         link_velocity_rad_s: &[f64],
     ) -> Result<Vec<f64>, SignalError> {
-        self.check_axes("link_position_rad", link_position_rad)?;
-        self.check_axes("link_velocity_rad_s", link_velocity_rad_s)?;
-        Ok(self
-            .mechanics()?
-            .bias_nm(link_position_rad, link_velocity_rad_s))
+        let dynamics = self.link_dynamics()?;
+        dynamics.bias_nm(link_position_rad, link_velocity_rad_s)
     }
 
-    /// Accelerations in rad/s^2 of the links when the gears transmit torques in N m: M^-1 (torque -
-    /// C qo' - g).
+    /// [`LinkDynamics::acceleration`] of one state.
     ///
     /// # Errors
     /// As [`Arm::mass_matrix`].
@@ -64,12 +66,8 @@ impl Arm {
         link_velocity_rad_s: &[f64],
         torque_nm: &[f64],
     ) -> Result<Vec<f64>, SignalError> {
-        self.check_axes("link_position_rad", link_position_rad)?;
-        self.check_axes("link_velocity_rad_s", link_velocity_rad_s)?;
-        self.check_axes("torque_nm", torque_nm)?;
-        Ok(self
-            .mechanics()?
-            .acceleration(link_position_rad, link_velocity_rad_s, torque_nm))
+        let dynamics = self.link_dynamics()?;
+        dynamics.acceleration(link_position_rad, link_velocity_rad_s, torque_nm)
     }
 
     /// Energy in J of links, motors and gears in motion and in the field of gravity, but for a

@@ -21,7 +21,7 @@ pub(crate) trait Acceleration<L, const A: usize> {
 
 /// The links of one machine.
 pub(crate) trait Links<const A: usize>:
-    Acceleration<f64, A> + Clone + Debug + 'static
+    Acceleration<f64, A> + Clone + Debug + Send + Sync + 'static
 {
     /// A fleet of a machine with these links, which others may join; `None` if it moves alone.
     fn fleet(_machine: &Integrator<Self, A>) -> Option<Box<dyn Fleet>> {

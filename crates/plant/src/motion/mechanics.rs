@@ -4,6 +4,8 @@
 use std::array::from_fn;
 use std::fmt::Debug;
 
+use frfid_signals::SignalError;
+use frfid_signals::checks::{finite, one_per_axis};
 use nalgebra::{DMatrix, DVector};
 
 use crate::joint::flexible_joint::FlexibleJoint;
@@ -15,7 +17,7 @@ use crate::state_space::StateSpace;
 
 /// Joints on links, whatever they are and on however many axes. Slices hold one value for each
 /// axis; others panic.
-pub(crate) trait Mechanics: Debug {
+pub(crate) trait Mechanics: Debug + Send + Sync {
     /// Motor and gear of every axis.
     fn joints(&self) -> &[FlexibleJoint];
 
@@ -51,7 +53,7 @@ fn array<const A: usize>(values: &[f64]) -> [f64; A] {
     from_fn(|axis| values[axis])
 }
 
-impl<K: Links<A> + Debug + 'static, const A: usize> Mechanics for Machine<K, A> {
+impl<K: Links<A>, const A: usize> Mechanics for Machine<K, A> {
     fn joints(&self) -> &[FlexibleJoint] {
         &self.joints
     }
@@ -95,6 +97,66 @@ impl<K: Links<A> + Debug + 'static, const A: usize> Mechanics for Machine<K, A> 
             array(position_rad),
             array(velocity_rad_s),
         ))
+    }
+}
+
+/// Dynamics of a machine's links, made ready once for any number of states.
+#[derive(Debug)]
+pub struct LinkDynamics(pub(crate) Box<dyn Mechanics>);
+
+impl LinkDynamics {
+    /// Mass matrix M in kg m^2 of the links at positions in rad.
+    ///
+    /// # Errors
+    /// [`SignalError`] for another number of positions, or one that is not finite.
+    pub fn mass_matrix(&self, position_rad: &[f64]) -> Result<DMatrix<f64>, SignalError> {
+        self.check("link_position_rad", position_rad)?;
+        Ok(self.0.mass_matrix(position_rad))
+    }
+
+    /// Torques C qo' + g in N m that keep the links at constant velocities in rad/s: Coriolis,
+    /// centrifugal, gravity.
+    ///
+    /// # Errors
+    /// As [`LinkDynamics::mass_matrix`].
+    pub fn bias_nm(
+        &self,
+        position_rad: &[f64],
+        velocity_rad_s: &[f64],
+    ) -> Result<Vec<f64>, SignalError> {
+        self.check("link_position_rad", position_rad)?;
+        self.check("link_velocity_rad_s", velocity_rad_s)?;
+        Ok(self.0.bias_nm(position_rad, velocity_rad_s))
+    }
+
+    /// Torques g in N m that hold the links against gravity.
+    ///
+    /// # Errors
+    /// As [`LinkDynamics::mass_matrix`].
+    pub fn gravity_torque_nm(&self, position_rad: &[f64]) -> Result<Vec<f64>, SignalError> {
+        self.bias_nm(position_rad, &vec![0.0; position_rad.len()])
+    }
+
+    /// Accelerations in rad/s^2 of the links when the gears transmit torques in N m: M^-1 (torque -
+    /// C qo' - g).
+    ///
+    /// # Errors
+    /// As [`LinkDynamics::mass_matrix`].
+    pub fn acceleration(
+        &self,
+        position_rad: &[f64],
+        velocity_rad_s: &[f64],
+        torque_nm: &[f64],
+    ) -> Result<Vec<f64>, SignalError> {
+        self.check("link_position_rad", position_rad)?;
+        self.check("link_velocity_rad_s", velocity_rad_s)?;
+        self.check("torque_nm", torque_nm)?;
+        let found = self.0.acceleration(position_rad, velocity_rad_s, torque_nm);
+        Ok(found)
+    }
+
+    fn check(&self, name: &'static str, values: &[f64]) -> Result<(), SignalError> {
+        one_per_axis(name, Some(values), self.0.joints().len(), finite)
     }
 }
 
