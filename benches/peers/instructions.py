@@ -31,8 +31,8 @@ def main(only):
                 seen.add(case.work)
                 more = enough(case.ours)
                 count = (counted(name, index, FIRST + more) - counted(name, index, FIRST)) / more / case.n_ours
-                table.append(f"| {case.work} | {report.digits(count)} per {case.unit} |")
-                print(f"{case.work:80} {report.digits(count):>9} per {case.unit}", flush=True)
+                table.append(f"| {case.work} | {report.digits(count, 4)} per {case.unit} |")
+                print(f"{case.work:80} {report.digits(count, 4):>9} per {case.unit}", flush=True)
     if not only:
         version = subprocess.run(["valgrind", "--version"], capture_output=True, text=True, check=True).stdout.strip()
         text = [f"`python benches/peers --instructions`, {report.where()}, {version}:", "", *table]

@@ -52,9 +52,9 @@ def readme(rows):
     return "\n".join([f"Of one run, {where()}:", "", *table])
 
 
-def digits(number):
-    """Three digits, without an exponent."""
-    return f"{number:.3g}" if abs(number) < 1000 else f"{float(f'{number:.3g}'):,.0f}".replace(",", " ")
+def digits(number, n=3):
+    """So many digits, without an exponent."""
+    return f"{number:.{n}g}" if abs(number) < 1000 else f"{float(f'{number:.{n}g}'):,.0f}".replace(",", " ")
 
 
 def where():
