@@ -159,9 +159,10 @@ impl<K: Links<A>, F: Formula<K, A>, const A: usize> Trial<'_, K, A, F> {
         let inside = (0.0, self.margin(bound, 0.0, &self.motion.state));
         let mut outside = (1.0, self.margin(bound, 1.0, end));
         if outside.1 >= 0.0 {
-            // Inside again: it can only have been outside if it turned back within the step. A mode
-            // that begins on its bound begins by moving inside; a slope that says otherwise is
-            // rounding.
+            // Inside again: it can only have been outside if it turned back within the step, and its
+            // tangents lead outside: a cubic stays within its ends and a third of the way along them.
+            // A mode that begins on its bound begins by moving inside; a slope that says otherwise
+            // is rounding.
             if inside.1 <= 0.0 {
                 return None;
             }
@@ -169,7 +170,12 @@ impl<K: Links<A>, F: Formula<K, A>, const A: usize> Trial<'_, K, A, F> {
                 self.margin_rate(bound, 0.0, self.derivative),
                 self.margin_rate(bound, 1.0, end_derivative),
             ];
-            if !(rates[0] < 0.0 && rates[1] > 0.0) {
+            let duration_s = self.duration_s();
+            let [ahead, behind] = [
+                inside.1 + duration_s * rates[0],
+                outside.1 - duration_s * rates[1],
+            ];
+            if !(rates[0] < 0.0 && rates[1] > 0.0 && (ahead <= 0.0 || behind <= 0.0)) {
                 return None;
             }
             outside = self.turn_outside(bound, rates)?;
