@@ -1,6 +1,6 @@
 //! Record of a run: what a testbed measured.
 
-use ndarray::{Array2, ArrayView2, s};
+use ndarray::{Array2, ArrayView2};
 use serde::{Deserialize, Serialize};
 
 use crate::error::SignalError;
@@ -161,20 +161,6 @@ impl Record {
                 samples_until(time_s).min(self.n_samples())
             })
     }
-
-    /// Keeps the first samples of every signal, as many as are asked for. Events stay.
-    pub fn truncate(&mut self, n_samples: usize) {
-        let n_samples = n_samples.min(self.n_samples());
-        let signals = [
-            Some(&mut self.u),
-            Some(&mut self.y),
-            self.r.as_mut(),
-            self.position_rad.as_mut(),
-        ];
-        for signal in signals.into_iter().flatten() {
-            *signal = signal.slice(s![.., ..n_samples]).to_owned();
-        }
-    }
 }
 
 /// Refuses NaN and infinite samples with their count and first place.
@@ -263,18 +249,5 @@ mod tests {
         );
         assert_eq!(stopped(None).n_steady_samples(), 3);
         assert_eq!(stopped(Some(f64::NAN)).n_steady_samples(), 0); // from a file: no sample is known to be steady
-    }
-
-    #[test]
-    fn a_truncated_record_is_sound() {
-        let mut short = Record {
-            r: Some(array![[1.0, 2.0, 3.0]]),
-            ..record()
-        };
-        short.truncate(2);
-        assert_eq!(
-            (short.check(), short.n_samples(), short.y),
-            (Ok(()), 2, array![[1.0, 2.0], [4.0, 5.0]])
-        );
     }
 }

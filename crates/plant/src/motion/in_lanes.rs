@@ -167,14 +167,12 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> InLanes<
             },
         ];
         if self.modes.any_stuck(axis) {
-            let net = |share, state| self.stuck_net(axis, torque.at(share)[axis], state);
-            slip.start = slip.start + net(0.0, &self.now.state);
-            slip.end = slip.end + net(1.0, &next.state);
-            let rate = |share, derivative| {
-                self.stuck_net_change(axis, torque.slope(axis, share), step, derivative)
-            };
-            slip.before = slip.before + rate(0.0, before);
-            slip.after = slip.after + rate(1.0, after);
+            let (start, end) = (torque.at(0.0)[axis], torque.at(1.0)[axis]);
+            slip.start = slip.start + self.stuck_net(axis, start, &self.now.state);
+            slip.end = slip.end + self.stuck_net(axis, end, &next.state);
+            let (first, last) = (torque.slope(axis, 0.0), torque.slope(axis, 1.0));
+            slip.before = slip.before + self.stuck_net_change(axis, first, step, before);
+            slip.after = slip.after + self.stuck_net_change(axis, last, step, after);
         }
         [slip, branch]
     }

@@ -1,6 +1,6 @@
 //! Trajectory of a simulation: the true motion, before any sensor.
 
-use ndarray::{Array2, s};
+use ndarray::Array2;
 
 use crate::motion::Motion;
 
@@ -53,27 +53,21 @@ impl Trajectory {
         }
     }
 
-    /// Keeps the first samples, `n_samples` of them.
-    pub(crate) fn truncate(&mut self, n_samples: usize) {
-        for signal in [
-            &mut self.motor_position_rad,
-            &mut self.motor_velocity_rad_s,
-            &mut self.deflection_rad,
-            &mut self.link_velocity_rad_s,
-        ] {
-            *signal = signal.slice(s![.., ..n_samples]).to_owned();
-        }
-    }
-
     /// Writes the share of the time that each motor has been stuck.
     pub(crate) fn set_stuck(&mut self, motion: &dyn Motion) {
-        let duration_s = motion.time_s();
-        for (share, stuck_s) in self.stuck_share.iter_mut().zip(motion.stuck_s()) {
-            *share = if duration_s > 0.0 {
-                stuck_s / duration_s
-            } else {
-                0.0
-            };
-        }
+        self.stuck_share = stuck_share(motion);
     }
+}
+
+/// Share of the time that each motor has been stuck, 0 before it has moved on.
+pub(crate) fn stuck_share(motion: &dyn Motion) -> Vec<f64> {
+    let duration_s = motion.time_s();
+    let share = |stuck_s: &f64| {
+        if duration_s > 0.0 {
+            stuck_s / duration_s
+        } else {
+            0.0
+        }
+    };
+    motion.stuck_s().iter().map(share).collect()
 }

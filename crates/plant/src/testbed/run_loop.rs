@@ -5,7 +5,6 @@ use frfid_signals::Run;
 use crate::control::changes::Changes;
 use crate::control::sensor::{AxisSample, Sensor};
 use crate::control::watch::{Guard, Moment};
-use crate::motion::trajectory::Trajectory;
 use crate::motion::{Acting, Motion};
 use crate::testbed::command::Command;
 use crate::testbed::recorder::Recorder;
@@ -23,7 +22,6 @@ pub(crate) struct RunLoop<'a> {
     recorder: Recorder,
     guard: Guard<'a>,
     changes: Changes,
-    truth: Trajectory,
     /// Every axis at the last sample.
     axes: Vec<AxisSample>,
     /// Torques in N m that act from the last sample on.
@@ -35,7 +33,7 @@ pub(crate) struct RunLoop<'a> {
 impl<'a> RunLoop<'a> {
     /// The loop before the first sample of a run at whose start the robot is.
     pub(crate) fn new(robot: &'a SimulatedRobot, run: &'a Run, motion: &dyn Motion) -> Self {
-        let (n_axes, n_samples) = run.reference.dim();
+        let n_axes = run.reference.nrows();
         let (holding, velocity) = (motion.holding_nm(), motion.motor_velocity_rad_s());
         Self {
             run,
@@ -44,7 +42,6 @@ impl<'a> RunLoop<'a> {
             recorder: Recorder::new(&robot.sensors, robot.seed, run, motion),
             guard: Guard::new(robot.watch.as_ref(), run),
             changes: Changes::steady(run.sample_time_s, &holding, velocity),
-            truth: Trajectory::zeros(run.sample_time_s, n_axes, n_samples),
             axes: vec![AxisSample::default(); n_axes],
             torque_nm: vec![0.0; n_axes],
             ahead_nm: Vec::with_capacity(n_axes),
@@ -61,13 +58,12 @@ impl<'a> RunLoop<'a> {
         }
         self.set_torques(sample, motion);
         if sample < n_samples {
-            self.truth.set(sample, motion);
-            self.recorder.take(sample, &self.axes);
+            self.recorder.take(&self.axes, motion);
         }
         self.look(sample, motion);
         let ends = self.guard.ends(sample);
         if sample + 1 == n_samples || (ends && sample < n_samples) {
-            self.truth.set_stuck(motion);
+            self.recorder.take_stuck(motion);
         }
         if ends {
             return Some(n_samples.min(sample + 1));
@@ -93,16 +89,12 @@ impl<'a> RunLoop<'a> {
             axes: &self.axes,
             changes: &self.changes,
         });
-        self.recorder.record.events.extend(event);
+        self.recorder.events.extend(event);
     }
 
     /// What came of the samples that were done, under controllers of these gains in N m s/rad.
     pub(crate) fn finish(self, n_samples: usize, gains: &[f64]) -> Simulated {
-        let (mut record, mut truth) = (self.recorder.record, self.truth);
-        if n_samples < self.run.reference.ncols() {
-            truth.truncate(n_samples);
-            record.truncate(n_samples);
-        }
+        let (mut record, truth) = self.recorder.finish();
         let last = n_samples.saturating_sub(1);
         record.events.extend(self.guard.stopped(last, gains));
         Simulated {
@@ -138,7 +130,7 @@ impl<'a> RunLoop<'a> {
             self.torque_nm[axis] = acting_nm;
             if let Some(reached) = output.reached.filter(|_| in_run) {
                 let event = reached.event(axis, sample as f64 * self.run.sample_time_s);
-                self.recorder.record.events.push(event);
+                self.recorder.events.push(event);
             }
         }
     }

@@ -80,21 +80,27 @@ impl<L: Scalar> Flow<L> {
     /// The state a step further under a torque that is a straight line.
     #[inline(always)]
     pub(crate) fn step(&self, torque: &Segment<1, L>, x: &State<L, 1>) -> State<L, 1> {
-        let (start, change) = torque.line_of(0);
-        let [position, deflection, motor_velocity, link_velocity] = x.numbers();
-        let added = |row: &Row<L>| {
-            row[0] * deflection
-                + row[1] * motor_velocity
-                + row[2] * link_velocity
-                + (row[3] * start + row[4] * change + row[5])
-        };
+        let (line, mut next) = (torque.line_of(0), x.numbers());
+        for (number, row) in next.iter_mut().zip(&self.rows) {
+            *number = *number + added(row, line, x);
+        }
+        let [position, deflection, motor_velocity, link_velocity] = next;
         State {
-            motor_position: [position + added(&self.rows[0])],
-            deflection: [deflection + added(&self.rows[1])],
-            motor_velocity: [motor_velocity + added(&self.rows[2])],
-            link_velocity: [link_velocity + added(&self.rows[3])],
+            motor_position: [position],
+            deflection: [deflection],
+            motor_velocity: [motor_velocity],
+            link_velocity: [link_velocity],
         }
     }
+}
+
+/// What a step under a torque of a start and a change adds to the state of a row.
+#[inline(always)]
+fn added<L: Scalar>(row: &Row<L>, (start, change): (L, L), x: &State<L, 1>) -> L {
+    row[0] * x.deflection[0]
+        + row[1] * x.motor_velocity[0]
+        + row[2] * x.link_velocity[0]
+        + (row[3] * start + row[4] * change + row[5])
 }
 
 fn each_row<L: Scalar>(number: impl Fn(usize, usize) -> L) -> [Row<L>; 4] {
