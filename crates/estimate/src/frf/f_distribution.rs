@@ -10,21 +10,22 @@ pub(crate) fn f_tail(ratio: f64, a: usize, b: f64) -> f64 {
 /// Functions, 26.5.6 and 26.6.2.)
 pub(crate) fn ln_f_tail(ratio: f64, a: usize, b: f64) -> f64 {
     let scaled = a as f64 * ratio;
-    let ln_w = (scaled / (b + scaled)).ln();
-    let mut ln_term = -b * (scaled / b).ln_1p();
-    let (mut ln_largest, mut sum) = (ln_term, 1.0);
-    // as logarithms over the largest: with many terms the first of them underflows
+    let w = scaled / (b + scaled);
+    // in parts of a scale that grows with them: with many terms the first of them underflows
+    let (mut ln_scale, mut term, mut sum) = (-b * (scaled / b).ln_1p(), 1.0, 1.0);
     for i in 0..a.saturating_sub(1) {
-        ln_term += ln_w + ((b + i as f64) / (i as f64 + 1.0)).ln();
-        if ln_term > ln_largest {
-            sum = sum * (ln_largest - ln_term).exp() + 1.0;
-            ln_largest = ln_term;
-        } else {
-            sum += (ln_term - ln_largest).exp();
+        term *= w * (b + i as f64) / (i as f64 + 1.0);
+        sum += term;
+        if sum > LARGE {
+            (term, sum) = (term / LARGE, sum / LARGE);
+            ln_scale += LARGE.ln();
         }
     }
-    ln_largest + sum.ln()
+    ln_scale + sum.ln()
 }
+
+/// What a sum may reach before its scale grows.
+const LARGE: f64 = 1e200;
 
 /// The ratio that an F variable with `2 a` and `2 b` degrees of freedom exceeds with this probability, by bisection.
 pub(crate) fn f_quantile(tail: f64, a: usize, b: f64) -> f64 {
