@@ -15,7 +15,7 @@ use crate::estimate::estimator::estimated::Estimated;
 use crate::estimate::estimator::{Estimator, Spectra};
 use crate::experiment::Experiment;
 use crate::run::load::Load;
-use crate::run::parallel::{Progress, Steps, for_each};
+use crate::run::parallel::{Progress, Steps, for_each_group};
 use crate::run::strength::Strength;
 
 /// Largest relative difference between the sample times of a record and its plan: rounding of
@@ -27,11 +27,19 @@ pub(crate) trait Records: Sync {
     /// The runs that are there, in any order.
     fn runs(&self) -> &[RunId];
 
-    /// The record of the run at a place of that list, and what was lost of it; asked for once.
+    /// How many records are best had at once.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for runs that cannot be had.
+    fn n_at_once(&self) -> Result<usize, ExperimentError> {
+        Ok(1)
+    }
+
+    /// The records of the runs at places of that list, and what was lost of each; asked for once.
     ///
     /// # Errors
     /// [`ExperimentError`] for a run that cannot be had.
-    fn record(&self, place: usize) -> Result<Recorded<'_>, ExperimentError>;
+    fn records(&self, places: &[usize]) -> Result<Vec<Recorded<'_>>, ExperimentError>;
 }
 
 /// A record, and what was lost of it.
@@ -182,8 +190,20 @@ impl<'a> Gathering<'a> {
         places: &[usize],
         before: usize,
     ) -> Result<Vec<ReadRecord<'a>>, ExperimentError> {
-        for_each(places, self.jobs, self.steps(before), |&place, _| {
-            self.read_one(place)
+        self.for_each_group(places, before, |places| self.read_group(places))
+    }
+
+    /// Does `work` on the records at places, as many at once as they are best had.
+    fn for_each_group<T: Send>(
+        &self,
+        places: &[usize],
+        before: usize,
+        work: impl Fn(&[usize]) -> Result<Vec<T>, ExperimentError> + Sync,
+    ) -> Result<Vec<T>, ExperimentError> {
+        let n_at_once = self.records.n_at_once()?;
+        let steps = self.steps(before);
+        for_each_group(places, n_at_once, self.jobs, steps, |places, _| {
+            work(places)
         })
     }
 
@@ -195,8 +215,18 @@ impl<'a> Gathering<'a> {
         }
     }
 
-    fn read_one(&self, place: usize) -> Result<ReadRecord<'a>, ExperimentError> {
-        let (record, losses) = self.records.record(place)?;
+    fn read_group(&self, places: &[usize]) -> Result<Vec<ReadRecord<'a>>, ExperimentError> {
+        let records = self.records.records(places)?;
+        let read = places.iter().zip(records);
+        read.map(|(&place, recorded)| self.read_one(place, recorded))
+            .collect()
+    }
+
+    fn read_one(
+        &self,
+        place: usize,
+        (record, losses): Recorded<'a>,
+    ) -> Result<ReadRecord<'a>, ExperimentError> {
         let run = self.records.runs()[place];
         check_sample_time(run, &record, self.experiment.plan.sample_time_s)?;
         Ok(ReadRecord {
@@ -219,10 +249,11 @@ impl<'a> Gathering<'a> {
         rest.retain(|place| !known.contains(place));
         let digest = |read: &ReadRecord| read.digest(self.experiment, estimators);
         let mut digests = first.iter().map(digest).collect::<Result<Vec<_>, _>>()?;
-        let steps = self.steps(known.len());
-        digests.extend(for_each(&rest, self.jobs, steps, |&place, _| {
-            digest(&self.read_one(place)?)
-        })?);
+        let rest = self.for_each_group(&rest, known.len(), |places| {
+            let read = self.read_group(places)?;
+            read.iter().map(digest).collect()
+        });
+        digests.extend(rest?);
         digests.sort_by_key(|digest| digest.run);
         Ok(digests)
     }

@@ -77,9 +77,12 @@ impl Records for OurLogs {
         &self.runs
     }
 
-    fn record(&self, place: usize) -> Result<Recorded<'_>, ExperimentError> {
-        let (run, losses) = read_run(&self.paths[place])?;
-        Ok((Cow::Owned(run.record), losses))
+    fn records(&self, places: &[usize]) -> Result<Vec<Recorded<'_>>, ExperimentError> {
+        let recorded = |&place: &usize| {
+            let (run, losses) = read_run(&self.paths[place])?;
+            Ok((Cow::Owned(run.record), losses))
+        };
+        places.iter().map(recorded).collect()
     }
 }
 

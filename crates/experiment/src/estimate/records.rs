@@ -3,14 +3,14 @@
 use std::borrow::Cow;
 
 use frfid_files::Loss;
-use frfid_signals::{Record, RunId, Testbed};
+use frfid_signals::{Record, Run, RunId, Testbed};
 
 use crate::description::estimate::EstimateTable;
 use crate::error::ExperimentError;
 use crate::estimate::gather::{Gathered, Recorded, Records};
 use crate::estimate::outcome::{Inventory, Outcome};
 use crate::experiment::Experiment;
-use crate::run::parallel::Progress;
+use crate::run::parallel::{Progress, n_at_once};
 
 /// Records that come from a testbed when they are asked for.
 struct Measuring<'a> {
@@ -24,9 +24,18 @@ impl Records for Measuring<'_> {
         &self.runs
     }
 
-    fn record(&self, place: usize) -> Result<Recorded<'_>, ExperimentError> {
-        let run = self.experiment.plan.run(self.runs[place])?;
-        Ok((Cow::Owned(self.testbed.run(&run)?), Vec::new()))
+    fn n_at_once(&self) -> Result<usize, ExperimentError> {
+        n_at_once(self.experiment, self.testbed)
+    }
+
+    fn records(&self, places: &[usize]) -> Result<Vec<Recorded<'_>>, ExperimentError> {
+        let plan = &self.experiment.plan;
+        let runs = places.iter().map(|&place| plan.run(self.runs[place]));
+        let runs: Vec<Run> = runs.collect::<Result<_, _>>()?;
+        let records = self.testbed.run_each(&runs, &|| true).into_iter();
+        records
+            .map(|record| Ok((Cow::Owned(record?), Vec::new())))
+            .collect()
     }
 }
 
@@ -41,8 +50,9 @@ impl Records for Kept<'_> {
         &self.runs
     }
 
-    fn record(&self, place: usize) -> Result<Recorded<'_>, ExperimentError> {
-        Ok((Cow::Borrowed(&self.records[place].1), Vec::new()))
+    fn records(&self, places: &[usize]) -> Result<Vec<Recorded<'_>>, ExperimentError> {
+        let recorded = |&place: &usize| (Cow::Borrowed(&self.records[place].1), Vec::new());
+        Ok(places.iter().map(recorded).collect())
     }
 }
 
