@@ -1,7 +1,6 @@
 //! Gathering of a campaign's records: each is asked for once, several at a time, and only what
 //! follows from it is kept, so that no campaign is too long for the memory.
 
-use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::iter::zip;
 
@@ -13,6 +12,7 @@ use crate::error::ExperimentError;
 use crate::estimate::digest::{Digest, ReadRecord, stop_of};
 use crate::estimate::estimator::estimated::Estimated;
 use crate::estimate::estimator::{Estimator, Spectra};
+use crate::estimate::records::{Recorded, Records};
 use crate::experiment::Experiment;
 use crate::run::load::Load;
 use crate::run::parallel::{Progress, Steps, for_each_group};
@@ -21,29 +21,6 @@ use crate::run::strength::Strength;
 /// Largest relative difference between the sample times of a record and its plan: rounding of
 /// decimal digits, far below what any clock keeps.
 const SAME_SAMPLE_TIME: f64 = 1e-9;
-
-/// Where the records of a plan come from: files, memory, or a testbed that does the runs.
-pub(crate) trait Records: Sync {
-    /// The runs that are there, in any order.
-    fn runs(&self) -> &[RunId];
-
-    /// How many records are best had at once.
-    ///
-    /// # Errors
-    /// [`ExperimentError`] for runs that cannot be had.
-    fn n_at_once(&self) -> Result<usize, ExperimentError> {
-        Ok(1)
-    }
-
-    /// The records of the runs at places of that list, and what was lost of each; asked for once.
-    ///
-    /// # Errors
-    /// [`ExperimentError`] for a run that cannot be had.
-    fn records(&self, places: &[usize]) -> Result<Vec<Recorded<'_>>, ExperimentError>;
-}
-
-/// A record, and what was lost of it.
-pub(crate) type Recorded<'a> = (Cow<'a, Record>, Vec<Loss>);
 
 /// Realization and repetition of runs: with every experiment they make one estimate.
 type Realization = (usize, usize);
@@ -201,18 +178,14 @@ impl<'a> Gathering<'a> {
         work: impl Fn(&[usize]) -> Result<Vec<T>, ExperimentError> + Sync,
     ) -> Result<Vec<T>, ExperimentError> {
         let n_at_once = self.records.n_at_once()?;
-        let steps = self.steps(before);
-        for_each_group(places, n_at_once, self.jobs, steps, |places, _| {
-            work(places)
-        })
-    }
-
-    fn steps(&self, before: usize) -> Steps<'_> {
-        Steps {
+        let steps = Steps {
             progress: self.progress,
             before,
             total: self.records.runs().len(),
-        }
+        };
+        for_each_group(places, n_at_once, self.jobs, steps, |places, _| {
+            work(places)
+        })
     }
 
     fn read_group(&self, places: &[usize]) -> Result<Vec<ReadRecord<'a>>, ExperimentError> {

@@ -1,4 +1,4 @@
-//! Records without files: those of a testbed that does the runs now, and those in memory.
+//! Records of a plan: where they come from, and those without files, of a testbed that does the runs now or in memory.
 
 use std::borrow::Cow;
 
@@ -7,10 +7,33 @@ use frfid_signals::{Record, Run, RunId, Testbed};
 
 use crate::description::estimate::EstimateTable;
 use crate::error::ExperimentError;
-use crate::estimate::gather::{Gathered, Recorded, Records};
+use crate::estimate::gather::Gathered;
 use crate::estimate::outcome::{Inventory, Outcome};
 use crate::experiment::Experiment;
 use crate::run::parallel::{Progress, n_at_once};
+
+/// Where the records of a plan come from: files, memory, or a testbed that does the runs.
+pub(crate) trait Records: Sync {
+    /// The runs that are there, in any order.
+    fn runs(&self) -> &[RunId];
+
+    /// How many records are best had at once.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for runs that cannot be had.
+    fn n_at_once(&self) -> Result<usize, ExperimentError> {
+        Ok(1)
+    }
+
+    /// The records of the runs at places of that list, and what was lost of each; asked for once.
+    ///
+    /// # Errors
+    /// [`ExperimentError`] for a run that cannot be had.
+    fn records(&self, places: &[usize]) -> Result<Vec<Recorded<'_>>, ExperimentError>;
+}
+
+/// A record, and what was lost of it.
+pub(crate) type Recorded<'a> = (Cow<'a, Record>, Vec<Loss>);
 
 /// Records that come from a testbed when they are asked for.
 struct Measuring<'a> {
