@@ -10,7 +10,7 @@ use crate::error::ExperimentError;
 use crate::estimate::gather::Gathered;
 use crate::estimate::outcome::{Inventory, Outcome};
 use crate::experiment::Experiment;
-use crate::run::parallel::{Progress, n_at_once};
+use crate::run::parallel::{Progress, kept_each, n_at_once};
 
 /// Where the records of a plan come from: files, memory, or a testbed that does the runs.
 pub(crate) trait Records: Sync {
@@ -55,10 +55,9 @@ impl Records for Measuring<'_> {
         let plan = &self.experiment.plan;
         let runs = places.iter().map(|&place| plan.run(self.runs[place]));
         let runs: Vec<Run> = runs.collect::<Result<_, _>>()?;
-        let records = self.testbed.run_each(&runs, &|| true).into_iter();
-        records
-            .map(|record| Ok((Cow::Owned(record?), Vec::new())))
-            .collect()
+        kept_each(&runs, self.testbed, |_, record| {
+            Ok((Cow::Owned(record), Vec::new()))
+        })
     }
 }
 

@@ -11,7 +11,7 @@ use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::guard::Guarded;
 use crate::run::load::Load;
-use crate::run::parallel::{Progress, Steps, for_each_group, n_at_once};
+use crate::run::parallel::{Progress, Steps, for_each_group, kept_each, n_at_once};
 use crate::run::planned_runs::PlannedRuns;
 use crate::run::provenance::{CONFIG, Metadata};
 use crate::run::run_file::run_file;
@@ -233,12 +233,7 @@ impl<'a> Writer<'a> {
     ) -> Result<Vec<Done>, ExperimentError> {
         let runs = ids.iter().map(|&id| self.planned.run_while(id, go_on));
         let runs: Vec<Run> = runs.collect::<Result<_, _>>()?;
-        let records = testbed.run_each(&runs, &|| true);
-        let written = runs.iter().zip(records);
-        let written: Vec<_> = written
-            .map(|(run, record)| self.written(run, record?))
-            .collect();
-        written.into_iter().collect()
+        kept_each(&runs, testbed, |run, record| self.written(run, record))
     }
 
     /// Writes what came of a run.

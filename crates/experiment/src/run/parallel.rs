@@ -3,7 +3,7 @@
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
-use frfid_signals::{GoOn, SignalError, Testbed, TestbedError};
+use frfid_signals::{GoOn, Record, Run, SignalError, Testbed, TestbedError};
 use rayon::prelude::*;
 
 use crate::error::ExperimentError;
@@ -109,6 +109,22 @@ pub(crate) fn n_at_once(
         .n_at_once()
         .min(SAMPLES_AT_ONCE / of_a_run.max(1))
         .max(1))
+}
+
+/// Does runs at once on a testbed, each to its end, and keeps every record that came of one, whatever
+/// comes of the others.
+///
+/// # Errors
+/// The first error of a run, or of `keep`.
+pub(crate) fn kept_each<T>(
+    runs: &[Run],
+    testbed: &dyn Testbed,
+    keep: impl Fn(&Run, Record) -> Result<T, ExperimentError>,
+) -> Result<Vec<T>, ExperimentError> {
+    let records = testbed.run_each(runs, &|| true);
+    let of_runs = runs.iter().zip(records);
+    let kept: Vec<_> = of_runs.map(|(run, record)| keep(run, record?)).collect();
+    kept.into_iter().collect()
 }
 
 /// The error of a step; `interrupted` if it ended in the middle because it was told to.

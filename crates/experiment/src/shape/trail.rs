@@ -14,7 +14,7 @@ use frfid_signals::{Frf, Record, Run, RunId, Testbed, TestbedError};
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
 use crate::run::guard::Guarded;
-use crate::run::parallel::{Progress, Steps, for_each_group, n_at_once};
+use crate::run::parallel::{Progress, Steps, for_each_group, kept_each, n_at_once};
 use crate::run::provenance::{CONFIG, DESIGN, Metadata};
 use crate::run::run_file::run_file;
 use crate::shape::earlier::{check_same, clear};
@@ -99,7 +99,10 @@ impl<'a> Trail<'a> {
         };
         let n_at_once = n_at_once(self.experiment, testbed)?;
         let done = for_each_group(&open, n_at_once, self.jobs, steps, |runs, _| {
-            self.done(runs, testbed, &folder)
+            kept_each(runs, testbed, |run, record| {
+                let record = self.written(run, record, &folder)?;
+                Ok((run.id, record))
+            })
         });
         records.extend(done.map_err(|error| in_iteration(iteration, error))?);
         Ok(records.into_values().collect())
@@ -147,22 +150,6 @@ impl<'a> Trail<'a> {
             )),
             None => Ok(Some(file.record)),
         }
-    }
-
-    /// Does runs at once and writes them.
-    fn done(
-        &self,
-        runs: &[Run],
-        testbed: &dyn Testbed,
-        folder: &Path,
-    ) -> Result<Vec<(RunId, Record)>, ExperimentError> {
-        let records = testbed.run_each(runs, &|| true).into_iter();
-        let written = runs.iter().zip(records).map(|(run, record)| {
-            let record = self.written(run, record?, folder)?;
-            Ok((run.id, record))
-        });
-        let written: Vec<_> = written.collect(); // each, whatever comes of the others
-        written.into_iter().collect()
     }
 
     /// Writes a run.

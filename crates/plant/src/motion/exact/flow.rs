@@ -27,7 +27,7 @@ impl Flow<f64> {
         step_s: f64,
         n_terms: usize,
     ) -> Self {
-        let added = |of: Row<f64>| {
+        let of_column = |of: Row<f64>| {
             let [
                 deflection,
                 motor_velocity,
@@ -50,7 +50,7 @@ impl Flow<f64> {
         let columns: [[f64; 4]; 6] = std::array::from_fn(|column| {
             let mut of = [0.0; 6];
             of[column] = 1.0;
-            added(of)
+            of_column(of)
         });
         Self {
             rows: each_row(|row, column| columns[column][row]),
