@@ -8,6 +8,7 @@ use std::hint::black_box;
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use frfid::estimate::{
     Campaign, FrfOptions, LineDft, PeriodIndex, RunSpectra, Transform as _, estimate_bla,
+    estimate_with_distortion,
 };
 use frfid::signals::random::{normal, stream};
 use frfid::signals::{Draw, Frf, LineGrid, Multisine, Phasing};
@@ -128,6 +129,15 @@ fn estimate(criterion: &mut Criterion) {
         let size = format!("{n_realizations} realizations x {PERIODS} periods x {n} samples");
         group.throughput(Throughput::Elements((u.len() + y.len()) as u64));
         group.bench_function(format!("3x3, {size}"), |bencher| bencher.iter(run));
+        let with_levels = || {
+            let u = black_box(u.view());
+            let found = estimate_with_distortion(u, y.view(), None, SAMPLE_TIME_S, lines, &options);
+            found.expect("sound")
+        };
+        group.bench_function(
+            format!("3x3 and its levels of distortion, {size}"),
+            |bencher| bencher.iter(with_levels),
+        );
         // with an even line besides, all lines are transformed
         let mut all = lines.clone();
         all.push(lines[lines.len() - 1] + 1);

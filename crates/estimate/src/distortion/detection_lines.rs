@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use frfid_signals::greatest_common_divisor;
-use ndarray::{Array2, ArrayView2, Axis};
+use ndarray::{Array2, ArrayView2};
 use num_complex::Complex64;
 
 use crate::distortion::bursts::Pairs;
@@ -35,7 +35,8 @@ pub struct DetectionLines {
     dft: LineDft,
     /// Places of the excited lines, and of the others, among all.
     places: [Vec<usize>; 2],
-    pub(super) excited: Vec<usize>,
+    /// The excited lines alone, which takes half the time.
+    excited_dft: LineDft,
     pub(super) free: Vec<usize>,
     pub(super) odd: Vec<Group>,
     pub(super) even: Vec<Group>,
@@ -84,7 +85,7 @@ impl DetectionLines {
         Ok(Self {
             dft: LineDft::new(n_samples, &all)?,
             places: [places(&all, excited), places(&all, &free)],
-            excited: excited.to_vec(),
+            excited_dft: LineDft::new(n_samples, excited)?,
             free,
             odd,
             even,
@@ -105,15 +106,39 @@ impl DetectionLines {
         Ok(self.split(&RunSpectra::of(&self.dft, u, y, r)?))
     }
 
+    /// Spectra of one period of a realization: on the excited lines, and on the detection lines where it is
+    /// [looked at](Self::look_at) on them.
+    pub(super) fn spectra_of(
+        &self,
+        realization: usize,
+        u: ArrayView2<f64>,
+        y: ArrayView2<f64>,
+        r: Option<ArrayView2<f64>>,
+    ) -> Result<(RunSpectra, Option<RunSpectra>), EstimateError> {
+        if !Self::look_at(realization) {
+            return Ok((RunSpectra::of(&self.excited_dft, u, y, r)?, None));
+        }
+        let [excited, free] = self.spectra(u, y, r)?;
+        Ok((excited, Some(free)))
+    }
+
+    /// The excited lines.
+    pub(super) fn excited(&self) -> &[usize] {
+        self.excited_dft.lines()
+    }
+
     /// Pairs of lines of the groups of one parity.
     pub(super) fn pairs(&self, groups: &[Group]) -> Pairs {
         Pairs::of(&self.free, groups, 2 * self.divisor)
     }
 
     /// Spectra on all lines apart: on the excited lines and on the detection lines.
-    pub(super) fn split(&self, all: &RunSpectra) -> [RunSpectra; 2] {
+    fn split(&self, all: &RunSpectra) -> [RunSpectra; 2] {
         let at = |places: &Vec<usize>| {
-            let of = |spectra: &Array2<Complex64>| spectra.select(Axis(1), places);
+            let of = |spectra: &Array2<Complex64>| {
+                let shape = (spectra.nrows(), places.len());
+                Array2::from_shape_fn(shape, |(channel, line)| spectra[[channel, places[line]]])
+            };
             RunSpectra {
                 u: of(&all.u),
                 y: of(&all.y),
@@ -123,22 +148,18 @@ impl DetectionLines {
         [at(&self.places[0]), at(&self.places[1])]
     }
 
-    /// All lines, excited or not, rising.
-    pub(super) fn all(&self) -> &[usize] {
-        self.dft.lines()
-    }
-
     /// An empty campaign for spectra on the detection lines.
     ///
     /// # Errors
     /// Those of [`LineDft::frequency_hz`].
     pub fn campaign(&self, sample_time_s: f64) -> Result<Campaign, EstimateError> {
-        let [_, free] = self.campaigns(&self.dft.frequency_hz(sample_time_s)?)?;
+        let [_, free] = self.campaigns(sample_time_s)?;
         Ok(free)
     }
 
-    /// Empty campaigns on the excited lines and on the detection lines, from the frequencies of all.
-    pub(super) fn campaigns(&self, frequency_hz: &[f64]) -> Result<[Campaign; 2], EstimateError> {
+    /// Empty campaigns on the excited lines and on the detection lines.
+    pub(super) fn campaigns(&self, sample_time_s: f64) -> Result<[Campaign; 2], EstimateError> {
+        let frequency_hz = self.dft.frequency_hz(sample_time_s)?;
         let at = |places: &Vec<usize>| {
             Campaign::new(places.iter().map(|&place| frequency_hz[place]).collect())
         };
@@ -154,7 +175,7 @@ impl DetectionLines {
     pub(super) fn excited_within(&self, group: &Group) -> RangeInclusive<usize> {
         let below = |place: usize| {
             let line = self.free[place];
-            self.excited.partition_point(|&excited| excited < line)
+            self.excited().partition_point(|&excited| excited < line)
         };
         match (below(group[0]), below(group[group.len() - 1])) {
             (from, to) if from < to => from..=to - 1,
@@ -247,6 +268,6 @@ mod tests {
         let all: usize = found.odd.iter().map(Vec::len).sum();
         assert_eq!(all, (1..1999).step_by(8).count() - 1);
         let within = found.excited_within(&found.even[3]);
-        assert!(found.excited[*within.start()] > found.free[found.even[3][0]]);
+        assert!(found.excited()[*within.start()] > found.free[found.even[3][0]]);
     }
 }

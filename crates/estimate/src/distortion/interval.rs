@@ -4,7 +4,7 @@
 //! interval of N. Ting, R. K. Burdick, F. A. Graybill, S. Jeyaratnam, T.-F. C. Lu, J. Stat. Comput. Simul. 35 (1990)
 //! 135-143: exact where N is 0 and where the lower end is 0.
 
-use crate::frf::f_distribution::f_quantile;
+use crate::frf::f_distribution::{f_quantile, f_tail};
 
 /// Chance beyond each end.
 const TAIL: f64 = 0.025;
@@ -45,7 +45,8 @@ impl MeanSquare {
     /// Whether it exceeds another by no chance.
     pub(super) fn stands_out_of(self, noise: Self) -> bool {
         let (a, b) = (self.whole_freedom(), noise.freedom.min(MOST));
-        self.value > noise.value * f_quantile(SIGNIFICANCE, a, b)
+        let is_silent = noise.value == 0.0 && self.value > 0.0;
+        is_silent || f_tail(self.value / noise.value, a, b) < SIGNIFICANCE
     }
 }
 

@@ -8,8 +8,9 @@ use crate::distortion::detection_lines::DetectionLines;
 use crate::error::EstimateError;
 use crate::frf::FrfOptions;
 use crate::frf::estimate::FrfEstimate;
-use crate::frf::time_series::{campaign_of_periods, estimate_periods};
+use crate::frf::time_series::estimate_periods;
 use crate::spectra::campaign::Campaign;
+use crate::spectra::time_series::{TimeSeries, check_same_shape};
 
 /// An input that has more than this on lines that are said not to be excited, over those that are, in dB, is excited
 /// there.
@@ -33,8 +34,7 @@ pub fn estimate_with_distortion(
         let estimate = estimate_periods(u, y, r, sample_time_s, harmonics, options)?;
         return Ok((estimate, None));
     };
-    let all = campaign_of_periods(u, y, r, sample_time_s, lines.all())?;
-    let [mut excited, free] = lines.apart(all)?;
+    let [mut excited, free] = lines.campaigns_of_periods(u, y, r, sample_time_s)?;
     let estimate = excited.estimate_draws(options)?;
     let levels = levels_beside(&estimate, [&excited, &free], &lines)?;
     Ok((estimate, Some(levels).filter(is_of_free_lines)))
@@ -65,16 +65,24 @@ fn is_of_free_lines(levels: &Distortion) -> bool {
 }
 
 impl DetectionLines {
-    /// A campaign on all lines apart: on the excited lines, and on the others of the first realizations.
-    fn apart(&self, all: Campaign) -> Result<[Campaign; 2], EstimateError> {
-        let mut parts = self.campaigns(all.frequency_hz())?;
-        for (place, run) in all.into_runs() {
-            let [excited, free] = self.split(&run);
-            parts[0].insert(place, excited)?;
-            if Self::look_at(place.realization) {
-                parts[1].insert(place, free)?;
+    /// Campaigns on the excited lines, and on the detection lines of the first realizations.
+    fn campaigns_of_periods(
+        &self,
+        u: ArrayView5<f64>,
+        y: ArrayView5<f64>,
+        r: Option<ArrayView5<f64>>,
+        sample_time_s: f64,
+    ) -> Result<[Campaign; 2], EstimateError> {
+        check_same_shape(&u, &y, r.as_ref())?;
+        let [mut excited, mut free] = self.campaigns(sample_time_s)?;
+        let series = TimeSeries { u, y, r };
+        let runs = series.of_each(|place, u, y, r| self.spectra_of(place.realization, u, y, r))?;
+        for (place, (on_excited, on_free)) in runs {
+            excited.insert(place, on_excited)?;
+            if let Some(run) = on_free {
+                free.insert(place, run)?;
             }
         }
-        Ok(parts)
+        Ok([excited, free])
     }
 }

@@ -5,41 +5,64 @@ pub(crate) fn f_tail(ratio: f64, a: usize, b: f64) -> f64 {
     ln_f_tail(ratio, a, b).exp()
 }
 
-/// Logarithm of [`f_tail`]: with `w = a ratio / (b + a ratio)` it is that of
-/// `(1 - w)^b sum_(i < a) C(b + i - 1, i) w^i`. (M. Abramowitz, I. Stegun, Handbook of Mathematical
-/// Functions, 26.5.6 and 26.6.2.)
+/// Logarithm of [`f_tail`].
 pub(crate) fn ln_f_tail(ratio: f64, a: usize, b: f64) -> f64 {
-    let scaled = a as f64 * ratio;
-    let w = scaled / (b + scaled);
-    // in parts of a scale that grows with them: with many terms the first of them underflows
-    let (mut ln_scale, mut term, mut sum) = (-b * (scaled / b).ln_1p(), 1.0, 1.0);
-    for i in 0..a.saturating_sub(1) {
-        term *= w * (b + i as f64) / (i as f64 + 1.0);
-        sum += term;
-        if sum > LARGE {
-            (term, sum) = (term / LARGE, sum / LARGE);
-            ln_scale += LARGE.ln();
-        }
-    }
-    ln_scale + sum.ln()
+    Tail::of(ratio, a, b).ln_probability
 }
 
-/// What a sum may reach before its scale grows.
-const LARGE: f64 = 1e200;
-
-/// The ratio that an F variable with `2 a` and `2 b` degrees of freedom exceeds with this probability, by bisection.
+/// The ratio that an F variable with `2 a` and `2 b` degrees of freedom exceeds with this probability:
+/// Newton's steps in the logarithm of the ratio, of which that of the probability is a concave function,
+/// so that all but the first come from above.
 pub(crate) fn f_quantile(tail: f64, a: usize, b: f64) -> f64 {
-    const WIDEST: f64 = 25.0; // logarithm of a ratio that is never reached
-    let (mut low, mut high) = (-WIDEST, WIDEST);
-    while high - low > 1e-10 {
-        let middle = 0.5 * (low + high);
-        if ln_f_tail(middle.exp(), a, b) > tail.ln() {
-            low = middle;
-        } else {
-            high = middle;
+    const MOST_STEPS: usize = 100;
+    let mut ln_ratio = 0.0;
+    for _ in 0..MOST_STEPS {
+        let here = Tail::of(f64::exp(ln_ratio), a, b);
+        let step = (tail.ln() - here.ln_probability) / here.slope;
+        ln_ratio += step;
+        if step.abs() < 1e-7 {
+            break; // the next step would be of its square
         }
     }
-    (0.5 * (low + high)).exp()
+    ln_ratio.exp()
+}
+
+/// What is above a ratio.
+struct Tail {
+    ln_probability: f64,
+    /// Change of the same with the logarithm of the ratio.
+    slope: f64,
+}
+
+impl Tail {
+    /// With `w = a ratio / (b + a ratio)` the probability is `(1 - w)^b sum_(i < a) t_i`,
+    /// `t_i = C(b + i - 1, i) w^i`, and its logarithm has the slope `-(a + b - 1) w t_(a-1) / sum_(i < a) t_i`.
+    /// (M. Abramowitz, I. Stegun, Handbook of Mathematical Functions, 26.5.1, 26.5.6 and 26.6.2.)
+    fn of(ratio: f64, a: usize, b: f64) -> Self {
+        /// What a sum may reach before its scale grows.
+        const LARGE: f64 = 1e200;
+        /// Terms between two looks at the scale, each at most 1e9 times the one before.
+        const TERMS: usize = 8;
+        let scaled = a as f64 * ratio;
+        let w = scaled / (b + scaled);
+        let n_factors = a.saturating_sub(1);
+        // in parts of a scale that grows with them: with many terms the first of them underflows
+        let (mut ln_scale, mut term, mut sum) = (-b * (scaled / b).ln_1p(), 1.0, 1.0);
+        for first in (0..n_factors).step_by(TERMS) {
+            for i in first..n_factors.min(first + TERMS) {
+                term *= w * (b + i as f64) / (i as f64 + 1.0);
+                sum += term;
+            }
+            if sum > LARGE {
+                (term, sum) = (term / LARGE, sum / LARGE);
+                ln_scale += LARGE.ln();
+            }
+        }
+        Self {
+            ln_probability: ln_scale + sum.ln(),
+            slope: -(a as f64 + b - 1.0) * w * term / sum,
+        }
+    }
 }
 
 #[cfg(test)]
@@ -76,10 +99,14 @@ mod tests {
             (0.001, 12, 12.0, 3.735380458318059),
             (0.025, 3, 40.0, 2.5707705128340694),
             (0.975, 12, 1e9, 0.5167145911535518),
+            (0.975, 1, 1.0, 0.025641025641025664),
+            (0.001, 1000, 3.5, 11.708892808334411),
+            (1e-6, 1000, 1000.0, 1.2371451332635424),
+            (0.999, 2, 1.5, 0.0178008196367385),
         ] {
             let found = f_quantile(tail, a, b);
             assert!(
-                (found / expected - 1.0).abs() < 1e-7,
+                (found / expected - 1.0).abs() < 1e-9,
                 "{found} for {expected}"
             );
         }

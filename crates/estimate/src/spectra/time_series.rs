@@ -27,11 +27,22 @@ impl TimeSeries<'_> {
         campaign: &mut Campaign,
         transform: &dyn Transform,
     ) -> Result<(), EstimateError> {
+        let mut runs = self.of_each(|_, u, y, r| RunSpectra::of(transform, u, y, r))?;
+        runs.try_for_each(|(place, run)| campaign.insert(place, run))
+    }
+
+    /// What is made of u, y and r of every run, with its place, in order.
+    pub(crate) fn of_each<T: Send>(
+        &self,
+        made: impl Fn(PeriodIndex, Signal, Signal, Option<Signal>) -> Result<T, EstimateError> + Sync,
+    ) -> Result<impl Iterator<Item = (PeriodIndex, T)>, EstimateError> {
         let places = self.places();
-        let runs = places.par_iter();
-        let runs = runs.map(|&place| self.spectra(transform, place));
-        let runs: Vec<RunSpectra> = runs.collect::<Result<_, _>>()?;
-        zip(places, runs).try_for_each(|(place, run)| campaign.insert(place, run))
+        let runs = places.par_iter().map(|&place| {
+            let r = self.r.as_ref().map(|r| run_at(r, place));
+            made(place, run_at(&self.u, place), run_at(&self.y, place), r)
+        });
+        let runs: Vec<T> = runs.collect::<Result<_, _>>()?;
+        Ok(zip(places, runs))
     }
 
     /// Every run by realization, period and experiment.
@@ -44,19 +55,13 @@ impl TimeSeries<'_> {
         };
         (0..n_p * n_q * n_ex).map(place).collect()
     }
-
-    fn spectra(
-        &self,
-        transform: &dyn Transform,
-        place: PeriodIndex,
-    ) -> Result<RunSpectra, EstimateError> {
-        let r = self.r.as_ref().map(|r| run_at(r, place));
-        RunSpectra::of(transform, run_at(&self.u, place), run_at(&self.y, place), r)
-    }
 }
 
+/// One run of a signal, `(channel, sample)`.
+type Signal<'a> = ArrayView2<'a, f64>;
+
 /// One run, `(channel, sample)`, out of a campaign's array.
-fn run_at<'a>(signal: &'a ArrayView5<f64>, place: PeriodIndex) -> ArrayView2<'a, f64> {
+fn run_at<'a>(signal: &'a ArrayView5<f64>, place: PeriodIndex) -> Signal<'a> {
     signal.slice(s![
         place.realization,
         place.experiment,
