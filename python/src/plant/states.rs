@@ -108,12 +108,14 @@ impl States {
 
 /// Refuses numbers that are not finite, and says where the first one is.
 fn check_finite(name: &str, state: &ArrayD<f64>) -> PyResult<()> {
-    let mut values = state.indexed_iter();
-    let Some((place, value)) = values.find(|(_, value)| !value.is_finite()) else {
+    if state.iter().all(|value| value.is_finite()) {
         return Ok(());
-    };
-    let place = place.slice();
+    }
+    let mut values = state.indexed_iter();
+    let first = values.find(|(_, value)| !value.is_finite());
+    let found = first.map(|(place, value)| format!("{value} at {:?}", place.slice()));
+    let found = found.unwrap_or_default();
     Err(PyValueError::new_err(format!(
-        "{name} is {value} at {place:?}, needed finite numbers"
+        "{name} is {found}, needed finite numbers"
     )))
 }
