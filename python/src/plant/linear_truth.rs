@@ -101,7 +101,7 @@ impl Plant {
             Ok(frf.response.into_raw_vec_and_offset().0)
         };
         let responses = interruptible(q.py(), None, |progress| {
-            poses.each(&[hz.len(), n, n], &|| progress.goes_on(), &at_pose)
+            poses.each(&[hz.len(), n, n], &|| progress.goes_on(), at_pose)
         })?;
         Ok(c_ordered(q.py(), responses.map_err(error::signal)?))
     }
