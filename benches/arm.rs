@@ -261,7 +261,7 @@ fn frfs(criterion: &mut Criterion) {
         group.throughput(Throughput::Elements((poses.len() * hz.len()) as u64));
         group.bench_function(name, |bencher| bencher.iter(work));
         group.bench_function(format!("{name}, line by line"), |bencher| {
-            bencher.iter(plain)
+            bencher.iter(plain);
         });
     }
     group.finish();
