@@ -2,7 +2,7 @@
 
 import importlib
 
-NAMES = ("side_by_side", "simulation", "arm", "accelerations", "synthesis", "bla", "excerpts", "reading")
+NAMES = ("side_by_side", "simulation", "arm", "accelerations", "poses", "synthesis", "bla", "excerpts", "reading")
 
 
 def cases(name, small=False):

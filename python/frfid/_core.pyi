@@ -233,6 +233,15 @@ class Plant:
         sample_time_s: float | None = None,
         sensor: bool = False,
     ) -> Frf: ...
+    def frf_at(
+        self,
+        q: ArrayLike,
+        hz: ArrayLike,
+        *,
+        hold: Literal["zoh", "linear", "continuous"] = "zoh",
+        sample_time_s: float | None = None,
+        sensor: bool = False,
+    ) -> NDArray[np.complex128]: ...
     def simulate(
         self,
         u: ArrayLike,

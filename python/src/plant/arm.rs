@@ -129,7 +129,7 @@ impl Plant {
         self.arm()?.link_dynamics().map_err(error::signal)
     }
 
-    fn arm(&self) -> PyResult<Arm> {
+    pub(super) fn arm(&self) -> PyResult<Arm> {
         self.table.arm().ok_or_else(|| {
             PyValueError::new_err("a single joint is no arm: it has one link and one mode")
         })

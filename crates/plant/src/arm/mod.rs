@@ -110,4 +110,14 @@ impl Arm {
     pub fn n_axes(&self) -> usize {
         self.joints().count()
     }
+
+    /// The same arm at another pose, link positions in rad of the moving joints; a wrong number of
+    /// them is found by [`Arm::check`].
+    #[must_use]
+    pub fn at_pose(&self, pose_rad: &[f64]) -> Self {
+        Self {
+            pose_rad: pose_rad.to_vec(),
+            ..self.clone()
+        }
+    }
 }
