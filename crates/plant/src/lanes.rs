@@ -8,15 +8,15 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::scalar::{Number, Scalar, each};
 
-/// Machines side by side: several registers of any kind, so that one waits less for the other.
+/// Most machines side by side: several registers of any kind, so that one waits less for the other.
 pub(crate) const LANES: usize = 16;
 
-/// A number of each machine.
+/// A number of each of `N` machines.
 #[derive(Debug, Clone, Copy, PartialEq)]
-#[repr(align(64))]
-pub(crate) struct Lanes(pub(crate) [f64; LANES]);
+#[repr(align(32))]
+pub(crate) struct Lanes<const N: usize>(pub(crate) [f64; N]);
 
-impl Lanes {
+impl<const N: usize> Lanes<N> {
     /// The number that a function of the lane gives.
     #[inline(always)]
     pub(crate) fn of(number: impl Fn(usize) -> f64) -> Self {
@@ -26,7 +26,7 @@ impl Lanes {
 
 macro_rules! lane_by_lane {
     ($($operation:ident $name:ident),*) => {$(
-        impl $operation for Lanes {
+        impl<const N: usize> $operation for Lanes<N> {
             type Output = Self;
 
             #[inline(always)]
@@ -39,7 +39,7 @@ macro_rules! lane_by_lane {
 
 lane_by_lane!(Add add, Sub sub, Mul mul, Div div);
 
-impl Neg for Lanes {
+impl<const N: usize> Neg for Lanes<N> {
     type Output = Self;
 
     #[inline(always)]
@@ -48,17 +48,17 @@ impl Neg for Lanes {
     }
 }
 
-impl Number for Lanes {
+impl<const N: usize> Number for Lanes<N> {
     #[inline(always)]
     fn like(self, value: f64) -> Self {
         Self::splat(value)
     }
 }
 
-impl Scalar for Lanes {
+impl<const N: usize> Scalar for Lanes<N> {
     #[inline(always)]
     fn splat(value: f64) -> Self {
-        Self([value; LANES])
+        Self([value; N])
     }
 
     #[inline(always)]

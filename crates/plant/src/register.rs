@@ -25,14 +25,20 @@ pub(crate) struct Register<S: Simd> {
 impl<S: Simd> Register<S> {
     /// The register of this index among those that lanes fill.
     #[inline(always)]
-    pub(crate) fn load(simd: S, lanes: &Lanes, index: usize) -> Self {
+    pub(crate) fn load<const N: usize>(simd: S, lanes: &Lanes<N>, index: usize) -> Self {
+        const {
+            assert!(
+                N.is_multiple_of(S::F64_LANES),
+                "lanes beyond the last register"
+            );
+        };
         let numbers = S::as_simd_f64s(&lanes.0).0[index];
         Self { simd, numbers }
     }
 
     /// Puts the numbers into the lanes from which such a register is loaded.
     #[inline(always)]
-    pub(crate) fn store(self, lanes: &mut Lanes, index: usize) {
+    pub(crate) fn store<const N: usize>(self, lanes: &mut Lanes<N>, index: usize) {
         S::as_mut_simd_f64s(&mut lanes.0).0[index] = self.numbers;
     }
 

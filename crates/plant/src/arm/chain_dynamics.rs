@@ -9,6 +9,7 @@
 use std::array::from_fn;
 
 use crate::arm::chain::{Chain, Link};
+use crate::arm::chains::ARMS;
 use crate::arm::composite::Composite;
 use crate::arm::positive_definite::solve;
 use crate::arm::stance::Stance;
@@ -207,7 +208,7 @@ impl<const A: usize> Acceleration<f64, A> for Chain<A> {
 
 impl<const A: usize> Links<A> for Chain<A> {
     fn fleet(machine: &Integrator<Self, A>) -> Option<Box<dyn Fleet>> {
-        Some(Box::new(SideBySide::of(machine.clone())))
+        Some(Box::new(SideBySide::<_, _, A, ARMS>::of(machine.clone())))
     }
 
     fn holding(&self, position: [f64; A], velocity: [f64; A]) -> [f64; A] {

@@ -6,27 +6,30 @@ use pulp::{Arch, Simd, WithSimd};
 
 use crate::arm::chain::{Chain, Link};
 use crate::arm::unrolled::unrolled;
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::Lanes;
 use crate::motion::links::{Acceleration, LinksSideBySide};
 use crate::register::Register;
 use crate::scalar::Scalar;
 use crate::sine::Angle as _;
 
+/// Arms side by side: no more than a register holds, so that few of them cost less.
+pub(crate) const ARMS: usize = 4;
+
 /// Chains of as many links, one a lane.
 #[derive(Debug)]
-pub(crate) struct Chains<const A: usize> {
-    chain: Chain<A, Lanes>,
+pub(crate) struct Chains<const A: usize, const N: usize> {
+    chain: Chain<A, Lanes<N>>,
     arch: Arch,
 }
 
-impl<const A: usize> LinksSideBySide<A> for Chain<A> {
-    type InLanes = Chains<A>;
+impl<const A: usize, const N: usize> LinksSideBySide<A, N> for Chain<A> {
+    type InLanes = Chains<A, N>;
 
     fn alike(&self, other: &Self) -> bool {
         self.biased == other.biased
     }
 
-    fn in_lanes(each: [&Self; LANES]) -> Chains<A> {
+    fn in_lanes(each: [&Self; N]) -> Chains<A, N> {
         let chain = Chain {
             links: from_fn(|i| Link::in_lanes(each.map(|chain| &chain.links[i]))),
             lift: in_lanes(each.map(|chain| &chain.lift)),
@@ -37,15 +40,15 @@ impl<const A: usize> LinksSideBySide<A> for Chain<A> {
     }
 }
 
-impl<const A: usize> Acceleration<Lanes, A> for Chains<A> {
+impl<const A: usize, const N: usize> Acceleration<Lanes<N>, A> for Chains<A, N> {
     /// Not inlined: compiled once, not once for each place it is called from.
     #[inline(never)]
     fn acceleration(
         &self,
-        position: &[Lanes; A],
-        velocity: &[Lanes; A],
-        torque: &[Lanes; A],
-    ) -> [Lanes; A] {
+        position: &[Lanes<N>; A],
+        velocity: &[Lanes<N>; A],
+        torque: &[Lanes<N>; A],
+    ) -> [Lanes<N>; A] {
         let mut found = [Lanes::splat(0.0); A];
         self.arch.dispatch(Accelerations {
             chain: &self.chain,
@@ -58,13 +61,13 @@ impl<const A: usize> Acceleration<Lanes, A> for Chains<A> {
     }
 
     #[inline(never)]
-    fn sin(&self, angle: Lanes) -> Lanes {
+    fn sin(&self, angle: Lanes<N>) -> Lanes<N> {
         self.arch.dispatch(Sine(angle))
     }
 }
 
-impl Link<Lanes> {
-    fn in_lanes(each: [&Link; LANES]) -> Self {
+impl<const N: usize> Link<Lanes<N>> {
+    fn in_lanes(each: [&Link; N]) -> Self {
         Self {
             zero_rad: Lanes::of(|lane| each[lane].zero_rad),
             twist: in_lanes(each.map(|link| &link.twist)),
@@ -75,25 +78,25 @@ impl Link<Lanes> {
     }
 }
 
-fn in_lanes<const N: usize>(each: [&[f64; N]; LANES]) -> [Lanes; N] {
+fn in_lanes<const K: usize, const N: usize>(each: [&[f64; K]; N]) -> [Lanes<N>; K] {
     from_fn(|k| Lanes::of(|lane| each[lane][k]))
 }
 
 /// Accelerations of all chains.
-struct Accelerations<'a, const A: usize> {
-    chain: &'a Chain<A, Lanes>,
-    position: &'a [Lanes; A],
-    velocity: &'a [Lanes; A],
-    torque: &'a [Lanes; A],
-    found: &'a mut [Lanes; A],
+struct Accelerations<'a, const A: usize, const N: usize> {
+    chain: &'a Chain<A, Lanes<N>>,
+    position: &'a [Lanes<N>; A],
+    velocity: &'a [Lanes<N>; A],
+    torque: &'a [Lanes<N>; A],
+    found: &'a mut [Lanes<N>; A],
 }
 
-impl<const A: usize> WithSimd for Accelerations<'_, A> {
+impl<const A: usize, const N: usize> WithSimd for Accelerations<'_, A, N> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        for index in 0..LANES / S::F64_LANES {
+        for index in 0..N / S::F64_LANES {
             let accelerations = Chain::load(simd, self.chain, index).accelerations(
                 load(simd, self.position, index),
                 load(simd, self.velocity, index),
@@ -107,15 +110,15 @@ impl<const A: usize> WithSimd for Accelerations<'_, A> {
 }
 
 /// Sines of a number of each arm.
-struct Sine(Lanes);
+struct Sine<const N: usize>(Lanes<N>);
 
-impl WithSimd for Sine {
-    type Output = Lanes;
+impl<const N: usize> WithSimd for Sine<N> {
+    type Output = Lanes<N>;
 
     #[inline(always)]
-    fn with_simd<S: Simd>(self, simd: S) -> Lanes {
+    fn with_simd<S: Simd>(self, simd: S) -> Lanes<N> {
         let Self(mut angle) = self;
-        for index in 0..LANES / S::F64_LANES {
+        for index in 0..N / S::F64_LANES {
             let (sin, _) = Register::load(simd, &angle, index).sin_cos();
             sin.store(&mut angle, index);
         }
@@ -126,7 +129,7 @@ impl WithSimd for Sine {
 impl<S: Simd, const A: usize> Chain<A, Register<S>> {
     /// The chains of a register.
     #[inline(always)]
-    fn load(simd: S, chain: &Chain<A, Lanes>, index: usize) -> Self {
+    fn load<const N: usize>(simd: S, chain: &Chain<A, Lanes<N>>, index: usize) -> Self {
         let mut links = [Link::load(simd, &chain.links[0], index); A];
         unrolled!(for i in 1..A {
             links[i] = Link::load(simd, &chain.links[i], index);
@@ -142,7 +145,7 @@ impl<S: Simd, const A: usize> Chain<A, Register<S>> {
 impl<S: Simd> Link<Register<S>> {
     /// The links of a register.
     #[inline(always)]
-    fn load(simd: S, link: &Link<Lanes>, index: usize) -> Self {
+    fn load<const N: usize>(simd: S, link: &Link<Lanes<N>>, index: usize) -> Self {
         Self {
             zero_rad: Register::load(simd, &link.zero_rad, index),
             twist: load(simd, &link.twist, index),
@@ -155,9 +158,13 @@ impl<S: Simd> Link<Register<S>> {
 
 /// Some numbers of a register.
 #[inline(always)]
-fn load<S: Simd, const N: usize>(simd: S, lanes: &[Lanes; N], index: usize) -> [Register<S>; N] {
-    let mut registers = [Register::load(simd, &lanes[0], index); N];
-    unrolled!(for i in 1..N {
+fn load<S: Simd, const K: usize, const N: usize>(
+    simd: S,
+    lanes: &[Lanes<N>; K],
+    index: usize,
+) -> [Register<S>; K] {
+    let mut registers = [Register::load(simd, &lanes[0], index); K];
+    unrolled!(for i in 1..K {
         registers[i] = Register::load(simd, &lanes[i], index);
     });
     registers

@@ -8,7 +8,7 @@ use std::array::from_fn;
 
 use crate::joint::flexible_joint::{FlexibleJoint, Regime};
 use crate::joint::ripple::{Ripple, Wave};
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::Lanes;
 use crate::motion::links::{Acceleration, Links, LinksSideBySide};
 use crate::scalar::Scalar;
 
@@ -62,11 +62,11 @@ impl<K: Links<A>, const A: usize> Equations<f64, K, A> {
     }
 }
 
-impl<K, const A: usize> Equations<Lanes, K, A> {
+impl<K, const A: usize, const N: usize> Equations<Lanes<N>, K, A> {
     /// Those of machines with these joints and links.
-    pub(crate) fn side_by_side<M: LinksSideBySide<A, InLanes = K>>(
-        joints: [&[FlexibleJoint; A]; LANES],
-        equations: [&Equations<f64, M, A>; LANES],
+    pub(crate) fn side_by_side<M: LinksSideBySide<A, N, InLanes = K>>(
+        joints: [&[FlexibleJoint; A]; N],
+        equations: [&Equations<f64, M, A>; N],
     ) -> Self {
         let drive = |axis: usize| {
             let n_waves = joints.map(|joints| joints[axis].ripple.len());

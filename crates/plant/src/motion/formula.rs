@@ -4,7 +4,7 @@ use std::fmt::Debug;
 
 use crate::error::PlantError;
 use crate::joint::flexible_joint::{Mode, Regime};
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::Lanes;
 use crate::motion::equations::{Equations, State};
 use crate::motion::event_location::{Bound, Trial};
 use crate::motion::fleet::Fleet;
@@ -43,14 +43,17 @@ pub(crate) trait Formula<K, const A: usize>: Clone + Debug + 'static {
 }
 
 /// A formula for machines side by side.
-pub(crate) trait FormulaSideBySide<K: LinksSideBySide<A>, const A: usize>:
+pub(crate) trait FormulaSideBySide<K: LinksSideBySide<A, N>, const A: usize, const N: usize>:
     Formula<K, A>
 {
     /// What it knows of the present modes of several machines.
     type InLanes: Debug;
 
+    /// Machines that move faster side by side than each alone: lanes that none of them fills cost as much.
+    const FEWEST: usize;
+
     /// That of a machine for each lane.
-    fn in_lanes(each: [&Self; LANES]) -> Self::InLanes;
+    fn in_lanes(each: [&Self; N]) -> Self::InLanes;
 
     /// Takes note of the modes of one machine.
     fn set(in_lanes: &mut Self::InLanes, lane: usize, formula: &Self);
@@ -59,12 +62,12 @@ pub(crate) trait FormulaSideBySide<K: LinksSideBySide<A>, const A: usize>:
     /// its derivative.
     fn step(
         in_lanes: &Self::InLanes,
-        equations: &Equations<Lanes, K::InLanes, A>,
-        regimes: &[Regime<Lanes>; A],
-        torque: &Segment<A, Lanes>,
-        from: [&State<Lanes, A>; 2],
-        step: Lanes,
-    ) -> State<Lanes, A>;
+        equations: &Equations<Lanes<N>, K::InLanes, A>,
+        regimes: &[Regime<Lanes<N>>; A],
+        torque: &Segment<A, Lanes<N>>,
+        from: [&State<Lanes<N>, A>; 2],
+        step: Lanes<N>,
+    ) -> State<Lanes<N>, A>;
 }
 
 /// The classical Runge-Kutta formula of fourth order.
@@ -113,10 +116,14 @@ impl<K: Links<A>, const A: usize> Formula<K, A> for RungeKutta {
     }
 }
 
-impl<K: LinksSideBySide<A>, const A: usize> FormulaSideBySide<K, A> for RungeKutta {
+impl<K: LinksSideBySide<A, N>, const A: usize, const N: usize> FormulaSideBySide<K, A, N>
+    for RungeKutta
+{
     type InLanes = ();
 
-    fn in_lanes(_each: [&Self; LANES]) {}
+    const FEWEST: usize = if N > 8 { N / 4 } else { 2 };
+
+    fn in_lanes(_each: [&Self; N]) {}
 
     #[inline(always)]
     fn set(_in_lanes: &mut (), _lane: usize, _formula: &Self) {}
@@ -124,12 +131,12 @@ impl<K: LinksSideBySide<A>, const A: usize> FormulaSideBySide<K, A> for RungeKut
     #[inline(always)]
     fn step(
         _in_lanes: &(),
-        equations: &Equations<Lanes, K::InLanes, A>,
-        regimes: &[Regime<Lanes>; A],
-        torque: &Segment<A, Lanes>,
-        [state, derivative]: [&State<Lanes, A>; 2],
-        step: Lanes,
-    ) -> State<Lanes, A> {
+        equations: &Equations<Lanes<N>, K::InLanes, A>,
+        regimes: &[Regime<Lanes<N>>; A],
+        torque: &Segment<A, Lanes<N>>,
+        [state, derivative]: [&State<Lanes<N>, A>; 2],
+        step: Lanes<N>,
+    ) -> State<Lanes<N>, A> {
         let torques = [&torque.at(0.5), &torque.at(1.0)];
         equations.rk4(regimes, torques, state, derivative, step)
     }

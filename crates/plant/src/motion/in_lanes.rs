@@ -2,7 +2,7 @@
 
 use std::array::from_fn;
 
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::Lanes;
 use crate::motion::equations::{Equations, State};
 use crate::motion::fleet::Failed;
 use crate::motion::formula::FormulaSideBySide;
@@ -14,28 +14,35 @@ use crate::scalar::{Scalar, each};
 
 /// Where machines are.
 #[derive(Debug, Clone, Copy)]
-struct Moment<const A: usize> {
-    state: State<Lanes, A>,
-    derivative: State<Lanes, A>,
-    time_s: Lanes,
-    stuck_s: [Lanes; A],
+struct Moment<const A: usize, const N: usize> {
+    state: State<Lanes<N>, A>,
+    derivative: State<Lanes<N>, A>,
+    time_s: Lanes<N>,
+    stuck_s: [Lanes<N>; A],
 }
 
 /// Equations, modes and motion of machines, one a lane; lanes beyond the last machine are at rest.
 #[derive(Debug)]
-pub(crate) struct InLanes<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> {
-    equations: Equations<Lanes, K::InLanes, A>,
+pub(crate) struct InLanes<
+    K: LinksSideBySide<A, N>,
+    F: FormulaSideBySide<K, A, N>,
+    const A: usize,
+    const N: usize,
+> {
+    equations: Equations<Lanes<N>, K::InLanes, A>,
     formula: F::InLanes,
-    modes: Modes<A>,
-    now: Moment<A>,
+    modes: Modes<A, N>,
+    now: Moment<A, N>,
     /// Whether any machine has a mode that can end.
     watched: bool,
 }
 
-impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> InLanes<K, F, A> {
+impl<K: LinksSideBySide<A, N>, F: FormulaSideBySide<K, A, N>, const A: usize, const N: usize>
+    InLanes<K, F, A, N>
+{
     /// Of machines, one at least.
     pub(crate) fn of(machines: &[Integrator<K, A, F>]) -> Self {
-        let each: [&Integrator<K, A, F>; LANES] =
+        let each: [&Integrator<K, A, F>; N] =
             from_fn(|lane| machines.get(lane).unwrap_or(&machines[0]));
         let zero = Lanes::splat(0.0);
         let mut lanes = Self {
@@ -96,7 +103,7 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> InLanes<
 
     /// Sets the derivatives before the first of several steps.
     #[inline(always)]
-    pub(crate) fn begin(&mut self, torque: &[Lanes; A]) {
+    pub(crate) fn begin(&mut self, torque: &[Lanes<N>; A]) {
         let (regimes, state) = (&self.modes.regimes, &self.now.state);
         self.now.derivative = self.equations.derivative(regimes, torque, state);
     }
@@ -106,7 +113,7 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> InLanes<
     pub(crate) fn step(
         &mut self,
         machines: &mut [Integrator<K, A, F>],
-        torque: &Segment<A, Lanes>,
+        torque: &Segment<A, Lanes<N>>,
         step_s: f64,
         failed: &mut Vec<Failed>,
     ) {
@@ -115,7 +122,7 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> InLanes<
             let mut any = false;
             for axis in 0..A {
                 let courses = self.courses(axis, torque, step_s, &next);
-                for lane in 0..LANES {
+                for lane in 0..N {
                     any |= self.modes.may_end(axis, lane, &courses);
                 }
             }
@@ -128,7 +135,7 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> InLanes<
 
     /// The end of a step in which no mode ends.
     #[inline(always)]
-    fn next(&self, torque: &Segment<A, Lanes>, step_s: f64) -> Moment<A> {
+    fn next(&self, torque: &Segment<A, Lanes<N>>, step_s: f64) -> Moment<A, N> {
         let (now, regimes, step) = (&self.now, &self.modes.regimes, Lanes::splat(step_s));
         let (equations, from) = (&self.equations, [&now.state, &now.derivative]);
         let state = F::step(&self.formula, equations, regimes, torque, from, step);
@@ -146,10 +153,10 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> InLanes<
     fn courses(
         &self,
         axis: usize,
-        torque: &Segment<A, Lanes>,
+        torque: &Segment<A, Lanes<N>>,
         step_s: f64,
-        next: &Moment<A>,
-    ) -> [Course; 2] {
+        next: &Moment<A, N>,
+    ) -> [Course<N>; 2] {
         let step = Lanes::splat(step_s);
         let (before, after) = (&self.now.derivative, &next.derivative);
         let [mut slip, branch] = [
@@ -179,7 +186,7 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> InLanes<
 
     /// Net torque in N m on the motors of an axis that are stuck, 0 on others.
     #[inline(always)]
-    fn stuck_net(&self, axis: usize, torque: Lanes, state: &State<Lanes, A>) -> Lanes {
+    fn stuck_net(&self, axis: usize, torque: Lanes<N>, state: &State<Lanes<N>, A>) -> Lanes<N> {
         let regime = &self.modes.regimes[axis];
         self.modes.stuck[axis] * self.equations.net_torque(axis, regime, torque, state)
     }
@@ -189,10 +196,10 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> InLanes<
     fn stuck_net_change(
         &self,
         axis: usize,
-        torque_change: Lanes,
-        step: Lanes,
-        derivative: &State<Lanes, A>,
-    ) -> Lanes {
+        torque_change: Lanes<N>,
+        step: Lanes<N>,
+        derivative: &State<Lanes<N>, A>,
+    ) -> Lanes<N> {
         let regime = &self.modes.regimes[axis];
         let rate = self
             .equations
@@ -206,12 +213,12 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> InLanes<
     fn alone(
         &mut self,
         machines: &mut [Integrator<K, A, F>],
-        torque: &Segment<A, Lanes>,
+        torque: &Segment<A, Lanes<N>>,
         step_s: f64,
-        next: &mut Moment<A>,
+        next: &mut Moment<A, N>,
         failed: &mut Vec<Failed>,
     ) {
-        let courses: [[Course; 2]; A] = from_fn(|axis| self.courses(axis, torque, step_s, next));
+        let courses: [[Course<N>; 2]; A] = from_fn(|axis| self.courses(axis, torque, step_s, next));
         for (lane, machine) in machines.iter_mut().enumerate() {
             let ends = |axis: usize| self.modes.may_end(axis, lane, &courses[axis]);
             if !(0..A).any(ends) {
@@ -234,7 +241,7 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> InLanes<
     }
 }
 
-impl<const A: usize> Moment<A> {
+impl<const A: usize, const N: usize> Moment<A, N> {
     /// Puts a machine into its lane.
     fn set<K, F>(&mut self, lane: usize, machine: &Integrator<K, A, F>) {
         self.state.set(lane, &machine.state);
@@ -245,10 +252,10 @@ impl<const A: usize> Moment<A> {
     }
 }
 
-impl<const A: usize> State<Lanes, A> {
+impl<const A: usize, const N: usize> State<Lanes<N>, A> {
     /// That of one machine.
     fn lane(&self, lane: usize) -> State<f64, A> {
-        let of = |x: &[Lanes; A]| x.map(|x| x.0[lane]);
+        let of = |x: &[Lanes<N>; A]| x.map(|x| x.0[lane]);
         State {
             motor_position: of(&self.motor_position),
             deflection: of(&self.deflection),

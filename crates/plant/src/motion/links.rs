@@ -43,10 +43,10 @@ pub(crate) trait Links<const A: usize>:
     fn potential_j(&self, position: [f64; A]) -> f64;
 }
 
-/// Links whose accelerations are computed side by side.
-pub(crate) trait LinksSideBySide<const A: usize>: Links<A> {
+/// Links whose accelerations are computed `N` side by side.
+pub(crate) trait LinksSideBySide<const A: usize, const N: usize>: Links<A> {
     /// Those of several machines.
-    type InLanes: Acceleration<Lanes, A> + Debug;
+    type InLanes: Acceleration<Lanes<N>, A> + Debug;
 
     /// Whether these links and others can be in lanes side by side.
     fn alike(&self, _other: &Self) -> bool {
@@ -54,7 +54,7 @@ pub(crate) trait LinksSideBySide<const A: usize>: Links<A> {
     }
 
     /// The links of a machine for each lane.
-    fn in_lanes(each: [&Self; LANES]) -> Self::InLanes;
+    fn in_lanes(each: [&Self; N]) -> Self::InLanes;
 }
 
 /// A single link on a fixed axis: J_o qo'' = torque (SK15 eq. (22)).
@@ -76,10 +76,10 @@ impl<L: Scalar> Acceleration<L, 1> for SingleLink<L> {
     }
 }
 
-impl LinksSideBySide<1> for SingleLink {
-    type InLanes = SingleLink<Lanes>;
+impl<const N: usize> LinksSideBySide<1, N> for SingleLink {
+    type InLanes = SingleLink<Lanes<N>>;
 
-    fn in_lanes(each: [&Self; LANES]) -> SingleLink<Lanes> {
+    fn in_lanes(each: [&Self; N]) -> SingleLink<Lanes<N>> {
         SingleLink {
             mobility: Lanes::of(|lane| each[lane].mobility),
         }
@@ -88,7 +88,7 @@ impl LinksSideBySide<1> for SingleLink {
 
 impl Links<1> for SingleLink {
     fn fleet(machine: &Integrator<Self, 1>) -> Option<Box<dyn Fleet>> {
-        Some(Box::new(SideBySide::of(machine.clone())))
+        Some(Box::new(SideBySide::<_, _, 1, LANES>::of(machine.clone())))
     }
 
     fn holding(&self, _position: [f64; 1], _velocity: [f64; 1]) -> [f64; 1] {

@@ -2,39 +2,39 @@
 
 use crate::joint::flexible_joint::{FlexibleJoint, Mode, Regime};
 use crate::joint::friction::Slip;
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::Lanes;
 use crate::scalar::Scalar;
 
 /// A signal that decides on a mode, over a step: its values at both ends, and its rates there per
 /// step.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Course {
-    pub(crate) start: Lanes,
-    pub(crate) before: Lanes,
-    pub(crate) after: Lanes,
-    pub(crate) end: Lanes,
+pub(crate) struct Course<const N: usize> {
+    pub(crate) start: Lanes<N>,
+    pub(crate) before: Lanes<N>,
+    pub(crate) after: Lanes<N>,
+    pub(crate) end: Lanes<N>,
 }
 
 /// An interval of each machine.
 #[derive(Debug, Clone, Copy)]
-struct Interval {
-    lower: Lanes,
-    upper: Lanes,
+struct Interval<const N: usize> {
+    lower: Lanes<N>,
+    upper: Lanes<N>,
 }
 
 /// The modes of every axis of machines side by side.
 #[derive(Debug, Clone)]
-pub(crate) struct Modes<const A: usize> {
-    pub(crate) regimes: [Regime<Lanes>; A],
+pub(crate) struct Modes<const A: usize, const N: usize> {
+    pub(crate) regimes: [Regime<Lanes<N>>; A],
     /// 1 while a motor is stuck, else 0.
-    pub(crate) stuck: [Lanes; A],
+    pub(crate) stuck: [Lanes<N>; A],
     /// Of the velocities while slipping, of the net torques when stuck.
-    slip: [Interval; A],
+    slip: [Interval<N>; A],
     /// Of the deflections.
-    branch: [Interval; A],
+    branch: [Interval<N>; A],
 }
 
-impl<const A: usize> Modes<A> {
+impl<const A: usize, const N: usize> Modes<A, N> {
     /// Of machines whose modes never end, until they are [set](Self::set).
     pub(crate) fn endless() -> Self {
         let zero = Lanes::splat(0.0);
@@ -83,13 +83,13 @@ impl<const A: usize> Modes<A> {
     /// Whether the mode of an axis may end within a step, given what decides on its slip and on its
     /// branch of the spring.
     #[inline(always)]
-    pub(crate) fn may_end(&self, axis: usize, lane: usize, courses: &[Course; 2]) -> bool {
+    pub(crate) fn may_end(&self, axis: usize, lane: usize, courses: &[Course<N>; 2]) -> bool {
         self.slip[axis].may_leave(lane, &courses[0])
             | self.branch[axis].may_leave(lane, &courses[1])
     }
 }
 
-impl Regime<Lanes> {
+impl<const N: usize> Regime<Lanes<N>> {
     fn set(&mut self, lane: usize, regime: &Regime<f64>) {
         self.mobility.0[lane] = regime.mobility;
         self.coulomb_nm.0[lane] = regime.coulomb_nm;
@@ -98,11 +98,11 @@ impl Regime<Lanes> {
     }
 }
 
-impl Interval {
+impl<const N: usize> Interval<N> {
     fn everything() -> Self {
         Self {
-            lower: Lanes([f64::NEG_INFINITY; LANES]),
-            upper: Lanes([f64::INFINITY; LANES]),
+            lower: Lanes([f64::NEG_INFINITY; N]),
+            upper: Lanes([f64::INFINITY; N]),
         }
     }
 
@@ -114,7 +114,7 @@ impl Interval {
     /// end leads outside over the step. (A cubic stays where its Bernstein coefficients are, its ends
     /// and a third of the way along the tangents.)
     #[inline(always)]
-    fn may_leave(&self, lane: usize, course: &Course) -> bool {
+    fn may_leave(&self, lane: usize, course: &Course<N>) -> bool {
         let (lower, upper, end) = (self.lower.0[lane], self.upper.0[lane], course.end.0[lane]);
         let ahead = course.start.0[lane] + course.before.0[lane];
         let behind = end - course.after.0[lane];

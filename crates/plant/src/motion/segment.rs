@@ -80,10 +80,10 @@ impl<const A: usize, L: Scalar> Segment<A, L> {
     }
 }
 
-impl<const A: usize> Segment<A, Lanes> {
+impl<const A: usize, const N: usize> Segment<A, Lanes<N>> {
     /// That of one machine.
     pub(crate) fn lane(&self, lane: usize) -> Segment<A> {
-        let of = |x: &[Lanes; A]| x.map(|x| x.0[lane]);
+        let of = |x: &[Lanes<N>; A]| x.map(|x| x.0[lane]);
         Segment {
             start: of(&self.start),
             linear: of(&self.linear),

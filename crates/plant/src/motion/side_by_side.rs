@@ -5,7 +5,7 @@ use std::any::Any;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::Lanes;
 use crate::motion::fleet::{Failed, Fleet};
 use crate::motion::formula::FormulaSideBySide;
 use crate::motion::in_lanes::InLanes;
@@ -17,14 +17,21 @@ use crate::scalar::Scalar;
 
 /// Machines in motion, each with its own integrator.
 #[derive(Debug)]
-pub(crate) struct SideBySide<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> {
+pub(crate) struct SideBySide<
+    K: LinksSideBySide<A, N>,
+    F: FormulaSideBySide<K, A, N>,
+    const A: usize,
+    const N: usize,
+> {
     machines: Vec<Integrator<K, A, F>>,
     /// All of them in lanes; `None` until they move together.
-    lanes: Option<Box<InLanes<K, F, A>>>,
+    lanes: Option<Box<InLanes<K, F, A, N>>>,
     arch: Arch,
 }
 
-impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> SideBySide<K, F, A> {
+impl<K: LinksSideBySide<A, N>, F: FormulaSideBySide<K, A, N>, const A: usize, const N: usize>
+    SideBySide<K, F, A, N>
+{
     /// A machine that others may join.
     pub(crate) fn of(machine: Integrator<K, A, F>) -> Self {
         Self {
@@ -51,15 +58,15 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> SideBySi
     }
 }
 
-impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> Fleet
-    for SideBySide<K, F, A>
+impl<K: LinksSideBySide<A, N>, F: FormulaSideBySide<K, A, N>, const A: usize, const N: usize> Fleet
+    for SideBySide<K, F, A, N>
 {
     fn join(&mut self, motion: Box<dyn Motion>) -> Option<Box<dyn Motion>> {
         let machine: &dyn Any = &*motion;
         let machine = machine.downcast_ref::<Integrator<K, A, F>>();
         let first = self.machines[0].links();
         match machine.filter(|machine| machine.links().alike(first)) {
-            Some(machine) if self.machines.len() < LANES => self.machines.push(machine.clone()),
+            Some(machine) if self.machines.len() < N => self.machines.push(machine.clone()),
             _ => return Some(motion),
         }
         self.lanes = None;
@@ -75,7 +82,7 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> Fleet
     }
 
     fn advance(&mut self, n_steps: usize, step_s: f64, acting: &[Option<Acting>]) -> Vec<Failed> {
-        let several = acting.iter().flatten().count() > 1;
+        let several = acting.iter().flatten().count() >= F::FEWEST;
         let Some(torques) = Torques::of(acting).filter(|_| several) else {
             return self.each_alone(n_steps, step_s, acting);
         };
@@ -110,17 +117,23 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> Fleet
 }
 
 /// Steps of machines in lanes.
-struct Steps<'a, K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> {
-    lanes: &'a mut InLanes<K, F, A>,
+struct Steps<
+    'a,
+    K: LinksSideBySide<A, N>,
+    F: FormulaSideBySide<K, A, N>,
+    const A: usize,
+    const N: usize,
+> {
+    lanes: &'a mut InLanes<K, F, A, N>,
     machines: &'a mut [Integrator<K, A, F>],
-    torques: &'a Torques<A>,
+    torques: &'a Torques<A, N>,
     n_steps: usize,
     step_s: f64,
     failed: &'a mut Vec<Failed>,
 }
 
-impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> WithSimd
-    for Steps<'_, K, F, A>
+impl<K: LinksSideBySide<A, N>, F: FormulaSideBySide<K, A, N>, const A: usize, const N: usize>
+    WithSimd for Steps<'_, K, F, A, N>
 {
     type Output = ();
 
@@ -136,12 +149,12 @@ impl<K: LinksSideBySide<A>, F: FormulaSideBySide<K, A>, const A: usize> WithSimd
 }
 
 /// Torques in N m of machines side by side from one sample to the next.
-enum Torques<const A: usize> {
-    Held([Lanes; A]),
-    Line([Lanes; A], [Lanes; A]),
+enum Torques<const A: usize, const N: usize> {
+    Held([Lanes<N>; A]),
+    Line([Lanes<N>; A], [Lanes<N>; A]),
 }
 
-impl<const A: usize> Torques<A> {
+impl<const A: usize, const N: usize> Torques<A, N> {
     /// Those that act, if all are held or all are lines; 0 where none acts.
     fn of(acting: &[Option<Acting>]) -> Option<Self> {
         let zero = [Lanes::splat(0.0); A];
@@ -168,7 +181,7 @@ impl<const A: usize> Torques<A> {
 
     /// The torques within one of the steps.
     #[inline(always)]
-    fn segment(&self, step: usize, n_steps: usize) -> Segment<A, Lanes> {
+    fn segment(&self, step: usize, n_steps: usize) -> Segment<A, Lanes<N>> {
         match self {
             Self::Held(torque) => Segment::constant(*torque),
             Self::Line(from, to) => Segment::line(from, to, step, n_steps),
@@ -177,7 +190,11 @@ impl<const A: usize> Torques<A> {
 }
 
 /// Puts the torques of one machine into its lane; `None` if there are not as many as axes.
-fn set<const A: usize>(lanes: &mut [Lanes; A], lane: usize, torque: &[f64]) -> Option<()> {
+fn set<const A: usize, const N: usize>(
+    lanes: &mut [Lanes<N>; A],
+    lane: usize,
+    torque: &[f64],
+) -> Option<()> {
     let torque: &[f64; A] = torque.try_into().ok()?;
     for axis in 0..A {
         lanes[axis].0[lane] = torque[axis];

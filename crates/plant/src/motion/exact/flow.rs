@@ -58,7 +58,7 @@ impl Flow<f64> {
     }
 }
 
-impl Flow<Lanes> {
+impl<const N: usize> Flow<Lanes<N>> {
     /// A flow that adds nothing.
     pub(crate) fn none() -> Self {
         Self {

@@ -141,14 +141,16 @@ impl Formula<SingleLink, 1> for Exact {
     }
 
     fn fleet(machine: &Integrator<SingleLink, 1, Self>) -> Option<Box<dyn Fleet>> {
-        Some(Box::new(SideBySide::of(machine.clone())))
+        Some(Box::new(SideBySide::<_, _, 1, LANES>::of(machine.clone())))
     }
 }
 
-impl FormulaSideBySide<SingleLink, 1> for Exact {
-    type InLanes = Flow<Lanes>;
+impl<const N: usize> FormulaSideBySide<SingleLink, 1, N> for Exact {
+    type InLanes = Flow<Lanes<N>>;
 
-    fn in_lanes(each: [&Self; LANES]) -> Flow<Lanes> {
+    const FEWEST: usize = 5 * N / 8;
+
+    fn in_lanes(each: [&Self; N]) -> Flow<Lanes<N>> {
         let mut lanes = Flow::none();
         for (lane, formula) in each.into_iter().enumerate() {
             lanes.set(lane, formula.flow());
@@ -156,19 +158,19 @@ impl FormulaSideBySide<SingleLink, 1> for Exact {
         lanes
     }
 
-    fn set(in_lanes: &mut Flow<Lanes>, lane: usize, formula: &Self) {
+    fn set(in_lanes: &mut Flow<Lanes<N>>, lane: usize, formula: &Self) {
         in_lanes.set(lane, formula.flow());
     }
 
     #[inline(always)]
     fn step(
-        in_lanes: &Flow<Lanes>,
-        _equations: &Equations<Lanes, SingleLink<Lanes>, 1>,
-        _regimes: &[Regime<Lanes>; 1],
-        torque: &Segment<1, Lanes>,
-        [state, _]: [&State<Lanes, 1>; 2],
-        _step: Lanes,
-    ) -> State<Lanes, 1> {
+        in_lanes: &Flow<Lanes<N>>,
+        _equations: &Equations<Lanes<N>, SingleLink<Lanes<N>>, 1>,
+        _regimes: &[Regime<Lanes<N>>; 1],
+        torque: &Segment<1, Lanes<N>>,
+        [state, _]: [&State<Lanes<N>, 1>; 2],
+        _step: Lanes<N>,
+    ) -> State<Lanes<N>, 1> {
         in_lanes.step(torque, state)
     }
 }
