@@ -105,7 +105,7 @@ pub use run::folder::{RunOptions, RunReport, RunSummary, run_path, run_to_folder
 pub use run::guard::Guarded;
 pub use run::kept::KeptRuns;
 pub use run::load::Load;
-pub use run::parallel::{Progress, Steps, for_each, for_each_group, on_threads, silent};
+pub use run::parallel::{Progress, Steps, for_each, for_each_group, in_pool, on_threads, silent};
 pub use run::planned_runs::PlannedRuns;
 pub use run::signal::SignalPeaks;
 pub use run::strength::Strength;

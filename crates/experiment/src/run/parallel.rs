@@ -150,7 +150,10 @@ pub fn on_threads<T: Send>(work: impl FnOnce() -> T + Send) -> T {
 }
 
 /// Runs `work` in a pool of `jobs` threads (0: the pool of this thread, or the common one).
-fn in_pool<T: Send>(
+///
+/// # Errors
+/// Those of `work`, and [`ExperimentError::Threads`].
+pub fn in_pool<T: Send>(
     jobs: usize,
     work: impl FnOnce() -> Result<T, ExperimentError> + Send,
 ) -> Result<T, ExperimentError> {

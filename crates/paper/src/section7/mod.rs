@@ -7,14 +7,17 @@ pub(crate) mod figures;
 pub(crate) mod frf_errors;
 pub(crate) mod lists;
 pub(crate) mod multisine;
+mod parts;
 
 use frfid_estimate::Summary;
-use frfid_experiment::{Experiment, ExperimentError, Progress, StepName, Template};
+use frfid_experiment::{Experiment, ExperimentError, Progress, StepName, Template, in_pool};
 use frfid_plant::Hold;
 use frfid_signals::{Amplitude, Frf, Phasing, log_spaced};
+use rayon::join;
 
 use crate::section7::chirps::ShapedChirps;
 use crate::section7::multisine::MultisineCampaign;
+use crate::section7::parts::Parts;
 
 /// Everything section 7 shows.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,9 +41,8 @@ pub struct Section7 {
     pub table1_warnings: Vec<String>,
 }
 
-/// What the campaigns cost in turn, in percent of the whole: multisine, chirps (9), chirps (26),
-/// the paper's step, table 1.
-const SHARES: [usize; 5] = [60, 11, 11, 11, 7];
+/// Jobs of a shaping: its experiments move side by side on one thread, other shapings on the others.
+const AT_ONCE: usize = 1;
 
 impl Section7 {
     /// Does every experiment on the model; `progress` is reported in percent.
@@ -49,29 +51,45 @@ impl Section7 {
     /// [`ExperimentError::Interrupted`] and [`ExperimentError::ShapingInterrupted`]; any other
     /// would be a fault of this library.
     pub fn run(jobs: usize, progress: Progress) -> Result<Self, ExperimentError> {
-        let part = |number| progress_of_part(number, progress);
+        let parts = Parts::of(progress);
         let chirp = of_template("r3-chirp")?;
         let chirps = |number: usize, phasing: Phasing| {
-            ShapedChirps::run(&with_phasing(&chirp, phasing)?, jobs, &part(number))
+            ShapedChirps::run(
+                &with_phasing(&chirp, phasing)?,
+                AT_ONCE,
+                &parts.of_part(number),
+            )
         };
         let multisine = papers_multisine()?;
+        let campaign = MultisineCampaign::run(&multisine, jobs, &parts.of_part(0))?;
+        let shapings = || {
+            Ok(join(
+                || {
+                    join(
+                        || chirps(1, Phasing::Orthogonal),
+                        || chirps(2, Phasing::SignFlip),
+                    )
+                },
+                || {
+                    join(
+                        || paper_step(&chirp, &parts.of_part(3)),
+                        || table1(&chirp, &parts.of_part(4)),
+                    )
+                },
+            ))
+        };
+        let ((orthogonal, sign_flip), (paper_step, table1_warnings)) = in_pool(jobs, shapings)?;
         Ok(Self {
             joint_names: multisine.joint_names().to_vec(),
             coulomb_nm: multisine.model()?.coulomb_nm(),
             truth: multisine.truth(&log_spaced(2.0, 60.0, 600)?, Hold::Zoh, true)?,
-            multisine: MultisineCampaign::run(&multisine, jobs, &part(0))?,
-            orthogonal: chirps(1, Phasing::Orthogonal)?,
-            sign_flip: chirps(2, Phasing::SignFlip)?,
-            paper_step: paper_step(&chirp, jobs, &part(3))?,
-            table1_warnings: table1(&chirp, jobs, &part(4))?,
+            multisine: campaign,
+            orthogonal: orthogonal?,
+            sign_flip: sign_flip?,
+            paper_step: paper_step?,
+            table1_warnings: table1_warnings?,
         })
     }
-}
-
-/// The progress of one of the campaigns within that of the whole.
-fn progress_of_part(number: usize, whole: Progress) -> impl Fn(usize, usize) -> bool + Sync {
-    let before: usize = SHARES[..number].iter().sum();
-    move |done, total| whole(before + SHARES[number] * done / total.max(1), 100)
 }
 
 /// The experiment of a template.
@@ -113,7 +131,6 @@ const PAPER_ITERATIONS: usize = 9;
 /// it is.
 fn paper_step(
     experiment: &Experiment,
-    jobs: usize,
     progress: Progress,
 ) -> Result<Vec<Summary>, ExperimentError> {
     let experiment = experiment.with(|config| {
@@ -124,7 +141,7 @@ fn paper_step(
         config.limits = Default::default();
     })?;
     let mut iterations = Vec::new();
-    experiment.shape_in_memory(jobs, progress, &mut |iteration| {
+    experiment.shape_in_memory(AT_ONCE, progress, &mut |iteration| {
         iterations.push(iteration.summary());
         Ok(())
     })?;
@@ -133,18 +150,14 @@ fn paper_step(
 
 /// What is said of the torques of the paper's table 1, half of them above 40 Hz: too weak for this
 /// robot's friction.
-fn table1(
-    experiment: &Experiment,
-    jobs: usize,
-    progress: Progress,
-) -> Result<Vec<String>, ExperimentError> {
+fn table1(experiment: &Experiment, progress: Progress) -> Result<Vec<String>, ExperimentError> {
     const TORQUES_NM: [f64; 3] = [100.0, 150.0, 120.0];
     let experiment = experiment.with(|config| {
         if let Some(shape) = &mut config.shape {
             shape.desired_nm = Some(TORQUES_NM.map(half_above_40_hz).to_vec());
         }
     })?;
-    Ok(ShapedChirps::run(&experiment, jobs, progress)?.warnings)
+    Ok(ShapedChirps::run(&experiment, AT_ONCE, progress)?.warnings)
 }
 
 /// An amplitude in N m that falls to one half around 40 Hz.
