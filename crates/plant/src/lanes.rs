@@ -8,8 +8,9 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::scalar::{Number, Scalar, each};
 
-/// Most machines side by side: several registers of any kind, so that one waits less for the other.
-pub(crate) const LANES: usize = 16;
+/// Joints side by side, and machines of any kind at most: several registers, so that one waits less for the other,
+/// and no more than hold a joint's state.
+pub(crate) const LANES: usize = 8;
 
 /// A number of each of `N` machines.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -121,7 +121,7 @@ impl<K: LinksSideBySide<A, N>, const A: usize, const N: usize> FormulaSideBySide
 {
     type InLanes = ();
 
-    const FEWEST: usize = if N > 8 { N / 4 } else { 2 };
+    const FEWEST: usize = 2;
 
     fn in_lanes(_each: [&Self; N]) {}
 
