@@ -1,10 +1,9 @@
 //! Robots of several axes: runs of the Manutec r3 in closed loop with everything on, one and sixteen
-//! side by side, RK4 steps, accelerations, FRFs at poses, one iteration of shaping.
+//! side by side, RK4 steps, accelerations, one iteration of shaping.
 
 #[allow(dead_code, reason = "this bench has multisines of its own")]
 mod paper;
 
-use std::f64::consts::TAU;
 use std::hint::black_box;
 use std::path::Path;
 use std::sync::Arc;
@@ -12,14 +11,11 @@ use std::sync::Arc;
 use criterion::{BatchSize, Criterion, Throughput, criterion_group, criterion_main};
 use frfid::estimate::{LineDft, ShapeOptions, Shaper, Transform};
 use frfid::experiment::{Experiment, RobotTable};
-use frfid::plant::{Arm, Challenges, Hold, LoopFrf, Robot as _, SimulatedRobot, StateSpace};
+use frfid::plant::{Arm, Challenges, LoopFrf, Robot as _, SimulatedRobot};
 use frfid::signals::random::{normal, stream};
-use frfid::signals::{
-    Chirp, Excitation, Frf, InputKind, Phasing, Profile, Record, Run, RunId, RunKind,
-};
-use nalgebra::{DMatrix, DVector};
+use frfid::signals::{Chirp, Excitation, InputKind, Phasing, Profile, Record, Run, RunId, RunKind};
+use nalgebra::DVector;
 use ndarray::{Array2, Array3, Axis, s};
-use num_complex::Complex64;
 use paper::SAMPLE_TIME_S;
 
 fn examples() -> &'static Path {
@@ -228,63 +224,6 @@ fn acceleration(arm: &Arm, q: &[f64], qd: &[f64], torque: &[f64]) -> Vec<f64> {
         .expect("sound")
 }
 
-/// FRFs at 64 poses, each behind a zero-order hold at 200 frequencies, and beside them line by line from
-/// the state space, which they must agree with. Criterion's elements are matrices of the FRFs.
-fn frfs(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("FRFs, 64 poses x 200 frequencies");
-    let hz: Vec<f64> = (1..=200).map(|line| 0.5 * f64::from(line)).collect();
-    for name in ["manutec_r3", "six_axis"] {
-        let arm = arm(name);
-        let mut rng = stream(1, "poses of the bench", &[]);
-        let mut pose = || (0..arm.n_axes()).map(|_| normal(&mut rng)).collect();
-        let poses: Vec<Vec<f64>> = (0..64).map(|_| pose()).collect();
-        let at = |pose: &Vec<f64>| {
-            arm.at_pose(pose)
-                .frf(black_box(&hz), Hold::Zoh, SAMPLE_TIME_S)
-        };
-        let work = || -> Vec<Frf> { poses.iter().map(|pose| at(pose).expect("sound")).collect() };
-        let plain = || -> Vec<Vec<DMatrix<Complex64>>> {
-            let models = poses.iter().map(|pose| arm.at_pose(pose).state_space());
-            models.map(|model| sampled(&model, &hz)).collect()
-        };
-        for (found, expected) in work().iter().zip(plain()) {
-            for (found, expected) in found.response.outer_iter().zip(expected) {
-                let error = found
-                    .indexed_iter()
-                    .map(|(at, value)| (value - expected[at]).norm());
-                assert!(
-                    error.fold(0.0, f64::max) < 1e-9 * expected.camax(),
-                    "{name}"
-                );
-            }
-        }
-        group.throughput(Throughput::Elements((poses.len() * hz.len()) as u64));
-        group.bench_function(name, |bencher| bencher.iter(work));
-        group.bench_function(format!("{name}, line by line"), |bencher| {
-            bencher.iter(plain);
-        });
-    }
-    group.finish();
-}
-
-/// C (z I - Phi)^-1 Gamma of the velocities at every frequency in Hz, from the matrix exponential over
-/// a sample.
-fn sampled(model: &StateSpace, hz: &[f64]) -> Vec<DMatrix<Complex64>> {
-    let (n, m) = model.b.shape();
-    let mut generator = DMatrix::zeros(n + m, n + m);
-    generator.view_mut((0, 0), (n, n)).copy_from(&model.a);
-    generator.view_mut((0, n), (n, m)).copy_from(&model.b);
-    let flow = (generator * SAMPLE_TIME_S).exp().map(Complex64::from);
-    let velocities = model.c.rows(0, m).map(Complex64::from);
-    let line = |f: &f64| {
-        let z = Complex64::cis(TAU * f * SAMPLE_TIME_S);
-        let pencil = DMatrix::from_diagonal_element(n, n, z) - flow.view((0, 0), (n, n));
-        let states = pencil.lu().solve(&flow.view((0, n), (n, m)));
-        &velocities * states.expect("no pole")
-    };
-    hz.iter().map(line).collect()
-}
-
 /// From three records of 22 s to the next references. On a machine whose torque is 500 times the
 /// reference a step of 0.9 leaves a tenth of the error.
 fn shaping(criterion: &mut Criterion) {
@@ -360,5 +299,5 @@ fn record(gain: f64, r: &Array2<f64>) -> Record {
     }
 }
 
-criterion_group! { name = benches; config = paper::criterion(); targets = closed_loop, steps, accelerations, frfs, shaping }
+criterion_group! { name = benches; config = paper::criterion(); targets = closed_loop, steps, accelerations, shaping }
 criterion_main!(benches);

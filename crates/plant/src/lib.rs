@@ -16,7 +16,6 @@ mod control {
     pub(crate) mod torque_limits;
     pub(crate) mod watch;
 }
-mod elimination;
 mod error;
 /// A flexible joint: motor, gear, friction and torque ripple of one axis.
 mod joint {

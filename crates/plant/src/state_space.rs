@@ -6,16 +6,13 @@
 //! 395).
 
 use std::f64::consts::TAU;
-use std::iter::zip;
 
 use frfid_signals::checks::{positive, require_shape};
 use frfid_signals::{Frf, SignalError};
 use nalgebra::DMatrix;
-use ndarray::Array3;
+use ndarray::{Array3, Axis};
 use num_complex::Complex64;
 use serde::{Deserialize, Serialize};
-
-use crate::elimination::Elimination;
 
 /// What the plant's input does between samples.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -61,8 +58,7 @@ impl StateSpace {
         };
         let (outputs, inputs) = self.d.shape();
         let mut response = Array3::zeros((hz.len(), outputs, inputs));
-        let mut states = Elimination::new(self.a.nrows(), inputs);
-        for (&f, mut matrix) in zip(hz, response.outer_iter_mut()) {
+        for (line, &f) in hz.iter().enumerate() {
             positive("hz", f)?;
             let s = Complex64::new(0.0, TAU * f);
             let p = if hold == Hold::Continuous {
@@ -70,16 +66,11 @@ impl StateSpace {
             } else {
                 (s * sample_time_s).exp()
             };
-            put_pencil(&mut states, p, &phi, [&gamma, &lead]);
-            if !states.solve() {
-                let needed = "a frequency at which the model has no pole";
-                return Err(SignalError::parameter("hz", f, needed));
-            }
-            for ((output, input), value) in matrix.indexed_iter_mut() {
-                let row = self.c.row(output);
-                let seen = zip(row.iter(), 0..).map(|(c, state)| states.solution(state, input) * c);
-                *value = seen.sum::<Complex64>() + self.d[(output, input)];
-            }
+            let needed = "a frequency at which the model has no pole";
+            let states = states_at(p, &phi, [&gamma, &lead])
+                .ok_or(SignalError::parameter("hz", f, needed))?;
+            let matrix = self.c.map(Complex64::from) * states + self.d.map(Complex64::from);
+            put_line(&mut response, line, &matrix);
         }
         Frf::new(hz.to_vec(), response)
     }
@@ -125,23 +116,23 @@ impl StateSpace {
     }
 }
 
-/// Puts [p I - Phi | Gamma_1 + (p - 1) Gamma_2] there, whose solution are the states per input in the
-/// frequency domain.
-fn put_pencil(
-    there: &mut Elimination,
+/// States per input in the frequency domain: (p I - Phi)^-1 (Gamma_1 + (p - 1) Gamma_2); `None` at
+/// a pole.
+fn states_at(
     p: Complex64,
     phi: &DMatrix<f64>,
     [gamma, lead]: [&DMatrix<f64>; 2],
-) {
-    let (n, inputs) = gamma.shape();
-    for row in 0..n {
-        for state in 0..n {
-            let on_diagonal = if row == state { p } else { Complex64::ZERO };
-            there.set(row, state, on_diagonal - phi[(row, state)]);
-        }
-        for input in 0..inputs {
-            let held = gamma[(row, input)] + (p - 1.0) * lead[(row, input)];
-            there.set(row, n + input, held);
-        }
+) -> Option<DMatrix<Complex64>> {
+    let n = phi.nrows();
+    let pencil = DMatrix::from_diagonal_element(n, n, p) - phi.map(Complex64::from);
+    let drive = gamma.zip_map(lead, |gamma, lead| gamma + (p - 1.0) * lead);
+    pencil.lu().solve(&drive)
+}
+
+/// Puts a matrix into a response `(frequency, output, input)` at one of its frequencies.
+pub(crate) fn put_line(response: &mut Array3<Complex64>, line: usize, matrix: &DMatrix<Complex64>) {
+    let mut there = response.index_axis_mut(Axis(0), line);
+    for ((output, input), value) in there.indexed_iter_mut() {
+        *value = matrix[(output, input)];
     }
 }

@@ -5,13 +5,13 @@ use std::f64::consts::TAU;
 use frfid_signals::checks::positive;
 use frfid_signals::{Frf, SignalError};
 use nalgebra::{DMatrix, DVector};
-use ndarray::{Array3, Axis};
+use ndarray::Array3;
 use num_complex::Complex64;
 
 use crate::control::controller::{Controller, below_nyquist};
 use crate::control::sensor::Sensor;
 use crate::robot::Robot;
-use crate::state_space::Hold;
+use crate::state_space::{Hold, put_line};
 
 /// Exact FRFs between the samples of a linear closed loop at the robot's pose, each
 /// `(frequency, output, input)`: without limits, quantisation, noise, Coulomb friction and ripple,
@@ -127,12 +127,4 @@ fn matrix(frf: &Frf, line: usize) -> DMatrix<Complex64> {
     DMatrix::from_fn(frf.n_outputs(), frf.n_inputs(), |output, input| {
         frf.response[[line, output, input]]
     })
-}
-
-/// Puts a matrix into a response `(frequency, output, input)` at one of its frequencies.
-fn put_line(response: &mut Array3<Complex64>, line: usize, matrix: &DMatrix<Complex64>) {
-    let mut there = response.index_axis_mut(Axis(0), line);
-    for ((output, input), value) in there.indexed_iter_mut() {
-        *value = matrix[(output, input)];
-    }
 }
