@@ -141,12 +141,15 @@ import sys, threading, time
 sys.path.insert(0, {folder!r})
 import _thread, frfid, test_poses as here
 six, q = frfid.Plant.load(here.SIX), here.poses(100_000, 6)
+began = time.monotonic()
+six.frf_at(q[:2_000], [5.0], sample_time_s=1e-3)
+whole_s = 50 * (time.monotonic() - began)
 threading.Timer(0.2, _thread.interrupt_main).start()
 began = time.monotonic()
 try:
     six.frf_at(q, [5.0], sample_time_s=1e-3)
 except KeyboardInterrupt:
-    print("interrupted after", time.monotonic() - began)
+    print((time.monotonic() - began) / whole_s)
 """
 
 
@@ -154,4 +157,4 @@ def test_ctrl_c_ends_it():
     script = INTERRUPTED.format(folder=str(pathlib.Path(__file__).parent))
     environment = {**os.environ, "RAYON_NUM_THREADS": "1"}  # takes some seconds so
     done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True)
-    assert done.stdout.startswith("interrupted after")
+    assert float(done.stdout) < 0.5  # of the time of the whole

@@ -8,8 +8,8 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 use crate::scalar::{Number, Scalar, each};
 
-/// Joints side by side, and machines of any kind at most: several registers, so that one waits less for the other,
-/// and no more than hold a joint's state.
+/// Joints side by side, the most of any machines: two registers or more, so that one need not wait for the other; with
+/// more a joint's state would not fit.
 pub(crate) const LANES: usize = 8;
 
 /// A number of each of `N` machines.

@@ -294,9 +294,10 @@ fn side_by_side_each_moves_as_it_does_alone_to_the_last_digit() {
             drawn.iter().map(|(joint, ..)| exact(joint, hold)).collect();
         let runs: Vec<Run> = (0..40)
             .map(|number| {
+                // one after the other of a group ends, until so few are left that each goes on alone
                 run(
                     1e-3,
-                    0.8,
+                    0.45 + 0.05 * (number % 8) as f64,
                     60.0 + 4.0 * number as f64,
                     0.01 * f64::from(of_hold),
                 )

@@ -27,7 +27,9 @@ impl Plant {
     /// Raises
     /// ------
     /// ValueError
-    ///     For a single joint, or another number of axes.
+    ///     For a single joint, another number of axes, or numbers that are not finite.
+    /// MemoryError
+    ///     For more numbers than can be held.
     fn mass_matrix<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let (links, n) = (self.links()?, self.robot.n_axes());
         let matrix =
@@ -50,7 +52,9 @@ impl Plant {
     /// Raises
     /// ------
     /// ValueError
-    ///     For a single joint, or another number of axes.
+    ///     For a single joint, another number of axes, or numbers that are not finite.
+    /// MemoryError
+    ///     For more numbers than can be held.
     fn gravity_torque<'py>(&self, q: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyArrayDyn<f64>>> {
         let links = self.links()?;
         per_state(
@@ -78,7 +82,9 @@ impl Plant {
     /// Raises
     /// ------
     /// ValueError
-    ///     For a single joint, or shapes that do not fit.
+    ///     For a single joint, shapes that do not fit, or numbers that are not finite.
+    /// MemoryError
+    ///     For more numbers than can be held.
     fn link_acceleration<'py>(
         &self,
         q: &Bound<'py, PyAny>,

@@ -96,6 +96,9 @@ impl Plant {
         let poses = States::new(n, &[("q", q)])?;
         let hz = per_frequency("hz", hz)?;
         let seen = Seen::new(hold, sample_time_s, sensor)?;
+        if poses.is_empty() || hz.is_empty() {
+            seen.frf(&arm, &self.sensors, &hz).map_err(error::signal)?; // what else is given is checked, too
+        }
         let at_pose = |state: &[&[f64]]| {
             let frf = seen.frf(&arm.at_pose(state[0]), &self.sensors, &hz)?;
             Ok(frf.response.into_raw_vec_and_offset().0)

@@ -96,6 +96,11 @@ impl States {
         }
     }
 
+    /// Whether there is none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.arguments[0].is_empty()
+    }
+
     /// The arguments of one state.
     fn at(&self, state: usize) -> Vec<&[f64]> {
         let rows = self.arguments.iter().map(|argument| {

@@ -40,7 +40,7 @@ struct Interpolated<'a> {
 
 impl<'a> Interpolated<'a> {
     fn of(lines: &DetectionLines, plant: &'a Frf) -> Result<Self, EstimateError> {
-        let n_lines = lines.excited().len();
+        let n_lines = lines.excited.len();
         let fits = plant.n_frequencies() == n_lines;
         let needed = format_args!("({n_lines}, output, input), the excited lines");
         require_shape("plant", plant.response.shape(), fits, needed)?;
@@ -81,7 +81,7 @@ impl<'a> Interpolated<'a> {
 
 /// For each detection line the known lines below and above, and where it stands between them.
 fn places_between(lines: &DetectionLines, known: &[usize]) -> Vec<(usize, usize, f64)> {
-    let at = known.iter().map(|&place| lines.excited()[place] as f64);
+    let at = known.iter().map(|&place| lines.excited[place] as f64);
     let at: Vec<f64> = at.collect();
     let place = |&line: &usize| {
         let (below, above, share) = between(&at, line as f64);

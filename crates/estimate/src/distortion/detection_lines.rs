@@ -35,8 +35,7 @@ pub struct DetectionLines {
     dft: LineDft,
     /// Places of the excited lines, and of the others, among all.
     places: [Vec<usize>; 2],
-    /// The excited lines alone, which takes half the time.
-    excited_dft: LineDft,
+    pub(super) excited: Vec<usize>,
     pub(super) free: Vec<usize>,
     pub(super) odd: Vec<Group>,
     pub(super) even: Vec<Group>,
@@ -85,7 +84,7 @@ impl DetectionLines {
         Ok(Self {
             dft: LineDft::new(n_samples, &all)?,
             places: [places(&all, excited), places(&all, &free)],
-            excited_dft: LineDft::new(n_samples, excited)?,
+            excited: excited.to_vec(),
             free,
             odd,
             even,
@@ -106,25 +105,9 @@ impl DetectionLines {
         Ok(self.split(&RunSpectra::of(&self.dft, u, y, r)?))
     }
 
-    /// Spectra of one period of a realization: on the excited lines, and on the detection lines where it is
-    /// [looked at](Self::look_at) on them.
-    pub(super) fn spectra_of(
-        &self,
-        realization: usize,
-        u: ArrayView2<f64>,
-        y: ArrayView2<f64>,
-        r: Option<ArrayView2<f64>>,
-    ) -> Result<(RunSpectra, Option<RunSpectra>), EstimateError> {
-        if !Self::look_at(realization) {
-            return Ok((RunSpectra::of(&self.excited_dft, u, y, r)?, None));
-        }
-        let [excited, free] = self.spectra(u, y, r)?;
-        Ok((excited, Some(free)))
-    }
-
-    /// The excited lines.
-    pub(super) fn excited(&self) -> &[usize] {
-        self.excited_dft.lines()
+    /// The transform on the excited lines alone, which takes half the time where they are odd.
+    pub(super) fn excited_dft(&self) -> Result<LineDft, EstimateError> {
+        LineDft::new(self.dft.n_samples(), &self.excited)
     }
 
     /// Pairs of lines of the groups of one parity.
@@ -175,7 +158,7 @@ impl DetectionLines {
     pub(super) fn excited_within(&self, group: &Group) -> RangeInclusive<usize> {
         let below = |place: usize| {
             let line = self.free[place];
-            self.excited().partition_point(|&excited| excited < line)
+            self.excited.partition_point(|&excited| excited < line)
         };
         match (below(group[0]), below(group[group.len() - 1])) {
             (from, to) if from < to => from..=to - 1,
@@ -268,6 +251,6 @@ mod tests {
         let all: usize = found.odd.iter().map(Vec::len).sum();
         assert_eq!(all, (1..1999).step_by(8).count() - 1);
         let within = found.excited_within(&found.even[3]);
-        assert!(found.excited()[*within.start()] > found.free[found.even[3][0]]);
+        assert!(found.excited[*within.start()] > found.free[found.even[3][0]]);
     }
 }

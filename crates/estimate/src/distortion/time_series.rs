@@ -10,6 +10,7 @@ use crate::frf::FrfOptions;
 use crate::frf::estimate::FrfEstimate;
 use crate::frf::time_series::estimate_periods;
 use crate::spectra::campaign::Campaign;
+use crate::spectra::run_spectra::RunSpectra;
 use crate::spectra::time_series::{TimeSeries, check_same_shape};
 
 /// An input that has more than this on lines that are said not to be excited, over those that are, in dB, is excited
@@ -75,8 +76,15 @@ impl DetectionLines {
     ) -> Result<[Campaign; 2], EstimateError> {
         check_same_shape(&u, &y, r.as_ref())?;
         let [mut excited, mut free] = self.campaigns(sample_time_s)?;
+        let excited_dft = self.excited_dft()?;
         let series = TimeSeries { u, y, r };
-        let runs = series.of_each(|place, u, y, r| self.spectra_of(place.realization, u, y, r))?;
+        let runs = series.of_each(|place, u, y, r| {
+            if !Self::look_at(place.realization) {
+                return Ok((RunSpectra::of(&excited_dft, u, y, r)?, None));
+            }
+            let [on_excited, on_free] = self.spectra(u, y, r)?;
+            Ok((on_excited, Some(on_free)))
+        })?;
         for (place, (on_excited, on_free)) in runs {
             excited.insert(place, on_excited)?;
             if let Some(run) = on_free {

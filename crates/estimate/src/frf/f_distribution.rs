@@ -10,7 +10,8 @@ pub(crate) fn ln_f_tail(ratio: f64, a: usize, b: f64) -> f64 {
     Tail::of(ratio, a, b).ln_probability
 }
 
-/// The ratio that an F variable with `2 a` and `2 b` degrees of freedom exceeds with this probability:
+/// The ratio that an F variable with `2 a` and `2 b` degrees of freedom, 2 at least, exceeds with this probability above 0
+/// and below 1:
 /// Newton's steps in the logarithm of the ratio, of which that of the probability is a concave function,
 /// so that all but the first come from above.
 pub(crate) fn f_quantile(tail: f64, a: usize, b: f64) -> f64 {
@@ -44,7 +45,7 @@ impl Tail {
         /// Terms between two looks at the scale, each at most 1e9 times the one before.
         const TERMS: usize = 8;
         let scaled = a as f64 * ratio;
-        let w = scaled / (b + scaled);
+        let w = 1.0 / (1.0 + b / scaled); // 1 where the ratio is infinite
         let n_factors = a.saturating_sub(1);
         // in parts of a scale that grows with them: with many terms the first of them underflows
         let (mut ln_scale, mut term, mut sum) = (-b * (scaled / b).ln_1p(), 1.0, 1.0);
@@ -83,6 +84,7 @@ mod tests {
             (50.0, 2, 5.0, 1.4108134842661235e-06),
             (3.0, 100, 11.0, 0.0018483978747967714),
             (2.0, 3, 2.5, 0.23197281538689354),
+            (f64::INFINITY, 3, 2.5, 0.0),
         ] {
             let found = f_tail(ratio, a, b);
             assert!(

@@ -47,7 +47,7 @@ pub fn for_each<I: Sync, T: Send>(
 }
 
 /// The same with work on up to `n_at_once` neighbouring items at a time, as many as keep all threads
-/// busy; a step each is an item still.
+/// busy; a step each is an item still. One job is done on this very thread.
 ///
 /// # Errors
 /// As [`for_each`].
@@ -84,11 +84,26 @@ pub fn for_each_group<I: Sync, T: Send>(
         }
         Ok(results)
     };
-    in_pool(jobs.min(items.len()), || {
+    of_each_group(items, n_at_once, jobs.min(items.len()), of_group)
+}
+
+/// What comes of every group, in order.
+fn of_each_group<I: Sync, T: Send>(
+    items: &[I],
+    n_at_once: usize,
+    jobs: usize,
+    of_group: impl Fn(&[I]) -> Result<Vec<T>, ExperimentError> + Sync,
+) -> Result<Vec<T>, ExperimentError> {
+    let in_order = |results: Vec<Vec<T>>| results.into_iter().flatten().collect();
+    if jobs == 1 {
+        let groups = items.chunks(n_at_once.max(1)).map(of_group);
+        return groups.collect::<Result<_, _>>().map(in_order);
+    }
+    in_pool(jobs, || {
         let for_threads = items.len().div_ceil(rayon::current_num_threads());
         let groups = items.par_chunks(n_at_once.min(for_threads).max(1));
-        let results: Vec<Vec<T>> = groups.map(of_group).collect::<Result<_, _>>()?;
-        Ok(results.into_iter().flatten().collect())
+        let results: Result<_, _> = groups.map(&of_group).collect();
+        results.map(in_order)
     })
 }
 

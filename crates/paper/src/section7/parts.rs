@@ -25,7 +25,7 @@ impl<'a> Parts<'a> {
     pub(super) fn of_part(&self, number: usize) -> impl Fn(usize, usize) -> bool + Sync {
         move |done, total| {
             let share = SHARES[number] * done / total.max(1);
-            self.done[number].store(share, Ordering::Relaxed);
+            self.done[number].fetch_max(share, Ordering::Relaxed); // threads may report in another order
             let all = self.done.iter().map(|part| part.load(Ordering::Relaxed));
             (self.whole)(all.sum(), 100)
         }

@@ -6,7 +6,7 @@ use crate::motion::{Acting, Motion};
 /// A robot of a fleet that cannot move on, and why.
 pub(crate) type Failed = (usize, PlantError);
 
-/// Robots in motion, alike but for their numbers, [`LANES`](crate::lanes::LANES) at most.
+/// Robots in motion, alike but for their numbers: as many as there are lanes for their kind at most.
 pub trait Fleet {
     /// Takes in a robot, or gives it back where it is of another kind or there is no room.
     fn join(&mut self, motion: Box<dyn Motion>) -> Option<Box<dyn Motion>>;

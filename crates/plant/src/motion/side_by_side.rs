@@ -5,7 +5,7 @@ use std::any::Any;
 
 use pulp::{Arch, Simd, WithSimd};
 
-use crate::lanes::Lanes;
+use crate::lanes::{LANES, Lanes};
 use crate::motion::fleet::{Failed, Fleet};
 use crate::motion::formula::FormulaSideBySide;
 use crate::motion::in_lanes::InLanes;
@@ -34,6 +34,7 @@ impl<K: LinksSideBySide<A, N>, F: FormulaSideBySide<K, A, N>, const A: usize, co
 {
     /// A machine that others may join.
     pub(crate) fn of(machine: Integrator<K, A, F>) -> Self {
+        const { assert!(N <= LANES, "wider than any fleet may be") };
         Self {
             machines: vec![machine],
             lanes: None,
