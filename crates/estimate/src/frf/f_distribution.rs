@@ -10,10 +10,9 @@ pub(crate) fn ln_f_tail(ratio: f64, a: usize, b: f64) -> f64 {
     Tail::of(ratio, a, b).ln_probability
 }
 
-/// The ratio that an F variable with `2 a` and `2 b` degrees of freedom, 2 at least, exceeds with this probability above 0
-/// and below 1:
-/// Newton's steps in the logarithm of the ratio, of which that of the probability is a concave function,
-/// so that all but the first come from above.
+/// The ratio that an F variable with `2 a` and `2 b` degrees of freedom, 2 at least of each, exceeds with
+/// this probability, above 0 and below 1: Newton's steps in the logarithm of the ratio, of which that of
+/// the probability is a concave function, so that all but the first come from above.
 pub(crate) fn f_quantile(tail: f64, a: usize, b: f64) -> f64 {
     const MOST_STEPS: usize = 100;
     let mut ln_ratio = 0.0;

@@ -5,7 +5,7 @@ use frfid_signals::{Record, Testbed};
 
 use crate::error::ExperimentError;
 use crate::experiment::Experiment;
-use crate::run::parallel::{Progress, Steps, for_each_group, silent};
+use crate::run::parallel::{Progress, Steps, for_each_group, kept_each, silent};
 
 /// Sees every iteration of a shaping.
 pub(crate) type Look<'a> = dyn FnMut(&Iteration) -> Result<(), ExperimentError> + 'a;
@@ -60,9 +60,8 @@ impl Driver for Model<'_, '_> {
             total: runs.len(),
         };
         let n_at_once = self.testbed.n_at_once();
-        for_each_group(&runs, n_at_once, self.jobs, steps, |runs, go_on| {
-            let records = self.testbed.run_each(runs, go_on).into_iter();
-            records.map(|record| Ok(record?)).collect()
+        for_each_group(&runs, n_at_once, self.jobs, steps, |runs, _| {
+            kept_each(runs, self.testbed, |_, record| Ok(record))
         })
     }
 

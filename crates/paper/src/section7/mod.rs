@@ -41,8 +41,8 @@ pub struct Section7 {
     pub table1_warnings: Vec<String>,
 }
 
-/// Jobs of a shaping: its experiments move side by side on one thread, other shapings on the others.
-const AT_ONCE: usize = 1;
+/// Of a shaping: its experiments move side by side on one thread, while other shapings take the others.
+const ONE_JOB: usize = 1;
 
 impl Section7 {
     /// Does every experiment on the model; `progress` is reported in percent.
@@ -56,7 +56,7 @@ impl Section7 {
         let chirps = |number: usize, phasing: Phasing| {
             ShapedChirps::run(
                 &with_phasing(&chirp, phasing)?,
-                AT_ONCE,
+                ONE_JOB,
                 &parts.of_part(number),
             )
         };
@@ -141,7 +141,7 @@ fn paper_step(
         config.limits = Default::default();
     })?;
     let mut iterations = Vec::new();
-    experiment.shape_in_memory(AT_ONCE, progress, &mut |iteration| {
+    experiment.shape_in_memory(ONE_JOB, progress, &mut |iteration| {
         iterations.push(iteration.summary());
         Ok(())
     })?;
@@ -157,7 +157,7 @@ fn table1(experiment: &Experiment, progress: Progress) -> Result<Vec<String>, Ex
             shape.desired_nm = Some(TORQUES_NM.map(half_above_40_hz).to_vec());
         }
     })?;
-    Ok(ShapedChirps::run(&experiment, AT_ONCE, progress)?.warnings)
+    Ok(ShapedChirps::run(&experiment, ONE_JOB, progress)?.warnings)
 }
 
 /// An amplitude in N m that falls to one half around 40 Hz.
