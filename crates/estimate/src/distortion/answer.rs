@@ -1,8 +1,10 @@
 //! Answer of a linear plant to what its input has on lines that are not excited, taken off the output.
 
+use std::iter::zip;
+
 use frfid_signals::Frf;
 use frfid_signals::checks::require_shape;
-use ndarray::{Array2, ArrayView1, ArrayView2, Axis, s};
+use ndarray::{Array2, Array3, ArrayView2, Axis, Zip};
 use num_complex::Complex64;
 
 use crate::distortion::detection_lines::DetectionLines;
@@ -21,25 +23,24 @@ pub(super) fn unexplained(
     free: &Campaign,
     plant: &Frf,
 ) -> Result<Campaign, EstimateError> {
-    let plant = Interpolated::of(lines, plant)?;
+    let between_lines = Interpolated::of(lines, plant)?;
     let mut rest = Campaign::new(free.frequency_hz().to_vec())?;
-    for (place, run) in free.clone().into_runs() {
-        plant.check(&run)?;
-        let y = &run.y - &plant.answer(&run.u);
-        rest.insert(place, RunSpectra { y, ..run })?;
+    for (place, mut run) in free.clone().into_runs() {
+        check_channels(plant, &run)?;
+        between_lines.take_answer_off(&mut run.y, &run.u);
+        rest.insert(place, run)?;
     }
     Ok(rest)
 }
 
-/// A plant between its known lines.
-struct Interpolated<'a> {
-    plant: &'a Frf,
-    /// For each detection line the known lines below and above, and where it stands between them.
-    places: Vec<(usize, usize, f64)>,
+/// A plant on the detection lines, between its known lines.
+struct Interpolated {
+    /// `(output, input, detection line)`.
+    response: Array3<Complex64>,
 }
 
-impl<'a> Interpolated<'a> {
-    fn of(lines: &DetectionLines, plant: &'a Frf) -> Result<Self, EstimateError> {
+impl Interpolated {
+    fn of(lines: &DetectionLines, plant: &Frf) -> Result<Self, EstimateError> {
         let n_lines = lines.excited.len();
         let fits = plant.n_frequencies() == n_lines;
         let needed = format_args!("({n_lines}, output, input), the excited lines");
@@ -49,34 +50,35 @@ impl<'a> Interpolated<'a> {
             return Err(EstimateError::EmptyList("lines of the plant"));
         }
         let places = places_between(lines, &known);
-        Ok(Self { plant, places })
-    }
-
-    /// Refuses a run of other channels.
-    fn check(&self, run: &RunSpectra) -> Result<(), EstimateError> {
-        let (found, needed) = (self.plant.response.shape(), [run.y.nrows(), run.u.nrows()]);
-        let fits = found[1..] == needed;
-        let needed = format_args!(
-            "(line, {}, {}), the channels of the runs",
-            needed[0], needed[1]
-        );
-        Ok(require_shape("plant", found, fits, needed)?)
-    }
-
-    /// What the plant answers to u, `(channel, detection line)`.
-    fn answer(&self, u: &Array2<Complex64>) -> Array2<Complex64> {
-        Array2::from_shape_fn((self.plant.n_outputs(), u.ncols()), |(output, line)| {
-            let (below, above, share) = self.places[line];
-            let [below, above] = [below, above].map(|place| self.at(place, output, u.column(line)));
+        let shape = (plant.n_outputs(), plant.n_inputs(), places.len());
+        let response = Array3::from_shape_fn(shape, |(output, input, line)| {
+            let (below, above, share) = places[line];
+            let [below, above] = [below, above].map(|at| plant.response[[at, output, input]]);
             below + (above - below) * share
-        })
+        });
+        Ok(Self { response })
     }
 
-    /// What an output of the plant at an excited line would answer.
-    fn at(&self, place: usize, output: usize, u: ArrayView1<Complex64>) -> Complex64 {
-        let plant = self.plant.response.slice(s![place, output, ..]);
-        plant.dot(&u)
+    /// Takes what the plant answers to u off y, both `(channel, detection line)`.
+    fn take_answer_off(&self, y: &mut Array2<Complex64>, u: &Array2<Complex64>) {
+        for (mut y, to_output) in zip(y.rows_mut(), self.response.outer_iter()) {
+            for (response, u) in zip(to_output.rows(), u.rows()) {
+                let each = Zip::from(&mut y).and(response).and(u);
+                each.for_each(|y, response, u| *y -= response * u);
+            }
+        }
     }
+}
+
+/// Refuses a run of other channels than the plant's.
+fn check_channels(plant: &Frf, run: &RunSpectra) -> Result<(), EstimateError> {
+    let (found, needed) = (plant.response.shape(), [run.y.nrows(), run.u.nrows()]);
+    let fits = found[1..] == needed;
+    let needed = format_args!(
+        "(line, {}, {}), the channels of the runs",
+        needed[0], needed[1]
+    );
+    Ok(require_shape("plant", found, fits, needed)?)
 }
 
 /// For each detection line the known lines below and above, and where it stands between them.

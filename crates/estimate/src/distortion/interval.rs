@@ -4,6 +4,8 @@
 //! interval of N. Ting, R. K. Burdick, F. A. Graybill, S. Jeyaratnam, T.-F. C. Lu, J. Stat. Comput. Simul. 35 (1990)
 //! 135-143: exact where N is 0 and where the lower end is 0.
 
+use std::sync::LazyLock;
+
 use crate::frf::f_distribution::{f_quantile, f_tail};
 
 /// Chance beyond each end.
@@ -14,6 +16,8 @@ const SIGNIFICANCE: f64 = 1e-3;
 const INFINITE: f64 = 1e9;
 /// More complex degrees of freedom narrow no interval: it is within 0.3 dB.
 const MOST: f64 = 1000.0;
+/// [`shares`] of these, which most noise has: they take longest.
+static OF_MOST: LazyLock<[f64; 2]> = LazyLock::new(|| shares(MOST as usize));
 
 /// A mean square with its complex degrees of freedom.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,13 +37,13 @@ impl MeanSquare {
         self.freedom.clamp(1.0, MOST) as usize
     }
 
-    /// Factors that its value may have too much and too little, less 1: exceeded in [`TAIL`] each.
+    /// [`shares`] of its degrees of freedom.
     fn shares(self) -> [f64; 2] {
-        let a = self.whole_freedom();
-        [
-            1.0 - 1.0 / f_quantile(TAIL, a, INFINITE),
-            1.0 / f_quantile(1.0 - TAIL, a, INFINITE) - 1.0,
-        ]
+        if self.freedom >= MOST {
+            *OF_MOST
+        } else {
+            shares(self.whole_freedom())
+        }
     }
 
     /// Whether it exceeds another by no chance.
@@ -48,6 +52,15 @@ impl MeanSquare {
         let is_silent = noise.value == 0.0 && self.value > 0.0;
         is_silent || f_tail(self.value / noise.value, a, b) < SIGNIFICANCE
     }
+}
+
+/// Factors that a mean square of so many complex degrees of freedom may have too much and too little, less 1:
+/// exceeded in [`TAIL`] each.
+fn shares(freedom: usize) -> [f64; 2] {
+    [
+        1.0 - 1.0 / f_quantile(TAIL, freedom, INFINITE),
+        1.0 / f_quantile(1.0 - TAIL, freedom, INFINITE) - 1.0,
+    ]
 }
 
 /// The 95 % interval of a mean square.
