@@ -17,7 +17,7 @@ use rayon::join;
 
 use crate::section7::chirps::ShapedChirps;
 use crate::section7::multisine::MultisineCampaign;
-use crate::section7::parts::Parts;
+use crate::section7::parts::{Part, Parts};
 
 /// Everything section 7 shows.
 #[derive(Debug, Clone, PartialEq)]
@@ -53,27 +53,24 @@ impl Section7 {
     pub fn run(jobs: usize, progress: Progress) -> Result<Self, ExperimentError> {
         let parts = Parts::of(progress);
         let chirp = of_template("r3-chirp")?;
-        let chirps = |number: usize, phasing: Phasing| {
-            ShapedChirps::run(
-                &with_phasing(&chirp, phasing)?,
-                ONE_JOB,
-                &parts.of_part(number),
-            )
+        let chirps = |part: Part, phasing: Phasing| {
+            let chirp = with_phasing(&chirp, phasing)?;
+            ShapedChirps::run(&chirp, ONE_JOB, &parts.of_part(part))
         };
         let multisine = papers_multisine()?;
-        let campaign = MultisineCampaign::run(&multisine, jobs, &parts.of_part(0))?;
+        let campaign = MultisineCampaign::run(&multisine, jobs, &parts.of_part(Part::Multisine))?;
         let shapings = || {
             Ok(join(
                 || {
                     join(
-                        || chirps(1, Phasing::Orthogonal),
-                        || chirps(2, Phasing::SignFlip),
+                        || chirps(Part::Orthogonal, Phasing::Orthogonal),
+                        || chirps(Part::SignFlip, Phasing::SignFlip),
                     )
                 },
                 || {
                     join(
-                        || paper_step(&chirp, &parts.of_part(3)),
-                        || table1(&chirp, &parts.of_part(4)),
+                        || paper_step(&chirp, &parts.of_part(Part::PaperStep)),
+                        || table1(&chirp, &parts.of_part(Part::Table1)),
                     )
                 },
             ))
