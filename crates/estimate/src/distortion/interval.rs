@@ -71,7 +71,8 @@ pub(super) fn interval(power: MeanSquare) -> [f64; 2] {
 
 /// The 95 % interval of the difference of two mean squares, floored at 0.
 pub(super) fn interval_of_difference(power: MeanSquare, noise: MeanSquare) -> [f64; 2] {
-    let (s, n) = (power.value, noise.value);
+    let scale = power.value.max(noise.value).max(f64::MIN_POSITIVE); // squares of it need not be numbers
+    let (s, n) = (power.value / scale, noise.value / scale);
     let (a, b) = (power.whole_freedom(), noise.whole_freedom());
     let ([s_down, s_up], [n_down, n_up]) = (power.shares(), noise.shares());
     let cross = |tail: f64, of_s: f64, of_n: f64| {
@@ -84,7 +85,7 @@ pub(super) fn interval_of_difference(power: MeanSquare, noise: MeanSquare) -> [f
     };
     let low = s - n - half(TAIL, s_down, n_up);
     let high = s - n + half(1.0 - TAIL, s_up, n_down);
-    [low.max(0.0), high.max(0.0)]
+    [low, high].map(|end| scale * end.max(0.0))
 }
 
 #[cfg(test)]
@@ -126,6 +127,26 @@ mod tests {
                     "{distortion}, {a}, {b}: {missed} of {n}"
                 );
             }
+        }
+    }
+
+    #[test]
+    fn intervals_do_not_depend_on_the_unit() {
+        let ends = |unit: f64| {
+            let of = |value: f64, freedom: f64| MeanSquare {
+                value: value * unit,
+                freedom,
+            };
+            interval_of_difference(of(3.0, 12.0), of(1.0, 40.0)).map(|end| end / unit)
+        };
+        for (found, expected) in [1e-300, 1e300]
+            .into_iter()
+            .flat_map(|unit| std::iter::zip(ends(unit), ends(1.0)))
+        {
+            assert!(
+                (found / expected - 1.0).abs() < 1e-12,
+                "{found} for {expected}"
+            );
         }
     }
 

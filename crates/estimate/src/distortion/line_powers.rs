@@ -183,8 +183,10 @@ fn mean_power(means: &Means) -> Array2<f64> {
 /// Complex degrees of freedom of the mean of exponentially distributed powers, each the mean of n draws, which need not
 /// be alike: `n (sum p)^2 / sum q`, where `q = p^2 n / (n + 1)` has the mean of p squared.
 fn effective_freedom(powers: &[f64], n_draws: f64) -> f64 {
-    let sum: f64 = powers.iter().sum();
-    let squares: f64 = powers.iter().map(|power| power * power).sum();
+    let largest = powers.iter().copied().fold(0.0, f64::max); // squares of powers need not be numbers
+    let shares = powers.iter().map(|power| power / largest);
+    let sum: f64 = shares.clone().sum();
+    let squares: f64 = shares.map(|share| share * share).sum();
     let alike = n_draws * powers.len() as f64;
     let unlike = (n_draws + 1.0) * sum * sum / squares;
     unlike.min(alike) // the lesser of the two; NaN of silent lines is none of them
@@ -197,7 +199,9 @@ mod tests {
     #[test]
     fn lines_that_are_unlike_count_less() {
         assert_eq!(effective_freedom(&[1.0; 12], 10.0), 120.0);
-        assert!(effective_freedom(&[1.0, 0.0, 0.0, 0.0], 10.0) < 11.1);
+        for unit in [1e-300, 1.0, 1e300] {
+            assert!(effective_freedom(&[unit, 0.0, 0.0, 0.0], 10.0) < 11.1);
+        }
         assert_eq!(effective_freedom(&[0.0; 3], 2.0), 6.0);
     }
 }
