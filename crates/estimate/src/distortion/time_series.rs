@@ -1,5 +1,7 @@
 //! FRF and distortion levels of a campaign given as arrays of whole periods, from one transform.
 
+use std::sync::LazyLock;
+
 use frfid_signals::{Distortion, DistortionLevel, SignalLevels, median_db};
 use ndarray::{ArrayView5, Axis};
 
@@ -76,11 +78,12 @@ impl DetectionLines {
     ) -> Result<[Campaign; 2], EstimateError> {
         check_same_shape(&u, &y, r.as_ref())?;
         let [mut excited, mut free] = self.campaigns(sample_time_s)?;
-        let excited_dft = self.excited_dft()?;
+        let excited_dft = LazyLock::new(|| self.excited_dft());
         let series = TimeSeries { u, y, r };
         let runs = series.of_each(|place, u, y, r| {
             if !Self::look_at(place.realization) {
-                return Ok((RunSpectra::of(&excited_dft, u, y, r)?, None));
+                let dft = excited_dft.as_ref().map_err(Clone::clone)?;
+                return Ok((RunSpectra::of(dft, u, y, r)?, None));
             }
             let [on_excited, on_free] = self.spectra(u, y, r)?;
             Ok((on_excited, Some(on_free)))
