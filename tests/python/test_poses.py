@@ -144,7 +144,7 @@ six, q = frfid.Plant.load(here.SIX), here.poses(100_000, 6)
 began = time.monotonic()
 six.frf_at(q[:2_000], [5.0], sample_time_s=1e-3)
 whole_s = 50 * (time.monotonic() - began)
-threading.Timer(0.2, _thread.interrupt_main).start()
+threading.Timer(whole_s / 20, _thread.interrupt_main).start()
 began = time.monotonic()
 try:
     six.frf_at(q, [5.0], sample_time_s=1e-3)
